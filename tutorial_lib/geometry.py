@@ -1,0 +1,118 @@
+"""Poses in the plane, SE(2).
+
+A pose is ``[x, y, theta]`` in metres and radians: x right, y up, heading 0 along +x and
+counter-clockwise positive. Every function takes arrays of any matching leading shape.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+def wrap(angle: ArrayLike) -> Array:
+    """Bring angles into [-pi, pi).
+
+    >>> float(wrap(1.5 * np.pi)) == -0.5 * np.pi
+    True
+    """
+    return (np.asarray(angle, dtype=float) + np.pi) % (2 * np.pi) - np.pi
+
+
+def to_local(pose: ArrayLike, points: ArrayLike) -> Array:
+    """Points of the world as seen from a pose: x ahead, y to the left.
+
+    Args:
+        pose: (..., 3).
+        points: (..., 2), in metres.
+
+    Returns:
+        (..., 2) points in the frame of `pose`.
+
+    >>> to_local([1.0, 1.0, np.pi / 2], [1.0, 3.0]).round(6).tolist()
+    [2.0, 0.0]
+    """
+    pose, points = np.asarray(pose, dtype=float), np.asarray(points, dtype=float)
+    cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    dx, dy = points[..., 0] - pose[..., 0], points[..., 1] - pose[..., 1]
+    return np.stack([cos * dx + sin * dy, cos * dy - sin * dx], axis=-1)
+
+
+def to_world(pose: ArrayLike, points: ArrayLike) -> Array:
+    """Points given in the frame of a pose, in the world; the inverse of `to_local`.
+
+    >>> to_world([1.0, 1.0, np.pi / 2], [2.0, 0.0]).round(6).tolist()
+    [1.0, 3.0]
+    """
+    pose, points = np.asarray(pose, dtype=float), np.asarray(points, dtype=float)
+    cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([pose[..., 0] + cos * x - sin * y, pose[..., 1] + sin * x + cos * y], axis=-1)
+
+
+def compose(first: ArrayLike, second: ArrayLike) -> Array:
+    """The pose reached by moving by `second`, given in the frame of `first`.
+
+    >>> compose([1.0, 0.0, np.pi / 2], [1.0, 0.0, 0.0]).round(6).tolist()
+    [1.0, 1.0, 1.570796]
+    """
+    first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    position = to_world(first, second[..., :2])
+    heading = wrap(first[..., 2] + second[..., 2])
+    return np.concatenate([position, heading[..., None]], axis=-1)
+
+
+def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
+    """`pose` in the frame of `origin`: ``compose(origin, relative(origin, pose)) == pose``."""
+    origin, pose = np.asarray(origin, dtype=float), np.asarray(pose, dtype=float)
+    position = to_local(origin, pose[..., :2])
+    heading = wrap(pose[..., 2] - origin[..., 2])
+    return np.concatenate([position, heading[..., None]], axis=-1)
+
+
+def inverse(pose: ArrayLike) -> Array:
+    """The pose that undoes `pose`: ``compose(pose, inverse(pose))`` is the identity."""
+    pose = np.asarray(pose, dtype=float)
+    return relative(pose, np.zeros_like(pose))
+
+
+def log_norm(pose: ArrayLike) -> Array:
+    """Size of a motion, the Frobenius norm of the SE(2) logarithm (LTVN, edge length).
+
+    With T the 3 x 3 matrix of the pose, log T holds the heading twice and the twist's translation,
+    whose length is the chord |t| stretched to the arc: |t| (theta/2) / sin(theta/2).
+
+    Args:
+        pose: (..., 3).
+
+    Returns:
+        (...) the norm ``sqrt(2 theta^2 + |u|^2)``.
+
+    >>> float(log_norm([3.0, 4.0, 0.0]))
+    5.0
+    """
+    pose = np.asarray(pose, dtype=float)
+    heading = wrap(pose[..., 2])
+    stretch = 1.0 / np.sinc(heading / (2 * np.pi))
+    return np.sqrt(2 * heading**2 + (stretch * np.linalg.norm(pose[..., :2], axis=-1)) ** 2)
+
+
+def distance_to_segments(points: ArrayLike, segments: ArrayLike) -> Array:
+    """Distance from each point to each segment.
+
+    Args:
+        points: (N, 2).
+        segments: (S, 4) as x0, y0, x1, y1.
+
+    Returns:
+        (N, S) in metres.
+
+    >>> distance_to_segments([[1.0, 2.0], [5.0, 0.0]], [[0.0, 0.0, 2.0, 0.0]]).ravel().tolist()
+    [2.0, 3.0]
+    """
+    points, segments = np.asarray(points, dtype=float), np.asarray(segments, dtype=float)
+    start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    offset = points[:, None] - start
+    length2 = np.maximum((along**2).sum(-1), 1e-300)
+    share = np.clip((offset * along).sum(-1) / length2, 0.0, 1.0)
+    return np.linalg.norm(offset - share[..., None] * along, axis=-1)

@@ -1,0 +1,186 @@
+"""A floor plan: walls with materials, rooms, doors and furniture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.materials import Look, Material, texture_atlas
+
+ROOM_KINDS = ("hallway", "living", "kitchen", "bedroom", "bathroom", "office", "storage", "open")
+"""What a room can be; "open" is a space of unknown use, as an imported map has."""
+
+
+@dataclass(frozen=True)
+class Room:
+    """A room: what it is for, and its outline as a tuple of corners (x, y)."""
+
+    kind: str
+    outline: tuple[tuple[float, float], ...]
+
+    @property
+    def area(self) -> float:
+        """Square metres inside the outline."""
+        x, y = np.asarray(self.outline).T
+        return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
+
+
+@dataclass(frozen=True)
+class Door:
+    """An opening from `start` to `end`, on the middle of the wall, between two rooms' numbers."""
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+    rooms: tuple[int, int]
+
+    @property
+    def width(self) -> float:
+        """Metres between the door posts."""
+        return float(np.hypot(self.end[0] - self.start[0], self.end[1] - self.start[1]))
+
+
+@dataclass(frozen=True)
+class Furniture:
+    """A piece of furniture: a full-height polygon of one material."""
+
+    kind: str
+    outline: tuple[tuple[float, float], ...]
+    material: str
+
+
+@dataclass(frozen=True, eq=False)
+class FloorPlan:
+    """Everything that stands still in a world.
+
+    A wall is one face: a wall between two rooms has a face on either side and short pieces at the
+    door posts, so each room has its own materials. Faces and furniture together are `segments`,
+    which is what rays meet and what the car bumps into.
+
+    Attributes:
+        family: the generator's or importer's name.
+        seed: the generator's, or 0.
+        walls: (W, 4) x0, y0, x1, y1 in metres.
+        wall_materials: W names of materials.
+        wall_offsets: (W,) metres along the material at the wall's first end.
+        materials, rooms, doors, furniture, look: see their classes.
+
+    Raises:
+        InputError: when a field is malformed; it names the field.
+    """
+
+    family: str
+    seed: int
+    walls: NDArray[np.float64]
+    wall_materials: tuple[str, ...]
+    wall_offsets: NDArray[np.float64]
+    materials: tuple[Material, ...]
+    rooms: tuple[Room, ...]
+    doors: tuple[Door, ...] = ()
+    furniture: tuple[Furniture, ...] = ()
+    look: Look = field(default_factory=Look)
+
+    def __post_init__(self) -> None:
+        _check_walls(self)
+        names = {material.name for material in self.materials}
+        if len(names) != len(self.materials):
+            raise InputError("materials: two have the same name; give each its own")
+        for i, name in enumerate(self.wall_materials):
+            _check_material(f"walls[{i}].material", name, names)
+        for i, piece in enumerate(self.furniture):
+            _check_outline(f"furniture[{i}].outline", piece.outline)
+            _check_material(f"furniture[{i}].material", piece.material, names)
+        for i, room in enumerate(self.rooms):
+            _check_outline(f"rooms[{i}].outline", room.outline)
+            if room.kind not in ROOM_KINDS:
+                raise InputError(f"rooms[{i}].kind: {room.kind!r}; use one of {ROOM_KINDS}")
+        if not self.rooms:
+            raise InputError("rooms: there are none; a plan needs at least one room to be in")
+        for i, door in enumerate(self.doors):
+            _check_door(f"doors[{i}]", door, len(self.rooms))
+
+    @cached_property
+    def segments(self) -> NDArray[np.float64]:
+        """(S, 4) all that rays meet: the walls first, then the furniture's sides."""
+        pieces = [_sides(piece.outline) for piece in self.furniture]
+        return np.concatenate([self.walls, *pieces]) if pieces else self.walls
+
+    @cached_property
+    def segment_materials(self) -> NDArray[np.int32]:
+        """(S,) for each segment the number of its material in `materials`."""
+        number = {material.name: i for i, material in enumerate(self.materials)}
+        walls = [number[name] for name in self.wall_materials]
+        pieces = [number[p.material] for p in self.furniture for _ in p.outline]
+        return np.array(walls + pieces, dtype=np.int32)
+
+    @cached_property
+    def segment_offsets(self) -> NDArray[np.float64]:
+        """(S,) metres along the material at each segment's first end."""
+        offsets = [self.wall_offsets]
+        for piece in self.furniture:
+            lengths = np.linalg.norm(
+                np.diff(_sides(piece.outline).reshape(-1, 2, 2), axis=1), axis=2
+            )
+            offsets.append(np.cumsum(lengths.ravel()) - lengths.ravel())
+        return np.concatenate(offsets)
+
+    @cached_property
+    def atlas(self) -> NDArray[np.float32]:
+        """(M, TEXELS, 3) the materials' strips as the camera sees them."""
+        return texture_atlas(self.materials, self.look, self.seed)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """x0, y0, x1, y1 of the box around all walls, in metres."""
+        ends = self.walls.reshape(-1, 2)
+        (x0, y0), (x1, y1) = ends.min(axis=0), ends.max(axis=0)
+        return float(x0), float(y0), float(x1), float(y1)
+
+    @property
+    def area(self) -> float:
+        """Square metres of all rooms together."""
+        return sum(room.area for room in self.rooms)
+
+
+def _sides(outline: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
+    """The sides (K, 4) of a polygon of K corners."""
+    corners = np.asarray(outline, dtype=float)
+    return np.concatenate([corners, np.roll(corners, -1, axis=0)], axis=1)
+
+
+def _check_walls(plan: FloorPlan) -> None:
+    walls, count = plan.walls, len(plan.walls)
+    if walls.ndim != 2 or walls.shape[1] != 4 or count < 3:
+        raise InputError(f"walls: shape {walls.shape}; give at least three rows x0, y0, x1, y1")
+    if len(plan.wall_materials) != count or plan.wall_offsets.shape != (count,):
+        raise InputError(f"walls: {count} walls need as many materials and offsets")
+    for name, array in (("walls", walls), ("wall_offsets", plan.wall_offsets)):
+        bad = np.flatnonzero(~np.isfinite(array.reshape(count, -1)).all(axis=1))
+        if bad.size:
+            raise InputError(f"{name}[{bad[0]}]: {array[bad[0]].tolist()} is not finite")
+    short = np.flatnonzero(np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1]) < 1e-6)
+    if short.size:
+        raise InputError(f"walls[{short[0]}]: has no length; give two different ends")
+
+
+def _check_outline(where: str, outline: tuple[tuple[float, float], ...]) -> None:
+    corners = np.asarray(outline, dtype=float)
+    if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
+        raise InputError(f"{where}: give at least three corners [x, y]")
+    if not np.isfinite(corners).all():
+        raise InputError(f"{where}: a corner is not finite; give numbers in metres")
+
+
+def _check_material(where: str, name: str, known: set[str]) -> None:
+    if name not in known:
+        raise InputError(f"{where}: {name!r} is not among the plan's materials; add it or rename")
+
+
+def _check_door(where: str, door: Door, rooms: int) -> None:
+    if not np.isfinite([*door.start, *door.end]).all() or door.width < 0.3:
+        raise InputError(f"{where}: runs from {door.start} to {door.end}; give an opening >= 0.3 m")
+    if not all(0 <= room < rooms for room in door.rooms):
+        raise InputError(f"{where}.rooms: {door.rooms}; the plan has rooms 0 to {rooms - 1}")

@@ -1,0 +1,133 @@
+"""The free space of a floor plan as a grid, with the clearance of every cell."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.floorplan import FloorPlan, Room
+
+_SHIFT = 6  # OpenCV draws with coordinates in 1/64 of a cell
+
+
+@dataclass(frozen=True)
+class ClearanceGrid:
+    """How far each cell's centre is from the nearest wall or furniture.
+
+    Attributes:
+        clearance: (H, W) float32 metres, 0 wherever no room is; row 0 is the lowest y.
+        origin: (x, y) of the grid's lower left corner, in metres.
+        resolution: metres a cell.
+    """
+
+    clearance: NDArray[np.float32]
+    origin: tuple[float, float]
+    resolution: float
+
+    def cells(self, points: ArrayLike) -> NDArray[np.intp]:
+        """Row and column (..., 2) of the cell that holds each point (..., 2), clipped to the grid."""
+        points = np.asarray(points, dtype=float)
+        cells = np.floor((points[..., ::-1] - self.origin[::-1]) / self.resolution).astype(np.intp)
+        return np.clip(cells, 0, np.array(self.clearance.shape) - 1)
+
+    def centres(self, cells: ArrayLike) -> NDArray[np.float64]:
+        """The points (..., 2) in the middle of cells given as row and column (..., 2)."""
+        cells = np.asarray(cells)
+        return (cells[..., ::-1] + 0.5) * self.resolution + np.asarray(self.origin)
+
+    def at(self, points: ArrayLike) -> NDArray[np.float32]:
+        """Clearance (...) in metres of the cell that holds each point (..., 2)."""
+        cells = self.cells(points)
+        return self.clearance[cells[..., 0], cells[..., 1]]
+
+
+def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
+    """Rasterise a plan: what is joined to the inside of a room is free, all else is not.
+
+    Args:
+        plan: the floor plan.
+        resolution: metres a cell.
+
+    Returns:
+        The grid, one cell wider than the plan on every side; clearances are right to about half a
+        cell.
+    """
+    origin, free = _draw_segments(plan, resolution)
+    _, labels = cv2.connectedComponents(free, connectivity=4)
+    inside = np.zeros(labels.max() + 1, dtype=bool)
+    for room in plan.rooms:
+        cells = labels[_room_mask(room, origin, resolution, free.shape) & (free > 0)]
+        if cells.size:
+            inside[np.bincount(cells).argmax()] = True
+    inside[0] = False
+    for piece in plan.furniture:
+        cv2.fillPoly(free, [_to_cells(piece.outline, origin, resolution)], 0, shift=_SHIFT)
+    open_cells = (inside[labels] & (free > 0)).astype(np.uint8)
+    # The line through a blocked cell runs, on average, through its middle.
+    distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return ClearanceGrid(distance * np.float32(resolution), origin, resolution)
+
+
+def check_closed(plan: FloorPlan, resolution: float = 0.05) -> None:
+    """Check that no room is open to the outside.
+
+    Raises:
+        InputError: naming the room, and the loose wall end nearest to it where there is one.
+    """
+    origin, free = _draw_segments(plan, resolution)
+    _, labels = cv2.connectedComponents(free, connectivity=4)
+    outside = labels[0, 0]
+    for i, room in enumerate(plan.rooms):
+        cells = labels[_room_mask(room, origin, resolution, free.shape)]
+        if (cells == outside).any():
+            raise InputError(
+                f"rooms[{i}] ({room.kind}): is not closed, the outside can be reached from it"
+                f"{_loose_end(plan, room)}; make the walls meet"
+            )
+
+
+def _draw_segments(
+    plan: FloorPlan, resolution: float
+) -> tuple[tuple[float, float], NDArray[np.uint8]]:
+    """The grid's origin, and an (H, W) mask that is 0 where a segment runs and 1 elsewhere."""
+    x0, y0, x1, y1 = plan.bounds
+    origin = (x0 - 2 * resolution, y0 - 2 * resolution)
+    width = int(np.ceil((x1 - origin[0]) / resolution)) + 2
+    height = int(np.ceil((y1 - origin[1]) / resolution)) + 2
+    free = np.ones((height, width), np.uint8)
+    ends = _to_cells(plan.segments.reshape(-1, 2), origin, resolution).reshape(-1, 2, 2)
+    cv2.polylines(free, list(ends), isClosed=False, color=0, shift=_SHIFT)
+    return origin, free
+
+
+def _room_mask(
+    room: Room, origin: tuple[float, float], resolution: float, shape: tuple[int, ...]
+) -> NDArray[np.bool_]:
+    """(H, W) the cells well inside the room, a cell and a half from its outline."""
+    mask = np.zeros(shape, np.uint8)
+    cv2.fillPoly(mask, [_to_cells(room.outline, origin, resolution)], 1, shift=_SHIFT)
+    return cv2.erode(mask, np.ones((3, 3), np.uint8), iterations=2) > 0
+
+
+def _to_cells(
+    points: ArrayLike, origin: tuple[float, float], resolution: float
+) -> NDArray[np.int32]:
+    """Points in metres as OpenCV's fixed-point columns and rows; a cell's centre is whole."""
+    cells = (np.asarray(points, dtype=float) - origin) / resolution - 0.5
+    return np.round(cells * 2**_SHIFT).astype(np.int32)
+
+
+def _loose_end(plan: FloorPlan, room: Room) -> str:
+    """Where a wall ends without another, nearest to the room; empty when every end has a mate."""
+    ends = plan.segments.reshape(-1, 2)
+    gaps = np.linalg.norm(ends[:, None] - ends, axis=-1)
+    loose = ends[(gaps < 0.02).sum(axis=1) == 1]
+    if not len(loose):
+        return ""
+    distance = np.linalg.norm(loose - np.mean(room.outline, axis=0), axis=1)
+    x, y = loose[distance.argmin()]
+    return f", perhaps at the loose wall end ({x:.2f}, {y:.2f})"
