@@ -29,7 +29,7 @@ class ClearanceGrid:
     resolution: float
 
     def cells(self, points: ArrayLike) -> NDArray[np.intp]:
-        """Row and column (..., 2) of the cell that holds each point (..., 2), clipped to the grid."""
+        """Row and column (..., 2) of the cell with each point (..., 2), clipped to the grid."""
         points = np.asarray(points, dtype=float)
         cells = np.floor((points[..., ::-1] - self.origin[::-1]) / self.resolution).astype(np.intp)
         return np.clip(cells, 0, np.array(self.clearance.shape) - 1)

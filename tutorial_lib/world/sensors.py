@@ -1,0 +1,225 @@
+"""Sensors that look at a `Scene` from many poses at once: camera, panorama and laser."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.paint import paint_columns, paint_rows
+from tutorial_lib.world.raycast import Discs, Fan, Hits
+from tutorial_lib.world.scene import Scene
+
+EYE = 0.25
+"""Metres of the camera above the floor."""
+WALL_HEIGHT = 1.0
+"""Metres; furniture and people are as high."""
+
+Viewers = NDArray[np.int32]
+
+_HEIGHTS = np.array([WALL_HEIGHT - EYE, -EYE], np.float32)
+_NO_DISCS = np.zeros((0, 3), np.float32)
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A pinhole camera at the robot's pose, looking ahead.
+
+    Columns are equally wide on the image plane. A picture with fewer rows is the same picture with
+    taller pixels: each of its rows is the mean of those it stands for.
+
+    Attributes:
+        rows: 16 for learning, 64 for people.
+        columns: pixels from left to right.
+        field_of_view: horizontal, radians.
+        slope: of the picture's upper edge, tan(30 degrees); its lower edge mirrors it.
+    """
+
+    rows: int = 16
+    columns: int = 64
+    field_of_view: float = float(np.deg2rad(120.0))
+    slope: float = float(np.tan(np.deg2rad(30.0)))
+
+    def __post_init__(self) -> None:
+        _check_picture(self.rows, self.columns)
+        if not 0.0 < self.field_of_view < np.pi:
+            raise InputError(
+                f"camera: a field of view of {self.field_of_view} rad; give one between 0 and pi"
+            )
+
+    @cached_property
+    def fan(self) -> Fan:
+        """One ray through the middle of each column, from right to left."""
+        edge = np.tan(self.field_of_view / 2)
+        middle = (np.arange(self.columns) + 0.5) * 2 / self.columns - 1
+        return Fan(np.arctan(edge * middle))
+
+    @cached_property
+    def spread(self) -> NDArray[np.float32]:
+        """(W,) radians that each ray's column covers."""
+        edge = np.tan(self.field_of_view / 2)
+        borders = np.arctan(edge * (np.arange(self.columns + 1) * 2 / self.columns - 1))
+        return np.diff(borders).astype(np.float32)
+
+    @cached_property
+    def flatten(self) -> NDArray[np.float32]:
+        """(W,) depth along the optical axis over the ray's length."""
+        return np.cos(self.fan.angles).astype(np.float32)
+
+    def look(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None = None,
+        viewers: Viewers | None = None,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Take a picture from every pose.
+
+        Args:
+            scene: the world.
+            poses: (N, 3).
+            discs: people and obstacles.
+            viewers: (N,) which robot looks; see `Raycaster.cast`.
+
+        Returns:
+            image (N, H, W, 3) uint8 RGB, left column = left of view; and depth (N, W), metres to
+            the wall along each column's ray.
+        """
+        hits = scene.caster.cast(poses, self.fan, discs, viewers)
+        image = _paint(self, scene, poses, hits, discs)
+        return image, hits.distance[:, ::-1]
+
+
+@dataclass(frozen=True)
+class PanoramicCamera:
+    """A camera that looks all around: column 0 looks backwards, the middle one ahead.
+
+    Attributes:
+        rows: pixels from top to bottom.
+        columns: equally wide in angle.
+        patches: overlapping parts, centred ``2 pi / patches`` apart.
+        patch_columns: columns of each part.
+        slope: as for `Camera`.
+    """
+
+    rows: int = 16
+    columns: int = 192
+    patches: int = 12
+    patch_columns: int = 48
+    slope: float = float(np.tan(np.deg2rad(30.0)))
+
+    def __post_init__(self) -> None:
+        _check_picture(self.rows, self.columns)
+        if self.columns % self.patches or not 0 < self.patch_columns <= self.columns:
+            raise InputError(
+                f"panorama: {self.columns} columns in {self.patches} patches of "
+                f"{self.patch_columns}; give a multiple, and patches no wider than the whole"
+            )
+
+    @cached_property
+    def fan(self) -> Fan:
+        """One ray through the middle of each column, counter-clockwise from behind."""
+        return Fan(_full_circle(self.columns))
+
+    @cached_property
+    def spread(self) -> NDArray[np.float32]:
+        """(W,) radians that each ray's column covers."""
+        return np.full(self.columns, 2 * np.pi / self.columns, np.float32)
+
+    @cached_property
+    def flatten(self) -> NDArray[np.float32]:
+        """(W,) ones: the picture is on a cylinder."""
+        return np.ones(self.columns, np.float32)
+
+    def look(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None = None,
+        viewers: Viewers | None = None,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Take a panorama from every pose; see `Camera.look`."""
+        hits = scene.caster.cast(poses, self.fan, discs, viewers)
+        image = _paint(self, scene, poses, hits, discs)
+        return image, hits.distance[:, ::-1]
+
+    def split(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """Cut panoramas (N, H, W, 3) into patches (N, P, H, V, 3).
+
+        Patch p is centred on the direction ``p * 2 pi / P``, counter-clockwise from ahead.
+        """
+        step = self.columns // self.patches
+        centre = self.columns // 2 - step * np.arange(self.patches)
+        offset = np.arange(self.patch_columns) - self.patch_columns // 2
+        columns = (centre[:, None] + offset) % self.columns
+        return np.moveaxis(image[:, :, columns], 1, 2)
+
+
+@dataclass(frozen=True)
+class Laser:
+    """A laser scanner at the robot's pose; beams are equally spaced in angle.
+
+    The 64 middle beams of the full circle's 96 are the 64-point, 240 degree scan of Meng 2020.
+
+    Attributes:
+        beams: number of beams.
+        field_of_view: radians.
+        range: metres; what is farther is reported as this.
+    """
+
+    beams: int = 96
+    field_of_view: float = 2 * np.pi
+    range: float = 10.0
+
+    def __post_init__(self) -> None:
+        if self.beams < 1 or not 0.0 < self.field_of_view <= 2 * np.pi or not self.range > 0.0:
+            raise InputError(f"{self}: give beams >= 1, a field of view up to 2 pi and a range > 0")
+
+    @cached_property
+    def fan(self) -> Fan:
+        """The beams, counter-clockwise from the right end."""
+        return Fan(_full_circle(self.beams) * self.field_of_view / (2 * np.pi))
+
+    def scan(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None = None,
+        viewers: Viewers | None = None,
+    ) -> NDArray[np.float64]:
+        """Distances (N, B) in metres from every pose, at most `range`."""
+        return np.minimum(scene.caster.cast(poses, self.fan, discs, viewers).distance, self.range)
+
+
+def _full_circle(count: int) -> NDArray[np.float64]:
+    """Angles in the middle of `count` equal parts of the circle, rising from -pi."""
+    return (np.arange(count) + 0.5) * (2 * np.pi / count) - np.pi
+
+
+def _check_picture(rows: int, columns: int) -> None:
+    if rows < 1 or columns < 2:
+        raise InputError(f"camera: {rows} rows and {columns} columns; give at least 1 and 2")
+
+
+def _paint(
+    camera: Camera | PanoramicCamera,
+    scene: Scene,
+    poses: NDArray[np.float64],
+    hits: Hits,
+    discs: Discs | None,
+) -> NDArray[np.uint8]:
+    """Pixels (N, H, W, 3) from what a camera's rays met."""
+    count, width = hits.distance.shape
+    colours, nearness = (
+        np.empty((count, width, 3), np.float32),
+        np.empty((count, width), np.float32),
+    )
+    shades = _NO_DISCS if discs is None else discs.colours
+    found = (hits.distance, hits.wall, hits.along, camera.fan.directions, poses)
+    walls = (scene.surfaces, scene.strips, shades)
+    paint_columns(*found, *walls, camera.spread, camera.flatten, colours, nearness)
+    image = np.empty((count, camera.rows, 3 * width), np.uint8)
+    flat = colours.reshape(count, 3 * width)
+    paint_rows(flat, nearness, _HEIGHTS, camera.slope, scene.backdrop, image)
+    return image.reshape(count, camera.rows, width, 3)
