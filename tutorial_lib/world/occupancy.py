@@ -60,7 +60,11 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
     _, labels = cv2.connectedComponents(free, connectivity=4)
     inside = np.zeros(labels.max() + 1, dtype=bool)
     for room in plan.rooms:
-        cells = labels[_room_mask(room, origin, resolution, free.shape) & (free > 0)]
+        within = _room_mask(room, origin, resolution, free.shape)
+        rim = within & (cv2.erode(within.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0)
+        # An island in the middle, which may be larger than the free space around it, has no rim.
+        cells = labels[within & (free > 0)]
+        cells = cells[np.isin(cells, labels[rim & (free > 0)])]
         if cells.size:
             inside[np.bincount(cells).argmax()] = True
     inside[0] = False

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.materials import PERIOD, TEXELS
+from tutorial_lib.world.occupancy import ClearanceGrid, clearance_grid
 from tutorial_lib.world.raycast import Raycaster
 
 SHADE = 0.15
@@ -20,6 +21,11 @@ class Scene:
         """Prepare `plan`."""
         self.plan = plan
         self.caster = Raycaster(plan.segments)
+
+    @cached_property
+    def clearance(self) -> ClearanceGrid:
+        """The free space as a grid."""
+        return clearance_grid(self.plan)
 
     @cached_property
     def surfaces(self) -> NDArray[np.float32]:

@@ -1,0 +1,1 @@
+"""Driving: geodesics, controllers that need no learning, and what they record."""

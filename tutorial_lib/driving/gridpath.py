@@ -1,0 +1,194 @@
+"""Geodesics: shortest ways through the free space of a plan, on a grid."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.occupancy import ClearanceGrid
+
+Array = NDArray[np.float64]
+
+# Half of the 16 steps of a king and a knight; the others are their opposites.
+_STEPS = [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
+_NO_NODE = -9999
+
+
+@dataclass(frozen=True)
+class DistanceField:
+    """How far every place is from one goal.
+
+    Attributes:
+        paths: the grid it belongs to.
+        goal: (2,) metres.
+        cost: (K,) for each node of the grid; metres, or weighted metres; inf where there is no way.
+        towards: (K,) the next node on the way to the goal.
+    """
+
+    paths: "GridPaths"
+    goal: Array
+    cost: Array
+    towards: NDArray[np.int32]
+
+    def at(self, points: ArrayLike) -> Array:
+        """Distance (...) from points (..., 2) to the goal, inf where there is no way."""
+        points = np.asarray(points, dtype=float)
+        nodes, gap = self.paths.nearest(points)
+        there = np.where(nodes >= 0, self.cost[nodes] + gap, np.inf)
+        # Close by, the straight line is the better measure.
+        direct = np.linalg.norm(points - self.goal, axis=-1)
+        return np.where(direct < 2 * self.paths.resolution, np.minimum(direct, there), there)
+
+    def path(self, start: ArrayLike) -> Array:
+        """The way from `start` (2,) to the goal as points (P, 2), start and goal included.
+
+        Raises:
+            InputError: when there is none.
+        """
+        start = np.asarray(start, dtype=float)
+        node = int(self.paths.nearest(start)[0])
+        if node < 0 or not np.isfinite(self.cost[node]):
+            x, y = start
+            raise InputError(
+                f"path: no way from ({x:.2f}, {y:.2f}) to {self.goal.round(2).tolist()}; "
+                "choose both in one open space"
+            )
+        nodes = []
+        while node != _NO_NODE:
+            nodes.append(node)
+            node = int(self.towards[node])
+        between = self.paths.points[nodes[1:-1]]
+        return np.concatenate([start[None], between, self.goal[None]])
+
+
+class GridPaths:
+    """The free space as a graph: nodes where the robot fits, sixteen steps from each."""
+
+    def __init__(
+        self,
+        grid: ClearanceGrid,
+        clearance: float = 0.2,
+        comfort: float = 0.6,
+        caution: float = 4.0,
+    ) -> None:
+        """Lay out the graph on every second cell of the grid.
+
+        Args:
+            grid: the free space.
+            clearance: metres to the nearest wall that a node needs.
+            comfort: metres from which on a wall is no longer minded.
+            caution: how many times longer a way feels that would touch the wall.
+        """
+        cells = grid.clearance[::2, ::2]
+        self.resolution = 2 * grid.resolution
+        self._grid = grid
+        rows, columns = np.nonzero(cells >= clearance)
+        if not len(rows):
+            raise InputError(
+                f"paths: no place has {clearance} m of clearance; is this a floor plan?"
+            )
+        self._number = np.full(cells.shape, -1, dtype=np.int32)
+        self._number[rows, columns] = np.arange(len(rows))
+        self.points = grid.centres(np.stack([2 * rows, 2 * columns], axis=1))
+        self.clearance = cells[rows, columns].astype(float)
+        self._dislike = 1 + caution * np.maximum(0, 1 - self.clearance / comfort) ** 2
+
+    @cached_property
+    def _edges(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Array]:
+        """First node, second node and length in metres of every edge, one direction."""
+        heads, tails, lengths = [], [], []
+        for down, right in _STEPS:
+            start, end = _shifted(self._number, down, right)
+            open_way = (start >= 0) & (end >= 0)
+            # A knight passes between two cells, and both must be free.
+            for half in _between(down, right):
+                open_way &= _shifted(self._number, down, right, half)[1] >= 0
+            heads.append(start[open_way])
+            tails.append(end[open_way])
+            lengths.append(np.full(open_way.sum(), np.hypot(down, right) * self.resolution))
+        return np.concatenate(heads), np.concatenate(tails), np.concatenate(lengths)
+
+    @cached_property
+    def _geodesic(self) -> csr_array:
+        """The graph weighted by length."""
+        return self._graph(self._edges[2])
+
+    @cached_property
+    def _comfortable(self) -> csr_array:
+        """The graph weighted by length and closeness to walls."""
+        head, tail, length = self._edges
+        return self._graph(length * (self._dislike[head] + self._dislike[tail]) / 2)
+
+    def _graph(self, weights: Array) -> csr_array:
+        head, tail, _ = self._edges
+        shape = (len(self.points), len(self.points))
+        both = (np.concatenate([head, tail]), np.concatenate([tail, head]))
+        return csr_array((np.concatenate([weights, weights]), both), shape=shape)
+
+    def nearest(self, points: ArrayLike) -> tuple[NDArray[np.int32], Array]:
+        """The node nearest to each point (..., 2), -1 where none is near, and the gap in metres."""
+        points = np.asarray(points, dtype=float)
+        row, column = np.moveaxis(self._grid.cells(points) // 2, -1, 0)
+        best = np.full(points.shape[:-1], -1, dtype=np.int32)
+        gap = np.full(points.shape[:-1], np.inf)
+        reach = range(-3, 4)
+        for i, j in ((i, j) for i in reach for j in reach):
+            r = np.clip(row + i, 0, self._number.shape[0] - 1)
+            c = np.clip(column + j, 0, self._number.shape[1] - 1)
+            node = self._number[r, c]
+            far = np.linalg.norm(points - self.points[node], axis=-1)
+            closer = (node >= 0) & (far < gap)
+            best, gap = np.where(closer, node, best), np.where(closer, far, gap)
+        return best, gap
+
+    def field(self, goal: ArrayLike, *, shortest: bool = False) -> DistanceField:
+        """The distance of every place from `goal` (2,).
+
+        Args:
+            goal: metres.
+            shortest: true geodesic length; otherwise ways that keep off the walls are preferred.
+
+        Raises:
+            InputError: when the goal is not in free space.
+        """
+        goal = np.asarray(goal, dtype=float)
+        node = int(self.nearest(goal)[0]) if np.isfinite(goal).all() else -1
+        if node < 0:
+            raise InputError(f"goal: {goal.tolist()} is not in free space; choose another place")
+        graph = self._geodesic if shortest else self._comfortable
+        cost, towards = dijkstra(graph, indices=node, return_predecessors=True)
+        return DistanceField(self, goal, cost, towards)
+
+    def component(self, start: ArrayLike) -> NDArray[np.bool_]:
+        """(K,) which nodes can be reached from `start` (2,)."""
+        return np.isfinite(self.field(start, shortest=True).cost)
+
+
+def path_length(path: ArrayLike) -> float:
+    """Metres along a path (P, 2)."""
+    return float(np.linalg.norm(np.diff(np.asarray(path, dtype=float), axis=0), axis=1).sum())
+
+
+def _between(down: int, right: int) -> list[tuple[int, int]]:
+    """The cells that a step passes between; none for a straight one."""
+    if abs(down) + abs(right) == 3:
+        if abs(down) == 2:
+            return [(1, 0), (1, right)]
+        return [(0, int(np.sign(right))), (down, int(np.sign(right)))]
+    return [(0, right), (down, 0)] if down and right else []
+
+
+def _shifted(
+    grid: NDArray[np.int32], down: int, right: int, middle: tuple[int, int] | None = None
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Views of the cells from which a step stays on the grid, and of the cells it leads to."""
+    rows, columns = grid.shape
+    first = slice(max(0, -down), rows - max(0, down))
+    left = slice(max(0, -right), columns - max(0, right))
+    down, right = middle or (down, right)
+    moved = slice(first.start + down, first.stop + down)
+    return grid[first, left], grid[moved, left.start + right : left.stop + right]

@@ -1,0 +1,98 @@
+"""The pymunk space: robots that do not meet each other, walls, and people that everybody meets."""
+
+import numpy as np
+import pymunk
+import pymunk.batch
+from numpy.typing import NDArray
+
+from tutorial_lib.world.people import EVERYBODY, Crowd
+
+Array = NDArray[np.float64]
+
+_MASS = 1.0
+_ROBOT, _THING = 1, 2
+_FIELDS = pymunk.batch.BodyFields
+_READ = _FIELDS.POSITION | _FIELDS.ANGLE
+_WRITE = _FIELDS.FORCE | _FIELDS.TORQUE
+
+
+class Fleet:
+    """Robots of one footprint in one space.
+
+    On every substep each robot's force is chosen so that the solver starts from the velocity that
+    is asked for; contact then takes away what cannot be. A velocity moves the robot in the substep
+    after it was set.
+
+    Attributes:
+        poses: (N, 3) headings are not wrapped.
+        contacts: (N,) how many things each robot touches now.
+        collided: (N,) whether it ever touched one.
+    """
+
+    def __init__(self, segments: Array, footprint: Array, poses: Array, crowd: Crowd) -> None:
+        """Put robots at `poses` (N, 3) among wall `segments` (S, 4) and a crowd."""
+        self.poses = poses.copy()
+        self.contacts = np.zeros(len(poses), dtype=int)
+        self.collided = np.zeros(len(poses), dtype=bool)
+        self._space = pymunk.Space()
+        self._space.damping = 0.0
+        self._space.collision_slop = 0.001
+        self._add_robots(footprint)
+        self._add_things(segments, crowd)
+        self._space.on_collision(_ROBOT, _THING, begin=self._begin, separate=self._separate)
+        self._state = pymunk.batch.Buffer()
+        # The space holds the robots first, then the people, whom no force moves.
+        self._forces = np.zeros((len(poses) + len(crowd.bodies), 3))
+        self._orders = pymunk.batch.Buffer()
+        self._orders.set_float_buf(self._forces)
+
+    def substep(self, ahead: Array, aside: Array | float, turn: Array, seconds: float) -> None:
+        """Ask for velocities in the robots' frames, m/s and rad/s (N,), and step."""
+        cos, sin = np.cos(self.poses[:, 2]), np.sin(self.poses[:, 2])
+        # The space damps all velocity away, so force * time / mass is the velocity.
+        forces, scale = self._forces[: len(self.poses)], _MASS / seconds
+        forces[:, 0] = (cos * ahead - sin * aside) * scale
+        forces[:, 1] = (sin * ahead + cos * aside) * scale
+        forces[:, 2] = turn * scale
+        pymunk.batch.set_space_bodies(self._space, _WRITE, self._orders)
+        self._space.step(seconds)
+        self._state.clear()
+        pymunk.batch.get_space_bodies(self._space, _READ, self._state)
+        state = np.frombuffer(self._state.float_buf(), dtype=np.float64)
+        self.poses = state.reshape(-1, 3)[: len(self.poses)].copy()
+
+    def _add_robots(self, footprint: Array) -> None:
+        among_robots = pymunk.ShapeFilter(group=1)
+        corners = [tuple(corner) for corner in footprint.tolist()]
+        for number, (x, y, heading) in enumerate(self.poses.tolist()):
+            robot = pymunk.Body(_MASS, _MASS)
+            robot.position, robot.angle = (x, y), heading
+            shape = pymunk.Poly(robot, corners)
+            shape.filter, shape.collision_type, shape.owner = among_robots, _ROBOT, number
+            self._space.add(robot, shape)
+
+    def _add_things(self, segments: Array, crowd: Crowd) -> None:
+        for x0, y0, x1, y1 in segments.tolist():
+            wall = pymunk.Segment(self._space.static_body, (x0, y0), (x1, y1), 0.0)
+            wall.collision_type, wall.owner = _THING, EVERYBODY
+            self._space.add(wall)
+        for person, disc in zip(crowd.people, crowd.bodies, strict=True):
+            shape = pymunk.Circle(disc, person.radius)
+            shape.collision_type, shape.owner = _THING, person.owner
+            self._space.add(disc, shape)
+
+    def _begin(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
+        robot, concerned = _parties(arbiter)
+        arbiter.process_collision = concerned
+        self.contacts[robot] += concerned
+        self.collided[robot] |= concerned
+
+    def _separate(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
+        robot, concerned = _parties(arbiter)
+        self.contacts[robot] -= concerned
+
+
+def _parties(arbiter: pymunk.Arbiter) -> tuple[int, bool]:
+    """The robot's number, and whether the thing it met exists for it."""
+    robot, thing = sorted(arbiter.shapes, key=lambda shape: shape.collision_type)
+    return robot.owner, thing.owner in (EVERYBODY, robot.owner)

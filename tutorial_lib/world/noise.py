@@ -1,0 +1,137 @@
+"""Motion that is not what was commanded, and odometry that is not what was driven."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Rng = np.random.Generator
+
+
+class OdometryNoise(Protocol):
+    """How wheels misjudge a motion."""
+
+    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
+        """What is read for true motions (N, 3); `actions` (N,) for discrete ones, else None."""
+
+
+def scale_controls(actions: Array, sigma: float, rng: Rng) -> Array:
+    """Actuation noise of Meng 2020 (IV-B): each control times a factor drawn from N(1, sigma).
+
+    Args:
+        actions: (N, 2).
+        sigma: 0.33 in the paper; 0 for none.
+        rng: source of randomness.
+
+    Returns:
+        (N, 2).
+    """
+    return actions * rng.normal(1.0, sigma, np.shape(actions)) if sigma else actions
+
+
+@dataclass(frozen=True)
+class WheelOdometry:
+    """Odometry of a car: distance and turn are off by a share, and the heading drifts.
+
+    Attributes:
+        distance: standard deviation of the share by which a motion's length is misread.
+        turn: the same for its turn.
+        drift: rad of heading for a motion of one metre, standard deviation.
+    """
+
+    distance: float = 0.05
+    turn: float = 0.05
+    drift: float = 0.02
+
+    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
+        """What the wheels read for true motions (N, 3) in the robot's frame."""
+        noise = rng.normal(size=motions.shape)
+        length = np.linalg.norm(motions[:, :2], axis=1)
+        read = motions.copy()
+        read[:, :2] *= 1 + self.distance * noise[:, :1]
+        read[:, 2] *= 1 + self.turn * noise[:, 1]
+        read[:, 2] += self.drift * np.sqrt(length) * noise[:, 2]
+        return read
+
+
+class NoNoise:
+    """Odometry that is exact."""
+
+    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
+        """The true motions."""
+        return motions
+
+
+STOP, FORWARD, LEFT, RIGHT = range(4)
+"""The discrete actions of NTS (section 5): forward about 0.25 m, turns of about 10 degrees."""
+
+_DEG = np.pi / 180
+
+
+@dataclass(frozen=True)
+class Mixture:
+    """A mixture of Gaussians over motions: weights (M,), means and deviations (M, 3)."""
+
+    weights: tuple[float, ...]
+    means: tuple[tuple[float, float, float], ...]
+    deviations: tuple[tuple[float, float, float], ...]
+
+    def sample(self, count: int, rng: Rng) -> Array:
+        """`count` motions (count, 3): metres ahead, metres to the left, rad."""
+        mode = rng.choice(len(self.weights), size=count, p=self.weights)
+        noise = rng.normal(size=(count, 3))
+        return np.take(self.means, mode, axis=0) + np.take(self.deviations, mode, axis=0) * noise
+
+
+ACTUATION = {
+    STOP: Mixture((1.0,), ((0, 0, 0),), ((0, 0, 0),)),
+    FORWARD: Mixture(
+        (0.5, 0.5),
+        ((0.245, 0, 0.0125), (0.245, 0, 0.0047)),
+        ((0.004, 0.002, 0.004), (0.004, 0.002, 0.004)),
+    ),
+    LEFT: Mixture(
+        (0.5, 0.5),
+        ((0, 0.02, 11.5 * _DEG), (0, 0.02, 10.9 * _DEG)),
+        ((0.002, 0.002, 0.3 * _DEG), (0.002, 0.002, 0.3 * _DEG)),
+    ),
+    RIGHT: Mixture((1.0,), ((0, -0.02, -11.1 * _DEG),), ((0.002, 0.002, 0.5 * _DEG),)),
+}
+"""Motion of each discrete action, after the mixtures measured for Active Neural SLAM."""
+
+ODOMETRY = {
+    STOP: Mixture((1.0,), ((0, 0, 0),), ((0, 0, 0),)),
+    FORWARD: Mixture(
+        (0.84, 0.16),
+        ((0.0010, 0, 0), (0.0038, 0, 0)),
+        ((0.0025, 0.0025, 0.05 * _DEG), (0.0025, 0.0025, 0.05 * _DEG)),
+    ),
+    LEFT: Mixture((1.0,), ((0, 0.02, 0.20 * _DEG),), ((0.0025, 0.0025, 0.05 * _DEG),)),
+    RIGHT: Mixture(
+        (0.5, 0.5),
+        ((0, -0.02, -0.04 * _DEG), (0, -0.02, 0.07 * _DEG)),
+        ((0.0025, 0.0025, 0.05 * _DEG), (0.0025, 0.0025, 0.05 * _DEG)),
+    ),
+}
+"""Error of the odometry's reading of each discrete action, from the same source."""
+
+
+def sample_motions(table: dict[int, Mixture], actions: NDArray[np.intp], rng: Rng) -> Array:
+    """Motions (N, 3) of discrete actions (N,), in the robots' frames."""
+    motions = np.zeros((len(actions), 3))
+    for action, mixture in table.items():
+        chosen = np.flatnonzero(actions == action)
+        motions[chosen] = mixture.sample(len(chosen), rng)
+    return motions
+
+
+class DiscreteOdometry:
+    """Odometry of the differential drive under discrete actions."""
+
+    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
+        """The true motions plus the error measured for each action."""
+        if actions is None:
+            return motions
+        return motions + sample_motions(ODOMETRY, actions, rng)

@@ -1,0 +1,122 @@
+"""People who walk, and obstacles that stand: round things that are seen and felt."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pymunk
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.materials import Colour
+from tutorial_lib.world.raycast import Discs
+
+EVERYBODY = -1
+_PATIENCE = 2.0  # seconds that a person waits for a robot before walking back
+
+
+@dataclass(frozen=True)
+class Person:
+    """Somebody who walks to and fro along a route; with one point, something that stands there.
+
+    Attributes:
+        route: (K, 2) points in metres.
+        speed: m/s.
+        radius: metres.
+        owner: the robot for whom it exists, or `EVERYBODY`.
+        colour: RGB.
+        distance: metres walked along the route at the start.
+        keep_off: metres between person and robot at which the person stops and waits.
+    """
+
+    route: ArrayLike
+    speed: float = 0.5
+    radius: float = 0.18
+    owner: int = EVERYBODY
+    colour: Colour = (214, 39, 40)
+    distance: float = 0.0
+    keep_off: float = 0.6
+
+    def __post_init__(self) -> None:
+        route = np.asarray(self.route, dtype=float)
+        if route.ndim != 2 or route.shape[1] != 2 or not np.isfinite(route).all():
+            raise InputError(f"person: a route of shape {route.shape}; give (K, 2) finite points")
+        if not (self.radius > 0 and self.speed >= 0):
+            raise InputError(
+                f"person: radius {self.radius}, speed {self.speed}; give r > 0, v >= 0"
+            )
+
+
+class Crowd:
+    """All people and obstacles of a simulation, as kinematic bodies of its space."""
+
+    def __init__(self, people: Sequence[Person]) -> None:
+        """Put everybody at the start of their routes."""
+        self.people = tuple(people)
+        self._routes = [np.asarray(person.route, dtype=float) for person in people]
+        self._miles = [_mileage(route) for route in self._routes]
+        self._walked = np.array([person.distance for person in people], dtype=float)
+        self._ahead = np.ones(len(people))
+        self._waited = np.zeros(len(people))
+        self.owners = np.array([person.owner for person in people], dtype=np.int32)
+        self.radii = np.array([person.radius for person in people], dtype=float)
+        colours = [person.colour for person in people]
+        self._colours = np.array(colours, dtype=np.float32).reshape(-1, 3)
+        self.bodies = [pymunk.Body(body_type=pymunk.Body.KINEMATIC) for _ in people]
+        for body, (x, y) in zip(self.bodies, self._points(self._walked).tolist(), strict=True):
+            body.position = x, y
+
+    @property
+    def positions(self) -> NDArray[np.float64]:
+        """(K, 2) metres."""
+        return np.array([body.position for body in self.bodies], dtype=float).reshape(-1, 2)
+
+    @property
+    def discs(self) -> Discs:
+        """Everybody as the rays meet them."""
+        circles = np.concatenate([self.positions, self.radii[:, None]], axis=1)
+        return Discs(circles, self.owners, self._colours)
+
+    def walk(self, robots: NDArray[np.float64], seconds: float) -> None:
+        """Set everybody's velocity for the next `seconds`, given the robots' poses (N, 3)."""
+        before = self.positions
+        wanted = self._walked + self._ahead * seconds * [person.speed for person in self.people]
+        after = self._points(wanted)
+        for k, body in enumerate(self.bodies):
+            step = after[k] - before[k]
+            if self._is_blocked(k, before[k], step, robots):
+                self._waited[k] += seconds
+                body.velocity = 0.0, 0.0
+                if self._waited[k] > _PATIENCE:
+                    self._ahead[k], self._waited[k] = -self._ahead[k], 0.0
+                continue
+            self._walked[k], self._waited[k] = wanted[k], 0.0
+            body.velocity = tuple((step / seconds).tolist())
+
+    def _is_blocked(
+        self,
+        k: int,
+        here: NDArray[np.float64],
+        step: NDArray[np.float64],
+        robots: NDArray[np.float64],
+    ) -> bool:
+        """Whether a robot that person k minds stands in the way of the step."""
+        mine = robots if self.owners[k] == EVERYBODY else robots[[self.owners[k]]]
+        towards = mine[:, :2] - here
+        gap = np.linalg.norm(towards, axis=1)
+        return bool(((gap < self.people[k].keep_off) & (towards @ step > 0)).any())
+
+    def _points(self, walked: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(K, 2) where everybody is after walking so far, to and fro."""
+        points = np.zeros((len(self.people), 2))
+        for k, (route, miles) in enumerate(zip(self._routes, self._miles, strict=True)):
+            total = miles[-1]
+            place = 0.0 if total == 0 else total - abs(walked[k] % (2 * total) - total)
+            points[k] = [np.interp(place, miles, route[:, axis]) for axis in (0, 1)]
+        return points
+
+
+def _mileage(route: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(K,) metres along a route at each of its points."""
+    steps = np.linalg.norm(np.diff(route, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])

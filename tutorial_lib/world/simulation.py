@@ -1,0 +1,218 @@
+"""pymunk owns motion and contact: one robot, or a fleet of robots that do not meet each other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import compose, relative, to_world, wrap
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.bodies import BicycleCar, Body
+from tutorial_lib.world.fleet import Fleet
+from tutorial_lib.world.noise import (
+    ACTUATION,
+    NoNoise,
+    OdometryNoise,
+    sample_motions,
+    scale_controls,
+)
+from tutorial_lib.world.people import Crowd, Person
+from tutorial_lib.world.raycast import Discs
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
+
+STEP = 0.1
+"""Seconds between two actions: control at 10 Hz."""
+SUBSTEPS = 5
+ACTION_SECONDS = 0.5
+"""Seconds that a discrete action takes."""
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What a robot carries.
+
+    Attributes:
+        camera: takes the pictures.
+        laser: scans the full circle.
+        with_depth: whether the camera tells depth.
+    """
+
+    camera: Camera | PanoramicCamera = field(default_factory=Camera)
+    laser: Laser = field(default_factory=Laser)
+    with_depth: bool = False
+
+
+class Simulation:
+    """A scene with robots in it, all of one body; they pass through each other.
+
+    Attributes:
+        scene: the world.
+        body: the robots' model.
+        poses: (N, 3) where the robots really are.
+        controls: (N, 2) speed in m/s, and steering in rad (car) or rad/s.
+        speed: (N,) m/s ahead that the robots really made in the last step.
+        odometry: (N, 3) pose since the start, as the wheels tell it.
+        seconds: simulated so far.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        poses: ArrayLike,
+        *,
+        body: Body | None = None,
+        people: Sequence[Person] = (),
+        control_noise: float = 0.0,
+        odometry_noise: OdometryNoise | None = None,
+        sensors: Sensors | None = None,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        """Put robots into a scene.
+
+        Args:
+            scene: the world.
+            poses: (N, 3) where the robots start.
+            body: their model, a `BicycleCar` unless given.
+            people: who walks and what stands about.
+            control_noise: sigma of `scale_controls`.
+            odometry_noise: exact odometry unless given.
+            sensors: camera and laser.
+            rng: needed when there is noise.
+
+        Raises:
+            InputError: when a robot would start inside a wall, or there is noise and no `rng`.
+        """
+        self.scene = scene
+        self.body = BicycleCar() if body is None else body
+        self.sensors = Sensors() if sensors is None else sensors
+        self.poses = np.array(poses, dtype=float).reshape(-1, 3)
+        check_free(scene, self.body, self.poses)
+        self._odometry_noise = NoNoise() if odometry_noise is None else odometry_noise
+        self._control_noise = control_noise
+        if rng is None and (control_noise or odometry_noise is not None):
+            raise InputError("simulation: noise needs an rng; give np.random.default_rng(seed)")
+        self._rng = np.random.default_rng(0) if rng is None else rng
+        count = len(self.poses)
+        self.controls = np.zeros((count, 2))
+        self.odometry = np.zeros((count, 3))
+        self.speed = np.zeros(count)
+        self.seconds = 0.0
+        self.crowd = Crowd(people)
+        segments, footprint = scene.plan.segments, self.body.footprint
+        self._fleet = Fleet(segments, footprint, self.poses, self.crowd)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """(N,) whether a robot touches something now."""
+        return self._fleet.contacts > 0
+
+    @property
+    def collided(self) -> NDArray[np.bool_]:
+        """(N,) whether a robot ever touched something."""
+        return self._fleet.collided.copy()
+
+    @property
+    def discs(self) -> Discs | None:
+        """People and obstacles as the rays meet them."""
+        return self.crowd.discs if self.crowd.people else None
+
+    def step(self, actions: ArrayLike) -> None:
+        """Drive for `STEP` seconds.
+
+        Args:
+            actions: (N, 2) commanded speed in m/s, and steering in rad (car) or rad/s.
+
+        Raises:
+            InputError: when an action is missing or not finite.
+        """
+        actions = np.asarray(actions, dtype=float)
+        if actions.shape != (len(self), 2) or not np.isfinite(actions).all():
+            raise InputError(f"actions: {actions.shape}; give finite (N, 2), N = {len(self)}")
+        before, wanted = self.poses, scale_controls(actions, self._control_noise, self._rng)
+        self.crowd.walk(before, STEP)
+        for _ in range(SUBSTEPS):
+            self.controls = self.body.respond(self.controls, wanted, STEP / SUBSTEPS)
+            twists = self.body.twist(self.controls)
+            self._fleet.substep(twists[:, 0], 0.0, twists[:, 1], STEP / SUBSTEPS)
+        self._finish(before, STEP, None)
+
+    def act(self, actions: ArrayLike) -> None:
+        """Carry out discrete actions, with the noise of `ACTUATION`, for `ACTION_SECONDS`.
+
+        Args:
+            actions: (N,) of STOP, FORWARD, LEFT, RIGHT.
+
+        Raises:
+            InputError: when there is another number among them.
+        """
+        actions = np.asarray(actions)
+        if actions.shape != (len(self),) or not np.isin(actions, list(ACTUATION)).all():
+            raise InputError(f"actions: {actions.tolist()}; give (N,) numbers from 0 to 3")
+        motions = sample_motions(ACTUATION, actions, self._rng)
+        before = self.poses
+        count = round(ACTION_SECONDS / STEP) * SUBSTEPS
+        rates = motions / ACTION_SECONDS
+        for substep in range(count + 1):
+            if substep % SUBSTEPS == 0:
+                self.crowd.walk(self._fleet.poses, STEP)
+            # A velocity moves the body in the substep after, so the last one brings it to rest.
+            moving = 1.0 if substep < count else 0.0
+            self._fleet.substep(*(moving * rates.T), STEP / SUBSTEPS)
+        self._finish(before, ACTION_SECONDS, actions)
+
+    def observe(self) -> Observation:
+        """What every robot's sensors tell now."""
+        camera, laser, discs = self.sensors.camera, self.sensors.laser, self.discs
+        image, depth = camera.look(self.scene, self.poses, discs)
+        return Observation(
+            image=image,
+            depth=depth if self.sensors.with_depth else None,
+            laser=laser.scan(self.scene, self.poses, discs),
+            odometry=self.odometry.copy(),
+            speed=self.speed.copy(),
+            steering=self.controls[:, 1].copy(),
+        )
+
+    def _finish(
+        self, before: NDArray[np.float64], seconds: float, actions: NDArray[np.intp] | None
+    ) -> None:
+        """Update what follows from the motion since `before`."""
+        self.poses = self._fleet.poses.copy()
+        self.poses[:, 2] = wrap(self.poses[:, 2])
+        motions = relative(before, self.poses)
+        self.speed = motions[:, 0] / seconds
+        read = self._odometry_noise.measure(motions, actions, self._rng)
+        self.odometry = compose(self.odometry, read)
+        self.seconds += seconds
+
+
+def is_free(scene: Scene, body: Body, poses: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """(N,) whether a body at each pose (N, 3) is in a room and touches no wall or furniture."""
+    corners = to_world(poses[:, None], body.footprint)
+    starts, ends = corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2)
+    clear = scene.caster.sees(starts, ends).reshape(len(poses), -1).all(axis=1)
+    inside = scene.clearance.at(poses[:, :2]) > 0
+    return clear & inside & np.isfinite(poses).all(axis=1)
+
+
+def check_free(scene: Scene, body: Body, poses: NDArray[np.float64]) -> None:
+    """Check that a body can stand at each pose (N, 3).
+
+    Raises:
+        InputError: naming the first pose that is not free.
+    """
+    if not np.isfinite(poses).all():
+        raise InputError(f"start: {poses.tolist()} is not finite; give metres and radians")
+    bad = np.flatnonzero(~is_free(scene, body, poses))
+    if bad.size:
+        x, y, heading = poses[bad[0]]
+        raise InputError(
+            f"start: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a wall, "
+            "furniture or outside all rooms; choose another start"
+        )
