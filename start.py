@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+"""Set up the course in .venv beside this file, then start it.
+
+usage: python3 start.py [COMMAND] [ARGUMENTS]
+  lab     open JupyterLab on the first notebook (the same without a command)
+  test    run the tests, in this folder; --full adds every notebook and the slow tests
+  demo    let the robot find its way once; leaves a film and a JSON in the current folder
+  setup   only install
+
+ARGUMENTS go to JupyterLab, pytest or the demo: start.py lab --no-browser. The first start
+installs for some minutes, later ones do not, unless pyproject.toml has changed.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+VERSION = ".".join(map(str, sys.version_info[:2]))
+HERE = Path(__file__).resolve().parent
+VENV = HERE / ".venv"
+STAMP = VENV / "stamp"
+
+
+def too_old(version: tuple[int, ...]) -> str:
+    """What to tell the owner of an old Python (the syntax of this file is 3.8's); else empty."""
+    message = (
+        f"The course needs Python 3.10 or newer, this is {'.'.join(map(str, version[:3]))}: install"
+        " it from https://www.python.org/downloads and run python3.10 (or newer) start.py"
+    )
+    return message if tuple(version[:2]) < (3, 10) else ""
+
+
+def python_of(venv: Path, windows: bool = os.name == "nt") -> Path:
+    """The interpreter of a virtual environment."""
+    return venv / "Scripts" / "python.exe" if windows else venv / "bin" / "python"
+
+
+def environment() -> dict[str, str]:
+    """The caller's, with .venv activated and without a PYTHONPATH (ROS sets one) that hides it."""
+    env = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "PYTHONHOME")}
+    env["VIRTUAL_ENV"] = str(VENV)
+    env["PATH"] = os.pathsep.join([str(python_of(VENV).parent), env.get("PATH", os.defpath)])
+    env.setdefault("PYTHONUTF8", "1")  # Windows would write θ to a file or pipe in its code page
+    return env
+
+
+def run(command: list[str], cwd: Path | None = None) -> int:
+    """Run a command to its end and return its exit code; raise if it was ended by Ctrl-C."""
+    pressed: list[int] = []
+    # The terminal sends Ctrl-C to the child as well. Let the child answer: JupyterLab asks back.
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    with subprocess.Popen(command, cwd=cwd, env=environment()) as child:
+        ended = signal.signal(signal.SIGTERM, lambda *_: child.terminate())
+        code = child.wait()
+    signal.signal(signal.SIGINT, before)
+    signal.signal(signal.SIGTERM, ended)
+    if pressed and code:
+        raise KeyboardInterrupt
+    return code if code >= 0 else 128 - code
+
+
+def ask(*arguments: str) -> str:
+    """What .venv's Python prints if run like this; empty if it fails or is not there."""
+    command = [str(python_of(VENV)), *arguments]
+    try:
+        done = subprocess.run(command, env=environment(), capture_output=True)
+    except OSError:
+        return ""
+    return "" if done.returncode else done.stdout.decode(errors="replace").strip()
+
+
+def stamp() -> str:
+    """What an installation depends on, a line each: the dependencies, the Python, the folder."""
+    digest = hashlib.sha256((HERE / "pyproject.toml").read_bytes()).hexdigest()
+    return "\n".join([digest, VERSION, str(VENV)])
+
+
+def stamped() -> str:
+    """The stamp that the last finished installation left; empty if there is none."""
+    return STAMP.read_text(encoding="utf-8") if STAMP.is_file() else ""
+
+
+def reason_to_rebuild() -> str:
+    """Why an existing .venv is of no use; empty if it can be kept, or there is none."""
+    found = ask("-c", "import sys; print('%d.%d' % sys.version_info[:2])")
+    folder = "".join(stamped().splitlines()[2:])
+    if found and found != VERSION:
+        return f"is for Python {found}, this is {VERSION}"
+    if folder and folder != str(VENV):
+        return f"was made in {folder}"
+    return "" if found or not VENV.exists() else "does not run"
+
+
+def is_ready() -> bool:
+    """Whether .venv holds what pyproject.toml asks for, and still runs."""
+    return stamped() == stamp() and not reason_to_rebuild()
+
+
+def make_venv() -> None:
+    """Make .venv where there is none that can be kept."""
+    reason = reason_to_rebuild()
+    if reason:
+        print(f".venv {reason}: making it anew.", flush=True)
+    elif ask("-m", "pip", "--version"):
+        return
+    if not all(importlib.util.find_spec(name) for name in ("venv", "ensurepip")):
+        sys.exit(f"This Python cannot make a .venv: sudo apt install python{VERSION}-venv")
+    base = getattr(sys, "_base_executable", None) or sys.executable  # not .venv's own
+    if run([base, "-m", "venv", *(["--clear"] if reason else []), str(VENV)]):
+        sys.exit(f"Could not make {VENV}: close what uses it, delete it, and start again.")
+
+
+def setup() -> None:
+    """Make .venv and install into it what pyproject.toml asks for, unless it is all there."""
+    if is_ready():
+        return
+    wanted, log = stamp(), VENV / "pip.log"
+    make_venv()
+    print(f"Installing into {VENV}: some minutes the first time.", flush=True)
+    STAMP.write_text("", encoding="utf-8")  # what is interrupted is not finished
+    pip = [str(python_of(VENV)), "-m", "pip", "install", "--disable-pip-version-check"]
+    for what in (["-q", "pip>=21.3"], ["-e", ".[test]"]):  # 21.3: -e with pyproject.toml alone
+        if run([*pip, "--log", str(log), *what], cwd=HERE):
+            sys.exit(f"pip failed; log: {log}. No network, or behind a proxy? See environment.md")
+    STAMP.write_text(wanted, encoding="utf-8")
+
+
+def command(name: str, arguments: list[str]) -> list[str]:
+    """The command line behind lab, test or demo."""
+    first = "notebooks/00_start_here.ipynb"
+    lab = [
+        "jupyterlab",
+        f"--ServerApp.root_dir={HERE}",
+        f"--LabApp.default_url=/lab/tree/{first if (HERE / first).exists() else 'notebooks'}",
+        "--LabApp.news_url=None",  # it works without a network: no news, no look for updates
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+        *(["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []),
+    ]
+    modules = {"lab": lab, "test": ["pytest"], "demo": ["tutorial_lib", "demo"]}
+    return [str(python_of(VENV)), "-m", *modules[name], *arguments]
+
+
+def main(arguments: list[str]) -> int:
+    """Do what the command line asks for and return the exit code."""
+    name, rest = (arguments or ["lab"])[0], arguments[1:]
+    if name in ("-h", "--help"):
+        print(__doc__.strip())
+        return 0
+    if name not in ("lab", "test", "demo", "setup") or (name == "setup" and rest):
+        print(f"Cannot do {' '.join(arguments)!r}.\n\n{__doc__.strip()}", file=sys.stderr)
+        return 2
+    try:
+        setup()
+        if name != "setup":
+            return run(command(name, rest), cwd=HERE if name == "test" else None)
+        print("Everything is installed. Next: python3 start.py")
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(too_old(sys.version_info) or main(sys.argv[1:]))
