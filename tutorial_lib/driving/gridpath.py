@@ -10,6 +10,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.occupancy import ClearanceGrid
+from tutorial_lib.world.raycast import Raycaster
 
 Array = NDArray[np.float64]
 
@@ -19,50 +20,77 @@ _NO_NODE = -9999
 
 
 @dataclass(frozen=True)
-class DistanceField:
-    """How far every place is from one goal.
+class DistanceFields:
+    """How far every place is from each of G goals.
 
     Attributes:
-        paths: the grid it belongs to.
-        goal: (2,) metres.
-        cost: (K,) for each node of the grid; metres, or weighted metres; inf where there is no way.
-        towards: (K,) the next node on the way to the goal.
+        paths: the grid they belong to.
+        goals: (G, 2) metres.
+        cost: (G, K) for each node of the grid metres, or weighted metres; inf where no way leads.
+        towards: (G, K) the next node on the way to the goal.
     """
 
     paths: "GridPaths"
-    goal: Array
+    goals: Array
     cost: Array
     towards: NDArray[np.int32]
 
-    def at(self, points: ArrayLike) -> Array:
-        """Distance (...) from points (..., 2) to the goal, inf where there is no way."""
+    def distance(self, points: ArrayLike, goals: NDArray[np.intp] | int = 0) -> Array:
+        """Cost (N,) from points (N, 2), each to the goal of that number; inf without a way."""
         points = np.asarray(points, dtype=float)
         nodes, gap = self.paths.nearest(points)
-        there = np.where(nodes >= 0, self.cost[nodes] + gap, np.inf)
+        there = np.where(nodes >= 0, self.cost[goals, nodes] + gap, np.inf)
         # Close by, the straight line is the better measure.
-        direct = np.linalg.norm(points - self.goal, axis=-1)
+        direct = np.linalg.norm(points - self.goals[goals], axis=-1)
         return np.where(direct < 2 * self.paths.resolution, np.minimum(direct, there), there)
 
-    def path(self, start: ArrayLike) -> Array:
-        """The way from `start` (2,) to the goal as points (P, 2), start and goal included.
+    def path(self, start: ArrayLike, goal: int = 0) -> Array:
+        """The way from `start` (2,) to a goal as points (P, 2), start and goal included.
 
         Raises:
             InputError: when there is none.
         """
         start = np.asarray(start, dtype=float)
         node = int(self.paths.nearest(start)[0])
-        if node < 0 or not np.isfinite(self.cost[node]):
-            x, y = start
+        if node < 0 or not np.isfinite(self.cost[goal, node]):
             raise InputError(
-                f"path: no way from ({x:.2f}, {y:.2f}) to {self.goal.round(2).tolist()}; "
-                "choose both in one open space"
+                f"path: no way from {start.round(2).tolist()} to "
+                f"{self.goals[goal].round(2).tolist()}; choose both in one open space"
             )
         nodes = []
         while node != _NO_NODE:
             nodes.append(node)
-            node = int(self.towards[node])
+            node = int(self.towards[goal, node])
         between = self.paths.points[nodes[1:-1]]
-        return np.concatenate([start[None], between, self.goal[None]])
+        return np.concatenate([start[None], between, self.goals[goal][None]])
+
+    def waypoints(
+        self, points: ArrayLike, goals: NDArray[np.intp], caster: Raycaster, reach: float
+    ) -> Array:
+        """The farthest point of each way that lies in line of sight (Meng 2020, IV).
+
+        Args:
+            points: (N, 2) where the robots are.
+            goals: (N,) number of each robot's goal.
+            caster: the walls.
+            reach: metres of the way that are looked at.
+
+        Returns:
+            (N, 2) points of the world; a robot without a way gets its own place.
+        """
+        points = np.asarray(points, dtype=float)
+        nodes, _ = self.paths.nearest(points)
+        best, visible, gone = points.copy(), np.ones(len(points), bool), np.zeros(len(points))
+        here = points
+        while visible.any():
+            arrived = (nodes < 0) | (self.towards[goals, nodes] == _NO_NODE)
+            place = np.where(arrived[:, None], self.goals[goals], self.paths.points[nodes])
+            gone = gone + np.linalg.norm(place - here, axis=1)
+            visible &= (gone <= reach) & caster.sees(points, place)
+            best = np.where(visible[:, None], place, best)
+            visible &= ~arrived
+            here, nodes = place, np.where(arrived, nodes, self.towards[goals, nodes])
+        return best
 
 
 class GridPaths:
@@ -145,27 +173,27 @@ class GridPaths:
             best, gap = np.where(closer, node, best), np.where(closer, far, gap)
         return best, gap
 
-    def field(self, goal: ArrayLike, *, shortest: bool = False) -> DistanceField:
-        """The distance of every place from `goal` (2,).
+    def fields(self, goals: ArrayLike, *, shortest: bool = False) -> DistanceFields:
+        """The distance of every place from each goal.
 
         Args:
-            goal: metres.
+            goals: (G, 2) metres.
             shortest: true geodesic length; otherwise ways that keep off the walls are preferred.
 
         Raises:
-            InputError: when the goal is not in free space.
+            InputError: when a goal is not in free space.
         """
-        goal = np.asarray(goal, dtype=float)
-        node = int(self.nearest(goal)[0]) if np.isfinite(goal).all() else -1
-        if node < 0:
+        goals = np.asarray(goals, dtype=float).reshape(-1, 2)
+        nodes = self.nearest(goals)[0] if np.isfinite(goals).all() else np.full(len(goals), -1)
+        for goal in goals[nodes < 0]:
             raise InputError(f"goal: {goal.tolist()} is not in free space; choose another place")
         graph = self._geodesic if shortest else self._comfortable
-        cost, towards = dijkstra(graph, indices=node, return_predecessors=True)
-        return DistanceField(self, goal, cost, towards)
+        cost, towards = dijkstra(graph, indices=nodes, return_predecessors=True)
+        return DistanceFields(self, goals, cost, towards)
 
     def component(self, start: ArrayLike) -> NDArray[np.bool_]:
         """(K,) which nodes can be reached from `start` (2,)."""
-        return np.isfinite(self.field(start, shortest=True).cost)
+        return np.isfinite(self.fields(start, shortest=True).cost[0])
 
 
 def path_length(path: ArrayLike) -> float:

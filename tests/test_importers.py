@@ -1,0 +1,622 @@
+"""Imported maps: where the walls land, what the rays see, and what each mistake is told."""
+
+import json
+
+import cv2
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import distance_to_segments, to_local, to_world
+from tutorial_lib.world.importers import import_houseexpo, import_map, import_ros_map
+from tutorial_lib.world.importers.contours import free_loops, signed_area, trace_loops
+from tutorial_lib.world.importers.surfaces import SPAN, dress_loops
+from tutorial_lib.world.materials import PERIOD
+from tutorial_lib.world.occupancy import check_closed, clearance_grid
+from tutorial_lib.world.plan_json import plan_from_json, plan_to_json, save_plan
+
+FREE, UNKNOWN, OCCUPIED = 254, 205, 0
+KEYS = {
+    "image": "map.pgm",
+    "resolution": 0.1,
+    "origin": [0.0, 0.0, 0.0],
+    "negate": 0,
+    "occupied_thresh": 0.65,
+    "free_thresh": 0.196,
+}
+
+
+def write_yaml(folder, drop=(), **changes):
+    keys = {k: v for k, v in {**KEYS, **changes}.items() if k not in drop}
+    (folder / "map.yaml").write_text("".join(f"{k}: {v}\n" for k, v in keys.items()))
+    return folder / "map.yaml"
+
+
+def p5(pixels, comment=b"# CREATOR: a test\n"):
+    height, width = pixels.shape
+    return b"P5\n%s%d %d\n255\n" % (comment, width, height) + pixels.astype(np.uint8).tobytes()
+
+
+def write_map(folder, pixels, **changes):
+    """A map from its pixels, row 0 on top; the path of its YAML file."""
+    (folder / "map.pgm").write_bytes(p5(pixels))
+    return write_yaml(folder, **changes)
+
+
+def box(height=30, width=40, value=OCCUPIED):
+    """A free room with a frame of two cells."""
+    pixels = np.full((height, width), value, np.uint8)
+    pixels[2:-2, 2:-2] = FREE
+    return pixels
+
+
+def blobs(seed, shape=(120, 160), level=0.55):
+    """A map of smooth random blobs with salt and pepper, and a closed border."""
+    rng = np.random.default_rng(seed)
+    noise = cv2.GaussianBlur(rng.random(shape), (0, 0), 5)
+    pixels = np.where(noise < np.quantile(noise, level), FREE, UNKNOWN)
+    pixels[rng.random(shape) < 0.005] = OCCUPIED
+    pixels[rng.random(shape) < 0.002] = FREE
+    pixels[0] = OCCUPIED
+    return pixels.astype(np.uint8)
+
+
+def corners(plan):
+    return {tuple(p) for p in plan.walls.reshape(-1, 2).round(9).tolist()}
+
+
+def sides(loop):
+    return np.concatenate([loop, np.roll(loop, -1, axis=0)], axis=1).astype(float)
+
+
+# --- ROS: where things land ---------------------------------------------------------------------
+
+
+def test_walls_lie_on_the_edges_of_the_cells(tmp_path):
+    plan = import_ros_map(write_map(tmp_path, box(), origin=[-1.0, 2.0, 0.0]))
+    assert corners(plan) == {(-0.8, 2.2), (2.8, 2.2), (2.8, 4.8), (-0.8, 4.8)}
+    assert len(plan.walls) == 4
+    assert (plan.family, plan.seed, plan.furniture, plan.doors) == ("ros", 0, (), ())
+    assert [room.kind for room in plan.rooms] == ["open"]
+    assert plan.area == pytest.approx(3.6 * 2.6)
+
+
+def test_row_zero_of_the_picture_is_the_top(tmp_path):
+    pixels = box()
+    pixels[2:12, 15:] = OCCUPIED  # an L: the upper right is missing
+    plan = import_ros_map(write_map(tmp_path, pixels))
+    assert corners(plan) == {(0.2, 0.2), (3.8, 0.2), (3.8, 1.8), (1.5, 1.8), (1.5, 2.8), (0.2, 2.8)}
+
+
+@pytest.mark.parametrize("yaw", [0.5 * np.pi, -2.0, 0.3])
+def test_yaw_turns_the_map_about_its_lower_left_corner(tmp_path, yaw):
+    pixels = box()
+    pixels[2:12, 15:] = OCCUPIED
+    straight = import_ros_map(write_map(tmp_path, pixels))
+    pose = [3.0, -1.0, yaw]
+    turned = import_ros_map(write_map(tmp_path, pixels, origin=pose))
+    expected = to_world(pose, straight.walls.reshape(-1, 2))
+    np.testing.assert_allclose(turned.walls.reshape(-1, 2), expected, atol=1e-9)
+    check_closed(turned)
+
+
+def test_obstacles_inside_and_map_edges_get_walls(tmp_path):
+    pixels = np.full((30, 40), FREE, np.uint8)
+    pixels[10:13, 20:25] = OCCUPIED
+    pixels[20, 5] = UNKNOWN
+    plan = import_ros_map(write_map(tmp_path, pixels))
+    assert {(2.0, 1.7), (2.5, 1.7), (2.5, 2.0), (2.0, 2.0), (0.5, 0.9), (0.6, 1.0)} < corners(plan)
+    assert {(0.0, 0.0), (4.0, 0.0), (4.0, 3.0), (0.0, 3.0)} < corners(plan)
+    assert len(plan.walls) == 12
+    assert len(plan.rooms) == 1
+
+
+def test_regions_too_small_for_the_car_are_left_out(tmp_path):
+    pixels = np.full((40, 60), OCCUPIED, np.uint8)
+    pixels[5:35, 5:25] = FREE  # 2 x 3 m
+    pixels[5:14, 30:38] = FREE  # 0.72 m2
+    pixels[20:22, 28:58] = FREE  # long, but 0.2 m wide
+    pixels[26:37, 30:58] = FREE  # 1.1 x 2.8 m
+    plan = import_ros_map(write_map(tmp_path, pixels))
+    assert len(plan.rooms) == 2
+    assert plan.area == pytest.approx(6.0 + 3.08)
+
+
+# --- ROS: what a pixel means --------------------------------------------------------------------
+
+
+def write_png(folder, picture):
+    assert cv2.imwrite(str(folder / "map.png"), picture)
+
+
+def test_p2_p5_png_and_colour_say_the_same(tmp_path):
+    pixels = box(value=UNKNOWN)
+    pixels[10:14, 10:18] = OCCUPIED
+    expected = import_ros_map(write_map(tmp_path, pixels)).walls
+    text = "\n".join(" ".join(map(str, row)) for row in pixels.tolist())
+    (tmp_path / "map.pgm").write_text(f"P2 # text\n40 30\n255\n# rows\n{text}\n")
+    np.testing.assert_array_equal(import_ros_map(write_yaml(tmp_path)).walls, expected)
+    for picture in (
+        pixels,
+        np.repeat(pixels[..., None], 3, axis=2),
+        pixels.astype(np.uint16) * 257,
+    ):
+        write_png(tmp_path, picture)
+        np.testing.assert_array_equal(
+            import_ros_map(write_yaml(tmp_path, image="map.png")).walls, expected
+        )
+
+
+def test_pgm_with_another_largest_value(tmp_path):
+    pixels = (box() > 0).astype(np.uint8)
+    expected = import_ros_map(write_map(tmp_path, box())).walls
+    (tmp_path / "map.pgm").write_bytes(b"P5 40 30 1\n" + pixels.tobytes())
+    np.testing.assert_array_equal(import_ros_map(write_yaml(tmp_path)).walls, expected)
+    wide = (pixels.astype(">u2") * 1000).tobytes()
+    (tmp_path / "map.pgm").write_bytes(b"P5 40 30 1000\n" + wide)
+    np.testing.assert_array_equal(import_ros_map(write_yaml(tmp_path)).walls, expected)
+
+
+@pytest.mark.parametrize("negate", [1, "true"])
+def test_negate_swaps_black_and_white(tmp_path, negate):
+    pixels = box()
+    expected = import_ros_map(write_map(tmp_path, pixels)).walls
+    plan = import_ros_map(write_map(tmp_path, 255 - pixels, negate=negate))
+    np.testing.assert_array_equal(plan.walls, expected)
+
+
+def test_thresholds_are_those_of_map_server(tmp_path):
+    pixels = box()
+    pixels[10:14, 10:18] = 204  # occupancy 0.2
+    assert len(import_ros_map(write_map(tmp_path, pixels, free_thresh=0.1999)).walls) == 8
+    assert len(import_ros_map(write_map(tmp_path, pixels, free_thresh=0.2001)).walls) == 4
+    pixels[pixels == FREE] = 255  # occupancy 0, which is not below 0
+    expect_error(import_ros_map, write_map(tmp_path, pixels, free_thresh=0), ["free region"])
+    # With nav2's default of 0.25 the grey of a trinary map counts as free.
+    pixels[10:14, 10:18] = UNKNOWN
+    assert len(import_ros_map(write_map(tmp_path, pixels, free_thresh=0.25)).walls) == 4
+
+
+def test_scale_keeps_graded_and_transparent_cells_out(tmp_path):
+    pixels = box()
+    pixels[10:14, 10:18] = 128
+    assert len(import_ros_map(write_map(tmp_path, pixels, mode="scale")).walls) == 8
+    picture = np.repeat(box()[..., None], 4, axis=2)
+    picture[..., 3] = 255
+    picture[10:14, 10:18, 3] = 0
+    write_png(tmp_path, picture)
+    yaml_path = write_yaml(tmp_path, image="map.png", mode="scale")
+    assert len(import_ros_map(yaml_path).walls) == 8
+
+
+def test_trinary_averages_alpha_in(tmp_path):
+    picture = np.repeat(box()[..., None], 4, axis=2)
+    picture[..., 3] = 255
+    picture[10:14, 10:18, 3] = 0  # (3 * 254 + 0) / 4: occupancy 0.253
+    write_png(tmp_path, picture)
+    assert len(import_ros_map(write_yaml(tmp_path, image="map.png")).walls) == 8
+    plan = import_ros_map(write_yaml(tmp_path, image="map.png", free_thresh=0.26))
+    assert len(plan.walls) == 4
+
+
+def test_numbers_that_yaml_takes_for_text(tmp_path):
+    plan = import_ros_map(write_map(tmp_path, box(), resolution="1e-1"))
+    assert plan.bounds == pytest.approx((0.2, 0.2, 3.8, 2.8))
+
+
+# --- ROS: rays ----------------------------------------------------------------------------------
+
+
+def march(free, origins, directions):
+    """Cells travelled through a grid until the first cell that is not free; row 0 lowest."""
+    grid = np.pad(free, 1)
+    cell = np.floor(origins).astype(int)
+    inverse = 1 / np.abs(directions)
+    following = np.where(directions > 0, cell + 1 - origins, origins - cell) * inverse
+    travelled, live = np.zeros(len(origins)), np.arange(len(origins))
+    while live.size:
+        axis = following[live].argmin(axis=1)
+        travelled[live] = following[live, axis]
+        cell[live, axis] += np.sign(directions[live, axis]).astype(int)
+        following[live, axis] += inverse[live, axis]
+        live = live[grid[cell[live, 1] + 1, cell[live, 0] + 1]]
+    return travelled
+
+
+def cast(walls, origins, directions):
+    """Distance along each ray to the first wall, by trying every wall."""
+    start, along = walls[:, :2], walls[:, 2:] - walls[:, :2]
+    ranges = np.empty(len(origins))
+    for i, (origin, direction) in enumerate(zip(origins, directions, strict=True)):
+        gap = start - origin
+        with np.errstate(divide="ignore", invalid="ignore"):
+            across = direction[0] * along[:, 1] - direction[1] * along[:, 0]
+            far = (gap[:, 0] * along[:, 1] - gap[:, 1] * along[:, 0]) / across
+            share = (gap[:, 0] * direction[1] - gap[:, 1] * direction[0]) / across
+        hit = (far >= 0) & (share >= -1e-9) & (share <= 1 + 1e-9)
+        ranges[i] = far[hit].min(initial=np.inf)
+    return ranges
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_rays_agree_with_the_grid(tmp_path, seed):
+    pixels, pose, resolution = blobs(seed), [2.0, -3.0, 0.7], 0.05
+    plan = import_ros_map(write_map(tmp_path, pixels, origin=pose, resolution=resolution))
+    rng = np.random.default_rng(seed)
+    free = pixels[::-1] == FREE
+    clearance = cv2.distanceTransform(np.pad(free, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    cells = np.argwhere(clearance * resolution > 0.25)
+    inside = clearance_grid(plan).at(to_world(pose, (cells[:, ::-1] + 0.5) * resolution)) > 0
+    cells = cells[inside]  # not in the regions left out
+    starts = cells[rng.integers(len(cells), size=10_000)][:, ::-1] + 0.5
+    angles = rng.uniform(0, 2 * np.pi, len(starts))
+    rays = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    expected = march(free, starts, rays) * resolution
+    local = to_local(pose, plan.walls.reshape(-1, 2)).reshape(-1, 4)
+    ranges = cast(local, starts * resolution, rays)
+    assert np.isfinite(ranges).all()  # no ray escapes
+    assert (np.abs(ranges - expected) <= resolution).mean() >= 0.99
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_clearance_agrees_with_the_grid(tmp_path, seed):
+    pixels, resolution = blobs(seed), 0.05
+    plan = import_ros_map(write_map(tmp_path, pixels, resolution=resolution))
+    check_closed(plan)
+    free = pixels[::-1] == FREE
+    rows, columns = np.nonzero(free)
+    centres = (np.stack([columns, rows], axis=1) + 0.5) * resolution
+    clearance = cv2.distanceTransform(np.pad(free, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
+    found, expected = clearance_grid(plan).at(centres), clearance[free] * resolution
+    reached = found > 0
+    assert (expected > 0.2)[reached].any()
+    assert np.abs(found - expected)[reached].max() < 3 * resolution
+
+
+def test_a_large_island_does_not_pass_for_the_room(tmp_path):
+    pixels = box(100, 140)
+    pixels[20:-20, 20:-20] = UNKNOWN
+    grid = clearance_grid(import_ros_map(write_map(tmp_path, pixels)))
+    assert grid.at([1.0, 1.0]) > 0.5
+    assert grid.at([7.0, 5.0]) == 0
+
+
+# --- Outlines -----------------------------------------------------------------------------------
+
+
+def crossings(walls):
+    """Pairs of walls that properly cross."""
+    a, b = walls[:, None, :2], walls[:, None, 2:]
+    c, d = walls[None, :, :2], walls[None, :, 2:]
+
+    def side(p, q, r):
+        u, v = q - p, r - p
+        cross = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+        return np.where(np.abs(cross) < 1e-9, 0.0, cross)
+
+    return ((side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)).sum()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 10**6), st.integers(2, 24), st.integers(2, 24), st.sampled_from([0, 0.8, 2]))
+def test_outlines_are_simple_and_within_half_a_cell(seed, height, width, blur):
+    noise = np.random.default_rng(seed).random((height, width))
+    noise = cv2.GaussianBlur(noise, (0, 0), blur) if blur else noise
+    free = noise < np.median(noise)
+    exact = [loop for loop, _ in trace_loops(free)]
+    loops = free_loops(free)
+    assert sum(map(signed_area, exact)) == free.sum()
+    count, _ = cv2.connectedComponents(free.astype(np.uint8), connectivity=4)
+    assert sum(signed_area(loop) > 0 for loop in loops) == count - 1
+    for true, loop in zip(exact, loops, strict=True):
+        assert len(np.unique(loop, axis=0)) == len(loop) >= 3
+        assert np.sign(signed_area(loop)) == np.sign(signed_area(true))
+        samples = np.linspace(sides(loop)[:, :2], sides(loop)[:, 2:], 9).reshape(-1, 2)
+        assert distance_to_segments(true, sides(loop)).min(axis=1).max() <= 0.5
+        assert distance_to_segments(samples, sides(true)).min(axis=1).max() <= 0.5
+    assert crossings(np.concatenate([sides(loop) for loop in loops])) == 0
+
+
+def test_simplifying_saves_corners():
+    rows, columns = np.mgrid[:80, :80]
+    disc = np.hypot(columns - 40.2, rows - 39.7) < 35.4
+    assert len(free_loops(disc)[0]) < 0.9 * len(trace_loops(disc)[0][0])
+
+
+def test_loops_are_closed_and_materials_change(tmp_path):
+    pixels = box(200, 600)
+    pixels[50:60, 100:400] = OCCUPIED
+    pixels[100, 300] = pixels[120, 310] = OCCUPIED
+    plan = import_ros_map(write_map(tmp_path, pixels))
+    starts, ends = plan.walls[:, :2], plan.walls[:, 2:]
+    assert sorted(map(tuple, starts)) == sorted(map(tuple, ends))  # exactly, not nearly
+    lengths = np.hypot(*(ends - starts).T)
+    assert len(plan.materials) >= lengths.sum() / SPAN
+    assert (plan.wall_offsets + lengths <= PERIOD).all()  # so no strip repeats
+    joined = (ends[:-1] == starts[1:]).all(axis=1)
+    same = np.array(plan.wall_materials[1:]) == np.array(plan.wall_materials[:-1])
+    gaps = (plan.wall_offsets[:-1] + lengths[:-1] - plan.wall_offsets[1:])[joined & same]
+    assert np.abs(gaps).max() < 1e-5  # offsets run on along the outline
+    features = sum(len(material.stripes) for material in plan.materials)
+    assert features / (PERIOD * len(plan.materials)) > 1 / 0.8
+
+
+@pytest.mark.parametrize("gap", [-0.02, -0.005, 0.0, 0.005, 0.02])
+def test_a_corner_beside_a_change_of_material(gap):
+    loop = np.array(
+        [[0, 0], [24.5 + gap, 0], [24.5 + gap, 1], [47, 1], [47, 2], [0, 2]]
+    )  # 98 m around
+    walls, names, offsets, materials = dress_loops([loop], np.random.default_rng(0), "standard")
+    lengths = np.hypot(*(walls[:, 2:] - walls[:, :2]).T)
+    assert (offsets + lengths <= SPAN + 0.02).all()
+    assert lengths.min() >= 0.01
+    assert set(names) == {material.name for material in materials}
+    assert lengths.sum() == pytest.approx(98)
+    assert len(materials) == 4
+
+
+# --- Colours ------------------------------------------------------------------------------------
+
+
+def test_same_seed_same_bytes(tmp_path):
+    path = write_map(tmp_path, blobs(3), resolution=0.05)
+    first = plan_to_json(import_ros_map(path, 5))
+    assert first == plan_to_json(import_ros_map(path, 5))
+    assert first == plan_to_json(plan_from_json(first))
+    other = import_ros_map(path, 6)
+    assert plan_to_json(other) != first
+    np.testing.assert_array_equal(other.walls, import_ros_map(path, 5).walls)
+
+
+def test_shifted_looks_different(tmp_path):
+    path = write_map(tmp_path, box())
+    for seed in range(5):
+        standard = import_ros_map(path, seed).look
+        shifted = import_ros_map(path, seed, "shifted").look
+        assert (standard.palette, standard.gamma, standard.noise) == ("standard", 1.0, 0.0)
+        assert shifted.palette == "shifted"
+        assert 0.7 <= shifted.gamma <= 0.8 or 1.3 <= shifted.gamma <= 1.5
+        assert 6 <= shifted.noise <= 12
+
+
+# --- ROS: mistakes ------------------------------------------------------------------------------
+
+NAN, INF = ".nan", ".inf"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"drop": ["image"]}, ["map.yaml", "image"]),
+        ({"drop": ["resolution"]}, ["map.yaml", "resolution"]),
+        ({"drop": ["origin"]}, ["origin"]),
+        ({"drop": ["negate"]}, ["negate"]),
+        ({"drop": ["free_thresh"]}, ["free_thresh"]),
+        ({"drop": ["occupied_thresh"]}, ["occupied_thresh"]),
+        ({"image": "none.pgm"}, ["map.yaml: image", "none.pgm"]),
+        ({"image": "[1]"}, ["map.yaml: image"]),
+        ({"resolution": 0}, ["map.yaml: resolution", "above 0"]),
+        ({"resolution": -0.1}, ["resolution"]),
+        ({"resolution": NAN}, ["resolution", "finite"]),
+        ({"resolution": "wide"}, ["resolution"]),
+        ({"resolution": 50}, ["resolution", "2000 m across"]),
+        ({"resolution": 0.001}, ["free region"]),
+        ({"origin": [0, 0]}, ["origin", "yaw"]),
+        ({"origin": f"[0, {INF}, 0]"}, ["origin[1]"]),
+        ({"negate": "maybe"}, ["negate"]),
+        ({"mode": "raw"}, ["mode", "raw"]),
+        ({"mode": "binary"}, ["mode", "trinary"]),
+        ({"free_thresh": 0.65}, ["free_thresh", "occupied_thresh"]),
+        ({"free_thresh": -0.1}, ["free_thresh"]),
+        ({"occupied_thresh": 1.1}, ["occupied_thresh"]),
+        ({"negate": 1}, ["free region", "negate"]),
+    ],
+)
+def test_a_wrong_yaml_is_told(tmp_path, changes, words):
+    (tmp_path / "map.pgm").write_bytes(p5(box()))
+    expect_error(import_ros_map, write_yaml(tmp_path, **changes), words)
+
+
+def expect_error(function, path, words, **choice):
+    with pytest.raises(InputError) as caught:
+        function(path, **choice)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize(
+    "content", [b"image: [", b"\xff\xfe", b"just words", b"a: b: c", b"- 1", b"x: \x00", b""]
+)
+def test_what_is_no_yaml_is_told(tmp_path, content):
+    (tmp_path / "map.yaml").write_bytes(content)
+    expect_error(import_ros_map, tmp_path / "map.yaml", ["map.yaml"])
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        p5(box())[:-1],
+        b"P5\n40 30\n255\n",
+        b"P5\n40 30",
+        b"P5\n40 0\n255\n",
+        b"P5 -1 3 255\n" + bytes(99),
+        b"P5 100000000 100000000 255\n" + bytes(9),
+        b"P2 3 3 255\n1 2 3 4",
+        b"P2 2 1 255\n1 x",
+        b"GIF89a",
+        b"",
+    ],
+)
+def test_a_broken_picture_is_told(tmp_path, content):
+    (tmp_path / "map.pgm").write_bytes(content)
+    expect_error(import_ros_map, write_yaml(tmp_path), ["map.yaml: image", "map.pgm"])
+
+
+def test_a_cut_png_is_told(tmp_path):
+    write_png(tmp_path, blobs(0))
+    data = (tmp_path / "map.png").read_bytes()
+    for size in (20, len(data) // 2, len(data) - 13):
+        (tmp_path / "map.png").write_bytes(data[:size])
+        expect_error(import_ros_map, write_yaml(tmp_path, image="map.png"), ["image", "cut off"])
+
+
+def test_a_missing_file_a_negative_seed_and_an_unknown_palette_are_told(tmp_path):
+    path = write_map(tmp_path, box())
+    for function in (import_ros_map, import_houseexpo, import_map):
+        expect_error(function, tmp_path / "none.json", ["none.json"])
+        expect_error(function, path, ["seed", "-1"], seed=-1)
+        expect_error(function, path, ["palette", "pink"], palette="pink")
+
+
+def test_a_map_without_free_space_is_told(tmp_path):
+    path = write_map(tmp_path, np.full((30, 40), UNKNOWN))
+    expect_error(import_ros_map, path, ["map.yaml", "free region"])
+
+
+# --- HouseExpo ----------------------------------------------------------------------------------
+
+L_SHAPE = [[0, 0], [8, 0], [8, 4], [3, 4], [3, 7], [0, 7]]
+
+
+def write_house(folder, **changes):
+    house = {
+        "id": "a1",
+        "room_num": 3,
+        "bbox": {"min": [0, 0], "max": [8, 7]},
+        "verts": L_SHAPE,
+        "room_category": {
+            "Living_Room": [[3.2, 0.1, 7.9, 3.9]],
+            "Bedroom": [[0.1, 4.2, 2.9, 6.9]],
+            "Toilet": [[0, 0, 3, 4]],
+        },
+    }
+    house = {k: v for k, v in {**house, **changes}.items() if v is not None}
+    (folder / "house.json").write_text(json.dumps(house))
+    return folder / "house.json"
+
+
+def test_house_walls_and_kinds(tmp_path):
+    plan = import_houseexpo(write_house(tmp_path), 4)
+    assert corners(plan) == {tuple(map(float, p)) for p in [*L_SHAPE, (5, 4)]}  # cut: 30 m around
+    assert [room.kind for room in plan.rooms] == ["living", "bedroom", "bathroom"]
+    assert (plan.family, plan.seed) == ("houseexpo", 4)
+    check_closed(plan)
+    grid = clearance_grid(plan)
+    assert grid.at([1.5, 5.5]) == pytest.approx(1.5, abs=0.06)
+    assert grid.at([6.0, 6.0]) == 0
+
+
+@pytest.mark.parametrize(
+    ("category", "kind"),
+    [
+        ("Kitchen", "kitchen"),
+        ("Dining_Room", "living"),
+        ("Child_Room", "bedroom"),
+        ("guest room", "bedroom"),
+        ("Hallway", "hallway"),
+        ("Hall", "hallway"),
+        ("Entryway", "hallway"),
+        ("Bathroom", "bathroom"),
+        ("Office", "office"),
+        ("Garage", "storage"),
+        ("Wardrobe", "storage"),
+        ("Gym", "open"),
+        ("Balcony", "open"),
+        ("Zzz", "open"),
+    ],
+)
+def test_categories(tmp_path, category, kind):
+    path = write_house(tmp_path, room_category={category: [[1, 1, 3, 3]]})
+    assert [room.kind for room in import_houseexpo(path).rooms] == [kind]
+
+
+def test_a_box_that_pokes_out_is_cut_to_the_outline(tmp_path):
+    rooms = {"Office": [[-2, -2, 20, 20]], "Kitchen": [[4, 3, 9, 9]], "Hall": [[5, 5, 8, 8]]}
+    plan = import_houseexpo(write_house(tmp_path, room_category=rooms))
+    assert [room.kind for room in plan.rooms] == ["office", "kitchen"]
+    assert plan.rooms[0].area == pytest.approx(41.0)
+    assert plan.rooms[1].area == pytest.approx(4.0)
+    check_closed(plan)
+
+
+def test_a_box_across_a_notch(tmp_path):
+    comb = [[0, 0], [9, 0], [9, 5], [6, 5], [6, 1], [5.9, 1], [5.9, 5], [3, 5], [3, 1], [2, 1]]
+    path = write_house(
+        tmp_path, verts=[*comb, [2, 5], [0, 5]], room_category={"Hall": [1, 2, 8, 4]}
+    )
+    plan = import_houseexpo(path)
+    assert plan.rooms[0].area == pytest.approx(1 * 2 + 2.9 * 2 + 2 * 2)
+    check_closed(plan)
+
+
+@pytest.mark.parametrize("rooms", [None, {}, {"Hall": [[50, 50, 60, 60]]}])
+def test_without_rooms_there_is_one_open_room(tmp_path, rooms):
+    plan = import_houseexpo(write_house(tmp_path, room_category=rooms))
+    assert [room.kind for room in plan.rooms] == ["open"]
+    assert plan.area == pytest.approx(41.0)
+
+
+def test_order_and_repeated_corners_do_not_matter(tmp_path):
+    expected = {tuple(map(float, p)) for p in L_SHAPE}
+    repeated = [p for p in L_SHAPE for _ in range(2)] + [L_SHAPE[0]]
+    for verts in (repeated, L_SHAPE[::-1]):
+        plan = import_houseexpo(write_house(tmp_path, verts=verts, room_category=None))
+        assert set(plan.rooms[0].outline) == expected <= corners(plan)
+
+
+def test_a_house_survives_json(tmp_path):
+    for palette in ("standard", "shifted"):
+        plan = import_houseexpo(write_house(tmp_path), 1, palette)
+        text = plan_to_json(plan)
+        assert plan_to_json(plan_from_json(text)) == text
+        assert plan_to_json(import_houseexpo(write_house(tmp_path), 1, palette)) == text
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"verts": None}, ["house.json", "verts"]),
+        ({"verts": []}, ["house.json: verts", "three"]),
+        ({"verts": [[0, 0], [1, 1], [1, 1], [0, 0]]}, ["verts", "three"]),
+        ({"verts": [[0, 0], [4, float("nan")], [4, 4]]}, ["verts[1][1]", "finite"]),
+        ({"verts": [[0, 0], [4], [4, 4]]}, ["verts[1]"]),
+        ({"verts": [[0, 0], [4, "a"], [4, 4]]}, ["verts[1][1]"]),
+        ({"verts": 7}, ["verts"]),
+        ({"verts": [[0, 0], [4, 4], [4, 0], [0, 4]]}, ["verts", "cross"]),
+        ({"verts": [[0, 0], [4, 0], [8, 0]]}, ["verts", "enclose"]),
+        ({"verts": [[0, 0], [9e5, 0], [9e5, 9e5]]}, ["verts", "metres"]),
+        ({"room_category": [1]}, ["room_category"]),
+        ({"room_category": {"Hall": [[1, 2, 3]]}}, ["room_category.Hall[0]", "4"]),
+        ({"room_category": {"Hall": 3}}, ["room_category.Hall"]),
+    ],
+)
+def test_a_wrong_house_is_told(tmp_path, changes, words):
+    expect_error(import_houseexpo, write_house(tmp_path, **changes), words)
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"\xff", b"[" * 100_000, b"[1]", b"3"])
+def test_what_is_no_house_is_told(tmp_path, content):
+    path = tmp_path / "house.json"
+    path.write_bytes(content)
+    for function in (import_houseexpo, import_map):
+        expect_error(function, path, ["house.json"])
+
+
+# --- Any map ------------------------------------------------------------------------------------
+
+
+def test_import_map_tells_the_kinds_apart(tmp_path):
+    path = write_map(tmp_path, box())
+    ros = import_map(path, 2, "shifted")
+    assert plan_to_json(ros) == plan_to_json(import_ros_map(path, 2, "shifted"))
+    (tmp_path / "map.YML").write_text(path.read_text())
+    assert import_map(str(tmp_path / "map.YML")).family == "ros"
+    assert import_map(write_house(tmp_path)).family == "houseexpo"
+    save_plan(ros, tmp_path / "plan.json")
+    assert plan_to_json(import_map(tmp_path / "plan.json")) == plan_to_json(ros)
+    expect_error(import_map, tmp_path / "map.pgm", ["map.pgm", ".yaml"])
+    (tmp_path / "other.json").write_text("{}")
+    expect_error(import_map, tmp_path / "other.json", ["other.json", "verts", "schema"])

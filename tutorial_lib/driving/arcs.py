@@ -1,0 +1,163 @@
+"""A driver that needs only a laser: try arcs, forwards and in reverse, and take the best.
+
+Each arc is a steering angle held for a while. An arc ends before it would touch what the laser saw;
+what is left to do from a place on it is judged by distance and by how much the car still has to
+turn. A car that faces the wrong way thus turns in several moves where there is room, and reverses
+where there is none.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.bodies import BicycleCar
+
+Array = NDArray[np.float64]
+
+_HORIZON = 2.5  # metres within which the laser's points matter
+
+
+@dataclass(frozen=True)
+class ArcController:
+    """Drives a car to a waypoint by the laser; a `Controller`.
+
+    Attributes:
+        car: the body.
+        steerings: how many steering angles are tried.
+        ahead, behind: metres that an arc is long at most.
+        stride: metres between the places on an arc that are looked at.
+        margin: metres that the car keeps from everything.
+        comfort: metres of clearance from which on it is content.
+        discomfort: metres that touching the margin feels like.
+        reverse_cost: a metre in reverse feels like so many ahead.
+        shift_cost: metres that a change between forwards and reverse feels like.
+        arrived: metres from the waypoint at which the car stops.
+        braking: m/s^2 that it counts on.
+        crawl: m/s where there is no room at all.
+        hurry: m/s more for each metre of room.
+    """
+
+    car: BicycleCar = field(default_factory=BicycleCar)
+    steerings: int = 11
+    ahead: float = 1.4
+    behind: float = 1.0
+    stride: float = 0.1
+    margin: float = 0.04
+    comfort: float = 0.2
+    discomfort: float = 0.6
+    reverse_cost: float = 3.0
+    shift_cost: float = 0.5
+    arrived: float = 0.1
+    braking: float = 1.0
+    crawl: float = 0.2
+    hurry: float = 3.0
+
+    @cached_property
+    def _arcs(self) -> Array:
+        """(A, 3) steering in rad, direction (+1 or -1) and longest length in metres of each arc."""
+        angles = np.linspace(-self.car.max_steering, self.car.max_steering, self.steerings)
+        lengths = {1.0: self.ahead, -1.0: self.behind}
+        return np.array([[a, sign, far] for sign, far in lengths.items() for a in angles])
+
+    @cached_property
+    def _limits(self) -> Array:
+        """What `_choose` must know of the car and of taste, in its order."""
+        car, box = self.car, [*self.car.footprint.min(axis=0), *self.car.footprint.max(axis=0)]
+        body = [car.wheelbase, car.steering_rate, car.turning_radius]
+        taste = [self.margin, self.comfort, self.discomfort, self.reverse_cost, self.shift_cost]
+        return np.array([*box, *body, self.stride, *taste])
+
+    def act(self, observations: Observation, waypoints: Array) -> Array:
+        """Actions (N, 2): speed in m/s and steering in rad, for waypoints (N, 2)."""
+        state = np.stack([observations.speed, observations.steering], axis=1)
+        best, free, gap = _choose(observations.laser, waypoints, state, self._arcs, self._limits)
+        steering, sign, _ = self._arcs[best].T
+        left = np.linalg.norm(waypoints, axis=1)
+        limit = np.where(sign > 0, self.car.max_speed, self.car.max_reverse)
+        # Slow enough to stop in time, and where it is tight.
+        speed = np.sqrt(2 * self.braking * np.minimum(free, left))
+        speed = np.minimum(np.minimum(speed, limit), self.crawl + self.hurry * gap)
+        stop = (left < self.arrived) | (free <= 0.0)
+        return np.stack([np.where(stop, 0.0, sign * speed), steering], axis=1)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _choose(
+    lasers: Array, waypoints: Array, state: Array, arcs: Array, limits: Array
+) -> tuple[NDArray[np.intp], Array, Array]:
+    """For each robot the best arc's number, how many metres of it are free, and its least gap."""
+    box = limits[:4]
+    wheelbase, steering_rate, radius, stride = limits[4:8]
+    margin, comfort, discomfort, reverse_cost, shift_cost = limits[8:]
+    count, beams = lasers.shape
+    best, free, least = np.zeros(count, np.intp), np.zeros(count), np.zeros(count)
+    px, py = np.empty(beams), np.empty(beams)
+    for robot in range(count):
+        near = 0
+        for beam in range(beams):
+            angle = (beam + 0.5) * 2 * np.pi / beams - np.pi
+            distance = lasers[robot, beam]
+            if distance < _HORIZON:
+                px[near], py[near] = distance * np.cos(angle), distance * np.sin(angle)
+                near += 1
+        # Whoever is too close already may leave, but not come closer.
+        tight = min(margin, 0.9 * _gap(px, py, near, 0.0, 0.0, 1.0, 0.0, box))
+        speed, steering = state[robot]
+        swing = steering_rate * stride / max(abs(speed), 0.3)
+        lowest = np.inf
+        for arc in range(len(arcs)):
+            wanted, sign, longest = arcs[arc]
+            shift = shift_cost if speed * sign < -0.02 else 0.0
+            x, y, heading, delta, length = 0.0, 0.0, 0.0, steering, 0.0
+            roughness, arc_gap, arc_cost = 0.0, np.inf, np.inf
+            while length < longest - 1e-9:
+                delta += min(max(wanted - delta, -swing), swing)
+                turn = sign * stride * np.tan(delta) / wheelbase
+                x += sign * stride * np.cos(heading + turn / 2)
+                y += sign * stride * np.sin(heading + turn / 2)
+                heading += turn
+                gap = _gap(px, py, near, x, y, np.cos(heading), np.sin(heading), box)
+                if gap < tight:
+                    break
+                length += stride
+                if length < 0.6:
+                    arc_gap = min(arc_gap, gap)
+                roughness = max(roughness, 1.0 - (gap - margin) / comfort)
+                gone = shift + (length if sign > 0 else length * reverse_cost)
+                dx, dy = waypoints[robot, 0] - x, waypoints[robot, 1] - y
+                to_go = _to_go(dx, dy, heading, radius, reverse_cost)
+                arc_cost = min(arc_cost, gone + to_go + discomfort * roughness)
+            if length > 1.5 * stride and arc_cost < lowest:
+                lowest, best[robot], free[robot], least[robot] = arc_cost, arc, length, arc_gap
+    return best, free, least
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _gap(
+    px: Array, py: Array, near: int, x: float, y: float, cos: float, sin: float, box: Array
+) -> float:
+    """Metres from the car at (x, y) to the nearest of the points; 0 if one is inside."""
+    smallest = np.inf
+    for i in range(near):
+        ux, uy = px[i] - x, py[i] - y
+        along, aside = cos * ux + sin * uy, cos * uy - sin * ux
+        out_x = max(box[0] - along, along - box[2], 0.0)
+        out_y = max(box[1] - aside, aside - box[3], 0.0)
+        smallest = min(smallest, out_x * out_x + out_y * out_y)
+    return np.sqrt(smallest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _to_go(dx: float, dy: float, heading: float, radius: float, reverse_cost: float) -> float:
+    """About how far it still is: the distance, and the arc to turn towards or away from it."""
+    distance = np.sqrt(dx * dx + dy * dy)
+    bearing = abs((np.arctan2(dy, dx) - heading + np.pi) % (2 * np.pi) - np.pi)
+    # Very near, the bearing says nothing.
+    weight = radius * min(1.0, distance / 0.3)
+    ahead = distance + weight * bearing
+    back = reverse_cost * (distance + weight * (np.pi - bearing))
+    return min(ahead, back)

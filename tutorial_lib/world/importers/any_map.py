@@ -1,0 +1,49 @@
+"""Any kind of map, recognised by its suffix and what it holds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.floorplan import FloorPlan
+from tutorial_lib.world.importers.houseexpo import import_houseexpo
+from tutorial_lib.world.importers.ros_map import import_ros_map
+from tutorial_lib.world.importers.surfaces import check_choice
+from tutorial_lib.world.plan_json import load_plan
+
+
+def import_map(path: str | Path, seed: int = 0, palette: str = "standard") -> FloorPlan:
+    """Read a map of any known kind.
+
+    Args:
+        path: a ROS map's YAML file, a HouseExpo JSON file, or a floor plan saved by this library.
+        seed: of an imported map's colours; a saved plan keeps its own.
+        palette: "standard" or "shifted", for an imported map; a saved plan keeps its own.
+
+    Returns:
+        The floor plan, in metres.
+
+    Raises:
+        InputError: when the file is missing, of no known kind, or malformed.
+    """
+    check_choice(seed, palette)
+    path = Path(path)
+    if path.suffix.lower() in (".yaml", ".yml"):
+        return import_ros_map(path, seed, palette)
+    if path.suffix.lower() != ".json":
+        raise InputError(f"{path}: unknown kind of map; give a .yaml, .yml or .json file")
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read ({error}); give a map's file") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path.name}: is no JSON ({error}); was the file cut off?") from None
+    if isinstance(content, dict) and "schema" in content:
+        return load_plan(path)
+    if isinstance(content, dict) and "verts" in content:
+        return import_houseexpo(path, seed, palette)
+    raise InputError(
+        f"{path.name}: has neither 'verts' (HouseExpo) nor 'schema' (a saved floor plan); "
+        "give one of these kinds"
+    )
