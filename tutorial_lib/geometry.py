@@ -63,7 +63,11 @@ def compose(first: ArrayLike, second: ArrayLike) -> Array:
 
 
 def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
-    """`pose` in the frame of `origin`: ``compose(origin, relative(origin, pose)) == pose``."""
+    """A pose as seen from another one, the inverse of `compose`.
+
+    >>> relative([1.0, 0.0, np.pi / 2], [1.0, 1.0, np.pi / 2]).round(6).tolist()
+    [1.0, 0.0, 0.0]
+    """
     origin, pose = np.asarray(origin, dtype=float), np.asarray(pose, dtype=float)
     position = to_local(origin, pose[..., :2])
     heading = wrap(pose[..., 2] - origin[..., 2])
@@ -71,7 +75,11 @@ def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
 
 
 def inverse(pose: ArrayLike) -> Array:
-    """The pose that undoes `pose`: ``compose(pose, inverse(pose))`` is the identity."""
+    """The pose that undoes a pose: composed, the two are the identity.
+
+    >>> inverse([1.0, 0.0, np.pi / 2]).round(6).tolist()
+    [-0.0, 1.0, -1.570796]
+    """
     pose = np.asarray(pose, dtype=float)
     return relative(pose, np.zeros_like(pose))
 

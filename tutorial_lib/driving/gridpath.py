@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.csgraph import connected_components, dijkstra
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.occupancy import ClearanceGrid
@@ -191,9 +191,10 @@ class GridPaths:
         cost, towards = dijkstra(graph, indices=nodes, return_predecessors=True)
         return DistanceFields(self, goals, cost, towards)
 
-    def component(self, start: ArrayLike) -> NDArray[np.bool_]:
-        """(K,) which nodes can be reached from `start` (2,)."""
-        return np.isfinite(self.fields(start, shortest=True).cost[0])
+    def largest(self) -> NDArray[np.bool_]:
+        """(K,) which nodes belong to the largest part that hangs together."""
+        _, label = connected_components(self._geodesic, directed=False)
+        return label == np.bincount(label).argmax()
 
 
 def path_length(path: ArrayLike) -> float:

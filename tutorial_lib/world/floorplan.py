@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.materials import Look, Material, texture_atlas
@@ -27,6 +27,17 @@ class Room:
         """Square metres inside the outline."""
         x, y = np.asarray(self.outline).T
         return float(abs(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1))) / 2)
+
+    def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each point (..., 2) lies inside the outline."""
+        x, y = np.moveaxis(np.asarray(points, dtype=float)[..., None, :], -1, 0)
+        x0, y0 = np.asarray(self.outline).T
+        x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
+        # A ray to the right crosses the outline an odd number of times.
+        straddles = (y0 > y) != (y1 > y)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            right = x < x0 + (y - y0) * (x1 - x0) / (y1 - y0)
+        return (straddles & right).sum(axis=-1) % 2 == 1
 
 
 @dataclass(frozen=True)

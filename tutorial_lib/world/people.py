@@ -26,7 +26,7 @@ class Person:
         owner: the robot for whom it exists, or `EVERYBODY`.
         colour: RGB.
         distance: metres walked along the route at the start.
-        keep_off: metres between person and robot at which the person stops and waits.
+        keep_off: metres between person and robot's pose at which the person stops and waits.
     """
 
     route: ArrayLike
@@ -35,7 +35,7 @@ class Person:
     owner: int = EVERYBODY
     colour: Colour = (214, 39, 40)
     distance: float = 0.0
-    keep_off: float = 0.6
+    keep_off: float = 1.0
 
     def __post_init__(self) -> None:
         route = np.asarray(self.route, dtype=float)

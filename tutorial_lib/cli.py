@@ -1,0 +1,80 @@
+"""The commands: ``python -m tutorial_lib {demo,bench,experiment}``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments import bench_fleet, bench_raycast, plans
+from tutorial_lib.experiments.demo import run_demo
+from tutorial_lib.experiments.report import Report, parse_worlds
+from tutorial_lib.files import write_text
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.importers import import_map
+
+EXPERIMENTS = {"plans": plans.run}
+BENCHES = {"raycast": bench_raycast.run, "fleet": bench_fleet.run}
+INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
+
+
+def main(arguments: list[str]) -> int:
+    """Run a command and return its exit code; wrong input gets one line on stderr."""
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except InputError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except KeyboardInterrupt:
+        print("interrupted; nothing half-written was left", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m tutorial_lib", description=__doc__)
+    commands = parser.add_subparsers(dest="command", required=True)
+    demo = commands.add_parser("demo", help="drive once; leaves demo.webm, demo.png, demo.json")
+    demo.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
+    demo.add_argument("--family", choices=FAMILIES, default="apartment")
+    demo.add_argument("--seed", type=int, default=0)
+    demo.set_defaults(run=_demo)
+    for name, table, default in (
+        ("experiment", EXPERIMENTS, None),
+        ("bench", BENCHES, None),
+    ):
+        command = commands.add_parser(name, help=f"one of: {', '.join(table)}")
+        command.add_argument("name", choices=table)
+        command.add_argument("--json", type=Path, help="where to write the rows")
+        command.add_argument("--worlds", type=parse_worlds, default=default, metavar="A:B")
+        command.add_argument("--seed", type=int, default=0)
+        command.add_argument("--quick", action="store_true", help="fewer episodes, same code")
+        command.set_defaults(run=_report, table=table)
+    return parser
+
+
+def _demo(options: argparse.Namespace) -> int:
+    if options.map is not None:
+        plan = import_map(options.map, seed=options.seed)
+    else:
+        plan = generate(options.family, options.seed)
+    outcome = run_demo(plan, options.seed, Path.cwd())
+    verdict = "reached the goal" if outcome.reached else "MISSED the goal"
+    print(
+        f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}: {verdict} after "
+        f"{outcome.seconds} s and {outcome.driven} m (geodesic {outcome.geodesic} m).\n"
+        f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json."
+    )
+    return 0 if outcome.reached else MISSED
+
+
+def _report(options: argparse.Namespace) -> int:
+    if options.seed < 0:
+        raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
+    report: Report = options.table[options.name](options.worlds, options.seed, options.quick)
+    print(report.as_text())
+    if options.json is not None:
+        write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")
+    return 0

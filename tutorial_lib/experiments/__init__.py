@@ -1,0 +1,1 @@
+"""One file for each reproduced table or figure, and the demo."""

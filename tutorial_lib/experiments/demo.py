@@ -1,0 +1,204 @@
+"""The demo: from one room to another past two people, on film."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.courier import REACHED, OracleCourier
+from tutorial_lib.driving.gridpath import DistanceFields, GridPaths, path_length
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import write_text
+from tutorial_lib.viz.colours import PERSON
+from tutorial_lib.viz.dashboard import Moment, Picture, dashboard
+from tutorial_lib.viz.film import strip, write_film, write_picture
+from tutorial_lib.viz.plan_view import PlanView
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.floorplan import FloorPlan
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.simulation import Sensors, Simulation, is_free
+
+Array = NDArray[np.float64]
+
+ROOMS_AWAY = 3
+CLEARANCE = 0.25
+"""Metres between the ways that are planned and the nearest wall."""
+_EVERY = 2  # simulation steps for each frame of the film
+_FILM_RATE = 15.0
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What `demo.json` holds; lengths in metres, times in seconds."""
+
+    name: str
+    plan: str
+    seed: int
+    rooms: tuple[str, str]
+    rooms_away: int
+    reached: bool
+    collided: bool
+    seconds: float
+    driven: float
+    geodesic: float
+    people: int
+    film: str
+    strip: str
+
+
+def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
+    """Drive once through `plan` and leave demo.webm, demo.png and demo.json in `folder`.
+
+    Raises:
+        InputError: when the plan has no two places far enough apart.
+    """
+    rng = np.random.default_rng(seed)
+    scene = Scene(plan)
+    paths = GridPaths(scene.clearance, CLEARANCE)
+    start, goal, rooms, away = choose_places(scene, paths, rng)
+    fields = paths.fields(goal)
+    way = fields.path(start[:2])
+    sensors = Sensors(camera=Camera(rows=64, columns=192))
+    people = place_people(way)
+    simulation = Simulation(scene, start[None], people=people, sensors=sensors)
+    frames, track = _film(simulation, OracleCourier(paths, goal), fields, _title(plan, rooms))
+    gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
+    outcome = Outcome(
+        name="demo",
+        plan=f"{plan.family} {plan.seed}",
+        seed=seed,
+        rooms=rooms,
+        rooms_away=away,
+        reached=gap < REACHED and not simulation.collided[0],
+        collided=bool(simulation.collided[0]),
+        seconds=round(simulation.seconds, 1),
+        driven=round(path_length(track), 2),
+        geodesic=round(float(paths.fields(goal, shortest=True).distance(start[None, :2])[0]), 2),
+        people=len(people),
+        film="demo.webm",
+        strip="demo.png",
+    )
+    write_film(folder / outcome.film, frames, _FILM_RATE)
+    write_picture(folder / outcome.strip, strip(frames, 3))
+    write_text(folder / "demo.json", json.dumps(asdict(outcome), indent=1) + "\n")
+    return outcome
+
+
+def choose_places(
+    scene: Scene, paths: GridPaths, rng: np.random.Generator
+) -> tuple[Array, Array, tuple[str, str], int]:
+    """A start pose (3,), a goal (2,), the kinds of their rooms and the doors between them.
+
+    The goal is `ROOMS_AWAY` doors away where the plan has such rooms, and otherwise far away.
+
+    Raises:
+        InputError: when no two places are at least 3 m apart.
+    """
+    plan = scene.plan
+    doors = _doors_between(plan)
+    away = min(ROOMS_AWAY, int(doors[np.isfinite(doors)].max()))
+    pairs = np.argwhere(doors == away)
+    reachable = paths.largest()
+    for first, second in pairs[rng.permutation(len(pairs))]:
+        here, there = (_nodes_in(plan, paths, reachable, room) for room in (first, second))
+        if not len(here) or not len(there):
+            continue
+        goal = paths.points[rng.choice(there)]
+        distance = paths.fields(goal).cost[0][here]
+        # In one and the same room, or a map without rooms: a good way off.
+        start = here[rng.choice(len(here))] if away else here[distance.argmax()]
+        way = paths.fields(goal).path(paths.points[start])
+        if path_length(way) < 3.0:
+            continue
+        pose = _face_along(scene, way)
+        if pose is not None:
+            return pose, goal, (plan.rooms[first].kind, plan.rooms[second].kind), away
+    raise InputError(f"demo: {plan.family} has no two free places 3 m apart; give a larger map")
+
+
+def place_people(way: Array) -> list[Person]:
+    """Two people who walk to and fro on the second and the fourth fifth of the way."""
+    miles = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    people = []
+    for first, last in ((0.3, 0.5), (0.65, 0.85)):
+        stretch = np.linspace(first * miles[-1], last * miles[-1], 12)
+        route = np.stack([np.interp(stretch, miles, way[:, axis]) for axis in (0, 1)], axis=1)
+        people.append(Person(route, speed=0.4, colour=PERSON))
+    return people
+
+
+def _film(
+    simulation: Simulation, courier: OracleCourier, fields: DistanceFields, title: str
+) -> tuple[list[Picture], Array]:
+    """Drive until the goal is reached, something is touched or time is up."""
+    view, goal = PlanView(simulation.scene), fields.goals[0]
+    track, frames = [simulation.poses[0, :2]], []
+    limit = 30.0 + 4.0 * path_length(fields.path(track[0]))
+    while True:
+        pose = simulation.poses[0]
+        gap = float(np.linalg.norm(pose[:2] - goal))
+        over = gap < REACHED or simulation.collided[0] or simulation.seconds >= limit
+        if over or len(track) % _EVERY == 1:
+            frames.append(_frame(view, simulation, fields, np.array(track), title))
+        if over:
+            return frames + frames[-1:] * round(_FILM_RATE), np.array(track)
+        simulation.step(courier.act(simulation))
+        track.append(simulation.poses[0, :2])
+
+
+def _frame(
+    view: PlanView, simulation: Simulation, fields: DistanceFields, track: Array, title: str
+) -> Picture:
+    pose, observation = simulation.poses[0], simulation.observe()
+    way = fields.path(pose[:2])
+    lines = (
+        ("time", f"{simulation.seconds:.1f} s"),
+        ("to go", f"{path_length(way):.1f} m"),
+        ("speed", f"{simulation.speed[0]:+.2f} m/s"),
+        ("steering", f"{np.rad2deg(simulation.controls[0, 1]):+.0f} deg"),
+    )
+    discs, footprint = simulation.discs, simulation.body.footprint
+    moment = Moment(pose, footprint, observation, track, way, fields.goals[0], discs, lines)
+    return dashboard(view, moment, title)
+
+
+def _title(plan: FloorPlan, rooms: tuple[str, str]) -> str:
+    if plan.doors:
+        return f"{plan.family} {plan.seed}: from {rooms[0]} to {rooms[1]}"
+    return f"{plan.family} map, {plan.area:.0f} square metres"
+
+
+def _doors_between(plan: FloorPlan) -> Array:
+    """(R, R) the least number of doors between every two rooms; inf where there is no way."""
+    count = len(plan.rooms)
+    doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
+    for door in plan.doors:
+        first, second = door.rooms
+        doors[first, second] = doors[second, first] = 1.0
+    for between in range(count):
+        doors = np.minimum(doors, doors[:, between, None] + doors[None, between])
+    return doors
+
+
+def _nodes_in(
+    plan: FloorPlan, paths: GridPaths, reachable: NDArray[np.bool_], room: int
+) -> NDArray[np.intp]:
+    """The numbers of the grid's nodes inside a room."""
+    inside = plan.rooms[room].contains(paths.points)
+    return np.flatnonzero(inside & reachable & (paths.clearance > CLEARANCE + 0.1))
+
+
+def _face_along(scene: Scene, way: Array) -> Array | None:
+    """A free pose at the way's start that looks along it, as nearly as there is room."""
+    ahead = way[min(5, len(way) - 1)] - way[0]
+    heading = float(np.arctan2(ahead[1], ahead[0]))
+    turns = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, np.pi])
+    poses = np.column_stack([np.tile(way[0], (len(turns), 1)), heading + turns])
+    free = np.flatnonzero(is_free(scene, BicycleCar(), poses))
+    return poses[free[0]] if free.size else None

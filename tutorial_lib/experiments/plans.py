@@ -1,0 +1,128 @@
+"""Are the generated plans sound, and can a car drive in them?"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+from tqdm.auto import tqdm
+
+from tutorial_lib.driving.courier import Drives, OracleCourier
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.report import Report
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.floorplan import FloorPlan
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.occupancy import check_closed
+from tutorial_lib.world.plan_json import plan_from_json, plan_to_json
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.simulation import Simulation, is_free
+
+WORLDS = tuple(range(20_000, 20_200))
+GOALS = 20
+CLEARANCE = 0.25
+"""Metres between the ways that are driven and the nearest wall."""
+_DRIVEN, _QUICKLY_DRIVEN = 10, 5  # plans a family
+
+
+def run(worlds: tuple[int, ...] | None, seed: int, quick: bool) -> Report:
+    """Generate every world in every family; validate all and drive in some.
+
+    Args:
+        worlds: seeds of the plans, `WORLDS` unless given.
+        seed: of starts and goals.
+        quick: drive in 5 plans of each family instead of 10.
+    """
+    begun = time.perf_counter()
+    worlds = worlds or (WORLDS[:20] if quick else WORLDS)
+    driven = worlds[: _QUICKLY_DRIVEN if quick else _DRIVEN]
+    jobs = [(family, world, world in driven) for family in FAMILIES for world in worlds]
+    run_all = Parallel(n_jobs=-1, return_as="generator")
+    results = run_all(delayed(examine)(*job, seed) for job in jobs)
+    found = list(tqdm(results, total=len(jobs), desc="plans", disable=None))
+    rows, notes = [], []
+    for family in FAMILIES:
+        mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]
+        drives = sum(f["drives"] for _, f in mine)
+        rows.append(
+            {
+                "family": family,
+                "plans": len(mine),
+                "valid": sum(not f["fault"] for _, f in mine),
+                "drives": drives,
+                "success": sum(f["reached"] for _, f in mine) / max(drives, 1),
+                "walls_crossed": sum(f["walls_crossed"] for _, f in mine),
+            }
+        )
+        notes += [f"{family} {job[1]}: {f['fault']}" for job, f in mine if f["fault"]]
+    return Report("plans", seed, worlds, quick, time.perf_counter() - begun, rows, tuple(notes))
+
+
+def examine(family: str, world: int, driven: bool, seed: int) -> dict[str, Any]:
+    """Validate one plan and, where asked for, drive in it to `GOALS` random goals."""
+    plan = generate(family, world)
+    scene = Scene(plan)
+    paths = GridPaths(scene.clearance, CLEARANCE)
+    rng = np.random.default_rng([seed, world])
+    found = {"fault": find_fault(plan, scene, paths, rng)}
+    found |= {"drives": 0, "reached": 0, "walls_crossed": 0}
+    if driven:
+        drives = drive_about(scene, paths, GOALS, rng)
+        crossed = walls_crossed(scene, drives.poses)
+        found |= {"drives": GOALS, "reached": int(drives.reached.sum()), "walls_crossed": crossed}
+    return found
+
+
+def find_fault(plan: FloorPlan, scene: Scene, paths: GridPaths, rng: np.random.Generator) -> str:
+    """What is wrong with a plan, or nothing."""
+    text = plan_to_json(plan)
+    if plan_to_json(generate(plan.family, plan.seed)) != text:
+        return "the same seed gave another plan"
+    if plan_to_json(plan_from_json(text)) != text:
+        return "saving and loading changed it"
+    try:
+        check_closed(plan)
+    except InputError as error:
+        return str(error)
+    connected = paths.largest()
+    for number, room in enumerate(plan.rooms):
+        if not (room.contains(paths.points) & connected).any():
+            return f"room {number} ({room.kind}) cannot be reached by the car"
+    if not 100.0 <= plan.area <= 500.0:
+        return f"its area is {plan.area:.0f} m2"
+    places = paths.points[rng.integers(len(paths.points), size=100)]
+    poses = np.column_stack([places, rng.uniform(-np.pi, np.pi, len(places))])
+    if not np.isfinite(scene.caster.cast(poses, Laser(beams=360).fan).distance).all():
+        return "a ray escaped"
+    return ""
+
+
+def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator) -> Drives:
+    """Drive `count` cars from random free poses to random places."""
+    places = paths.points[paths.largest()]
+    starts = random_poses(scene, places, count, rng)
+    goals = places[rng.integers(len(places), size=count)]
+    return OracleCourier(paths, goals).drive(Simulation(scene, starts))
+
+
+def random_poses(
+    scene: Scene, places: NDArray[np.float64], count: int, rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """`count` poses (count, 3) at some of the `places` (P, 2) where a car fits."""
+    poses = np.empty((0, 3))
+    while len(poses) < count:
+        tries = places[rng.integers(len(places), size=4 * count)]
+        tries = np.column_stack([tries, rng.uniform(-np.pi, np.pi, len(tries))])
+        poses = np.concatenate([poses, tries[is_free(scene, BicycleCar(), tries)]])
+    return poses[:count]
+
+
+def walls_crossed(scene: Scene, poses: NDArray[np.float64]) -> int:
+    """How often a track among `poses` (T, N, 3) passes through a wall."""
+    before, after = poses[:-1, :, :2].reshape(-1, 2), poses[1:, :, :2].reshape(-1, 2)
+    return int((~scene.caster.sees(before, after)).sum())

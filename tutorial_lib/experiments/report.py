@@ -1,0 +1,60 @@
+"""What every experiment and benchmark gives back: rows, as a table and as JSON."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import asdict, dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Report:
+    """The result of one run.
+
+    Attributes:
+        name: of the experiment or benchmark.
+        seed: it was run with.
+        worlds: seeds of the worlds.
+        quick: whether fewer episodes were run.
+        seconds: it took.
+        rows: one for each line of the table; all have the same keys.
+        notes: what to read below the table.
+    """
+
+    name: str
+    seed: int
+    worlds: tuple[int, ...]
+    quick: bool
+    seconds: float
+    rows: list[dict[str, Any]]
+    notes: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return asdict(self)
+
+    def as_text(self) -> str:
+        """A table that a person can read."""
+        keys = list(self.rows[0])
+        cells = [keys, *([_shown(row[key]) for key in keys] for row in self.rows)]
+        widths = [max(len(line[i]) for line in cells) for i in range(len(keys))]
+        lines = ["  ".join(c.rjust(w) for c, w in zip(line, widths, strict=True)) for line in cells]
+        lines.insert(1, "  ".join("-" * width for width in widths))
+        return "\n".join([*lines, *self.notes, f"({self.name}: {self.seconds:.0f} s)"])
+
+
+def parse_worlds(text: str) -> tuple[int, ...]:
+    """World seeds from "A:B", which means A to B - 1."""
+    try:
+        first, last = (int(part) for part in text.split(":"))
+    except ValueError:
+        first, last = 0, 0
+    if not 0 <= first < last:
+        raise argparse.ArgumentTypeError(f"{text!r}: give A:B with 0 <= A < B, as in 20000:20020")
+    return tuple(range(first, last))
+
+
+def _shown(value: object) -> str:
+    if isinstance(value, float):
+        return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}"
+    return str(value)

@@ -1,0 +1,25 @@
+"""One colour for each thing, in every picture of the course (Okabe and Ito; colour-blind safe)."""
+
+ROBOT = (0, 114, 178)
+GOAL = (0, 158, 115)
+PATH = (230, 159, 0)
+TRACK = (86, 180, 233)
+LASER = (213, 94, 0)
+VIEW = (240, 228, 66)
+PERSON = (204, 121, 167)
+INK = (45, 48, 56)
+FAINT = (150, 155, 165)
+PAPER = (255, 255, 255)
+SOLID = (88, 92, 102)
+
+ROOMS = {
+    "hallway": (236, 236, 232),
+    "living": (246, 234, 220),
+    "kitchen": (250, 244, 214),
+    "bedroom": (234, 230, 246),
+    "bathroom": (220, 238, 246),
+    "office": (230, 238, 228),
+    "storage": (234, 226, 216),
+    "open": (240, 240, 238),
+}
+"""Floor tints by the kind of room."""

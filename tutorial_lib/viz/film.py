@@ -1,0 +1,53 @@
+"""Films and strips of pictures on disk."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path
+
+Picture = NDArray[np.uint8]
+
+
+def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: float) -> None:
+    """Write a WebM film (VP8), which every browser plays; whole or not at all.
+
+    Args:
+        path: ends in .webm.
+        frames: (H, W, 3) uint8 RGB, all of one size.
+        frames_per_second: of the film.
+
+    Raises:
+        InputError: when there are no frames, or this OpenCV cannot write WebM.
+    """
+    if not len(frames):
+        raise InputError(f"{path}: no frames to write; give at least one")
+    height, width = frames[0].shape[:2]
+    with atomic_path(path) as temporary:
+        code = cv2.VideoWriter.fourcc(*"VP80")
+        writer = cv2.VideoWriter(str(temporary), code, frames_per_second, (width, height))
+        if not writer.isOpened():
+            raise InputError(
+                f"{path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
+            )
+        for frame in frames:
+            writer.write(frame[..., ::-1])
+        writer.release()
+
+
+def write_picture(path: str | Path, picture: Picture) -> None:
+    """Write an RGB picture (H, W, 3) as PNG; whole or not at all."""
+    with atomic_path(path) as temporary:
+        cv2.imwrite(str(temporary), picture[..., ::-1])
+
+
+def strip(frames: Sequence[Picture], count: int = 4, gap: int = 8) -> Picture:
+    """`count` frames spread evenly over a film, one under the other, white between them."""
+    chosen = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
+    line = np.full((gap, *frames[0].shape[1:]), 255, np.uint8)
+    parts = [part for i in chosen for part in (frames[i], line)]
+    return np.concatenate(parts[:-1])
