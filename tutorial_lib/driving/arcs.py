@@ -35,6 +35,7 @@ class ArcController:
         discomfort: metres that touching the margin feels like.
         reverse_cost: a metre in reverse feels like so many ahead.
         shift_cost: metres that a change between forwards and reverse feels like.
+        detour: metres that it takes to get around what hides the waypoint.
         arrived: metres from the waypoint at which the car stops.
         braking: m/s^2 that it counts on.
         crawl: m/s where there is no room at all.
@@ -45,12 +46,13 @@ class ArcController:
     steerings: int = 11
     ahead: float = 1.4
     behind: float = 1.0
-    stride: float = 0.1
+    stride: float = 0.05
     margin: float = 0.04
     comfort: float = 0.2
     discomfort: float = 0.6
     reverse_cost: float = 3.0
-    shift_cost: float = 0.5
+    shift_cost: float = 0.25
+    detour: float = 1.2
     arrived: float = 0.1
     braking: float = 1.0
     crawl: float = 0.2
@@ -68,8 +70,9 @@ class ArcController:
         """What `_choose` must know of the car and of taste, in its order."""
         car, box = self.car, [*self.car.footprint.min(axis=0), *self.car.footprint.max(axis=0)]
         body = [car.wheelbase, car.steering_rate, car.turning_radius]
-        taste = [self.margin, self.comfort, self.discomfort, self.reverse_cost, self.shift_cost]
-        return np.array([*box, *body, self.stride, *taste])
+        taste = [self.margin, self.comfort, self.discomfort]
+        costs = [self.reverse_cost, self.shift_cost, self.detour]
+        return np.array([*box, *body, self.stride, *taste, *costs])
 
     def act(self, observations: Observation, waypoints: Array) -> Array:
         """Actions (N, 2): speed in m/s and steering in rad, for waypoints (N, 2)."""
@@ -92,7 +95,7 @@ def _choose(
     """For each robot the best arc's number, how many metres of it are free, and its least gap."""
     box = limits[:4]
     wheelbase, steering_rate, radius, stride = limits[4:8]
-    margin, comfort, discomfort, reverse_cost, shift_cost = limits[8:]
+    margin, comfort, discomfort, reverse_cost, shift_cost, detour = limits[8:]
     count, beams = lasers.shape
     best, free, least = np.zeros(count, np.intp), np.zeros(count), np.zeros(count)
     px, py = np.empty(beams), np.empty(beams)
@@ -130,8 +133,10 @@ def _choose(
                 gone = shift + (length if sign > 0 else length * reverse_cost)
                 dx, dy = waypoints[robot, 0] - x, waypoints[robot, 1] - y
                 to_go = _to_go(dx, dy, heading, radius, reverse_cost)
+                if _is_hidden(px, py, near, x, y, dx, dy, box[3]):
+                    to_go += detour
                 arc_cost = min(arc_cost, gone + to_go + discomfort * roughness)
-            if length > 1.5 * stride and arc_cost < lowest:
+            if arc_cost < lowest:
                 lowest, best[robot], free[robot], least[robot] = arc_cost, arc, length, arc_gap
     return best, free, least
 
@@ -149,6 +154,21 @@ def _gap(
         out_y = max(box[1] - aside, aside - box[3], 0.0)
         smallest = min(smallest, out_x * out_x + out_y * out_y)
     return np.sqrt(smallest)
+
+
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _is_hidden(
+    px: Array, py: Array, near: int, x: float, y: float, dx: float, dy: float, half: float
+) -> bool:
+    """Whether a point is less than `half` metres off the line from (x, y) along (dx, dy)."""
+    length2 = dx * dx + dy * dy
+    limit = half * half * length2
+    for i in range(near):
+        ux, uy = px[i] - x, py[i] - y
+        along, aside = ux * dx + uy * dy, ux * dy - uy * dx
+        if 0.0 < along < length2 and aside * aside < limit:
+            return True
+    return False
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

@@ -84,12 +84,13 @@ class SeparateCar:
         for _ in range(SUBSTEPS):
             self.speed += _clip(speed - self.speed, car.acceleration * dt)
             self.steering += _clip(steering - self.steering, car.steering_rate * dt)
-            heading, scale = self.body.angle, 1.0 / dt
+            turn = self.speed * math.tan(self.steering) / car.wheelbase
+            heading, scale = self.body.angle + 1.5 * dt * turn, 1.0 / dt
             self.body.force = (
                 math.cos(heading) * self.speed * scale,
                 math.sin(heading) * self.speed * scale,
             )
-            self.body.torque = self.speed * math.tan(self.steering) / car.wheelbase * scale
+            self.body.torque = turn * scale
             self.space.step(dt)
 
 

@@ -48,7 +48,9 @@ class Fleet:
 
     def substep(self, ahead: Array, aside: Array | float, turn: Array, seconds: float) -> None:
         """Ask for velocities in the robots' frames, m/s and rad/s (N,), and step."""
-        cos, sin = np.cos(self.poses[:, 2]), np.sin(self.poses[:, 2])
+        # It acts in the next substep; half way through that, it points along the arc's chord.
+        heading = self.poses[:, 2] + 1.5 * seconds * turn
+        cos, sin = np.cos(heading), np.sin(heading)
         # The space damps all velocity away, so force * time / mass is the velocity.
         forces, scale = self._forces[: len(self.poses)], _MASS / seconds
         forces[:, 0] = (cos * ahead - sin * aside) * scale

@@ -35,7 +35,7 @@ class Person:
     owner: int = EVERYBODY
     colour: Colour = (214, 39, 40)
     distance: float = 0.0
-    keep_off: float = 1.0
+    keep_off: float = 1.3
 
     def __post_init__(self) -> None:
         route = np.asarray(self.route, dtype=float)
