@@ -18,6 +18,7 @@ from tutorial_lib.world.bodies import BicycleCar
 
 Array = NDArray[np.float64]
 
+_STUCK = -0.02  # metres inside the car at which something is more than touching it
 _HORIZON = 2.5  # metres within which the laser's points matter
 
 
@@ -48,7 +49,7 @@ class ArcController:
     behind: float = 1.0
     stride: float = 0.05
     margin: float = 0.04
-    comfort: float = 0.2
+    comfort: float = 0.15
     discomfort: float = 0.6
     reverse_cost: float = 3.0
     shift_cost: float = 0.25
@@ -108,7 +109,10 @@ def _choose(
                 px[near], py[near] = distance * np.cos(angle), distance * np.sin(angle)
                 near += 1
         # Whoever is too close already may leave, but not come closer.
-        tight = min(margin, 0.9 * _gap(px, py, near, 0.0, 0.0, 1.0, 0.0, box))
+        here = _gap(px, py, near, 0.0, 0.0, 1.0, 0.0, box)
+        tight = min(margin, 0.9 * here if here > 0.0 else here - 1e-3)
+        if here < _STUCK:
+            continue
         speed, steering = state[robot]
         swing = steering_rate * stride / max(abs(speed), 0.3)
         lowest = np.inf
@@ -145,15 +149,16 @@ def _choose(
 def _gap(
     px: Array, py: Array, near: int, x: float, y: float, cos: float, sin: float, box: Array
 ) -> float:
-    """Metres from the car at (x, y) to the nearest of the points; 0 if one is inside."""
+    """Metres from the car at (x, y) to the nearest of the points; negative if one is inside."""
     smallest = np.inf
     for i in range(near):
         ux, uy = px[i] - x, py[i] - y
         along, aside = cos * ux + sin * uy, cos * uy - sin * ux
-        out_x = max(box[0] - along, along - box[2], 0.0)
-        out_y = max(box[1] - aside, aside - box[3], 0.0)
-        smallest = min(smallest, out_x * out_x + out_y * out_y)
-    return np.sqrt(smallest)
+        out_x, out_y = max(box[0] - along, along - box[2]), max(box[1] - aside, aside - box[3])
+        inner = min(max(out_x, out_y), 0.0)
+        outer = np.sqrt(max(out_x, 0.0) ** 2 + max(out_y, 0.0) ** 2)
+        smallest = min(smallest, inner + outer)
+    return smallest
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

@@ -17,6 +17,7 @@ Array = NDArray[np.float64]
 # Half of the 16 steps of a king and a knight; the others are their opposites.
 _STEPS = [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
 _NO_NODE = -9999
+_NEAR = 0.45  # metres within which a point belongs to a node
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,8 @@ class GridPaths:
             far = np.linalg.norm(points - self.points[node], axis=-1)
             closer = (node >= 0) & (far < gap)
             best, gap = np.where(closer, node, best), np.where(closer, far, gap)
-        return best, gap
+        near = gap <= _NEAR
+        return np.where(near, best, -1).astype(np.int32), np.where(near, gap, np.inf)
 
     def fields(self, goals: ArrayLike, *, shortest: bool = False) -> DistanceFields:
         """The distance of every place from each goal.
@@ -191,6 +193,7 @@ class GridPaths:
         cost, towards = dijkstra(graph, indices=nodes, return_predecessors=True)
         return DistanceFields(self, goals, cost, towards)
 
+    @cached_property
     def largest(self) -> NDArray[np.bool_]:
         """(K,) which nodes belong to the largest part that hangs together."""
         _, label = connected_components(self._geodesic, directed=False)

@@ -37,7 +37,7 @@ def run(worlds: tuple[int, ...] | None, seed: int, quick: bool) -> Report:
     worlds = (worlds or (WORLD,))[:1]
     scene = Scene(generate("apartment", worlds[0]))
     paths = GridPaths(scene.clearance, CLEARANCE)
-    starts = random_poses(scene, paths.points[paths.largest()], CARS, rng)
+    starts = random_poses(scene, paths.points[paths.largest], CARS, rng)
     actions = np.column_stack([rng.uniform(-0.3, 0.8, CARS), rng.uniform(-0.45, 0.45, CARS)])
     fleet = Simulation(scene, starts)
     separate = [SeparateCar(scene.plan.segments, pose) for pose in starts.tolist()]

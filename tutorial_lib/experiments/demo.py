@@ -29,8 +29,11 @@ Array = NDArray[np.float64]
 ROOMS_AWAY = 3
 CLEARANCE = 0.25
 """Metres between the ways that are planned and the nearest wall."""
+_SHORTEST, _FAR = 3.0, 10.0  # metres of way: needed, and enough
+_TRIES = 20  # pairs of rooms
 _EVERY = 2  # simulation steps for each frame of the film
 _FILM_RATE = 15.0
+_STANDING = 0.05  # m/s
 
 
 @dataclass(frozen=True)
@@ -95,7 +98,8 @@ def choose_places(
 ) -> tuple[Array, Array, tuple[str, str], int]:
     """A start pose (3,), a goal (2,), the kinds of their rooms and the doors between them.
 
-    The goal is `ROOMS_AWAY` doors away where the plan has such rooms, and otherwise far away.
+    The goal is `ROOMS_AWAY` doors away where the plan has such rooms; on a map without rooms it is
+    the place farthest from a random one. Of several pairs the first that is far enough is taken.
 
     Raises:
         InputError: when no two places are at least 3 m apart.
@@ -104,22 +108,24 @@ def choose_places(
     doors = _doors_between(plan)
     away = min(ROOMS_AWAY, int(doors[np.isfinite(doors)].max()))
     pairs = np.argwhere(doors == away)
-    reachable = paths.largest()
-    for first, second in pairs[rng.permutation(len(pairs))]:
-        here, there = (_nodes_in(plan, paths, reachable, room) for room in (first, second))
+    best, best_length = None, _SHORTEST
+    for first, second in pairs[rng.permutation(len(pairs))][:_TRIES]:
+        here, there = (_nodes_in(plan, paths, room) for room in (first, second))
         if not len(here) or not len(there):
             continue
         goal = paths.points[rng.choice(there)]
-        distance = paths.fields(goal).cost[0][here]
-        # In one and the same room, or a map without rooms: a good way off.
-        start = here[rng.choice(len(here))] if away else here[distance.argmax()]
-        way = paths.fields(goal).path(paths.points[start])
-        if path_length(way) < 3.0:
-            continue
+        fields = paths.fields(goal)
+        start = rng.choice(here) if away else here[fields.cost[0, here].argmax()]
+        way = fields.path(paths.points[start])
         pose = _face_along(scene, way)
-        if pose is not None:
-            return pose, goal, (plan.rooms[first].kind, plan.rooms[second].kind), away
-    raise InputError(f"demo: {plan.family} has no two free places 3 m apart; give a larger map")
+        if pose is not None and path_length(way) >= best_length:
+            kinds = (plan.rooms[first].kind, plan.rooms[second].kind)
+            best, best_length = (pose, goal, kinds, away), path_length(way)
+            if best_length >= _FAR:
+                break
+    if best is None:
+        raise InputError(f"demo: {plan.family} has no two places 3 m apart; give a larger map")
+    return best
 
 
 def place_people(way: Array) -> list[Person]:
@@ -136,14 +142,15 @@ def place_people(way: Array) -> list[Person]:
 def _film(
     simulation: Simulation, courier: OracleCourier, fields: DistanceFields, title: str
 ) -> tuple[list[Picture], Array]:
-    """Drive until the goal is reached, something is touched or time is up."""
+    """Drive until the car stands at the goal, touches something or time is up."""
     view, goal = PlanView(simulation.scene), fields.goals[0]
     track, frames = [simulation.poses[0, :2]], []
     limit = 30.0 + 4.0 * path_length(fields.path(track[0]))
     while True:
         pose = simulation.poses[0]
         gap = float(np.linalg.norm(pose[:2] - goal))
-        over = gap < REACHED or simulation.collided[0] or simulation.seconds >= limit
+        arrived = gap < REACHED and abs(simulation.speed[0]) < _STANDING
+        over = arrived or simulation.collided[0] or simulation.seconds >= limit
         if over or len(track) % _EVERY == 1:
             frames.append(_frame(view, simulation, fields, np.array(track), title))
         if over:
@@ -186,12 +193,10 @@ def _doors_between(plan: FloorPlan) -> Array:
     return doors
 
 
-def _nodes_in(
-    plan: FloorPlan, paths: GridPaths, reachable: NDArray[np.bool_], room: int
-) -> NDArray[np.intp]:
-    """The numbers of the grid's nodes inside a room."""
+def _nodes_in(plan: FloorPlan, paths: GridPaths, room: int) -> NDArray[np.intp]:
+    """The numbers of the grid's nodes inside a room, a little off the walls."""
     inside = plan.rooms[room].contains(paths.points)
-    return np.flatnonzero(inside & reachable & (paths.clearance > CLEARANCE + 0.1))
+    return np.flatnonzero(inside & paths.largest & (paths.clearance > CLEARANCE + 0.1))
 
 
 def _face_along(scene: Scene, way: Array) -> Array | None:

@@ -89,7 +89,7 @@ def find_fault(plan: FloorPlan, scene: Scene, paths: GridPaths, rng: np.random.G
         check_closed(plan)
     except InputError as error:
         return str(error)
-    connected = paths.largest()
+    connected = paths.largest
     for number, room in enumerate(plan.rooms):
         if not (room.contains(paths.points) & connected).any():
             return f"room {number} ({room.kind}) cannot be reached by the car"
@@ -104,7 +104,7 @@ def find_fault(plan: FloorPlan, scene: Scene, paths: GridPaths, rng: np.random.G
 
 def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator) -> Drives:
     """Drive `count` cars from random free poses to random places."""
-    places = paths.points[paths.largest()]
+    places = paths.points[paths.largest]
     starts = random_poses(scene, places, count, rng)
     goals = places[rng.integers(len(places), size=count)]
     return OracleCourier(paths, goals).drive(Simulation(scene, starts))

@@ -1,6 +1,9 @@
 """Films and strips of pictures on disk."""
 
-from collections.abc import Sequence
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import cv2
@@ -29,7 +32,8 @@ def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: f
     height, width = frames[0].shape[:2]
     with atomic_path(path) as temporary:
         code = cv2.VideoWriter.fourcc(*"VP80")
-        writer = cv2.VideoWriter(str(temporary), code, frames_per_second, (width, height))
+        with _hushed():
+            writer = cv2.VideoWriter(str(temporary), code, frames_per_second, (width, height))
         if not writer.isOpened():
             raise InputError(
                 f"{path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
@@ -51,3 +55,17 @@ def strip(frames: Sequence[Picture], count: int = 4, gap: int = 8) -> Picture:
     line = np.full((gap, *frames[0].shape[1:]), 255, np.uint8)
     parts = [part for i in chosen for part in (frames[i], line)]
     return np.concatenate(parts[:-1])
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """Keep FFmpeg's remark about VP8's tag, which is of no consequence, off the terminal."""
+    sys.stderr.flush()
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
