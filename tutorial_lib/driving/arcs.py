@@ -1,9 +1,9 @@
 """A driver that needs only a laser: try arcs, forwards and in reverse, and take the best.
 
-Each arc is a steering angle held for a while. An arc ends before it would touch what the laser saw;
-what is left to do from a place on it is judged by distance and by how much the car still has to
-turn. A car that faces the wrong way thus turns in several moves where there is room, and reverses
-where there is none.
+Each arc is a steering angle held for a while; some swerve half way. An arc ends before it would
+touch what the laser saw; what is left to do from a place on it is judged by distance and by how
+much the car still has to turn. A car that faces the wrong way thus turns in several moves where
+there is room, and reverses where there is none.
 """
 
 from dataclasses import dataclass, field
@@ -18,6 +18,7 @@ from tutorial_lib.world.bodies import BicycleCar
 
 Array = NDArray[np.float64]
 
+_SLACK = 0.001  # metres by which a corner may swing closer while leaving
 _STUCK = -0.02  # metres inside the car at which something is more than touching it
 _HORIZON = 2.5  # metres within which the laser's points matter
 
@@ -61,10 +62,12 @@ class ArcController:
 
     @cached_property
     def _arcs(self) -> Array:
-        """(A, 3) steering in rad, direction (+1 or -1) and longest length in metres of each arc."""
+        """(A, 4) each arc's steering in rad, that of its second half, direction and length."""
         angles = np.linspace(-self.car.max_steering, self.car.max_steering, self.steerings)
-        lengths = {1.0: self.ahead, -1.0: self.behind}
-        return np.array([[a, sign, far] for sign, far in lengths.items() for a in angles])
+        swerves = [(a, -a, 1.0, self.ahead) for a in angles if a]
+        ahead = [(a, a, 1.0, self.ahead) for a in angles]
+        behind = [(a, a, -1.0, self.behind) for a in angles]
+        return np.array(ahead + swerves + behind)
 
     @cached_property
     def _limits(self) -> Array:
@@ -79,7 +82,7 @@ class ArcController:
         """Actions (N, 2): speed in m/s and steering in rad, for waypoints (N, 2)."""
         state = np.stack([observations.speed, observations.steering], axis=1)
         best, free, gap = _choose(observations.laser, waypoints, state, self._arcs, self._limits)
-        steering, sign, _ = self._arcs[best].T
+        steering, _, sign, _ = self._arcs[best].T
         left = np.linalg.norm(waypoints, axis=1)
         limit = np.where(sign > 0, self.car.max_speed, self.car.max_reverse)
         # Slow enough to stop in time, and where it is tight.
@@ -110,18 +113,19 @@ def _choose(
                 near += 1
         # Whoever is too close already may leave, but not come closer.
         here = _gap(px, py, near, 0.0, 0.0, 1.0, 0.0, box)
-        tight = min(margin, 0.9 * here if here > 0.0 else here - 1e-3)
+        tight = min(margin, here - _SLACK)
         if here < _STUCK:
             continue
         speed, steering = state[robot]
         swing = steering_rate * stride / max(abs(speed), 0.3)
         lowest = np.inf
         for arc in range(len(arcs)):
-            wanted, sign, longest = arcs[arc]
+            first, second, sign, longest = arcs[arc]
             shift = shift_cost if speed * sign < -0.02 else 0.0
             x, y, heading, delta, length = 0.0, 0.0, 0.0, steering, 0.0
             roughness, arc_gap, arc_cost = 0.0, np.inf, np.inf
             while length < longest - 1e-9:
+                wanted = first if length < 0.5 * longest else second
                 delta += min(max(wanted - delta, -swing), swing)
                 turn = sign * stride * np.tan(delta) / wheelbase
                 x += sign * stride * np.cos(heading + turn / 2)

@@ -30,6 +30,9 @@ ROOMS_AWAY = 3
 CLEARANCE = 0.25
 """Metres between the ways that are planned and the nearest wall."""
 _SHORTEST, _FAR = 3.0, 10.0  # metres of way: needed, and enough
+_STROLL = 2.5  # metres that a person walks to and fro
+_ASIDE = 0.45  # metres beside the way
+_AT_EASE = 1.0  # metres of the way without people at either end
 _TRIES = 20  # pairs of rooms
 _EVERY = 2  # simulation steps for each frame of the film
 _FILM_RATE = 15.0
@@ -68,7 +71,7 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     fields = paths.fields(goal)
     way = fields.path(start[:2])
     sensors = Sensors(camera=Camera(rows=64, columns=192))
-    people = place_people(way)
+    people = place_people(way, scene)
     simulation = Simulation(scene, start[None], people=people, sensors=sensors)
     frames, track = _film(simulation, OracleCourier(paths, goal), fields, _title(plan, rooms))
     gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
@@ -128,14 +131,20 @@ def choose_places(
     return best
 
 
-def place_people(way: Array) -> list[Person]:
-    """Two people who walk to and fro on the second and the fourth fifth of the way."""
+def place_people(way: Array, scene: Scene) -> list[Person]:
+    """Two people who walk to and fro beside the way (P, 2), where there is most room for them."""
     miles = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
-    people = []
-    for first, last in ((0.3, 0.5), (0.65, 0.85)):
-        stretch = np.linspace(first * miles[-1], last * miles[-1], 12)
-        route = np.stack([np.interp(stretch, miles, way[:, axis]) for axis in (0, 1)], axis=1)
-        people.append(Person(route, speed=0.4, colour=PERSON))
+    people, middle = [], miles[-1] / 2
+    for first, last in ((_AT_EASE, middle), (middle, miles[-1] - _AT_EASE)):
+        begins = np.linspace(first, max(first, last - _STROLL), 30)
+        stretches = begins[:, None] + np.linspace(0, min(_STROLL, last - first), 12)
+        routes = np.stack([np.interp(stretches, miles, way[:, axis]) for axis in (0, 1)], axis=-1)
+        along = np.gradient(routes, axis=1)
+        left = np.stack([-along[..., 1], along[..., 0]], axis=-1)
+        left /= np.linalg.norm(left, axis=-1, keepdims=True)
+        routes = np.concatenate([routes + _ASIDE * left, routes - _ASIDE * left])
+        roomiest = scene.clearance.at(routes).min(axis=1).argmax()
+        people.append(Person(routes[roomiest], speed=0.4, colour=PERSON))
     return people
 
 

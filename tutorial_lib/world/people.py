@@ -13,6 +13,7 @@ from tutorial_lib.world.raycast import Discs
 
 EVERYBODY = -1
 _PATIENCE = 2.0  # seconds that a person waits for a robot before walking back
+_BESIDE = 0.6  # share of the distance ahead at which a person minds a robot beside it
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,14 @@ class Crowd:
         mine = robots if self.owners[k] == EVERYBODY else robots[[self.owners[k]]]
         towards = mine[:, :2] - here
         gap = np.linalg.norm(towards, axis=1)
-        return bool(((gap < self.people[k].keep_off) & (towards @ step > 0)).any())
+        # The cosine of the angle between the step and the robot's direction.
+        ahead = towards @ step / np.maximum(gap * np.linalg.norm(step), 1e-9)
+        keep_off = self.people[k].keep_off
+        in_front, beside = (
+            (gap < keep_off) & (ahead > 0),
+            (gap < _BESIDE * keep_off) & (ahead > -0.7),
+        )
+        return bool((in_front | beside).any())
 
     def _points(self, walked: NDArray[np.float64]) -> NDArray[np.float64]:
         """(K, 2) where everybody is after walking so far, to and fro."""
