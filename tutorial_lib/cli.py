@@ -10,7 +10,7 @@ from pathlib import Path
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments import bench_fleet, bench_raycast, plans
 from tutorial_lib.experiments.demo import run_demo
-from tutorial_lib.experiments.report import Report, parse_worlds
+from tutorial_lib.experiments.report import Options, Report, parse_worlds
 from tutorial_lib.files import write_text
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_map
@@ -41,17 +41,16 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--family", choices=FAMILIES, default="apartment")
     demo.add_argument("--seed", type=int, default=0)
     demo.set_defaults(run=_demo)
-    for name, table, default in (
-        ("experiment", EXPERIMENTS, None),
-        ("bench", BENCHES, None),
-    ):
+    for name, table in (("experiment", EXPERIMENTS), ("bench", BENCHES)):
         command = commands.add_parser(name, help=f"one of: {', '.join(table)}")
         command.add_argument("name", choices=table)
         command.add_argument("--json", type=Path, help="where to write the rows")
-        command.add_argument("--worlds", type=parse_worlds, default=default, metavar="A:B")
+        command.add_argument("--worlds", type=parse_worlds, default=(), metavar="A:B")
         command.add_argument("--seed", type=int, default=0)
         command.add_argument("--quick", action="store_true", help="fewer episodes, same code")
-        command.set_defaults(run=_report, table=table)
+        if table is EXPERIMENTS:
+            command.add_argument("--map", type=Path, help="a map's file, in place of worlds")
+        command.set_defaults(run=_report, table=table, map=None)
     return parser
 
 
@@ -73,7 +72,8 @@ def _demo(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     if options.seed < 0:
         raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
-    report: Report = options.table[options.name](options.worlds, options.seed, options.quick)
+    asked = Options(options.worlds, options.seed, options.quick, options.map)
+    report: Report = options.table[options.name](asked)
     print(report.as_text())
     if options.json is not None:
         write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.experiments.plans import CLEARANCE, random_poses
-from tutorial_lib.experiments.report import Report
+from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.scene import Scene
@@ -25,16 +25,13 @@ WORLD = 20_000
 _BLOCK, _ROUNDS = 10, 12  # control steps between two looks at the clock, and how often
 
 
-def run(worlds: tuple[int, ...] | None, seed: int, quick: bool) -> Report:
+def run(options: Options) -> Report:
     """Measure car-steps per second of both, and compare the trajectories.
 
-    Args:
-        worlds: the first is the apartment that is driven in; 20,000 unless given.
-        seed: of starts and actions.
-        quick: fewer rounds.
+    The apartment of the first of `options.worlds` is driven in, or that of `WORLD`.
     """
-    begun, rng = time.perf_counter(), np.random.default_rng(seed)
-    worlds = (worlds or (WORLD,))[:1]
+    begun, rng = time.perf_counter(), np.random.default_rng(options.seed)
+    worlds = options.worlds[:1] or (WORLD,)
     scene = Scene(generate("apartment", worlds[0]))
     paths = GridPaths(scene.clearance, CLEARANCE)
     starts = random_poses(scene, paths.points[paths.largest], CARS, rng)
@@ -46,7 +43,7 @@ def run(worlds: tuple[int, ...] | None, seed: int, quick: bool) -> Report:
         for car, action in zip(separate, actions.tolist(), strict=True):
             car.step(*action)
 
-    rounds = 3 if quick else _ROUNDS
+    rounds = 3 if options.quick else _ROUNDS
     speeds = {
         "fleet": _car_steps(lambda: fleet.step(actions), rounds),
         "separate": _car_steps(step_separate, rounds),
@@ -59,7 +56,7 @@ def run(worlds: tuple[int, ...] | None, seed: int, quick: bool) -> Report:
     steps = rounds * _BLOCK
     note = f"after {steps} steps the trajectories are at most {apart:.1e} m apart"
     took = time.perf_counter() - begun
-    return Report("fleet", seed, worlds, quick, took, rows, (note,))
+    return Report("fleet", options.seed, worlds, options.quick, took, rows, (note,))
 
 
 class SeparateCar:

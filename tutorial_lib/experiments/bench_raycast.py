@@ -10,7 +10,7 @@ import numpy as np
 import pymunk
 from numpy.typing import NDArray
 
-from tutorial_lib.experiments.report import Report
+from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.raycast import Fan
@@ -27,24 +27,22 @@ _POSES = 4096
 _RANGE = 30.0  # metres that pymunk's rays are long
 
 
-def run(worlds: tuple[int, ...] | None, seed: int, quick: bool) -> Report:
+def run(options: Options) -> Report:
     """Measure frames of 64 rays over 120 degrees per second, for each method and size.
 
-    Args:
-        worlds: not used; the walls are random.
-        seed: of walls and poses.
-        quick: measure for a shorter time.
+    The walls are random, so `options.worlds` is of no use here.
     """
-    begun, seconds = time.perf_counter(), 0.2 if quick else 1.0
-    rows, notes = [], []
+    begun, seconds = time.perf_counter(), 0.2 if options.quick else 1.0
+    rows = []
     for walls in WALLS:
-        scene, poses = random_scene(walls, np.random.default_rng([seed, walls]))
+        scene, poses = random_scene(walls, np.random.default_rng([options.seed, walls]))
         speeds = {name: rate(task, seconds) for name, task in methods(scene, poses).items()}
         for name, speed in speeds.items():
             ratio = speed / speeds["pymunk"]
             rows.append({"method": name, "walls": walls, "frames_per_s": speed, "ratio": ratio})
-    notes.append("ratio: to pymunk's loop over bare rays, on the same walls and poses")
-    return Report("raycast", seed, (), quick, time.perf_counter() - begun, rows, tuple(notes))
+    notes = ("ratio: to pymunk's loop over bare rays, on the same walls and poses",)
+    took = time.perf_counter() - begun
+    return Report("raycast", options.seed, (), options.quick, took, rows, notes)
 
 
 def methods(scene: Scene, poses: Array) -> dict[str, Callable[[int], int]]:

@@ -4,7 +4,25 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
+
+
+@dataclass(frozen=True)
+class Options:
+    """What a run was asked for on the command line.
+
+    Attributes:
+        worlds: seeds of the worlds; empty for the experiment's own.
+        seed: of everything that is random but the worlds.
+        quick: fewer episodes, same code.
+        map: a file to run on instead of generated worlds.
+    """
+
+    worlds: tuple[int, ...] = ()
+    seed: int = 0
+    quick: bool = False
+    map: Path | None = None
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,16 @@ def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: f
         frames_per_second: of the film.
 
     Raises:
-        InputError: when there are no frames, or this OpenCV cannot write WebM.
+        InputError: when there are no frames, their sizes are odd or differ, the name is not a
+            WebM film's, or this OpenCV cannot write one.
     """
     if not len(frames):
         raise InputError(f"{path}: no frames to write; give at least one")
+    if Path(path).suffix != ".webm":
+        raise InputError(f"{path}: a film's name ends in .webm; rename it")
     height, width = frames[0].shape[:2]
+    if height % 2 or width % 2:
+        raise InputError(f"{path}: frames of {width} x {height} pixels; give even numbers")
     with atomic_path(path) as temporary:
         code = cv2.VideoWriter.fourcc(*"VP80")
         with _hushed():
@@ -39,6 +44,8 @@ def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: f
                 f"{path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
             )
         for frame in frames:
+            if frame.shape != frames[0].shape:  # OpenCV would drop it without a word
+                raise InputError(f"{path}: frames differ in size; give all the same")
             writer.write(frame[..., ::-1])
         writer.release()
 
@@ -46,11 +53,18 @@ def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: f
 def write_picture(path: str | Path, picture: Picture) -> None:
     """Write an RGB picture (H, W, 3) as PNG; whole or not at all."""
     with atomic_path(path) as temporary:
-        cv2.imwrite(str(temporary), picture[..., ::-1])
+        if not cv2.imwrite(str(temporary), picture[..., ::-1]):
+            raise OSError(f"{path}: OpenCV could not write the picture")
 
 
 def strip(frames: Sequence[Picture], count: int = 4, gap: int = 8) -> Picture:
-    """`count` frames spread evenly over a film, one under the other, white between them."""
+    """`count` frames spread evenly over a film, one under the other, white between them.
+
+    Raises:
+        InputError: when there are no frames to choose from.
+    """
+    if not len(frames) or count < 1:
+        raise InputError("strip: no frames to show; give at least one, and a count >= 1")
     chosen = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
     line = np.full((gap, *frames[0].shape[1:]), 255, np.uint8)
     parts = [part for i in chosen for part in (frames[i], line)]

@@ -41,9 +41,13 @@ class Field:
     def number(self) -> float:
         """A finite number."""
         good = isinstance(self.value, int | float) and not isinstance(self.value, bool)
-        if not good or not math.isfinite(self.value):
+        try:
+            number = float(self.value) if good else math.nan
+        except OverflowError:  # a whole number with hundreds of digits
+            number = math.inf
+        if not math.isfinite(number):
             raise self.fail("give a finite number")
-        return float(self.value)
+        return number
 
     def whole(self) -> int:
         """A whole number."""

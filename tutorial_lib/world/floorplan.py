@@ -13,6 +13,8 @@ from tutorial_lib.world.materials import Look, Material, texture_atlas
 
 ROOM_KINDS = ("hallway", "living", "kitchen", "bedroom", "bathroom", "office", "storage", "open")
 """What a room can be; "open" is a space of unknown use, as an imported map has."""
+FARTHEST = 250.0
+"""Metres from the middle of a plan to its walls at most: its grid has to fit in memory."""
 
 
 @dataclass(frozen=True)
@@ -95,6 +97,8 @@ class FloorPlan:
     look: Look = field(default_factory=Look)
 
     def __post_init__(self) -> None:
+        if self.seed < 0:
+            raise InputError(f"seed: {self.seed}; give a whole number, 0 or greater")
         _check_walls(self)
         names = {material.name for material in self.materials}
         if len(names) != len(self.materials):
@@ -175,6 +179,13 @@ def _check_walls(plan: FloorPlan) -> None:
     short = np.flatnonzero(np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1]) < 1e-6)
     if short.size:
         raise InputError(f"walls[{short[0]}]: has no length; give two different ends")
+    middle = np.median(walls.reshape(-1, 2), axis=0)
+    far = np.flatnonzero(np.abs(walls - np.tile(middle, 2)).max(axis=1) > FARTHEST)
+    if far.size:
+        raise InputError(
+            f"walls[{far[0]}]: {walls[far[0]].tolist()} is more than {FARTHEST:.0f} m away from "
+            "the others; give metres"
+        )
 
 
 def _check_outline(where: str, outline: tuple[tuple[float, float], ...]) -> None:
@@ -183,6 +194,8 @@ def _check_outline(where: str, outline: tuple[tuple[float, float], ...]) -> None
         raise InputError(f"{where}: give at least three corners [x, y]")
     if not np.isfinite(corners).all():
         raise InputError(f"{where}: a corner is not finite; give numbers in metres")
+    if (np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1) < 1e-6).any():
+        raise InputError(f"{where}: a corner is given twice in a row; leave one out")
 
 
 def _check_material(where: str, name: str, known: set[str]) -> None:

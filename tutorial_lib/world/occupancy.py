@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.floorplan import FloorPlan, Room
@@ -57,6 +58,8 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
         cell.
     """
     origin, free = _draw_segments(plan, resolution)
+    for piece in plan.furniture:
+        cv2.fillPoly(free, [_to_cells(piece.outline, origin, resolution)], 0, shift=_SHIFT)
     _, labels = cv2.connectedComponents(free, connectivity=4)
     inside = np.zeros(labels.max() + 1, dtype=bool)
     for room in plan.rooms:
@@ -68,8 +71,6 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
         if cells.size:
             inside[np.bincount(cells).argmax()] = True
     inside[0] = False
-    for piece in plan.furniture:
-        cv2.fillPoly(free, [_to_cells(piece.outline, origin, resolution)], 0, shift=_SHIFT)
     open_cells = (inside[labels] & (free > 0)).astype(np.uint8)
     # The line through a blocked cell runs, on average, through its middle.
     distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
@@ -128,8 +129,8 @@ def _to_cells(
 def _loose_end(plan: FloorPlan, room: Room) -> str:
     """Where a wall ends without another, nearest to the room; empty when every end has a mate."""
     ends = plan.segments.reshape(-1, 2)
-    gaps = np.linalg.norm(ends[:, None] - ends, axis=-1)
-    loose = ends[(gaps < 0.02).sum(axis=1) == 1]
+    gap, _ = cKDTree(ends).query(ends, k=2)
+    loose = ends[gap[:, 1] > 0.02]
     if not len(loose):
         return ""
     distance = np.linalg.norm(loose - np.mean(room.outline, axis=0), axis=1)

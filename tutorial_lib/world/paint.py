@@ -14,7 +14,7 @@ HALF_LIGHT = 12.0
 """Metres at which a wall looks half as bright."""
 _DARKENING = np.float32(1.0 / HALF_LIGHT)
 _PER_TEXEL = np.float32(1.0 / TEXEL)
-_LONGEST = np.float32(2.0)  # metres of wall that one column averages at most
+_LONGEST = np.float32(2.0)  # metres of wall that one column averages at most, to either side
 _GRAZING = np.float32(0.02)  # sine of the flattest angle at which a wall is looked at
 _NEAREST = np.float32(1e-3)  # metres
 _ZERO_WIDTH = np.float32(1e-2)  # texels

@@ -88,7 +88,7 @@ def plan_from_json(text: str, where: str = "JSON text") -> FloorPlan:
     """
     try:
         root = Field(json.loads(text), where)
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{where}: is no JSON ({error}); was the file cut off?") from None
     if root["schema"].whole() != SCHEMA:
         raise root["schema"].fail(f"this version reads schema {SCHEMA}")
@@ -114,12 +114,15 @@ def _material(entry: Field) -> Material:
     stripes = []
     for row in entry["stripes"]:
         start, end, *_ = row.numbers(5)
-        stripes.append(Stripe(start, end, _colour(Field(row.value[2:], row.where))))
+        red, green, blue = (channel.whole() for channel in list(row)[2:])
+        stripes.append(Stripe(start, end, (red, green, blue)))
     return Material(entry["name"].text(), _colour(entry["colour"]), tuple(stripes))
 
 
 def _door(entry: Field) -> Door:
-    first, second = (room.whole() for room in entry["rooms"])
+    rooms = entry["rooms"]
+    rooms.numbers(2)
+    first, second = (room.whole() for room in rooms)
     return Door(entry["from"].point(), entry["to"].point(), (first, second))
 
 

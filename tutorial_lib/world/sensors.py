@@ -42,7 +42,7 @@ class Camera:
     slope: float = float(np.tan(np.deg2rad(30.0)))
 
     def __post_init__(self) -> None:
-        _check_picture(self.rows, self.columns)
+        _check_picture(self.rows, self.columns, self.slope)
         if not 0.0 < self.field_of_view < np.pi:
             raise InputError(
                 f"camera: a field of view of {self.field_of_view} rad; give one between 0 and pi"
@@ -86,6 +86,7 @@ class Camera:
             image (N, H, W, 3) uint8 RGB, left column = left of view; and depth (N, W), metres to
             the wall along each column's ray.
         """
+        poses = np.ascontiguousarray(poses, dtype=np.float64)
         hits = scene.caster.cast(poses, self.fan, discs, viewers)
         image = _paint(self, scene, poses, hits, discs)
         return image, hits.distance[:, ::-1]
@@ -110,8 +111,12 @@ class PanoramicCamera:
     slope: float = float(np.tan(np.deg2rad(30.0)))
 
     def __post_init__(self) -> None:
-        _check_picture(self.rows, self.columns)
-        if self.columns % self.patches or not 0 < self.patch_columns <= self.columns:
+        _check_picture(self.rows, self.columns, self.slope)
+        if (
+            self.patches < 1
+            or self.columns % self.patches
+            or not 0 < self.patch_columns <= self.columns
+        ):
             raise InputError(
                 f"panorama: {self.columns} columns in {self.patches} patches of "
                 f"{self.patch_columns}; give a multiple, and patches no wider than the whole"
@@ -140,6 +145,7 @@ class PanoramicCamera:
         viewers: Viewers | None = None,
     ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
         """Take a panorama from every pose; see `Camera.look`."""
+        poses = np.ascontiguousarray(poses, dtype=np.float64)
         hits = scene.caster.cast(poses, self.fan, discs, viewers)
         image = _paint(self, scene, poses, hits, discs)
         return image, hits.distance[:, ::-1]
@@ -197,9 +203,11 @@ def _full_circle(count: int) -> NDArray[np.float64]:
     return (np.arange(count) + 0.5) * (2 * np.pi / count) - np.pi
 
 
-def _check_picture(rows: int, columns: int) -> None:
+def _check_picture(rows: int, columns: int, slope: float) -> None:
     if rows < 1 or columns < 2:
         raise InputError(f"camera: {rows} rows and {columns} columns; give at least 1 and 2")
+    if not 0.0 < slope < np.inf:
+        raise InputError(f"camera: a slope of {slope}; give the tangent of an angle up to pi / 2")
 
 
 def _paint(
@@ -215,7 +223,7 @@ def _paint(
         np.empty((count, width, 3), np.float32),
         np.empty((count, width), np.float32),
     )
-    shades = _NO_DISCS if discs is None else discs.colours
+    shades = _NO_DISCS if discs is None else scene.plan.look.tone(discs.colours)
     found = (hits.distance, hits.wall, hits.along, camera.fan.directions, poses)
     walls = (scene.surfaces, scene.strips, shades)
     paint_columns(*found, *walls, camera.spread, camera.flatten, colours, nearness)

@@ -54,7 +54,8 @@ def _share(
     fan = Fan(field_of_view * ((np.arange(rays) + 0.5) / rays - 0.5))
     distance = caster.cast(viewers, fan).distance
     seen = np.isfinite(distance)
-    reach = np.where(seen, np.maximum(distance - OFF_THE_WALL, 0.0), 0.0)
+    # Never back onto the viewer: where it stands itself has no bearing.
+    reach = np.where(seen, np.maximum(distance - OFF_THE_WALL, distance / 2), 0.0)
     angles = viewers[:, 2:] + fan.angles
     direction = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
     points = viewers[:, None, :2] + reach[..., None] * direction

@@ -1,0 +1,152 @@
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from conftest import make_box
+
+from tutorial_lib.cli import main
+from tutorial_lib.experiments import demo
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.plan_json import save_plan
+from tutorial_lib.world.scene import Scene
+
+OUTPUTS = ("demo.json", "demo.png", "demo.webm")
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+def test_the_demo_reaches_its_goal_and_leaves_film_strip_and_figures(tmp_path, capsys):
+    assert main(["demo", "--seed", "3"]) == 0
+    told = json.loads((tmp_path / "demo.json").read_text())
+    assert told["reached"]
+    assert not told["collided"]
+    assert told["rooms_away"] == demo.ROOMS_AWAY
+    assert told["people"] == 2
+    assert told["driven"] > 0.8 * told["geodesic"] > 4.0
+    film = cv2.VideoCapture(str(tmp_path / "demo.webm"))
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) > told["seconds"] * 4
+    assert film.read()[1].shape[2] == 3
+    assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(OUTPUTS)
+    assert "reached the goal" in capsys.readouterr().out
+
+
+def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
+    image = np.full((160, 200), 254, np.uint8)
+    image[[0, -1]] = image[:, [0, -1]] = 0
+    image[60:100, 80:90] = 0
+    cv2.imwrite(str(tmp_path / "hall.png"), image)
+    text = "image: hall.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+    (tmp_path / "hall.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    assert main(["demo", "--map", "hall.yaml"]) == 0
+    assert json.loads((tmp_path / "demo.json").read_text())["reached"]
+
+
+def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
+    class Asleep(demo.OracleCourier):
+        def act(self, simulation):
+            return np.zeros((1, 2))
+
+    monkeypatch.setattr(demo, "OracleCourier", Asleep)
+    save_plan(make_box(6.0, 6.0), "box.json")
+    assert main(["demo", "--map", "box.json"]) == 1
+    assert not json.loads(Path("demo.json").read_text())["reached"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["demo", "--map", "nowhere.yaml"], "nowhere.yaml"),
+        (["demo", "--seed", "-1"], "seed"),
+        (["bench", "fleet", "--seed", "-1"], "--seed"),
+        (["demo", "--map", "broken.json"], "broken.json"),
+        (["demo", "--map", "tiny.json"], "larger map"),
+    ],
+)
+def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
+    (tmp_path / "broken.json").write_text('{"schema": 1, "walls": [')
+    save_plan(make_box(1.5, 1.5), tmp_path / "tiny.json")
+    assert main(arguments) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("error: ")
+    assert words in error
+    assert error.count("\n") == 1
+    assert not any((tmp_path / name).exists() for name in OUTPUTS)
+
+
+@pytest.mark.parametrize("text", ["5", "5:5", "-1:3", "a:b", "9:3"])
+def test_worlds_that_are_no_range_are_refused(capsys, text):
+    with pytest.raises(SystemExit) as stopped:
+        main(["experiment", "plans", f"--worlds={text}"])
+    assert stopped.value.code == 2
+    assert "give A:B" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")
+def test_an_interrupted_demo_leaves_nothing_behind(tmp_path):
+    running = subprocess.Popen(
+        [sys.executable, "-m", "tutorial_lib", "demo"], cwd=tmp_path, stderr=subprocess.PIPE
+    )
+    time.sleep(4)
+    running.send_signal(signal.SIGINT)
+    _, error = running.communicate(timeout=60)
+    if running.returncode == 0:
+        pytest.skip("it was done before it could be interrupted")
+    assert running.returncode in (130, -signal.SIGINT)
+    assert list(tmp_path.iterdir()) == []
+    assert b"Traceback" not in error or b"import" in error
+
+
+def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
+    arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]
+    assert main(arguments) == 0
+    told = json.loads((tmp_path / "p.json").read_text())
+    assert {"name", "seed", "worlds", "quick", "seconds", "rows"} <= set(told)
+    assert told["worlds"] == [10_500]
+    assert [row["family"] for row in told["rows"]] == list(FAMILIES)
+    for row in told["rows"]:
+        assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 20)
+        assert row["success"] >= 0.9
+        assert row["walls_crossed"] == 0
+    assert "walls_crossed" in capsys.readouterr().out
+
+
+def test_bench_raycast_compares_every_method_at_every_size(tmp_path, capsys):
+    assert main(["bench", "raycast", "--quick", "--json", "b.json"]) == 0
+    rows = json.loads((tmp_path / "b.json").read_text())["rows"]
+    assert {row["walls"] for row in rows} == {50, 120, 500, 5000}
+    methods = {"pymunk", "numpy", "numba", "numba_single", "image16", "image64"}
+    assert {row["method"] for row in rows} == methods
+    assert len(rows) == 24
+    assert all(row["frames_per_s"] > 0 for row in rows)
+
+
+def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, capsys):
+    assert main(["bench", "fleet", "--quick", "--json", "f.json"]) == 0
+    told = json.loads((tmp_path / "f.json").read_text())
+    assert {row["method"] for row in told["rows"]} == {"fleet", "separate"}
+    assert all(row["cars"] == 256 for row in told["rows"])
+    apart = float(told["notes"][0].split("at most ")[1].split(" m")[0])
+    assert apart < 1e-6
+
+
+def test_people_in_the_demo_stand_where_the_floor_is():
+    scene = Scene(generate("apartment", 10_003))
+    paths = demo.GridPaths(scene.clearance, demo.CLEARANCE)
+    start, goal, rooms, _ = demo.choose_places(scene, paths, np.random.default_rng(0))
+    way = paths.fields(goal).path(start[:2])
+    people = demo.place_people(way, scene)
+    assert len(rooms) == len(people) == 2
+    for person in people:
+        assert scene.clearance.at(person.route).min() > 0.0
+        assert np.linalg.norm(person.route - start[:2], axis=1).min() > 0.5
