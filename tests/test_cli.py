@@ -70,12 +70,17 @@ def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
         (["demo", "--seed", "-1"], "seed"),
         (["bench", "fleet", "--seed", "-1"], "--seed"),
         (["demo", "--map", "broken.json"], "broken.json"),
-        (["demo", "--map", "tiny.json"], "larger map"),
+        (["demo", "--map", "tiny.json"], "no place has"),
+        (["demo", "--map", "small.json"], "larger map"),
+        (["experiment", "plans", "--map", "tiny.json"], "no place has"),
+        (["experiment", "plans", "--map", "."], "."),
+        (["bench", "fleet", "--quick", "--json", "nowhere/x.json"], "existing folder"),
     ],
 )
 def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
     (tmp_path / "broken.json").write_text('{"schema": 1, "walls": [')
-    save_plan(make_box(1.5, 1.5), tmp_path / "tiny.json")
+    save_plan(make_box(0.5, 0.5), tmp_path / "tiny.json")
+    save_plan(make_box(1.5, 1.5), tmp_path / "small.json")
     assert main(arguments) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ")
@@ -142,7 +147,7 @@ def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, capsys):
 
 def test_people_in_the_demo_stand_where_the_floor_is():
     scene = Scene(generate("apartment", 10_003))
-    paths = demo.GridPaths(scene.clearance, demo.CLEARANCE)
+    paths = demo.GridPaths(scene.clearance)
     start, goal, rooms, _ = demo.choose_places(scene, paths, np.random.default_rng(0))
     way = paths.fields(goal).path(start[:2])
     people = demo.place_people(way, scene)

@@ -1,12 +1,17 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import make_box
 
 from tutorial_lib.driving.arcs import ArcController
-from tutorial_lib.driving.courier import OracleCourier, time_limit
+from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.experiments.plans import CLEARANCE, drive_about, walls_crossed
+from tutorial_lib.driving.metrics import time_limit, walls_crossed
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.plans import drive_about
 from tutorial_lib.interfaces import Controller
+from tutorial_lib.world.floorplan import Room
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
@@ -14,7 +19,7 @@ from tutorial_lib.world.simulation import Simulation
 
 
 def drive(scene, starts, goals, people=()):
-    paths = GridPaths(scene.clearance, CLEARANCE)
+    paths = GridPaths(scene.clearance)
     return OracleCourier(paths, goals).drive(Simulation(scene, starts, people=people))
 
 
@@ -25,11 +30,11 @@ def test_it_is_a_controller():
 @pytest.mark.parametrize("family", FAMILIES)
 def test_it_drives_through_every_family(family):
     scene = Scene(generate(family, 10_100))
-    paths = GridPaths(scene.clearance, CLEARANCE)
+    paths = GridPaths(scene.clearance)
     drives = drive_about(scene, paths, 20, np.random.default_rng(0))
     assert drives.reached.sum() >= 18
     assert drives.collided.sum() == 0
-    assert walls_crossed(scene, drives.poses) == 0
+    assert walls_crossed(scene.caster, drives.poses) == 0
 
 
 def test_it_reverses_to_what_is_just_behind_it(box):
@@ -87,3 +92,31 @@ def test_boxed_in_it_stands_still():
 
 def test_the_time_limit_is_that_of_the_paper():
     assert time_limit([0.0, 3.0]).tolist() == [5.0, 15.0]
+
+
+def test_goals_that_cannot_be_reached_are_told_at_once(box):
+    paths = GridPaths(box.clearance)
+    with pytest.raises(InputError, match="give as many"):
+        OracleCourier(paths, [[5.0, 5.0]]).act(Simulation(box, [[3, 3, 0], [6, 6, 0]]))
+    one, other = make_box(4.0, 4.0), make_box(6.0, 6.0)
+    apart = Scene(
+        replace(
+            one,
+            walls=np.concatenate([one.walls, other.walls + 4.2]),
+            wall_materials=one.wall_materials * 2,
+            wall_offsets=np.zeros(8),
+            rooms=(
+                *one.rooms,
+                Room("office", ((4.2, 4.2), (10.2, 4.2), (10.2, 10.2), (4.2, 10.2))),
+            ),
+        )
+    )
+    with pytest.raises(InputError, match="no way leads"):
+        drive(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
+
+
+@pytest.mark.parametrize("waypoints", [[[1.0, 0.0]], [[np.nan, 0.0], [1.0, 1.0]]])
+def test_waypoints_that_are_none_are_refused(box, waypoints):
+    observations = Simulation(box, [[3, 3, 0], [6, 6, 0]]).observe()
+    with pytest.raises(InputError, match="finite"):
+        ArcController().act(observations, waypoints)

@@ -142,6 +142,13 @@ def test_sight_is_cut_by_walls_alone():
     assert caster.sees(origins[:1], [[1.0, 0.0]]).tolist() == [True]
 
 
+def test_one_origin_may_look_at_many_points_and_nan_is_never_seen():
+    caster = Raycaster([[1, -1, 1, 1]])
+    points = np.column_stack([np.full(500, 0.5), np.linspace(-1, 1, 500)])
+    assert caster.sees([[0.0, 0.0]], points).all()
+    assert not caster.sees([[np.nan, 0.0]], [[0.5, 0.0]]).any()
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10_000))
 def test_sight_by_brute_force(seed):
@@ -166,6 +173,8 @@ def test_sight_by_brute_force(seed):
         (lambda: Fan([1.0, 0.0]), "rising"),
         (lambda: Fan([]), "finite angles"),
         (lambda: Raycaster([[0, 0, 1, 1]]).cast(np.zeros((2, 2)), Fan([0.0])), "x, y, heading"),
+        (lambda: Raycaster([[0, 0, 1, 1]]).sees([[0.0, 0.0]], [1.0, 1.0, 1.0]), "rows x, y"),
+        (lambda: Discs(np.zeros((2, 3)), np.zeros(1, np.int32), np.zeros((2, 3))), "as many"),
     ],
 )
 def test_bad_input_is_named(make, words):

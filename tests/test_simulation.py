@@ -9,8 +9,10 @@ from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP, DiscreteOdometry, WheelOdometry
 from tutorial_lib.world.people import Person
+from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.simulation import Simulation, is_free
+from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.simulation import Sensors, Simulation
 
 
 def drive(simulation, action, steps):
@@ -168,7 +170,9 @@ def test_discrete_actions_move_as_measured(box, action, motion):
 
 
 def test_a_wall_shortens_a_discrete_step(box):
-    simulation = Simulation(box, [[9.75, 5.0, 0.0]], body=DifferentialDrive())
+    simulation = Simulation(
+        box, [[9.75, 5.0, 0.0]], body=DifferentialDrive(), rng=np.random.default_rng(0)
+    )
     simulation.act(np.array([FORWARD]))
     assert simulation.collided[0]
     assert simulation.poses[0, 0] < 9.85
@@ -225,7 +229,17 @@ def test_observations_select_robots(box):
         (lambda s: Simulation(s, [[5.0, 5.0, 0.0]], control_noise=0.3), "needs an rng"),
         (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).step([[np.inf, 0.0]]), "finite"),
         (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).step([0.0, 0.0]), "finite"),
-        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).act(np.array([7])), "from 0 to 3"),
+        (
+            lambda s: Simulation(s, [[5.0, 5.0, 0.0]], rng=np.random.default_rng(0)).act([7]),
+            "from 0 to 3",
+        ),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).act([STOP]), "give it an rng"),
+        (lambda s: Simulation(s, [[5.0, 5.0]]), "rows x, y, heading"),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]], control_noise=-1.0), "sigma >= 0"),
+        (lambda s: Simulation(s, [[5, 5, 0]], people=[Person([[5.1, 5.0]])]), "a robot starts"),
+        (lambda s: Simulation(s, [[5, 5, 0]], people=[Person([[1, 1]], owner=3)]), "last robot"),
+        (lambda s: Sensors(laser=Laser(64, 4.0)), "full circle"),
+        (lambda s: Person(np.zeros((0, 2))), "finite points"),
         (lambda s: Person([[0.0, np.nan]]), "finite points"),
         (lambda s: Person([[0.0, 0.0]], radius=0.0), "radius"),
     ],
@@ -240,3 +254,44 @@ def test_a_start_between_furniture_is_refused():
     for pose in ([5.0, 5.0, 0.0], [3.8, 5.0, 0.0], [4.1, 5.5, 2.0]):
         with pytest.raises(InputError, match="choose another start"):
             Simulation(scene, pose)
+
+
+def test_a_post_under_the_car_is_no_place_to_start():
+    scene = Scene(make_box(pillars=[(5.2, 5.0, 0.05)]))
+    with pytest.raises(InputError, match="choose another start"):
+        Simulation(scene, [5.0, 5.0, 0.0])
+
+
+def test_time_is_time_for_people_whatever_the_actions(box):
+    def walked(act):
+        person = Person([[1.0, 2.0], [9.0, 2.0]], speed=0.5)
+        rng = np.random.default_rng(0)
+        robot = DifferentialDrive()
+        simulation = Simulation(box, [[5.0, 8.0, 0.0]], body=robot, people=[person], rng=rng)
+        while simulation.seconds < 4.99:
+            act(simulation)
+        return simulation.crowd.positions[0, 0]
+
+    stopped = walked(lambda s: s.act(np.array([STOP])))
+    assert stopped == pytest.approx(3.5, abs=0.02)
+    assert stopped == pytest.approx(walked(lambda s: s.step([[0.0, 0.0]])), abs=0.02)
+
+
+def test_discrete_actions_leave_no_controls_behind(box):
+    rng = np.random.default_rng(0)
+    simulation = Simulation(box, [[5.0, 5.0, 0.0]], body=DifferentialDrive(), rng=rng)
+    simulation.step([[0.5, 1.0]])
+    simulation.act(np.array([FORWARD]))
+    assert simulation.observe().steering[0] == 0.0
+
+
+def test_poses_are_for_reading(box):
+    simulation = Simulation(box, [[5.0, 5.0, 0.0]])
+    with pytest.raises(ValueError, match="read-only"):
+        simulation.poses[0] = 1.0
+
+
+def test_one_robot_of_a_batch_is_a_batch_of_one(box):
+    observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0]]).observe()
+    assert len(observation[1]) == 1
+    assert observation[1].image.shape == (1, 16, 64, 3)

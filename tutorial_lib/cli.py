@@ -11,7 +11,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments import bench_fleet, bench_raycast, plans
 from tutorial_lib.experiments.demo import run_demo
 from tutorial_lib.experiments.report import Options, Report, parse_worlds
-from tutorial_lib.files import write_text
+from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_map
 
@@ -27,6 +27,9 @@ def main(arguments: list[str]) -> int:
         return options.run(options)
     except InputError as error:
         print(f"error: {error}", file=sys.stderr)
+        return WRONG_INPUT
+    except OSError as error:
+        print(f"error: {error}; check the folder and the space on the disk", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
         print("interrupted; nothing half-written was left", file=sys.stderr)
@@ -72,6 +75,8 @@ def _demo(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     if options.seed < 0:
         raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
+    if options.json is not None:
+        check_writable(options.json)
     asked = Options(options.worlds, options.seed, options.quick, options.map)
     report: Report = options.table[options.name](asked)
     print(report.as_text())

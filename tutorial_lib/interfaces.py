@@ -37,7 +37,8 @@ class Observation:
         return len(self.odometry)
 
     def __getitem__(self, index: Any) -> Observation:  # noqa: ANN401 - any numpy index
-        """The robots that `index` selects (a mask, a slice or an array of numbers)."""
+        """The robots that `index` selects (a mask, a slice, numbers or one number), as a batch."""
+        index = [index] if isinstance(index, int | np.integer) else index
         depth = None if self.depth is None else self.depth[index]
         return Observation(
             self.image[index],

@@ -13,10 +13,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar
-
-Array = NDArray[np.float64]
+from tutorial_lib.world.sensors import full_circle
 
 _SLACK = 0.001  # metres by which a corner may swing closer while leaving
 _STUCK = -0.02  # metres inside the car at which something is more than touching it
@@ -79,9 +80,19 @@ class ArcController:
         return np.array([*box, *body, self.stride, *taste, *costs])
 
     def act(self, observations: Observation, waypoints: Array) -> Array:
-        """Actions (N, 2): speed in m/s and steering in rad, for waypoints (N, 2)."""
+        """Actions (N, 2): speed in m/s and steering in rad, for waypoints (N, 2).
+
+        Raises:
+            InputError: when a waypoint is missing or not finite.
+        """
+        waypoints = np.ascontiguousarray(waypoints, dtype=float)
+        if waypoints.shape != (len(observations), 2) or not np.isfinite(waypoints).all():
+            raise InputError(f"waypoints: {waypoints.shape}; give finite (N, 2) for N robots")
+        angles = full_circle(observations.laser.shape[1])
         state = np.stack([observations.speed, observations.steering], axis=1)
-        best, free, gap = _choose(observations.laser, waypoints, state, self._arcs, self._limits)
+        best, free, gap = _choose(
+            observations.laser, angles, waypoints, state, self._arcs, self._limits
+        )
         steering, _, sign, _ = self._arcs[best].T
         left = np.linalg.norm(waypoints, axis=1)
         limit = np.where(sign > 0, self.car.max_speed, self.car.max_reverse)
@@ -94,7 +105,7 @@ class ArcController:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _choose(
-    lasers: Array, waypoints: Array, state: Array, arcs: Array, limits: Array
+    lasers: Array, angles: Array, waypoints: Array, state: Array, arcs: Array, limits: Array
 ) -> tuple[NDArray[np.intp], Array, Array]:
     """For each robot the best arc's number, how many metres of it are free, and its least gap."""
     box = limits[:4]
@@ -106,8 +117,7 @@ def _choose(
     for robot in range(count):
         near = 0
         for beam in range(beams):
-            angle = (beam + 0.5) * 2 * np.pi / beams - np.pi
-            distance = lasers[robot, beam]
+            angle, distance = angles[beam], lasers[robot, beam]
             if distance < _HORIZON:
                 px[near], py[near] = distance * np.cos(angle), distance * np.sin(angle)
                 near += 1

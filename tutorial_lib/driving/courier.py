@@ -7,18 +7,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.driving.arcs import ArcController
 from tutorial_lib.driving.gridpath import DistanceFields, GridPaths
-from tutorial_lib.geometry import to_local
+from tutorial_lib.driving.metrics import REACHED, time_limit
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import Controller
 from tutorial_lib.world.simulation import STEP, Simulation
-
-Array = NDArray[np.float64]
-
-REACHED = 0.30
-"""Metres from the target that count as reached."""
-SLOWEST = 0.3
-"""m/s on average, below which a drive is given up."""
-GRACE = 5.0
-"""Seconds allowed on top."""
 
 
 @dataclass(frozen=True)
@@ -29,18 +22,13 @@ class Drives:
         reached: (N,) the target was reached in time, and nothing was touched.
         collided: (N,) something was touched.
         seconds: (N,) until the drive ended.
-        poses: (T, N, 3) where the robots were; a robot that is done stays where it ended.
+        poses: (T, N, 3) where the robots were; one that is done rolls to a stop.
     """
 
     reached: NDArray[np.bool_]
     collided: NDArray[np.bool_]
     seconds: Array
     poses: Array
-
-
-def time_limit(geodesic: ArrayLike) -> Array:
-    """Seconds that a drive of so many metres may take."""
-    return np.asarray(geodesic, dtype=float) / SLOWEST + GRACE
 
 
 class OracleCourier:
@@ -69,15 +57,23 @@ class OracleCourier:
     def act(self, simulation: Simulation) -> Array:
         """Actions (N, 2) for the robots where they are now."""
         poses, numbers = simulation.poses, np.arange(len(self.goals))
+        if len(poses) != len(numbers):
+            raise InputError(f"courier: {len(poses)} robots and {len(numbers)} goals; give as many")
         caster = simulation.scene.caster
         targets = self.fields.waypoints(poses[:, :2], numbers, caster, self.reach)
         return self.controller.act(simulation.observe(), to_local(poses, targets))
 
     def drive(self, simulation: Simulation) -> Drives:
-        """Drive until every robot has reached its goal, touched something or run out of time."""
+        """Drive until every robot has reached its goal, touched something or run out of time.
+
+        Raises:
+            InputError: when no way leads a robot to its goal.
+        """
         shortest = self.fields.paths.fields(self.goals, shortest=True)
         starts, count = simulation.poses[:, :2], len(simulation)
         limit = time_limit(shortest.distance(starts, np.arange(count)))
+        for lost in np.flatnonzero(~np.isfinite(limit)):
+            raise InputError(f"goal: no way leads robot {lost} to its goal; choose another goal")
         reached, over = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
         seconds, track = np.zeros(count), [simulation.poses]
         while not over.all():

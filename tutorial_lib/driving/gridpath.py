@@ -9,10 +9,12 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
 from tutorial_lib.world.occupancy import ClearanceGrid
 from tutorial_lib.world.raycast import Raycaster
 
-Array = NDArray[np.float64]
+CLEARANCE = 0.25
+"""Metres between the ways that are planned and the nearest wall."""
 
 # Half of the 16 steps of a king and a knight; the others are their opposites.
 _STEPS = [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
@@ -27,12 +29,14 @@ class DistanceFields:
     Attributes:
         paths: the grid they belong to.
         goals: (G, 2) metres.
+        gaps: (G,) metres from each goal to its node.
         cost: (G, K) for each node of the grid metres, or weighted metres; inf where no way leads.
         towards: (G, K) the next node on the way to the goal.
     """
 
     paths: "GridPaths"
     goals: Array
+    gaps: Array
     cost: Array
     towards: NDArray[np.int32]
 
@@ -40,10 +44,11 @@ class DistanceFields:
         """Cost (N,) from points (N, 2), each to the goal of that number; inf without a way."""
         points = np.asarray(points, dtype=float)
         nodes, gap = self.paths.nearest(points)
-        there = np.where(nodes >= 0, self.cost[goals, nodes] + gap, np.inf)
-        # Close by, the straight line is the better measure.
+        cost = np.where(nodes >= 0, self.cost[goals, nodes], np.inf)
         direct = np.linalg.norm(points - self.goals[goals], axis=-1)
-        return np.where(direct < 2 * self.paths.resolution, np.minimum(direct, there), there)
+        # At nodes that are the same or neighbours, the straight line is the better measure.
+        beside = cost < 1.5 * self.paths.resolution
+        return np.where(beside, direct, cost + gap + self.gaps[goals])
 
     def path(self, start: ArrayLike, goal: int = 0) -> Array:
         """The way from `start` (2,) to a goal as points (P, 2), start and goal included.
@@ -77,7 +82,7 @@ class DistanceFields:
             reach: metres of the way that are looked at.
 
         Returns:
-            (N, 2) points of the world; a robot without a way gets its own place.
+            (N, 2) points of the world; where nothing of the way is in sight, the robot's own place.
         """
         points = np.asarray(points, dtype=float)
         nodes, _ = self.paths.nearest(points)
@@ -100,7 +105,7 @@ class GridPaths:
     def __init__(
         self,
         grid: ClearanceGrid,
-        clearance: float = 0.2,
+        clearance: float = CLEARANCE,
         comfort: float = 0.6,
         caution: float = 4.0,
     ) -> None:
@@ -186,12 +191,14 @@ class GridPaths:
             InputError: when a goal is not in free space.
         """
         goals = np.asarray(goals, dtype=float).reshape(-1, 2)
-        nodes = self.nearest(goals)[0] if np.isfinite(goals).all() else np.full(len(goals), -1)
+        if not np.isfinite(goals).all():
+            raise InputError(f"goal: {goals.tolist()} is not in free space, nor finite")
+        nodes, gaps = self.nearest(goals)
         for goal in goals[nodes < 0]:
             raise InputError(f"goal: {goal.tolist()} is not in free space; choose another place")
         graph = self._geodesic if shortest else self._comfortable
         cost, towards = dijkstra(graph, indices=nodes, return_predecessors=True)
-        return DistanceFields(self, goals, cost, towards)
+        return DistanceFields(self, goals, gaps, cost, towards)
 
     @cached_property
     def largest(self) -> NDArray[np.bool_]:

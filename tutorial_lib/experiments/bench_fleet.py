@@ -8,17 +8,15 @@ from collections.abc import Callable
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
 from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.experiments.plans import CLEARANCE, random_poses
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.generators import generate
+from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, SUBSTEPS, Simulation
-
-Array = NDArray[np.float64]
 
 CARS = 256
 WORLD = 20_000
@@ -33,8 +31,8 @@ def run(options: Options) -> Report:
     begun, rng = time.perf_counter(), np.random.default_rng(options.seed)
     worlds = options.worlds[:1] or (WORLD,)
     scene = Scene(generate("apartment", worlds[0]))
-    paths = GridPaths(scene.clearance, CLEARANCE)
-    starts = random_poses(scene, paths.points[paths.largest], CARS, rng)
+    paths = GridPaths(scene.clearance)
+    starts = random_free_poses(scene, BicycleCar(), paths.points[paths.largest], CARS, rng)
     actions = np.column_stack([rng.uniform(-0.3, 0.8, CARS), rng.uniform(-0.45, 0.45, CARS)])
     fleet = Simulation(scene, starts)
     separate = [SeparateCar(scene.plan.segments, pose) for pose in starts.tolist()]

@@ -8,16 +8,14 @@ from collections.abc import Callable
 
 import numpy as np
 import pymunk
-from numpy.typing import NDArray
 
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.geometry import Array
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.raycast import Fan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
-
-Array = NDArray[np.float64]
 
 WALLS = (50, 120, 500, 5000)
 BATCH = 256

@@ -9,26 +9,26 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.courier import REACHED, OracleCourier
-from tutorial_lib.driving.gridpath import DistanceFields, GridPaths, path_length
+from tutorial_lib.driving.courier import OracleCourier
+from tutorial_lib.driving.gridpath import CLEARANCE, DistanceFields, GridPaths, path_length
+from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import write_text
+from tutorial_lib.files import check_writable, write_text
+from tutorial_lib.geometry import Array
 from tutorial_lib.viz.colours import PERSON
-from tutorial_lib.viz.dashboard import Moment, Picture, dashboard
+from tutorial_lib.viz.dashboard import DriveFilm, Moment
 from tutorial_lib.viz.film import strip, write_film, write_picture
 from tutorial_lib.viz.plan_view import PlanView
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.people import Person
+from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
-from tutorial_lib.world.simulation import Sensors, Simulation, is_free
+from tutorial_lib.world.simulation import Sensors, Simulation
 
-Array = NDArray[np.float64]
-
+FILM, STRIP, FIGURES = "demo.webm", "demo.png", "demo.json"
 ROOMS_AWAY = 3
-CLEARANCE = 0.25
-"""Metres between the ways that are planned and the nearest wall."""
 _SHORTEST, _FAR = 3.0, 10.0  # metres of way: needed, and enough
 _STROLL = 2.5  # metres that a person walks to and fro
 _ASIDE = 0.45  # metres beside the way
@@ -64,16 +64,18 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     Raises:
         InputError: when the plan has no two places far enough apart.
     """
+    for name in (FILM, STRIP, FIGURES):
+        check_writable(folder / name)
     rng = np.random.default_rng(seed)
     scene = Scene(plan)
-    paths = GridPaths(scene.clearance, CLEARANCE)
+    paths = GridPaths(scene.clearance)
     start, goal, rooms, away = choose_places(scene, paths, rng)
     fields = paths.fields(goal)
     way = fields.path(start[:2])
     sensors = Sensors(camera=Camera(rows=64, columns=192))
     people = place_people(way, scene)
     simulation = Simulation(scene, start[None], people=people, sensors=sensors)
-    frames, track = _film(simulation, OracleCourier(paths, goal), fields, _title(plan, rooms))
+    moments, track = _drive(simulation, OracleCourier(paths, goal), fields)
     gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
     outcome = Outcome(
         name="demo",
@@ -87,12 +89,13 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         driven=round(path_length(track), 2),
         geodesic=round(float(paths.fields(goal, shortest=True).distance(start[None, :2])[0]), 2),
         people=len(people),
-        film="demo.webm",
-        strip="demo.png",
+        film=FILM,
+        strip=STRIP,
     )
-    write_film(folder / outcome.film, frames, _FILM_RATE)
-    write_picture(folder / outcome.strip, strip(frames, 3))
-    write_text(folder / "demo.json", json.dumps(asdict(outcome), indent=1) + "\n")
+    film = DriveFilm(PlanView(scene), moments, _title(plan, rooms))
+    write_film(folder / FILM, film, _FILM_RATE)
+    write_picture(folder / STRIP, strip(film, 3))
+    write_text(folder / FIGURES, json.dumps(asdict(outcome), indent=1) + "\n")
     return outcome
 
 
@@ -148,29 +151,25 @@ def place_people(way: Array, scene: Scene) -> list[Person]:
     return people
 
 
-def _film(
-    simulation: Simulation, courier: OracleCourier, fields: DistanceFields, title: str
-) -> tuple[list[Picture], Array]:
+def _drive(
+    simulation: Simulation, courier: OracleCourier, fields: DistanceFields
+) -> tuple[list[Moment], Array]:
     """Drive until the car stands at the goal, touches something or time is up."""
-    view, goal = PlanView(simulation.scene), fields.goals[0]
-    track, frames = [simulation.poses[0, :2]], []
+    goal, track, moments = fields.goals[0], [simulation.poses[0, :2]], []
     limit = 30.0 + 4.0 * path_length(fields.path(track[0]))
     while True:
-        pose = simulation.poses[0]
-        gap = float(np.linalg.norm(pose[:2] - goal))
+        gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
         arrived = gap < REACHED and abs(simulation.speed[0]) < _STANDING
         over = arrived or simulation.collided[0] or simulation.seconds >= limit
         if over or len(track) % _EVERY == 1:
-            frames.append(_frame(view, simulation, fields, np.array(track), title))
+            moments.append(_moment(simulation, fields, np.array(track)))
         if over:
-            return frames + frames[-1:] * round(_FILM_RATE), np.array(track)
+            return moments + moments[-1:] * round(_FILM_RATE), np.array(track)
         simulation.step(courier.act(simulation))
         track.append(simulation.poses[0, :2])
 
 
-def _frame(
-    view: PlanView, simulation: Simulation, fields: DistanceFields, track: Array, title: str
-) -> Picture:
+def _moment(simulation: Simulation, fields: DistanceFields, track: Array) -> Moment:
     pose, observation = simulation.poses[0], simulation.observe()
     way = fields.path(pose[:2])
     lines = (
@@ -180,8 +179,7 @@ def _frame(
         ("steering", f"{np.rad2deg(simulation.controls[0, 1]):+.0f} deg"),
     )
     discs, footprint = simulation.discs, simulation.body.footprint
-    moment = Moment(pose, footprint, observation, track, way, fields.goals[0], discs, lines)
-    return dashboard(view, moment, title)
+    return Moment(pose, footprint, observation, track, way, fields.goals[0], discs, lines)
 
 
 def _title(plan: FloorPlan, rooms: tuple[str, str]) -> str:

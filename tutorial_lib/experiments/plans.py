@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
-from numpy.typing import NDArray
 from tqdm.auto import tqdm
 
 from tutorial_lib.driving.courier import Drives, OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.metrics import walls_crossed
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.world.bodies import BicycleCar
@@ -19,15 +19,14 @@ from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.occupancy import check_closed
+from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.plan_json import plan_from_json, plan_to_json
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Laser
-from tutorial_lib.world.simulation import Simulation, is_free
+from tutorial_lib.world.simulation import Simulation
 
 WORLDS = tuple(range(20_000, 20_200))
 GOALS = 20
-CLEARANCE = 0.25
-"""Metres between the ways that are driven and the nearest wall."""
 _DRIVEN, _QUICKLY_DRIVEN = 10, 5  # plans a family
 
 
@@ -73,22 +72,28 @@ def examine(family: str, world: int, driven: bool, seed: int) -> dict[str, Any]:
         driven: whether to drive.
         seed: of starts and goals.
     """
-
-    def make() -> FloorPlan:
-        return generate(family, world) if family in FAMILIES else import_map(family, world)
-
-    plan = make()
-    scene = Scene(plan)
-    paths = GridPaths(scene.clearance, CLEARANCE)
+    found = {"fault": "", "drives": 0, "reached": 0, "walls_crossed": 0}
     rng = np.random.default_rng([seed, world])
-    again = plan_to_json(make())
-    found = {"fault": find_fault(plan, again, scene, paths, rng)}
-    found |= {"drives": 0, "reached": 0, "walls_crossed": 0}
-    if driven:
-        drives = drive_about(scene, paths, GOALS, rng)
-        crossed = walls_crossed(scene, drives.poses)
+    try:
+        plan = make_plan(family, world)
+        scene = Scene(plan)
+        paths = GridPaths(scene.clearance)
+        again = plan_to_json(make_plan(family, world))
+        found["fault"] = find_fault(plan, again, scene, paths, rng)
+        drives = drive_about(scene, paths, GOALS, rng) if driven else None
+    except InputError as error:
+        if family not in FAMILIES:
+            raise
+        return found | {"fault": str(error)}
+    if drives is not None:
+        crossed = walls_crossed(scene.caster, drives.poses)
         found |= {"drives": GOALS, "reached": int(drives.reached.sum()), "walls_crossed": crossed}
     return found
+
+
+def make_plan(family: str, world: int) -> FloorPlan:
+    """The plan of a family and seed, or that of a map's file."""
+    return generate(family, world) if family in FAMILIES else import_map(family, world)
 
 
 def find_fault(
@@ -120,24 +125,6 @@ def find_fault(
 def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator) -> Drives:
     """Drive `count` cars from random free poses to random places."""
     places = paths.points[paths.largest]
-    starts = random_poses(scene, places, count, rng)
+    starts = random_free_poses(scene, BicycleCar(), places, count, rng)
     goals = places[rng.integers(len(places), size=count)]
     return OracleCourier(paths, goals).drive(Simulation(scene, starts))
-
-
-def random_poses(
-    scene: Scene, places: NDArray[np.float64], count: int, rng: np.random.Generator
-) -> NDArray[np.float64]:
-    """`count` poses (count, 3) at some of the `places` (P, 2) where a car fits."""
-    poses = np.empty((0, 3))
-    while len(poses) < count:
-        tries = places[rng.integers(len(places), size=4 * count)]
-        tries = np.column_stack([tries, rng.uniform(-np.pi, np.pi, len(tries))])
-        poses = np.concatenate([poses, tries[is_free(scene, BicycleCar(), tries)]])
-    return poses[:count]
-
-
-def walls_crossed(scene: Scene, poses: NDArray[np.float64]) -> int:
-    """How often a track among `poses` (T, N, 3) passes through a wall."""
-    before, after = poses[:-1, :, :2].reshape(-1, 2), poses[1:, :, :2].reshape(-1, 2)
-    return int((~scene.caster.sees(before, after)).sum())

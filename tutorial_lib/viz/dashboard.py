@@ -7,13 +7,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import to_world
+from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz import colours
 from tutorial_lib.viz.plan_view import Picture, PlanView
 from tutorial_lib.world.raycast import Discs
-
-Array = NDArray[np.float64]
+from tutorial_lib.world.sensors import full_circle
 
 MAP, SIDE, MARGIN = 720, 480, 20
 _LASER_REACH = 4.0  # metres shown around the robot
@@ -45,9 +44,24 @@ class Moment:
     lines: Sequence[tuple[str, str]]
 
 
+@dataclass(frozen=True)
+class DriveFilm(Sequence[Picture]):
+    """The pictures of a drive, each drawn when it is asked for."""
+
+    view: PlanView
+    moments: Sequence[Moment]
+    title: str
+
+    def __len__(self) -> int:
+        return len(self.moments)
+
+    def __getitem__(self, index: int) -> Picture:
+        return dashboard(self.view, self.moments[index], self.title)
+
+
 def beams_of(laser: Array) -> Array:
     """Points (B, 2) in the robot's frame that a full-circle scan (B,) met."""
-    angles = (np.arange(len(laser)) + 0.5) * 2 * np.pi / len(laser) - np.pi
+    angles = full_circle(len(laser))
     return laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 

@@ -8,11 +8,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from tutorial_lib.geometry import compose
-
-Array = NDArray[np.float64]
+from tutorial_lib.geometry import Array, compose
 
 
 class Body(Protocol):

@@ -3,11 +3,9 @@
 import numpy as np
 import pymunk
 import pymunk.batch
-from numpy.typing import NDArray
 
+from tutorial_lib.geometry import Array
 from tutorial_lib.world.people import EVERYBODY, Crowd
-
-Array = NDArray[np.float64]
 
 _MASS = 1.0
 _ROBOT, _THING = 1, 2

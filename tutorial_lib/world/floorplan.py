@@ -71,7 +71,8 @@ class FloorPlan:
 
     A wall is one face: a wall between two rooms has a face on either side and short pieces at the
     door posts, so each room has its own materials. Faces and furniture together are `segments`,
-    which is what rays meet and what the car bumps into.
+    which is what rays meet and what the car bumps into. That rooms are closed is checked when a
+    plan is loaded; who builds one calls `occupancy.check_closed`.
 
     Attributes:
         family: the generator's or importer's name.
@@ -97,6 +98,10 @@ class FloorPlan:
     look: Look = field(default_factory=Look)
 
     def __post_init__(self) -> None:
+        for name in ("walls", "wall_offsets"):
+            array = np.array(getattr(self, name), dtype=float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
         if self.seed < 0:
             raise InputError(f"seed: {self.seed}; give a whole number, 0 or greater")
         _check_walls(self)

@@ -93,7 +93,7 @@ def see(
         x, y = origins[n, 0], origins[n, 1]
         ex, ey = points[n, 0] - x, points[n, 1] - y
         length = math.sqrt(ex * ex + ey * ey)
-        clear[n] = True
+        clear[n] = length <= slack
         if length > slack:
             ex, ey = ex / length, ey / length
             gx, gy = (x - corner[0]) / cell, (y - corner[1]) / cell

@@ -6,7 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from tutorial_lib.geometry import Array
+
 Rng = np.random.Generator
 
 

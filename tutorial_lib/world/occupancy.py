@@ -65,11 +65,8 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
     for room in plan.rooms:
         within = _room_mask(room, origin, resolution, free.shape)
         rim = within & (cv2.erode(within.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0)
-        # An island in the middle, which may be larger than the free space around it, has no rim.
-        cells = labels[within & (free > 0)]
-        cells = cells[np.isin(cells, labels[rim & (free > 0)])]
-        if cells.size:
-            inside[np.bincount(cells).argmax()] = True
+        # An island in the middle, the inside of a block, does not reach the rim.
+        inside[np.unique(labels[rim & (free > 0)])] = True
     inside[0] = False
     open_cells = (inside[labels] & (free > 0)).astype(np.uint8)
     # The line through a blocked cell runs, on average, through its middle.

@@ -40,7 +40,12 @@ class Person:
 
     def __post_init__(self) -> None:
         route = np.asarray(self.route, dtype=float)
-        if route.ndim != 2 or route.shape[1] != 2 or not np.isfinite(route).all():
+        if (
+            route.ndim != 2
+            or route.shape[1:] != (2,)
+            or not len(route)
+            or not np.isfinite(route).all()
+        ):
             raise InputError(f"person: a route of shape {route.shape}; give (K, 2) finite points")
         if not (self.radius > 0 and self.speed >= 0):
             raise InputError(

@@ -41,6 +41,10 @@ class Discs:
     owners: NDArray[np.int32]
     colours: NDArray[np.float32]
 
+    def __post_init__(self) -> None:
+        if not len(self.circles) == len(self.owners) == len(self.colours):
+            raise InputError("discs: give as many owners and colours as circles")
+
 
 class Fan:
     """The rays of a sensor: angles from its heading, counter-clockwise, and their directions."""
@@ -92,7 +96,10 @@ class Hits:
 
 
 class Raycaster:
-    """Casts fans of rays from poses onto the segments of a world."""
+    """Casts fans of rays from poses onto the segments of a world.
+
+    From a pose exactly on a wall, whether that wall is met is undefined.
+    """
 
     def __init__(self, segments: ArrayLike, grid: bool | None = None) -> None:
         """Prepare the walls.
@@ -149,6 +156,8 @@ class Raycaster:
             cast_all(self.rows, *rays)
         if discs is not None and len(discs.circles):
             viewers = np.arange(len(poses), dtype=np.int32) if viewers is None else viewers
+            if viewers.shape != (len(poses),):
+                raise InputError(f"viewers: shape {viewers.shape}; give one for each pose")
             shapes = (discs.circles, discs.owners, len(self.segments), viewers)
             cast_discs(*shapes, poses, fan.directions, distance, wall, along)
         return Hits(distance, wall, along)
@@ -162,10 +171,13 @@ class Raycaster:
             slack: metres before each point that do not count, so that points on a wall can be seen.
 
         Returns:
-            (N,) true where the line is clear.
+            (N,) true where the line is clear; never for a point that is not a number.
         """
-        origins = np.ascontiguousarray(origins, dtype=np.float64)
-        points = np.ascontiguousarray(points, dtype=np.float64)
+        origins, points = np.asarray(origins, float), np.asarray(points, float)
+        for ends in (origins, points):
+            if ends.ndim != 2 or ends.shape[1] != 2:
+                raise InputError(f"sight: points of shape {ends.shape}; give (N, 2) rows x, y")
+        origins, points = (np.ascontiguousarray(e) for e in np.broadcast_arrays(origins, points))
         clear = np.empty(len(points), np.bool_)
         see(self.rows, *self._grid, origins, points, slack, clear)
         return clear

@@ -4,6 +4,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.materials import PERIOD, TEXELS
@@ -26,6 +27,11 @@ class Scene:
     def clearance(self) -> ClearanceGrid:
         """The free space as a grid."""
         return clearance_grid(self.plan)
+
+    @cached_property
+    def wall_ends(self) -> cKDTree:
+        """All ends of walls and furniture, to be asked which are near."""
+        return cKDTree(self.plan.segments.reshape(-1, 2))
 
     @cached_property
     def surfaces(self) -> NDArray[np.float32]:

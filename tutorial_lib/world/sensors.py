@@ -22,8 +22,42 @@ _HEIGHTS = np.array([WALL_HEIGHT - EYE, -EYE], np.float32)
 _NO_DISCS = np.zeros((0, 3), np.float32)
 
 
+class _Eye:
+    """What both cameras share; they say where their columns look."""
+
+    rows: int
+    slope: float
+    fan: Fan
+    spread: NDArray[np.float32]
+    flatten: NDArray[np.float32]
+
+    def look(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None = None,
+        viewers: Viewers | None = None,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """Take a picture from every pose.
+
+        Args:
+            scene: the world.
+            poses: (N, 3).
+            discs: people and obstacles.
+            viewers: (N,) which robot looks; see `Raycaster.cast`.
+
+        Returns:
+            image (N, H, W, 3) uint8 RGB, left column = left of view; and depth (N, W), metres to
+            the wall along each column's ray.
+        """
+        poses = np.ascontiguousarray(poses, dtype=np.float64)
+        hits = scene.caster.cast(poses, self.fan, discs, viewers)
+        image = _paint(self, scene, poses, hits, discs)
+        return image, np.ascontiguousarray(hits.distance[:, ::-1])
+
+
 @dataclass(frozen=True)
-class Camera:
+class Camera(_Eye):
     """A pinhole camera at the robot's pose, looking ahead.
 
     Columns are equally wide on the image plane. A picture with fewer rows is the same picture with
@@ -67,33 +101,9 @@ class Camera:
         """(W,) depth along the optical axis over the ray's length."""
         return np.cos(self.fan.angles).astype(np.float32)
 
-    def look(
-        self,
-        scene: Scene,
-        poses: NDArray[np.float64],
-        discs: Discs | None = None,
-        viewers: Viewers | None = None,
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-        """Take a picture from every pose.
-
-        Args:
-            scene: the world.
-            poses: (N, 3).
-            discs: people and obstacles.
-            viewers: (N,) which robot looks; see `Raycaster.cast`.
-
-        Returns:
-            image (N, H, W, 3) uint8 RGB, left column = left of view; and depth (N, W), metres to
-            the wall along each column's ray.
-        """
-        poses = np.ascontiguousarray(poses, dtype=np.float64)
-        hits = scene.caster.cast(poses, self.fan, discs, viewers)
-        image = _paint(self, scene, poses, hits, discs)
-        return image, hits.distance[:, ::-1]
-
 
 @dataclass(frozen=True)
-class PanoramicCamera:
+class PanoramicCamera(_Eye):
     """A camera that looks all around: column 0 looks backwards, the middle one ahead.
 
     Attributes:
@@ -125,7 +135,7 @@ class PanoramicCamera:
     @cached_property
     def fan(self) -> Fan:
         """One ray through the middle of each column, counter-clockwise from behind."""
-        return Fan(_full_circle(self.columns))
+        return Fan(full_circle(self.columns))
 
     @cached_property
     def spread(self) -> NDArray[np.float32]:
@@ -136,19 +146,6 @@ class PanoramicCamera:
     def flatten(self) -> NDArray[np.float32]:
         """(W,) ones: the picture is on a cylinder."""
         return np.ones(self.columns, np.float32)
-
-    def look(
-        self,
-        scene: Scene,
-        poses: NDArray[np.float64],
-        discs: Discs | None = None,
-        viewers: Viewers | None = None,
-    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-        """Take a panorama from every pose; see `Camera.look`."""
-        poses = np.ascontiguousarray(poses, dtype=np.float64)
-        hits = scene.caster.cast(poses, self.fan, discs, viewers)
-        image = _paint(self, scene, poses, hits, discs)
-        return image, hits.distance[:, ::-1]
 
     def split(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
         """Cut panoramas (N, H, W, 3) into patches (N, P, H, V, 3).
@@ -185,7 +182,7 @@ class Laser:
     @cached_property
     def fan(self) -> Fan:
         """The beams, counter-clockwise from the right end."""
-        return Fan(_full_circle(self.beams) * self.field_of_view / (2 * np.pi))
+        return Fan(full_circle(self.beams) * self.field_of_view / (2 * np.pi))
 
     def scan(
         self,
@@ -198,7 +195,7 @@ class Laser:
         return np.minimum(scene.caster.cast(poses, self.fan, discs, viewers).distance, self.range)
 
 
-def _full_circle(count: int) -> NDArray[np.float64]:
+def full_circle(count: int) -> NDArray[np.float64]:
     """Angles in the middle of `count` equal parts of the circle, rising from -pi."""
     return (np.arange(count) + 0.5) * (2 * np.pi / count) - np.pi
 
@@ -211,7 +208,7 @@ def _check_picture(rows: int, columns: int, slope: float) -> None:
 
 
 def _paint(
-    camera: Camera | PanoramicCamera,
+    camera: _Eye,
     scene: Scene,
     poses: NDArray[np.float64],
     hits: Hits,

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import compose, relative, to_world, wrap
+from tutorial_lib.geometry import Array, compose, relative, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.fleet import Fleet
@@ -19,6 +19,7 @@ from tutorial_lib.world.noise import (
     scale_controls,
 )
 from tutorial_lib.world.people import Crowd, Person
+from tutorial_lib.world.placing import check_apart, check_free
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
@@ -43,6 +44,10 @@ class Sensors:
     camera: Camera | PanoramicCamera = field(default_factory=Camera)
     laser: Laser = field(default_factory=Laser)
     with_depth: bool = False
+
+    def __post_init__(self) -> None:
+        if self.laser.field_of_view < 2 * np.pi:
+            raise InputError("sensors: a robot's laser scans the full circle; give 2 pi")
 
 
 class Simulation:
@@ -88,19 +93,24 @@ class Simulation:
         self.scene = scene
         self.body = BicycleCar() if body is None else body
         self.sensors = Sensors() if sensors is None else sensors
-        self.poses = np.array(poses, dtype=float).reshape(-1, 3)
+        self.poses = _poses(poses)
         check_free(scene, self.body, self.poses)
         self._odometry_noise = NoNoise() if odometry_noise is None else odometry_noise
         self._control_noise = control_noise
+        if not control_noise >= 0:
+            raise InputError(f"simulation: control_noise {control_noise}; give a sigma >= 0")
         if rng is None and (control_noise or odometry_noise is not None):
             raise InputError("simulation: noise needs an rng; give np.random.default_rng(seed)")
-        self._rng = np.random.default_rng(0) if rng is None else rng
+        self._rng = rng
         count = len(self.poses)
         self.controls = np.zeros((count, 2))
         self.odometry = np.zeros((count, 3))
         self.speed = np.zeros(count)
         self.seconds = 0.0
         self.crowd = Crowd(people)
+        if not (self.crowd.owners < count).all():
+            raise InputError(f"people: an owner is beyond the last robot, {count - 1}")
+        check_apart(self.body, self.poses, self.crowd.discs)
         segments, footprint = scene.plan.segments, self.body.footprint
         self._fleet = Fleet(segments, footprint, self.poses, self.crowd)
 
@@ -149,21 +159,23 @@ class Simulation:
             actions: (N,) of STOP, FORWARD, LEFT, RIGHT.
 
         Raises:
-            InputError: when there is another number among them.
+            InputError: when there is another number among them, or the simulation has no `rng`.
         """
+        if self._rng is None:
+            raise InputError("simulation: discrete actions are noisy; give it an rng")
         actions = np.asarray(actions)
         if actions.shape != (len(self),) or not np.isin(actions, list(ACTUATION)).all():
             raise InputError(f"actions: {actions.tolist()}; give (N,) numbers from 0 to 3")
-        motions = sample_motions(ACTUATION, actions, self._rng)
-        before = self.poses
+        before, self.controls = self.poses, np.zeros((len(self), 2))
         count = round(ACTION_SECONDS / STEP) * SUBSTEPS
-        rates = motions / ACTION_SECONDS
-        for substep in range(count + 1):
+        # A velocity moves the body in the substep after, so the last one brings it to rest.
+        seconds = (count - 1) * STEP / SUBSTEPS
+        rates = sample_motions(ACTUATION, actions, self._rng).T / seconds
+        for substep in range(count):
             if substep % SUBSTEPS == 0:
                 self.crowd.walk(self._fleet.poses, STEP)
-            # A velocity moves the body in the substep after, so the last one brings it to rest.
-            moving = 1.0 if substep < count else 0.0
-            self._fleet.substep(*(moving * rates.T), STEP / SUBSTEPS)
+            moving = 1.0 if substep < count - 1 else 0.0
+            self._fleet.substep(*(moving * rates), STEP / SUBSTEPS)
         self._finish(before, ACTION_SECONDS, actions)
 
     def observe(self) -> Observation:
@@ -183,8 +195,9 @@ class Simulation:
         self, before: NDArray[np.float64], seconds: float, actions: NDArray[np.intp] | None
     ) -> None:
         """Update what follows from the motion since `before`."""
-        self.poses = self._fleet.poses.copy()
-        self.poses[:, 2] = wrap(self.poses[:, 2])
+        poses = self._fleet.poses.copy()
+        poses[:, 2] = wrap(poses[:, 2])
+        self.poses = _poses(poses)
         motions = relative(before, self.poses)
         self.speed = motions[:, 0] / seconds
         read = self._odometry_noise.measure(motions, actions, self._rng)
@@ -192,27 +205,10 @@ class Simulation:
         self.seconds += seconds
 
 
-def is_free(scene: Scene, body: Body, poses: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(N,) whether a body at each pose (N, 3) is in a room and touches no wall or furniture."""
-    corners = to_world(poses[:, None], body.footprint)
-    starts, ends = corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2)
-    clear = scene.caster.sees(starts, ends).reshape(len(poses), -1).all(axis=1)
-    inside = scene.clearance.at(poses[:, :2]) > 0
-    return clear & inside & np.isfinite(poses).all(axis=1)
-
-
-def check_free(scene: Scene, body: Body, poses: NDArray[np.float64]) -> None:
-    """Check that a body can stand at each pose (N, 3).
-
-    Raises:
-        InputError: naming the first pose that is not free.
-    """
-    if not np.isfinite(poses).all():
-        raise InputError(f"start: {poses.tolist()} is not finite; give metres and radians")
-    bad = np.flatnonzero(~is_free(scene, body, poses))
-    if bad.size:
-        x, y, heading = poses[bad[0]]
-        raise InputError(
-            f"start: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a wall, "
-            "furniture or outside all rooms; choose another start"
-        )
+def _poses(poses: ArrayLike) -> Array:
+    """Poses (N, 3) that cannot be written to: a robot is moved by driving it."""
+    poses = np.atleast_2d(np.array(poses, dtype=float))
+    if poses.ndim != 2 or poses.shape[1] != 3:
+        raise InputError(f"start: poses of shape {poses.shape}; give (N, 3) rows x, y, heading")
+    poses.setflags(write=False)
+    return poses

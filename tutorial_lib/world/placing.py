@@ -1,0 +1,90 @@
+"""Where a body can stand."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.world.bodies import Body
+from tutorial_lib.world.raycast import Discs
+from tutorial_lib.world.scene import Scene
+
+_ROUNDS = 100  # of drawing random poses, before it is said that there are none
+
+
+def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
+    """(N,) whether a body at each pose (N, 3) is in a room and touches no wall or furniture."""
+    footprint = body.footprint
+    corners = to_world(poses[:, None], footprint)
+    starts, ends = corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2)
+    free = scene.caster.sees(starts, ends).reshape(len(poses), -1).all(axis=1)
+    free &= np.isfinite(poses).all(axis=1)
+    free[free] = scene.clearance.at(poses[free, :2]) > 0
+    # A thin post can stand within the outline and cut none of its sides.
+    around = np.flatnonzero(free)
+    reach = np.linalg.norm(footprint, axis=1).max()
+    posts = scene.wall_ends.query_ball_point(poses[around, :2], reach)
+    for number, near in zip(around, posts, strict=True):
+        local = to_local(poses[number], scene.wall_ends.data[near])
+        free[number] = not _inside(footprint, local).any()
+    return free
+
+
+def check_free(scene: Scene, body: Body, poses: Array) -> None:
+    """Check that a body can stand at each pose (N, 3).
+
+    Raises:
+        InputError: naming the first pose that is not free.
+    """
+    if not np.isfinite(poses).all():
+        raise InputError(f"start: {poses.tolist()} is not finite; give metres and radians")
+    bad = np.flatnonzero(~is_free(scene, body, poses))
+    if bad.size:
+        x, y, heading = poses[bad[0]]
+        raise InputError(
+            f"start: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a wall, "
+            "furniture or outside all rooms; choose another start"
+        )
+
+
+def check_apart(body: Body, poses: Array, discs: Discs) -> None:
+    """Check that no robot at `poses` (N, 3) starts on a person or obstacle.
+
+    Raises:
+        InputError: naming the first that does.
+    """
+    footprint = body.footprint
+    low, high = footprint.min(axis=0), footprint.max(axis=0)
+    for (x, y, radius), owner in zip(discs.circles, discs.owners, strict=True):
+        mine = poses if owner < 0 else poses[[owner]]
+        local = to_local(mine, [x, y])
+        outside = np.maximum(0.0, np.maximum(low - local, local - high))
+        if (np.linalg.norm(outside, axis=1) < radius).any():
+            raise InputError(
+                f"people: the one at ({x:.2f}, {y:.2f}) stands where a robot starts; move either"
+            )
+
+
+def random_free_poses(
+    scene: Scene, body: Body, places: Array, count: int, rng: np.random.Generator
+) -> Array:
+    """`count` poses (count, 3) at some of the `places` (P, 2) where a body fits.
+
+    Raises:
+        InputError: when it fits nowhere, or hardly anywhere.
+    """
+    poses = np.empty((0, 3))
+    for _ in range(_ROUNDS):
+        tries = places[rng.integers(len(places), size=4 * count)]
+        tries = np.column_stack([tries, rng.uniform(-np.pi, np.pi, len(tries))])
+        poses = np.concatenate([poses, tries[is_free(scene, body, tries)]])
+        if len(poses) >= count:
+            return poses[:count]
+    raise InputError("start: the robot fits nowhere on this plan; give a larger one")
+
+
+def _inside(footprint: Array, points: Array) -> NDArray[np.bool_]:
+    """(P,) whether points (P, 2) lie within a convex, counter-clockwise outline."""
+    sides = np.roll(footprint, -1, axis=0) - footprint
+    offset = points[:, None] - footprint
+    return (sides[:, 0] * offset[..., 1] - sides[:, 1] * offset[..., 0] > 0).all(axis=1)
