@@ -1,4 +1,4 @@
-"""The commands: ``python -m tutorial_lib {demo,bench,experiment}``."""
+"""The commands: ``python -m tutorial_lib {demo,build,bench,experiment}``."""
 
 from __future__ import annotations
 
@@ -44,6 +44,12 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--family", choices=FAMILIES, default="apartment")
     demo.add_argument("--seed", type=int, default=0)
     demo.set_defaults(run=_demo)
+    build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
+    build.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
+    build.add_argument(
+        "--students", action="store_true", help="only what students get; runs nothing"
+    )
+    build.set_defaults(run=_build)
     for name, table in (("experiment", EXPERIMENTS), ("bench", BENCHES)):
         command = commands.add_parser(name, help=f"one of: {', '.join(table)}")
         command.add_argument("name", choices=table)
@@ -70,6 +76,21 @@ def _demo(options: argparse.Namespace) -> int:
         f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json."
     )
     return 0 if outcome.reached else MISSED
+
+
+def _build(options: argparse.Namespace) -> int:
+    # The tools it needs are installed with the tests, not with the library.
+    from tutorial_lib.builder import build
+
+    project = Path(__file__).parent.parent
+    known = {source.stem: source for source in sorted(project.glob("solutions/*.py"))}
+    for name in options.names:
+        if name not in known:
+            raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
+    for name in options.names or known:
+        for file in build(known[name], project, students_only=options.students):
+            print(f"wrote {file.relative_to(project)}")
+    return 0
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -1,0 +1,144 @@
+import nbformat
+import pytest
+
+from tutorial_lib.builder import STUB, build, for_students, read, stubbed, to_text
+from tutorial_lib.errors import InputError
+
+GOOD = """# %% [markdown]
+# # Doubling
+
+# %% exercise="double"
+def double(x):
+    \"\"\"Twice as much.\"\"\"
+    ### BEGIN SOLUTION
+    half = x
+    return half + x
+    ### END SOLUTION
+
+# %%
+double = check_double.use(double)
+"""
+WRONG = "".join(f"def double__wrong_{i}(x):\n    return {i}\n\n\n" for i in range(3))
+RUNNABLE = GOOD.replace(
+    "# # Doubling\n",
+    """# # Doubling
+
+# %%
+from tutorial_lib.checks.check import check, expect_close
+
+
+@check(lambda x: 2 * x, (1.0,))
+def check_double(student):
+    expect_close("double", student(3.0), 6.0)
+""",
+)
+
+
+@pytest.fixture
+def project(tmp_path):
+    for folder in ("notebooks", "solutions", "tests/wrong_answers"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "tests/wrong_answers/09_double.py").write_text(WRONG)
+    (tmp_path / "solutions/09_double.py").write_text(GOOD)
+    return tmp_path
+
+
+def read_source(project, text):
+    source = project / "solutions/09_double.py"
+    source.write_text(text)
+    return read(source, project / "tests/wrong_answers/09_double.py")
+
+
+def test_students_get_a_stub_with_the_docstring_and_no_solution(project):
+    notebook = for_students(read_source(project, GOOD))
+    code = notebook.cells[1].source
+    assert code == f'def double(x):\n    """Twice as much."""\n    {STUB}'
+    assert "half" not in to_text(notebook)
+    assert all(not cell.get("outputs") for cell in notebook.cells)
+    nbformat.validate(notebook)
+
+
+def test_ids_are_stable_and_unique(project):
+    first = read_source(project, GOOD)
+    again = read_source(project, GOOD)
+    longer = read_source(project, GOOD + "\n# %%\n1\n\n# %%\n1\n")
+    ids = [cell.id for cell in first.cells]
+    assert ids == [cell.id for cell in again.cells] == [c.id for c in longer.cells][: len(ids)]
+    assert len({cell.id for cell in longer.cells}) == len(longer.cells)
+
+
+def test_nested_solutions_keep_their_indentation():
+    solution = "        ### BEGIN SOLUTION\n        y = 1\n        ### END SOLUTION\n"
+    code = f"def f(x):\n    if x:\n{solution}    return y"
+    assert stubbed(code) == f"def f(x):\n    if x:\n        {STUB}\n    return y"
+
+
+SOLUTION = GOOD[GOOD.index("    ### BEGIN") : GOOD.index("\n# %%\ndouble")]
+HEAD = GOOD[GOOD.index("def double") : GOOD.index("    half")]
+SECOND = GOOD[GOOD.index("# %% exercise") : GOOD.index("# %%\ndouble")]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("    ### END SOLUTION\n", "", r":7: .* never closed"),
+        ("    half = x\n", "    ### BEGIN SOLUTION\n", r":8: .* again"),
+        ("    ### BEGIN SOLUTION\n", "", r":9: .* without"),
+        (SOLUTION, "", r":4: .* mark its solution"),
+        ("double = check_double.use(double)\n", "", r":4: .*no check_double.use"),
+        ('# %% exercise="double"', "# %%", r":7: .* name it"),
+        ('exercise="double"', 'exercise="twice"', r":4: .*'twice' defines no function"),
+        (HEAD, "### BEGIN SOLUTION\ndef double(x):\n", r":4: .*differ in double\(x\)"),
+        ("    half = x\n", "    half = = x\n", r":4: invalid syntax"),
+        ("# %% [markdown]\n", "", r":1: .*first '# %%'"),
+        ("# %%\ndouble = check", SECOND + "# %%\ndouble = check", r":12: a second exercise"),
+    ],
+)
+def test_broken_sources_are_refused_with_their_line(project, old, new, words):
+    assert old in GOOD
+    with pytest.raises(InputError, match="09_double.py" + words):
+        read_source(project, GOOD.replace(old, new, 1))
+
+
+def test_a_check_without_wrong_answers_is_refused(project):
+    (project / "tests/wrong_answers/09_double.py").write_text(
+        "def double__wrong(x):\n    return 0\n\n\ndef double__right_too(x):\n    return 2 * x\n"
+    )
+    with pytest.raises(InputError, match="has 1 wrong answers for 'double'"):
+        read_source(project, GOOD)
+
+
+def test_nothing_is_written_from_a_broken_source(project):
+    source = project / "solutions/09_double.py"
+    source.write_text(GOOD.replace("    ### END SOLUTION\n", ""))
+    with pytest.raises(InputError):
+        build(source, project)
+    assert not list(project.glob("*/*.ipynb"))
+
+
+def test_a_build_executes_once_and_a_rebuild_changes_nothing(project):
+    source = project / "solutions/09_double.py"
+    source.write_text(RUNNABLE)
+    assert len(build(source, project)) == 2
+    files = [project / "notebooks/09_double.ipynb", project / "solutions/09_double.ipynb"]
+    before = [file.read_bytes() for file in files]
+    solved = nbformat.read(files[1], as_version=4)
+    assert "passed" in str(solved.cells[-1].outputs)
+    assert "### BEGIN" not in before[1].decode()
+    assert len(build(source, project)) == 1
+    assert [file.read_bytes() for file in files] == before
+
+
+def test_building_for_students_runs_nothing(project):
+    source = project / "solutions/09_double.py"
+    source.write_text(RUNNABLE + "\n# %%\nraise SystemExit\n")
+    assert build(source, project, students_only=True) == [project / "notebooks/09_double.ipynb"]
+    assert not (project / "solutions/09_double.ipynb").exists()
+
+
+def test_a_notebook_that_is_too_large_is_refused(project):
+    source = project / "solutions/09_double.py"
+    source.write_text(RUNNABLE + "\n# %%\nprint('x' * 1_100_000)\n")
+    with pytest.raises(InputError, match="smaller pictures"):
+        build(source, project)
+    assert not (project / "solutions/09_double.ipynb").exists()

@@ -1,0 +1,218 @@
+"""One source, two notebooks: the one students get, and the one with solutions and outputs.
+
+``solutions/NN_name.py`` holds percent cells (jupytext). A cell that starts with
+``# %% exercise="name"`` defines a function of that name, whose body is marked by
+``### BEGIN SOLUTION`` and ``### END SOLUTION``; a later cell says ``check_name.use(name)``; and
+``tests/wrong_answers/NN_name.py`` holds at least three answers that the check must reject.
+"""
+
+import ast
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import jupytext
+import nbformat
+from nbclient import NotebookClient
+from nbformat import NotebookNode
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import write_text
+
+BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
+STUB = 'raise NotImplementedError("your turn")'
+WRONG_ANSWERS = 3
+"""Needed for each exercise."""
+LARGEST = 1_000_000
+"""Bytes of a notebook with its outputs."""
+_TIMEOUT = 120  # seconds a cell may take while it is built
+
+
+def build(source: Path, project: Path, *, students_only: bool = False) -> list[Path]:
+    """Write the notebooks of one source.
+
+    The solved one is executed again only if its code has changed.
+
+    Args:
+        source: ``solutions/NN_name.py``.
+        project: the folder that holds notebooks, solutions and tests.
+        students_only: leave the solved notebook alone; nothing is executed.
+
+    Returns:
+        The files that were written.
+
+    Raises:
+        InputError: naming the line of the source that is wrong.
+    """
+    solved = read(source, project / "tests" / "wrong_answers" / source.name)
+    written = [project / "notebooks" / f"{source.stem}.ipynb"]
+    write_text(written[0], to_text(for_students(solved)))
+    target = source.with_suffix(".ipynb")
+    if not students_only and not _is_current(target, solved):
+        execute(solved, project / "notebooks")
+        text = to_text(solved)
+        if len(text.encode()) > LARGEST:
+            raise InputError(f"{target.name}: {len(text.encode()):,} bytes; show smaller pictures")
+        write_text(target, text)
+        written.append(target)
+    return written
+
+
+def read(source: Path, wrong_answers: Path) -> NotebookNode:
+    """The solved notebook, without outputs, after all rules have been checked."""
+    text = source.read_text(encoding="utf-8")
+    notebook = jupytext.reads(text, fmt="py:percent")
+    starts = [n for n, line in enumerate(text.splitlines(), 1) if line.startswith("# %%")]
+    if len(starts) != len(notebook.cells):
+        raise InputError(f"{source.name}:1: text stands before the first '# %%'; start with a cell")
+    checks = _answers(wrong_answers)
+    names = set()
+    for number, (cell, line) in enumerate(zip(notebook.cells, starts, strict=True)):
+        where = f"{source.name}:{line}"
+        name = cell.metadata.get("exercise")
+        _check_markers(cell.source, source.name, line, name is not None)
+        if name is None:
+            continue
+        if name in names:
+            raise InputError(f"{where}: a second exercise {name!r}; rename it")
+        names.add(name)
+        _check_signature(cell.source, where, name)
+        if not any(f"check_{name}.use({name})" in c.source for c in notebook.cells[number + 1 :]):
+            raise InputError(f"{where}: exercise {name!r} has no check_{name}.use({name}) after it")
+        if checks.count(name) < WRONG_ANSWERS:
+            raise InputError(
+                f"{where}: {wrong_answers.name} in tests/wrong_answers has {checks.count(name)} "
+                f"wrong answers for {name!r}; write {WRONG_ANSWERS} functions {name}__what_is_wrong"
+            )
+    _finish(notebook, source.stem)
+    return notebook
+
+
+def for_students(solved: NotebookNode) -> NotebookNode:
+    """A copy with every solution replaced by a stub."""
+    notebook = nbformat.from_dict(solved)
+    notebook = nbformat.reads(nbformat.writes(notebook), as_version=4)
+    for cell in notebook.cells:
+        if cell.cell_type == "code":
+            cell.source = stubbed(cell.source)
+            cell.outputs, cell.execution_count = [], None
+    return notebook
+
+
+def stubbed(code: str) -> str:
+    """Code with what stands between the markers replaced by a stub."""
+    lines, hidden = [], False
+    for line in code.splitlines():
+        if line.strip() == BEGIN:
+            hidden = True
+            lines.append(line[: len(line) - len(line.lstrip())] + STUB)
+        elif line.strip() == END:
+            hidden = False
+        elif not hidden:
+            lines.append(line)
+    return "\n".join(lines)
+
+
+def unmarked(code: str) -> str:
+    """Code with the solution, but without the markers."""
+    return "\n".join(line for line in code.splitlines() if line.strip() not in (BEGIN, END))
+
+
+def execute(notebook: NotebookNode, folder: Path) -> None:
+    """Run every cell in `folder` and keep the outputs."""
+    client = NotebookClient(
+        notebook,
+        timeout=_TIMEOUT,
+        kernel_name="python3",
+        store_widget_state=False,
+        record_timing=False,
+        resources={"metadata": {"path": str(folder)}},
+    )
+    client.execute()
+    for cell in notebook.cells:
+        cell.source = unmarked(cell.source)
+    notebook.metadata.pop("widgets", None)
+    notebook.metadata.language_info = {"name": "python"}
+
+
+def to_text(notebook: NotebookNode) -> str:
+    """The notebook's file."""
+    return nbformat.writes(notebook) + "\n"
+
+
+def _finish(notebook: NotebookNode, stem: str) -> None:
+    """Metadata and cell ids that are the same at every build."""
+    notebook.metadata = nbformat.from_dict(
+        {
+            "kernelspec": {
+                "display_name": "Python 3",
+                "language": "python",
+                "name": "python3",
+            },
+            "language_info": {"name": "python"},
+        }
+    )
+    seen: dict[str, int] = {}
+    for cell in notebook.cells:
+        digest = hashlib.sha256(f"{stem}\n{cell.source}".encode()).hexdigest()[:12]
+        seen[digest] = seen.get(digest, 0) + 1
+        cell.id = digest if seen[digest] == 1 else f"{digest}-{seen[digest]}"
+
+
+def _is_current(target: Path, solved: NotebookNode) -> bool:
+    """Whether the solved notebook on disk has this code, and was executed."""
+    if not target.exists():
+        return False
+    there = nbformat.read(target, as_version=4)
+    code = [(cell.id, cell.source) for cell in there.cells]
+    return code == [(cell.id, unmarked(cell.source)) for cell in solved.cells]
+
+
+def _check_markers(code: str, name: str, start: int, is_exercise: bool) -> None:
+    opened = 0
+    for line, text in enumerate(code.splitlines(), start + 1):
+        marker = text.strip()
+        if marker in (BEGIN, END) and not is_exercise:
+            raise InputError(f'{name}:{line}: {marker} outside an exercise="name" cell; name it')
+        if marker == BEGIN and opened:
+            raise InputError(f"{name}:{line}: {BEGIN} again, before {END}; close the first")
+        if marker == END and not opened:
+            raise InputError(f"{name}:{line}: {END} without {BEGIN}; open it")
+        opened = line if marker == BEGIN else 0 if marker == END else opened
+    if opened:
+        raise InputError(f"{name}:{opened}: {BEGIN} is never closed; write {END}")
+    if is_exercise and BEGIN not in code:
+        raise InputError(f"{name}:{start}: the exercise has no {BEGIN}; mark its solution")
+
+
+def _check_signature(code: str, where: str, name: str) -> None:
+    """Stub and solution must define the same functions with the same arguments."""
+    solution, stub = list(_signatures(code, where)), list(_signatures(stubbed(code), where))
+    if solution != stub:
+        missing = ", ".join(sorted(set(solution) ^ set(stub)))
+        raise InputError(
+            f"{where}: stub and solution differ in {missing}; keep def outside {BEGIN}"
+        )
+    if not any(line.startswith(f"{name}(") for line in stub):
+        raise InputError(f"{where}: the exercise {name!r} defines no function of that name")
+
+
+def _signatures(code: str, where: str) -> Iterator[str]:
+    try:
+        tree = ast.parse(code)
+    except SyntaxError as error:
+        raise InputError(f"{where}: {error.msg} in line {error.lineno} of the cell") from None
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            yield f"{node.name}({ast.unparse(node.args)})"
+
+
+def _answers(path: Path) -> list[str]:
+    """For each wrong answer in a file the exercise it belongs to."""
+    if not path.exists():
+        return []
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    names = [node.name for node in tree.body if isinstance(node, ast.FunctionDef)]
+    return [
+        n.split("__")[0] for n in names if "__" in n and not n.split("__")[1].startswith("right")
+    ]

@@ -1,0 +1,1 @@
+"""Checks of the exercises: plain functions that notebooks and pytest call alike."""
