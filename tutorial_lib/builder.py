@@ -14,6 +14,7 @@ from pathlib import Path
 import jupytext
 import nbformat
 from nbclient import NotebookClient
+from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 
 from tutorial_lib.errors import InputError
@@ -119,7 +120,11 @@ def unmarked(code: str) -> str:
 
 
 def execute(notebook: NotebookNode, folder: Path) -> None:
-    """Run every cell in `folder` and keep the outputs."""
+    """Run every cell in `folder` and keep the outputs.
+
+    Raises:
+        InputError: when a cell raises.
+    """
     client = NotebookClient(
         notebook,
         timeout=_TIMEOUT,
@@ -128,7 +133,10 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         record_timing=False,
         resources={"metadata": {"path": str(folder)}},
     )
-    client.execute()
+    try:
+        client.execute()
+    except CellExecutionError as error:
+        raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:
         cell.source = unmarked(cell.source)
     notebook.metadata.pop("widgets", None)

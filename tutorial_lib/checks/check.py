@@ -33,7 +33,7 @@ class WrongAnswer(Exception):  # noqa: N818 - it is an answer, not an error of o
         self.picture = picture
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """The outcome of a check, as text and as HTML."""
 
@@ -44,6 +44,8 @@ class Result:
 
     def __str__(self) -> str:
         return f"{self.exercise}: {self.status}. {self.message}"
+
+    __repr__ = __str__
 
     def _repr_html_(self) -> str:
         colour = _COLOURS[self.status]

@@ -1,0 +1,535 @@
+# %% [markdown]
+# # 01 · The world and the car
+#
+# **75 minutes.** You need: Python with numpy, sines and cosines. Notebook 00 is a good start, but not required.
+#
+# After this notebook you can
+#
+# - say where a thing is, seen from the robot, and where the robot is after two moves;
+# - predict what a car can and cannot do that steers with its front wheels;
+# - explain why a robot that counts its wheels' turns gets lost;
+# - turn a floor plan into what a camera sees, column by column.
+#
+# There are five exercises. Each has hints behind folds. When your function passes its check, **the cells below use it**; until then they use the
+# library's, so you can read on at any time.
+#
+# Metres, radians, seconds. x points right, y up, headings turn counter-clockwise from +x. A pose is `[x, y, heading]`.
+
+# %%
+import numpy as np
+
+from tutorial_lib.checks.world_and_car import (
+    check_bicycle_step,
+    check_compose,
+    check_ray_segment,
+    check_to_local,
+    check_wall_share,
+)
+from tutorial_lib.driving.courier import OracleCourier
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.geometry import relative, to_world
+from tutorial_lib.viz import colours
+from tutorial_lib.viz.charts import chart, from_figure
+from tutorial_lib.viz.panels import (
+    camera_picture,
+    draw_field_of_view,
+    label,
+    side_by_side,
+    stacked,
+)
+from tutorial_lib.viz.plan_view import PlanView
+from tutorial_lib.viz.play import show
+from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.generators import generate
+from tutorial_lib.world.noise import WheelOdometry
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+scene = Scene(generate("apartment", seed=4))
+paths = GridPaths(scene.clearance)
+view = PlanView(scene, 640, 480)
+
+# %% [markdown]
+# ## 1 · Where is it, seen from here?
+#
+# A robot does not care that the door is at (7.1, 2.4). It cares that the door is *two metres ahead and a little to the left*. That is the door in
+# the robot's own **frame**: x ahead, y to the left.
+#
+# Two steps lead there. Shift: subtract the robot's position. Turn: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
+#
+# $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
+#
+# ### Exercise 1 · `to_local` (easy, 10 minutes)
+#
+# <details><summary>Hint 1: concept</summary>A point straight ahead of the robot has the local coordinates (distance, 0), whatever the heading.</details>
+# <details><summary>Hint 2: approach</summary>Subtract first. Then the new x is how far the offset reaches along the robot's heading, and the new y how far it reaches to the left of it: two dot products.</details>
+# <details><summary>Hint 3: one line</summary>local x = cos · dx + sin · dy. What is local y?</details>
+
+
+# %% exercise="to_local"
+def to_local(pose, points):
+    """Points of the world as seen from a pose.
+
+    pose: (3,) x, y, heading. points: (N, 2). Returns (N, 2): metres ahead, metres to the left.
+    """
+    ### BEGIN SOLUTION
+    cos, sin = np.cos(pose[2]), np.sin(pose[2])
+    dx, dy = points[:, 0] - pose[0], points[:, 1] - pose[1]
+    return np.stack([cos * dx + sin * dy, cos * dy - sin * dx], axis=1)
+    ### END SOLUTION
+
+
+# %%
+to_local = check_to_local.use(to_local)
+
+# %% [markdown]
+# **Predict**, then run the cell: on the left are five places in the world, and the robot. How will the same five lie in the robot's frame, where it
+# stands at the origin and looks to the right?
+
+# %%
+robot = np.array([1.0, 1.0, 2.2])
+places = np.array([[0.0, 2.4], [2.0, 3.0], [3.0, 1.0], [-1.0, 0.0], [1.0, -0.5]])
+figure, axes = chart(9.0, 4.0, 2)
+for axis, pose, points, name in (
+    (axes[0], robot, places, "in the world"),
+    (axes[1], np.zeros(3), to_local(robot, places), "in the robot's frame"),
+):
+    tip = to_world(pose, [0.8, 0.0])
+    axis.annotate("", tip, pose[:2], arrowprops={"width": 3, "color": colours.unit(colours.ROBOT)})
+    axis.scatter(*points.T, s=70, color=colours.unit(colours.GOAL), zorder=3)
+    for number, point in enumerate(points):
+        axis.annotate(f" {number}", point, fontsize=13)
+    axis.set(title=name, xlim=(-4, 4), ylim=(-3.5, 4), aspect="equal", xlabel="x / m")
+axes[0].set_ylabel("y / m")
+show(from_figure(figure))
+
+# %% [markdown]
+# ## 2 · One move after another
+#
+# The robot goes from A to B, and then makes a move that is given *as seen from B*. Where is it now? The second step has to be turned by the first
+# heading before it can be added; the headings simply add up. This is called **composition**, $A \oplus B$. All odometry is a long chain of it:
+#
+# $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
+#
+# The heading is kept between $-\pi$ and $\pi$ (*wrapped*), so that two headings can be compared.
+#
+# ### Exercise 2 · `compose` (easy, 10 minutes)
+#
+# <details><summary>Hint 1: concept</summary>Drive 1 m, turn left, drive 1 m. The second metre went along +y. Adding the numbers would put it along +x.</details>
+# <details><summary>Hint 2: approach</summary>This time the matrix is R itself, not its transpose: you go from the robot's frame to the world.</details>
+# <details><summary>Hint 3: one line</summary>(angle + np.pi) % (2 * np.pi) - np.pi wraps an angle.</details>
+
+
+# %% exercise="compose"
+def compose(first, second):
+    """The pose reached by the move `first`, then `second` as seen from there.
+
+    first, second: (3,) x, y, heading. Returns (3,), with the heading in -pi to pi.
+    """
+    ### BEGIN SOLUTION
+    cos, sin = np.cos(first[2]), np.sin(first[2])
+    x = first[0] + cos * second[0] - sin * second[1]
+    y = first[1] + sin * second[0] + cos * second[1]
+    heading = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
+    return np.array([x, y, heading])
+    ### END SOLUTION
+
+
+# %%
+compose = check_compose.use(compose)
+
+# %% [markdown]
+# **Predict:** the robot repeats one move, *one metre ahead, then a turn of 45 degrees to the left*. After how many moves is it back? And what happens
+# when it measures each turn one degree too large?
+
+# %%
+figure, axes = chart(9.0, 4.0, 2)
+for axis, error, name in (
+    (axes[0], 0.0, "exact turns"),
+    (axes[1], 1.0, "each turn read 1 degree too large"),
+):
+    for turn, colour, style, meaning in (
+        (45.0, colours.TRACK, "o-", "where it is"),
+        (45.0 + error, colours.LASER, ".:", "where it thinks it is"),
+    ):
+        track = [np.zeros(3)]
+        for _ in range(24):
+            track.append(compose(track[-1], np.array([1.0, 0.0, np.deg2rad(turn)])))
+        axis.plot(*np.array(track)[:, :2].T, style, color=colours.unit(colour), label=meaning)
+    axis.set(title=name, aspect="equal", xlabel="x / m")
+axes[1].legend(loc="center")
+show(from_figure(figure))
+
+# %% [markdown]
+# After eight moves it is back. One degree is hardly visible at first, but it is never forgotten: every later step is turned by all the errors before
+# it. Keep this picture in mind for section 4.
+#
+# ## 3 · A car cannot turn on the spot
+#
+# The front wheels are turned by the angle $\delta$, the rear wheels only roll. With the distance $L$ between the axles (the *wheelbase*) and the speed
+# $v$ at the middle of the rear axle, which is the car's pose,
+#
+# $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
+#
+# At a fixed angle the car drives a circle of radius $R = L / \tan\delta$, fast or slow. This is the **kinematic bicycle**.
+#
+# ### Exercise 3 · `bicycle_step` (easy, 10 minutes)
+#
+# <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by turning rate times time.</details>
+# <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each times `seconds`. A negative speed needs no special case.</details>
+# <details><summary>Hint 3: one line</summary>heading + speed * np.tan(steering) / wheelbase * seconds</details>
+
+
+# %% exercise="bicycle_step"
+def bicycle_step(pose, speed, steering, wheelbase, seconds):
+    """The car's pose a short time later.
+
+    pose: (3,). speed: m/s, negative in reverse. steering: rad. wheelbase: m. Returns (3,).
+    """
+    ### BEGIN SOLUTION
+    x, y, heading = pose
+    x = x + speed * np.cos(heading) * seconds
+    y = y + speed * np.sin(heading) * seconds
+    heading = heading + speed * np.tan(steering) / wheelbase * seconds
+    return np.array([x, y, heading])
+    ### END SOLUTION
+
+
+# %%
+bicycle_step = check_bicycle_step.use(bicycle_step)
+
+# %% [markdown]
+# **Predict, then move the slider:** a corridor is 1.4 m wide. Can the car turn around in it in one go? At which steering angle does the circle fit?
+
+# %%
+car = BicycleCar()
+
+
+def turning_circle(steering_angle, speed):
+    """The track of eight seconds, with the corridor for scale."""
+    pose, track = np.array([0.0, 0.0, 0.0]), []
+    for _ in range(400):
+        track.append(pose)
+        pose = bicycle_step(pose, speed, steering_angle, car.wheelbase, 0.02)
+    track = np.array(track)
+    figure, (axis,) = chart(6.5, 4.0)
+    axis.axhspan(-0.2, 1.2, color="0.93", label="corridor, 1.4 m")
+    axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="8 seconds")
+    outline = to_world(track[-1], np.concatenate([car.footprint, car.footprint[:1]]))
+    axis.plot(*outline.T, color=colours.unit(colours.ROBOT), label="car")
+    axis.set(xlim=(-2.6, 6.6), ylim=(-2.4, 3.2), aspect="equal", xlabel="x / m", ylabel="y / m")
+    axis.legend(loc="upper right", fontsize=11)
+    radius = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
+    return from_figure(figure), f"radius {radius:.2f} m, circle {2 * radius:.2f} m across"
+
+
+sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.3), speed=(-0.3, 0.8, 0.1, 0.6))
+
+# %% [markdown]
+# <details><summary>What did you find?</summary>
+# The tightest circle has a radius of 0.62 m and is 1.24 m across, measured at the middle of the rear axle. The car's outer front corner swings wider, so the whole car
+# needs 1.6 m, and the corridor is too narrow: the car has to stop, reverse and go again. What it can reach <i>in one go</i> is therefore not a question of
+# distance. A place half a metre to its left is much harder to reach than one three metres ahead. This is why notebook 03 learns reachability instead of
+# measuring distance. The speed does not change the circle at all.
+# </details>
+#
+# ## 4 · Two hundred cars, one plan
+#
+# Motors are not exact. We follow Meng 2020 (section IV-B) and multiply both controls, ten times a second, by a random number drawn from
+# $\mathcal N(1, 0.33)$. The wheels also *misread* what they did: here each distance and each turn by about 5 %, and the heading drifts.
+#
+# **Predict:** 200 cars start at the same place and get the same commands. Which will be spread out more after 20 seconds, the places where they *are*,
+# or the errors of where they *think* they are? In which direction is the error largest, along the way or across it?
+
+# %%
+commands = np.array([[0.5, 0.0]] * 60 + [[0.5, 0.25]] * 60 + [[0.5, 0.0]] * 80)
+
+
+def many_cars(count, control_noise, seed=0):
+    """Drive `count` cars by the same commands on open ground; true and believed poses (T, N, 3)."""
+    rng = np.random.default_rng(seed)
+    true, believed = [np.zeros((count, 3))], [np.zeros((count, 3))]
+    odometry = WheelOdometry()
+    for speed, steering in commands:
+        noise = rng.normal(1.0, control_noise, (count, 2))
+        controls = np.clip(noise * [speed, steering], [-0.3, -0.45], [0.8, 0.45])
+        motion = np.zeros((count, 3))
+        twist = car.twist(controls)
+        motion[:, 0], motion[:, 2] = twist[:, 0] * 0.1, twist[:, 1] * 0.1
+        read = odometry.measure(motion, None, rng)
+        true.append(np.array([compose(*pair) for pair in zip(true[-1], motion, strict=True)]))
+        believed.append(np.array([compose(*pair) for pair in zip(believed[-1], read, strict=True)]))
+    return np.array(true), np.array(believed)
+
+
+true, believed = many_cars(200, 0.33)
+error = relative(true[-1], believed[-1])
+figure, axes = chart(9.5, 4.2, 2)
+for number in range(0, 200, 4):
+    axes[0].plot(*true[:, number, :2].T, color=colours.unit(colours.TRACK), alpha=0.15, linewidth=1)
+axes[0].scatter(*true[-1, :, :2].T, s=8, color=colours.unit(colours.TRACK))
+axes[0].set(title="where 200 cars are", aspect="equal", xlabel="x / m", ylabel="y / m")
+axes[1].scatter(*error[:, :2].T, s=8, color=colours.unit(colours.LASER))
+axes[1].set(title="where each thinks it is, seen from where it is", aspect="equal")
+axes[1].set(xlim=(-1, 1), ylim=(-1, 1), xlabel="too far ahead / m", ylabel="too far left / m")
+along, across = error[:, 0].std(), error[:, 1].std()
+print(f"spread of the error: {along:.2f} m along the way, {across:.2f} m across it")
+show(from_figure(figure))
+
+# %%
+error = np.linalg.norm(relative(true, believed)[..., :2], axis=2)
+figure, (axis,) = chart(7.0, 3.6)
+seconds = 0.1 * np.arange(len(error))
+for share, style in ((0.9, ":"), (0.5, "-")):
+    meaning = f"{share:.0%} of the cars are below"
+    axis.plot(seconds, np.quantile(error, share, axis=1), style, color="0.2", label=meaning)
+axis.set(xlabel="time / s", ylabel="error of the odometry / m", title="It only grows")
+axis.legend()
+show(from_figure(figure))
+
+# %% [markdown]
+# <details><summary>What did you see?</summary>
+# The cars themselves are spread over metres: the commands alone say little about where a car is. The wheels are ten times better, but look at the shape of
+# their error. A wrong heading, carried along for metres, becomes an error <i>across</i> the way. It gets worse with every metre, and nothing ever corrects
+# it. Only looking at the world can.
+# </details>
+#
+# ### Find the bug
+#
+# A colleague's odometry is fine on straights and wrong after every bend. What is wrong? Decide before you unfold the answer.
+#
+# ```python
+# def update(pose, ahead, turn):
+#     x, y, heading = pose
+#     heading = heading + turn
+#     return np.array([x + ahead, y, heading])
+# ```
+#
+# <details><summary>Answer</summary>The step is added along the world's x axis, never turned by the heading: it should be
+# <code>compose(pose, [ahead, 0, turn])</code>. A check on straight drives along +x would not have found it, which is why good tests turn first.</details>
+#
+# ## 5 · A ray meets a wall
+#
+# A laser beam and a camera's column have the same question: how far is it to the nearest wall in this direction? A wall is a segment from $a$ to $b$.
+# The ray starts at $o$ and runs along the unit vector $d$. They meet where
+#
+# $$ o + t\,d = a + u\,(b - a), \qquad t \ge 0, \quad 0 \le u \le 1. $$
+#
+# Two equations, two unknowns. With the cross product $p \times q = p_x q_y - p_y q_x$ the answer is
+#
+# $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
+#
+# ### Exercise 4 · `ray_segment` (medium, 15 minutes)
+#
+# <details><summary>Hint 1: concept</summary>There are three ways to miss: the wall is behind (t), the ray passes its ends (u), or both are parallel (nothing to divide by).</details>
+# <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Treat the parallel case first and return np.inf.</details>
+# <details><summary>Hint 3: one line</summary>return t if t >= 0 and 0 <= u <= 1 else np.inf</details>
+
+
+# %% exercise="ray_segment"
+def ray_segment(origin, direction, start, end):
+    """Metres from `origin` along the unit vector `direction` to the wall from `start` to `end`.
+
+    All (2,). Returns np.inf when the ray misses the wall.
+    """
+
+    ### BEGIN SOLUTION
+    def cross(p, q):
+        return p[0] * q[1] - p[1] * q[0]
+
+    wall = end - start
+    across = cross(direction, wall)
+    if abs(across) < 1e-12:
+        return np.inf
+    t = cross(start - origin, wall) / across
+    u = cross(start - origin, direction) / across
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+    ### END SOLUTION
+
+
+# %%
+ray_segment = check_ray_segment.use(ray_segment)
+
+# %% [markdown]
+# Now your function looks around in a whole apartment: 60 rays, each against every wall, and the nearest hit counts. The library does the same, some
+# ten thousand times faster, because it compares many rays with many walls at once (`bench raycast`).
+
+# %%
+eye = np.array([*paths.points[paths.clearance.argmax()], 0.6])
+angles = np.linspace(-np.pi, np.pi, 60, endpoint=False)
+near = np.linalg.norm(scene.plan.segments.reshape(-1, 2, 2) - eye[:2], axis=2).min(axis=1) < 8.0
+walls = scene.plan.segments[near]
+yours = []
+for angle in eye[2] + angles:
+    direction = np.array([np.cos(angle), np.sin(angle)])
+    yours.append(min(ray_segment(eye[:2], direction, wall[:2], wall[2:]) for wall in walls))
+yours = np.minimum(yours, 6.0)
+picture = view.base.copy()
+ends = to_world(eye, yours[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
+for end in ends:
+    view.polyline(picture, [eye[:2], end], colours.LASER, 1)
+view.points(picture, ends, colours.LASER, 3)
+view.robot(picture, eye, car.footprint)
+show(picture)
+
+# %% [markdown]
+# ## 6 · From a ray to a column of pixels
+#
+# The camera sits 0.25 m above the floor and the walls are 1 m high. A wall at the depth $z$ therefore ends at the slopes $0.75 / z$ above and
+# $-0.25 / z$ below the horizon. The picture reaches from the slope $s = \tan 30°$ at its upper edge down to $-s$, and its rows share that evenly. A row
+# that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why a picture of 16 rows still tells distances well:
+# the exact share is in the colour.
+#
+# ### Exercise 5 · `wall_share` (medium, 15 minutes)
+#
+# <details><summary>Hint 1: concept</summary>Each row is an interval of slopes, and so is the wall. How long is the part they have in common?</details>
+# <details><summary>Hint 2: approach</summary>Row i reaches from s − i·h down to s − (i+1)·h, with h = 2s / rows. The overlap of two intervals is the smaller of the upper ends minus the larger of the lower ends.</details>
+# <details><summary>Hint 3: one line</summary>np.clip(overlap / h, 0, 1) takes care of rows that the wall does not reach.</details>
+
+# %%
+slope = Camera().slope
+print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the picture ends at slopes ±{slope:.3f}")
+
+
+# %% exercise="wall_share"
+def wall_share(depth, rows):
+    """How much of each pixel of a column a wall covers.
+
+    depth: m. rows: pixels of the column. Returns (rows,) in 0 to 1; row 0 is the top.
+    """
+    ### BEGIN SOLUTION
+    height = 2 * slope / rows
+    upper = slope - height * np.arange(rows)
+    lower = upper - height
+    top, bottom = (WALL_HEIGHT - EYE) / depth, -EYE / depth
+    overlap = np.minimum(top, upper) - np.maximum(bottom, lower)
+    return np.clip(overlap / height, 0.0, 1.0)
+    ### END SOLUTION
+
+
+# %%
+wall_share = check_wall_share.use(wall_share)
+
+# %% [markdown]
+# Rays and columns together are a camera. Below, each of 64 columns gets the depth of its own ray, and your `wall_share` mixes the wall's colour with
+# floor and ceiling. **Predict:** will yours and the library's picture differ, and where?
+
+# %%
+camera = Camera(rows=64)
+image, distance = camera.look(scene, eye[None])
+column_angles = camera.fan.angles[::-1]  # column 0 is the leftmost
+depth = distance[0] * np.cos(column_angles)
+ceiling, floor = scene.backdrop
+middle = image[0, 30].astype(float)  # just above the horizon there is always wall
+mine = np.zeros((64, 64, 3))
+for column in range(64):
+    share = wall_share(depth[column], 64)[:, None]
+    behind = np.where(np.arange(64)[:, None] < 32, ceiling, floor)
+    mine[:, column] = share * middle[column] + (1 - share) * behind
+apart = np.abs(mine - image[0]).max()
+pictures = [camera_picture(mine.round().astype(np.uint8), 420), camera_picture(image[0], 420)]
+print(f"largest difference: {apart:.1f} of 255 grey levels")
+show(side_by_side(pictures, ["by your functions", "by the library"]))
+
+# %% [markdown]
+# <details><summary>Why the depth and not the distance?</summary>A flat picture shows flat walls flat. Columns at the side look at the wall along a longer ray, by
+# 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> by <code>distance[0]</code>.</details>
+#
+# ## 7 · Two places, one picture
+#
+# This office has rooms that are furnished exactly alike. **Predict:** how much do the pictures from the same spot in two of them differ?
+
+# %%
+office = Scene(generate("symmetric_office", seed=1))
+rooms = [room for room in office.plan.rooms if room.kind == "office"]
+middles = np.array([np.mean(room.outline, axis=0) for room in rooms])
+headings = np.arange(8) * np.pi / 4
+poses = np.array([[*place, heading] for place in middles for heading in headings])
+pictures, depths = Camera(rows=64).look(office, poses)
+inside = depths.max(axis=1) < 6.0  # no ray leaves through the door
+alike = [
+    (i, j)
+    for i in np.flatnonzero(inside)
+    for j in np.flatnonzero(inside)
+    if i // 8 < j // 8 and (pictures[i] == pictures[j]).all()
+]
+first, second = alike[0]
+office_view = PlanView(office, 460, 380)
+plan = office_view.base.copy()
+for pose in poses[[first, second]]:
+    draw_field_of_view(office_view, plan, office, pose)
+    office_view.robot(plan, pose, 1.6 * car.footprint)
+shown = [camera_picture(pictures[k], 400) for k in (first, second)]
+difference = np.abs(pictures[first].astype(int) - pictures[second]).max()
+print(f"{len(alike)} such pairs; the largest difference between these two is {difference}")
+show(side_by_side([plan, stacked(shown, ["from the first room", "from the second"])]))
+
+# %% [markdown]
+# They are equal to the last bit. No camera, however good, can tell these two places apart from one picture. This is **perceptual aliasing**; what helps is
+# what came *before* the picture, and notebooks 04 to 06 will use it.
+#
+# ## 8 · What a robot writes down
+#
+# Meng 2020 shows in Fig. 6 a robot that follows a trajectory of 23 m, with numbered pictures along the way and the laser seen from above. Below is its
+# twin. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
+# texture, and the driver here still knows the map.
+
+# %%
+rng = np.random.default_rng(3)
+ways = paths.fields(paths.points[paths.clearance.argmax()][None])
+far = paths.points[np.where(np.isfinite(ways.cost[0]), ways.cost[0], 0).argmax()]
+way = ways.path(far)
+start = np.array([*way[0], np.arctan2(*(way[4] - way[0])[::-1])])
+simulation = Simulation(scene, start, sensors=Sensors(camera=Camera(rows=64)))
+courier = OracleCourier(paths, way[-1])
+track, kept = [simulation.poses[0]], []
+while np.linalg.norm(simulation.poses[0, :2] - way[-1]) > 0.3 and len(track) < 1000:
+    if len(track) % 55 == 1:
+        kept.append((simulation.poses[0], simulation.observe()))
+    simulation.step(courier.act(simulation))
+    track.append(simulation.poses[0])
+picture = view.base.copy()
+view.polyline(picture, np.array(track)[:, :2], colours.TRACK, 3)
+frames, names = [], []
+for number, (pose, observation) in enumerate(kept[:6], 1):
+    beams = observation.laser[0]
+    angles = (np.arange(96) + 0.5) * 2 * np.pi / 96 - np.pi
+    local = beams[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    view.points(picture, to_world(pose, local[beams < 4.0]), colours.LASER, 1.5)
+    view.robot(picture, pose, 1.4 * car.footprint)
+    x, y = view.pixels(pose[:2]).round().astype(int)
+    label(picture, str(number), x + 8, y - 8, 0.7)
+    frames.append(camera_picture(observation.image[0], 230))
+    names.append(f"picture {number}")
+length = np.linalg.norm(np.diff(np.array(track)[:, :2], axis=0), axis=1).sum()
+print(f"a drive of {length:.1f} m")
+show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
+
+# %% [markdown]
+# ## How it fails
+#
+# | what happens | cause | who mends it |
+# |---|---|---|
+# | the believed track leaves the building | odometry adds up every small error | pictures of known places (notebook 05) |
+# | a thin post is driven over | 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
+# | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of pictures (notebook 06) |
+# | the car stands before a place 50 cm to its left | its circle is wider than that | reversing (notebook 02), knowing what is reachable (notebook 03) |
+#
+# ## Optional extras
+#
+# - **Extra 1.** Drive `bicycle_step` with `seconds=0.5` and compare with `seconds=0.01`. At which step does the circle stop closing? Write a version that
+#   moves along the exact arc; the check accepts it.
+# - **Extra 2.** Change the drift in `WheelOdometry(drift=...)`. How good would a compass have to be to stay below 0.5 m after 20 seconds?
+# - **Extra 3.** Paint the picture of section 6 with 8 rows and with 4. From how far away can you still tell two depths apart?
+#
+# ## What to remember
+#
+# - A pose changes frames by *shift, then turn*, and moves add up by composition, not by plus.
+# - A car drives circles no tighter than $L/\tan\delta$. Near is not the same as reachable.
+# - Odometry is good for metres, not for minutes. Errors of heading hurt most.
+# - A ray against a segment is all there is to laser and camera. The share of a pixel tells what the pixel's size hides.
+# - One picture can be true of many places.
+#
+# **Read next:** Meng et al. 2020, sections I to III-A, and then notebook 02, where the car learns to drive to a picture.
