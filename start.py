@@ -133,17 +133,8 @@ def setup() -> None:
 
 def command(name: str, arguments: list[str]) -> list[str]:
     """The command line behind lab, test or demo."""
-    first = "notebooks/00_start_here.ipynb"
-    lab = [
-        "jupyterlab",
-        f"--ServerApp.root_dir={HERE}",
-        f"--LabApp.default_url=/lab/tree/{first if (HERE / first).exists() else 'notebooks'}",
-        "--LabApp.news_url=None",  # it works without a network: no news, no look for updates
-        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
-        *(["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []),
-    ]
-    modules = {"lab": lab, "test": ["pytest"], "demo": ["tutorial_lib", "demo"]}
-    return [str(python_of(VENV)), "-m", *modules[name], *arguments]
+    module = ["pytest"] if name == "test" else ["tutorial_lib", name]
+    return [str(python_of(VENV)), "-m", *module, *arguments]
 
 
 def main(arguments: list[str]) -> int:

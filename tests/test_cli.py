@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from conftest import make_box
 
-from tutorial_lib.cli import main
+from tutorial_lib.cli import lab_command, main
 from tutorial_lib.experiments import demo
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.plan_json import save_plan
@@ -155,3 +155,19 @@ def test_people_in_the_demo_stand_where_the_floor_is():
     for person in people:
         assert scene.clearance.at(person.route).min() > 0.0
         assert np.linalg.norm(person.route - start[:2], axis=1).min() > 0.5
+
+
+@pytest.mark.parametrize(("user", "allowed"), [(0, True), (1000, False)])
+def test_jupyterlab_opens_the_first_notebook_and_asks_no_other_host(monkeypatch, user, allowed):
+    monkeypatch.setattr(os, "geteuid", lambda: user, raising=False)
+    line = lab_command(["--no-browser"])
+    assert line[:3] == [sys.executable, "-m", "jupyterlab"]
+    assert line[-1] == "--no-browser"
+    assert "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb" in line
+    assert "--LabApp.news_url=None" in line
+    assert ("--allow-root" in line) == allowed
+
+
+def test_lab_passes_the_exit_code_on(monkeypatch):
+    monkeypatch.setattr(subprocess, "call", lambda command: 7 if "--port=1" in command else 0)
+    assert main(["lab", "--port=1"]) == 7

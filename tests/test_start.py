@@ -240,7 +240,7 @@ def test_a_failing_venv_and_a_failing_pip_are_explained_in_a_line(start, machine
 
 
 def test_arguments_and_exit_codes_are_passed_on(start, machine):
-    machine.codes = {"pytest": 3, "tutorial_lib": 4, "jupyterlab": 5}
+    machine.codes = {"pytest": 3, "tutorial_lib": 4}
     python = str(start.python_of(start.VENV))
     assert start.main(["test", "--full", "-k", "a b"]) == 3
     assert machine.calls[-1] == [python, "-m", "pytest", "--full", "-k", "a b"]
@@ -248,28 +248,11 @@ def test_arguments_and_exit_codes_are_passed_on(start, machine):
     assert start.main(["demo", "--seed", "7"]) == 4
     assert machine.calls[-1] == [python, "-m", "tutorial_lib", "demo", "--seed", "7"]
     assert machine.folders[-1] is None  # demo leaves its files where the caller is
-    assert start.main(["lab", "--no-browser"]) == 5
-    assert machine.calls[-1][:3] == [python, "-m", "jupyterlab"]
+    assert start.main(["lab", "--no-browser"]) == 4
+    assert machine.calls[-1][:4] == [python, "-m", "tutorial_lib", "lab"]
     assert machine.calls[-1][-1] == "--no-browser"
-    assert start.main([]) == 5
-    assert machine.calls[-1][2] == "jupyterlab"
-
-
-def test_jupyterlab_opens_the_first_notebook_or_the_folder(start):
-    assert "--LabApp.default_url=/lab/tree/notebooks" in start.command("lab", [])
-    (start.HERE / "notebooks").mkdir()
-    (start.HERE / "notebooks" / "00_start_here.ipynb").touch()
-    line = start.command("lab", [])
-    assert "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb" in line
-    assert f"--ServerApp.root_dir={start.HERE}" in line
-
-
-@pytest.mark.parametrize(("user", "allowed"), [(0, True), (1000, False), (None, False)])
-def test_jupyterlab_as_root(start, monkeypatch, user, allowed):
-    monkeypatch.delattr(os, "geteuid", raising=False)  # Windows has none
-    if user is not None:
-        monkeypatch.setattr(os, "geteuid", lambda: user, raising=False)
-    assert ("--allow-root" in start.command("lab", [])) == allowed
+    assert start.main([]) == 4
+    assert machine.calls[-1][2:4] == ["tutorial_lib", "lab"]
 
 
 @pytest.mark.parametrize("arguments", [["fly"], ["--full"], ["setup", "torch"]])

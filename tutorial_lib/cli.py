@@ -1,9 +1,11 @@
-"""The commands: ``python -m tutorial_lib {demo,build,bench,experiment}``."""
+"""The commands: ``python -m tutorial_lib {lab,demo,build,bench,experiment}``."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -17,11 +19,14 @@ from tutorial_lib.world.importers import import_map
 
 EXPERIMENTS = {"plans": plans.run}
 BENCHES = {"raycast": bench_raycast.run, "fleet": bench_fleet.run}
+PROJECT = Path(__file__).resolve().parent.parent
 INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
 
 
 def main(arguments: list[str]) -> int:
     """Run a command and return its exit code; wrong input gets one line on stderr."""
+    if arguments[:1] == ["lab"]:  # what follows is JupyterLab's
+        return open_lab(arguments[1:])
     options = _parser().parse_args(arguments)
     try:
         return options.run(options)
@@ -39,6 +44,7 @@ def main(arguments: list[str]) -> int:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m tutorial_lib", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("lab", help="open JupyterLab on the first notebook; arguments go to it")
     demo = commands.add_parser("demo", help="drive once; leaves demo.webm, demo.png, demo.json")
     demo.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
     demo.add_argument("--family", choices=FAMILIES, default="apartment")
@@ -63,6 +69,29 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def lab_command(arguments: list[str]) -> list[str]:
+    """The command line that opens JupyterLab on the first notebook."""
+    return [
+        sys.executable,
+        "-m",
+        "jupyterlab",
+        f"--ServerApp.root_dir={PROJECT}",
+        "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb",
+        "--LabApp.news_url=None",  # it works without a network: no news, no look for updates
+        "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
+        *(["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []),
+        *arguments,
+    ]
+
+
+def open_lab(arguments: list[str]) -> int:
+    """Open JupyterLab and wait until it is closed; the exit code is its own."""
+    try:
+        return subprocess.call(lab_command(arguments))
+    except KeyboardInterrupt:
+        return INTERRUPTED
+
+
 def _demo(options: argparse.Namespace) -> int:
     if options.map is not None:
         plan = import_map(options.map, seed=options.seed)
@@ -82,14 +111,13 @@ def _build(options: argparse.Namespace) -> int:
     # The tools it needs are installed with the tests, not with the library.
     from tutorial_lib.builder import build
 
-    project = Path(__file__).parent.parent
-    known = {source.stem: source for source in sorted(project.glob("solutions/*.py"))}
+    known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
     for name in options.names:
         if name not in known:
             raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
     for name in options.names or known:
-        for file in build(known[name], project, students_only=options.students):
-            print(f"wrote {file.relative_to(project)}")
+        for file in build(known[name], PROJECT, students_only=options.students):
+            print(f"wrote {file.relative_to(PROJECT)}")
     return 0
 
 
