@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 01 · The world and the car
 #
-# **75 minutes.** You need: Python with numpy, sines and cosines. Notebook 00 is a good start, but not required.
+# **90 minutes.** You need: Python with numpy, sines and cosines. Notebook 00 is a good start, but not required.
 #
 # After this notebook you can
 #
@@ -60,6 +60,8 @@ view = PlanView(scene, 640, 480)
 # Two steps lead there. Shift: subtract the robot's position. Turn: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
 #
 # $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
+#
+# In the code a point is a *row*. For rows, $R^{\top} p$ is written `offset @ R`.
 #
 # ### Exercise 1 · `to_local` (easy, 10 minutes)
 #
@@ -152,34 +154,37 @@ for axis, error, name in (
 ):
     for turn, colour, style, meaning in (
         (45.0, colours.TRACK, "o-", "where it is"),
-        (45.0 + error, colours.LASER, ".:", "where it thinks it is"),
+        (45.0 + error, colours.BELIEVED, ".:", "where it thinks it is"),
     ):
         track = [np.zeros(3)]
         for _ in range(24):
             track.append(compose(track[-1], np.array([1.0, 0.0, np.deg2rad(turn)])))
         axis.plot(*np.array(track)[:, :2].T, style, color=colours.unit(colour), label=meaning)
-    axis.set(title=name, aspect="equal", xlabel="x / m")
+    for lap in (1, 2, 3):
+        axis.annotate(f" {lap}" if error else "", track[8 * lap][:2], fontsize=13)
+    axis.set(title=name, aspect="equal", xlabel="x / m", ylabel="y / m")
 axes[1].legend(loc="center")
 show(from_figure(figure))
 
 # %% [markdown]
-# After eight moves it is back. One degree is hardly visible at first, but it is never forgotten: every later step is turned by all the errors before
-# it. Keep this picture in mind for section 4.
+# After eight moves it is back. With the wrong turns it believes that it ends 0.18 m, 0.36 m and 0.53 m away from there after one, two and three rounds
+# (the numbers in the figure). One degree is hardly visible at first, but every later step is turned by all the errors before it. Keep this picture in mind for section 4.
 #
 # ## 3 · A car cannot turn on the spot
 #
-# The front wheels are turned by the angle $\delta$, the rear wheels only roll. With the distance $L$ between the axles (the *wheelbase*) and the speed
-# $v$ at the middle of the rear axle, which is the car's pose,
+# The front wheels are turned by the steering angle $\delta$, the rear wheels only roll. The car's pose is that of the middle of its rear axle, and $v$ is
+# the speed there. $L$ is the distance between the axles, the *wheelbase*. A dot means *change per second*:
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
-# At a fixed angle the car drives a circle of radius $R = L / \tan\delta$, fast or slow. This is the **kinematic bicycle**.
+# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$, fast or slow. This is the **kinematic bicycle**. Our car is 0.42 m long and 0.24 m
+# wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad (26 degrees).
 #
-# ### Exercise 3 · `bicycle_step` (easy, 10 minutes)
+# ### Exercise 3 · `bicycle_step` (easy, 5 minutes)
 #
 # <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by turning rate times time.</details>
-# <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each times `seconds`. A negative speed needs no special case.</details>
-# <details><summary>Hint 3: one line</summary>heading + speed * np.tan(steering) / wheelbase * seconds</details>
+# <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
+# <details><summary>Hint 3: one line</summary>x + speed * np.cos(heading) * seconds. What are the other two?</details>
 
 
 # %% exercise="bicycle_step"
@@ -201,7 +206,8 @@ def bicycle_step(pose, speed, steering, wheelbase, seconds):
 bicycle_step = check_bicycle_step.use(bicycle_step)
 
 # %% [markdown]
-# **Predict, then move the slider:** a corridor is 1.4 m wide. Can the car turn around in it in one go? At which steering angle does the circle fit?
+# **Predict, then move the slider:** a corridor is 1.4 m wide. The car starts along its lower wall. Can it turn around, by a half circle, in one go? At which
+# steering angle, if at any?
 
 # %%
 car = BicycleCar()
@@ -214,23 +220,31 @@ def turning_circle(steering_angle, speed):
         track.append(pose)
         pose = bicycle_step(pose, speed, steering_angle, car.wheelbase, 0.02)
     track = np.array(track)
+    outer = car.footprint[1 if steering_angle >= 0 else 2]  # the front corner that swings wide
+    side = 1.0 if steering_angle >= 0 else -1.0  # the wall that the car starts along
     figure, (axis,) = chart(6.5, 4.0)
-    axis.axhspan(-0.2, 1.2, color="0.93", label="corridor, 1.4 m")
-    axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="8 seconds")
-    outline = to_world(track[-1], np.concatenate([car.footprint, car.footprint[:1]]))
-    axis.plot(*outline.T, color=colours.unit(colours.ROBOT), label="car")
-    axis.set(xlim=(-2.6, 6.6), ylim=(-2.4, 3.2), aspect="equal", xlabel="x / m", ylabel="y / m")
-    axis.legend(loc="upper right", fontsize=11)
+    for wall in (-0.17 * side, 1.23 * side):
+        axis.axhline(wall, color="0.3", linewidth=4, label="corridor, 1.4 m" if wall > 0 else None)
+    axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle, 8 seconds")
+    corner = to_world(track, outer)
+    axis.plot(*corner.T, ":", color=colours.unit(colours.PATH), label="outer front corner")
+    for shown in (track[0], track[-1]):
+        outline = to_world(shown, car.footprint)
+        axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
+    axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
+    axis.legend(loc="upper right", fontsize=10)
     radius = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
-    return from_figure(figure), f"radius {radius:.2f} m, circle {2 * radius:.2f} m across"
+    width = np.ptp(corner[:, 1]) if steering_angle else 0.24
+    text = f"radius {radius:.2f} m; the outer corner sweeps over {width:.2f} m across the corridor"
+    return from_figure(figure), text
 
 
-sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.3), speed=(-0.3, 0.8, 0.1, 0.6))
+sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.45), speed=(-0.3, 0.8, 0.1, 0.3))
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
 # The tightest circle has a radius of 0.62 m and is 1.24 m across, measured at the middle of the rear axle. The car's outer front corner swings wider, so the whole car
-# needs 1.6 m, and the corridor is too narrow: the car has to stop, reverse and go again. What it can reach <i>in one go</i> is therefore not a question of
+# needs 1.6 m for a half circle, and the corridor is too narrow at every steering angle: the car has to stop, reverse and go again. What it can reach <i>in one go</i> is therefore not a question of
 # distance. A place half a metre to its left is much harder to reach than one three metres ahead. This is why notebook 03 learns reachability instead of
 # measuring distance. The speed does not change the circle at all.
 # </details>
@@ -238,7 +252,8 @@ sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.3), speed=(-0.3, 0.
 # ## 4 · Two hundred cars, one plan
 #
 # Motors are not exact. We follow Meng 2020 (section IV-B) and multiply both controls, ten times a second, by a random number drawn from
-# $\mathcal N(1, 0.33)$. The wheels also *misread* what they did: here each distance and each turn by about 5 %, and the heading drifts.
+# $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheels also *misread* what they did: each distance and each turn by about 5 %, and the heading
+# drifts by 0.02 rad in the first metre.
 #
 # **Predict:** 200 cars start at the same place and get the same commands. Which will be spread out more after 20 seconds, the places where they *are*,
 # or the errors of where they *think* they are? In which direction is the error largest, along the way or across it?
@@ -252,7 +267,7 @@ def many_cars(count, control_noise, seed=0):
     rng = np.random.default_rng(seed)
     true, believed = [np.zeros((count, 3))], [np.zeros((count, 3))]
     odometry = WheelOdometry()
-    for speed, steering in commands:
+    for speed, steering in commands:  # as bicycle_step, for all cars at once
         noise = rng.normal(1.0, control_noise, (count, 2))
         controls = np.clip(noise * [speed, steering], [-0.3, -0.45], [0.8, 0.45])
         motion = np.zeros((count, 3))
@@ -271,10 +286,12 @@ for number in range(0, 200, 4):
     axes[0].plot(*true[:, number, :2].T, color=colours.unit(colours.TRACK), alpha=0.15, linewidth=1)
 axes[0].scatter(*true[-1, :, :2].T, s=8, color=colours.unit(colours.TRACK))
 axes[0].set(title="where 200 cars are", aspect="equal", xlabel="x / m", ylabel="y / m")
-axes[1].scatter(*error[:, :2].T, s=8, color=colours.unit(colours.LASER))
+axes[1].scatter(*error[:, :2].T, s=8, color=colours.unit(colours.BELIEVED))
 axes[1].set(title="where each thinks it is, seen from where it is", aspect="equal")
-axes[1].set(xlim=(-1, 1), ylim=(-1, 1), xlabel="too far ahead / m", ylabel="too far left / m")
+axes[1].set(xlim=(-3, 3), ylim=(-3.4, 3.4), xlabel="too far ahead / m", ylabel="too far left / m")
 along, across = error[:, 0].std(), error[:, 1].std()
+places = np.hypot(*true[-1, :, :2].std(axis=0))
+print(f"spread of the places: {places:.2f} m")
 print(f"spread of the error: {along:.2f} m along the way, {across:.2f} m across it")
 show(from_figure(figure))
 
@@ -285,14 +302,16 @@ seconds = 0.1 * np.arange(len(error))
 for share, style in ((0.9, ":"), (0.5, "-")):
     meaning = f"{share:.0%} of the cars are below"
     axis.plot(seconds, np.quantile(error, share, axis=1), style, color="0.2", label=meaning)
-axis.set(xlabel="time / s", ylabel="error of the odometry / m", title="It only grows")
+axis.set(
+    xlabel="time / s", ylabel="error of the odometry / m", title="It grows, and nothing corrects it"
+)
 axis.legend()
 show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What did you see?</summary>
-# The cars themselves are spread over metres: the commands alone say little about where a car is. The wheels are ten times better, but look at the shape of
-# their error. A wrong heading, carried along for metres, becomes an error <i>across</i> the way. It gets worse with every metre, and nothing ever corrects
+# The cars themselves are spread over metres: the commands alone say little about where a car is. The wheels know three times better (both figures have the
+# same scale), but look at the shape of their error. A wrong heading, carried along for metres, becomes an error <i>across</i> the way. It grows with the way, and nothing ever corrects
 # it. Only looking at the world can.
 # </details>
 #
@@ -317,11 +336,11 @@ show(from_figure(figure))
 #
 # $$ o + t\,d = a + u\,(b - a), \qquad t \ge 0, \quad 0 \le u \le 1. $$
 #
-# Two equations, two unknowns. With the cross product $p \times q = p_x q_y - p_y q_x$ the answer is
+# Two equations, two unknowns. Take the cross product of both sides with $b - a$, and $u$ drops out; with $d$, and $t$ does. With $p \times q = p_x q_y - p_y q_x$ the answer is
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
-# ### Exercise 4 · `ray_segment` (medium, 15 minutes)
+# ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
 # <details><summary>Hint 1: concept</summary>There are three ways to miss: the wall is behind (t), the ray passes its ends (u), or both are parallel (nothing to divide by).</details>
 # <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Treat the parallel case first and return np.inf.</details>
@@ -353,8 +372,9 @@ def ray_segment(origin, direction, start, end):
 ray_segment = check_ray_segment.use(ray_segment)
 
 # %% [markdown]
-# Now your function looks around in a whole apartment: 60 rays, each against every wall, and the nearest hit counts. The library does the same, some
-# ten thousand times faster, because it compares many rays with many walls at once (`bench raycast`).
+# Now the function looks around in a whole apartment: 60 rays, each against every wall nearby, and the nearest hit counts. Walls are painted in stretches of
+# colour, so that pictures of different places differ. The library does the same some ten thousand times faster: its code is compiled, and a grid tells which
+# walls are near (`.venv/bin/python -m tutorial_lib bench raycast` measures it).
 
 # %%
 eye = np.array([*paths.points[paths.clearance.argmax()], 0.6])
@@ -377,9 +397,11 @@ show(picture)
 # %% [markdown]
 # ## 6 · From a ray to a column of pixels
 #
-# The camera sits 0.25 m above the floor and the walls are 1 m high. A wall at the depth $z$ therefore ends at the slopes $0.75 / z$ above and
-# $-0.25 / z$ below the horizon. The picture reaches from the slope $s = \tan 30°$ at its upper edge down to $-s$, and its rows share that evenly. A row
-# that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why a picture of 16 rows still tells distances well:
+# The camera sits 0.25 m above the floor (`EYE`) and the walls are 1 m high (`WALL_HEIGHT`). The *depth* $z$ of a wall is its distance along the viewing
+# direction, not along the ray. It ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The camera sees 60 degrees from top to bottom, so the
+# picture reaches from the slope $s = \tan 30°$ (`slope`) at its upper edge down to $-s$, and its rows share that evenly. A row
+# that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why the small pictures of 16 rows that the networks will
+# learn from still tell distances well:
 # the exact share is in the colour.
 #
 # ### Exercise 5 · `wall_share` (medium, 15 minutes)
@@ -413,8 +435,8 @@ def wall_share(depth, rows):
 wall_share = check_wall_share.use(wall_share)
 
 # %% [markdown]
-# Rays and columns together are a camera. Below, each of 64 columns gets the depth of its own ray, and your `wall_share` mixes the wall's colour with
-# floor and ceiling. **Predict:** will yours and the library's picture differ, and where?
+# Rays and columns together are a camera. Below, the library's rays give the depth and the colour of each of 64 columns, and `wall_share` mixes that colour with
+# floor and ceiling. **Predict:** will this picture and the library's differ, and where?
 
 # %%
 camera = Camera(rows=64)
@@ -431,15 +453,17 @@ for column in range(64):
 apart = np.abs(mine - image[0]).max()
 pictures = [camera_picture(mine.round().astype(np.uint8), 420), camera_picture(image[0], 420)]
 print(f"largest difference: {apart:.1f} of 255 grey levels")
-show(side_by_side(pictures, ["by your functions", "by the library"]))
+show(side_by_side(pictures, ["with wall_share", "by the library"]))
 
 # %% [markdown]
+# <details><summary>Do they differ?</summary>By less than one grey level: the library rounds to whole numbers, and nothing else.</details>
 # <details><summary>Why the depth and not the distance?</summary>A flat picture shows flat walls flat. Columns at the side look at the wall along a longer ray, by
 # 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> by <code>distance[0]</code>.</details>
 #
 # ## 7 · Two places, one picture
 #
-# This office has rooms that are furnished exactly alike. **Predict:** how much do the pictures from the same spot in two of them differ?
+# This office has rooms that are furnished exactly alike; some are turned by half a turn. **Predict:** how much do the pictures from the same spot in two of
+# them differ, *the same as seen from the furniture*?
 
 # %%
 office = Scene(generate("symmetric_office", seed=1))
@@ -463,18 +487,21 @@ for pose in poses[[first, second]]:
     office_view.robot(plan, pose, 1.6 * car.footprint)
 shown = [camera_picture(pictures[k], 400) for k in (first, second)]
 difference = np.abs(pictures[first].astype(int) - pictures[second]).max()
-print(f"{len(alike)} such pairs; the largest difference between these two is {difference}")
+print(
+    f"{len(alike)} such pairs of {inside.sum()} views; the largest difference between these two is {difference}"
+)
 show(side_by_side([plan, stacked(shown, ["from the first room", "from the second"])]))
 
 # %% [markdown]
-# They are equal to the last bit. No camera, however good, can tell these two places apart from one picture. This is **perceptual aliasing**; what helps is
-# what came *before* the picture, and notebooks 04 to 06 will use it.
+# They are equal to the last bit. No camera, however good, can tell these two places apart from one picture. This is **perceptual aliasing**; (A step
+# aside, and the pictures differ: only exactly the same spot gives exactly the same picture.) What helps is what came *before* the picture, and notebooks 04 to 06 will use it.
 #
 # ## 8 · What a robot writes down
 #
 # Meng 2020 shows in Fig. 6 a robot that follows a trajectory of 23 m, with numbered pictures along the way and the laser seen from above. Below is its
 # twin. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
-# texture, and the driver here still knows the map.
+# texture, and the driver here still knows the map. The orange dots are the laser at the six numbered
+# places: 96 beams all around, drawn up to 4 m. **Predict:** which two of the pictures will be most alike?
 
 # %%
 rng = np.random.default_rng(3)
@@ -486,7 +513,7 @@ simulation = Simulation(scene, start, sensors=Sensors(camera=Camera(rows=64)))
 courier = OracleCourier(paths, way[-1])
 track, kept = [simulation.poses[0]], []
 while np.linalg.norm(simulation.poses[0, :2] - way[-1]) > 0.3 and len(track) < 1000:
-    if len(track) % 55 == 1:
+    if len(track) % 80 == 1:
         kept.append((simulation.poses[0], simulation.observe()))
     simulation.step(courier.act(simulation))
     track.append(simulation.poses[0])
@@ -513,23 +540,23 @@ show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
 # | what happens | cause | who mends it |
 # |---|---|---|
 # | the believed track leaves the building | odometry adds up every small error | pictures of known places (notebook 05) |
-# | a thin post is driven over | 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
+# | a thin post is seen late | the laser's 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
 # | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of pictures (notebook 06) |
 # | the car stands before a place 50 cm to its left | its circle is wider than that | reversing (notebook 02), knowing what is reachable (notebook 03) |
 #
 # ## Optional extras
 #
-# - **Extra 1.** Drive `bicycle_step` with `seconds=0.5` and compare with `seconds=0.01`. At which step does the circle stop closing? Write a version that
-#   moves along the exact arc; the check accepts it.
-# - **Extra 2.** Change the drift in `WheelOdometry(drift=...)`. How good would a compass have to be to stay below 0.5 m after 20 seconds?
-# - **Extra 3.** Paint the picture of section 6 with 8 rows and with 4. From how far away can you still tell two depths apart?
+# - **Extra 1.** Drive a circle by `bicycle_step` with `seconds=0.5` and with `seconds=0.01`. Which circle is larger, and how far apart are the cars after 20 s?
+#   Write a version that moves along the exact arc; the check accepts it.
+# - **Extra 2.** In `many_cars`, write `WheelOdometry(drift=...)`. How large may the drift be so that 90 % of the cars stay below 0.3 m after 20 seconds?
+# - **Extra 3.** Call `wall_share` with 8 rows and with 4, for depths from 1 m to 8 m. From how far away can you still tell two depths apart?
 #
 # ## What to remember
 #
 # - A pose changes frames by *shift, then turn*, and moves add up by composition, not by plus.
-# - A car drives circles no tighter than $L/\tan\delta$. Near is not the same as reachable.
+# - A car drives circles no tighter than $r = L/\tan\delta$. Near is not the same as reachable.
 # - Odometry is good for metres, not for minutes. Errors of heading hurt most.
 # - A ray against a segment is all there is to laser and camera. The share of a pixel tells what the pixel's size hides.
 # - One picture can be true of many places.
 #
-# **Read next:** Meng et al. 2020, sections I to III-A, and then notebook 02, where the car learns to drive to a picture.
+# **Read next:** X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation*, ICRA 2020, sections I to III-A, and then notebook 02, where the car learns to drive to a picture.

@@ -88,11 +88,12 @@ def test_a_slow_answer_is_praised_but_not_used(monkeypatch, capsys):
     ("got", "words"),
     [
         (None, "return missing"),
-        ("four", "no array of numbers"),
-        ([1.0, 2.0, 3.0], r"shape \(3,\), but \(2,\) is needed"),
-        ([np.nan, 2.0], "not finite"),
-        ([1.0, 2.5], r"2.5 at \(1,\), but 2 is right"),
-        ([2.0, 1.0], "they are swapped"),
+        ("four", "a str came back"),
+        (np.array([1.0, 2.0, 3.0]), r"shape \(3,\), but \(2,\) is needed"),
+        (np.array([np.nan, 2.0]), "not a number"),
+        (np.array([1.0, 2.5]), r"2.5 at \(1,\), but 2 is right"),
+        (np.array([2.0, 1.0]), "they are swapped"),
+        ([1.0, 2.0], "a list came back"),
     ],
 )
 def test_messages_go_from_shape_to_value(got, words):

@@ -34,6 +34,11 @@ def to_local__answers_one_point(pose, points):
     return to_local__right_by_complex_numbers(pose, points)[0]
 
 
+def to_local__returns_a_list(pose, points):
+    """return a numpy array"""
+    return to_local__right_by_complex_numbers(pose, points).tolist()
+
+
 def to_local__right_by_complex_numbers(pose, points):
     offset = (points - pose[:2]) @ np.array([1, 1j]) * np.exp(-1j * pose[2])
     return np.column_stack([offset.real, offset.imag])
@@ -59,6 +64,30 @@ def compose__keeps_the_second_heading(first, second):
     """headings add up"""
     x, y, _ = compose__right_by_matrices(first, second)
     return np.array([x, y, second[2]])
+
+
+def compose__changes_its_argument(first, second):
+    """changes its argument 1"""
+    first[:] = compose__right_by_matrices(first, second)
+    return first
+
+
+def compose__turns_the_wrong_way(first, second):
+    """R itself"""
+    x, y, _ = compose__right_by_matrices(first * [1, 1, -1], second)
+    return np.array([x, y, compose__right_by_matrices(first, second)[2]])
+
+
+def compose__turns_by_both_headings(first, second):
+    """first heading alone"""
+    x, y, _ = compose__right_by_matrices(np.add(first, [0, 0, second[2]]), second)
+    return np.array([x, y, compose__right_by_matrices(first, second)[2]])
+
+
+def compose__wraps_into_the_full_turn(first, second):
+    """not 0 to 2 pi"""
+    x, y, heading = compose__right_by_matrices(first, second)
+    return np.array([x, y, heading % (2 * np.pi)])
 
 
 def compose__right_by_matrices(first, second):
@@ -92,6 +121,20 @@ def bicycle_step__swaps_sine_and_cosine(pose, speed, steering, wheelbase, second
     turn = speed * np.tan(steering) / wheelbase * seconds
     step = speed * seconds * np.array([np.sin(pose[2]), np.cos(pose[2]), 0.0])
     return pose + step + [0.0, 0.0, turn]
+
+
+def bicycle_step__changes_its_argument(pose, speed, steering, wheelbase, seconds):
+    """changes its argument 1"""
+    pose += bicycle_step__right_by_euler(pose, speed, steering, wheelbase, seconds) - pose
+    return pose
+
+
+def bicycle_step__moves_where_the_wheels_point(pose, speed, steering, wheelbase, seconds):
+    """not along heading + steering"""
+    moved = _move(
+        np.add(pose, [0, 0, steering]), speed, speed * np.tan(steering) / wheelbase, seconds
+    )
+    return moved - [0, 0, steering]
 
 
 def bicycle_step__right_by_euler(pose, speed, steering, wheelbase, seconds):
@@ -135,6 +178,12 @@ def ray_segment__divides_by_zero(origin, direction, start, end):
     return ray_segment__right_by_a_linear_system(origin, direction, start, end)
 
 
+def ray_segment__turns_the_wall_around(origin, direction, start, end):
+    """inf, but 1.5 is right"""
+    distance, share = _meet(origin, direction, start, end)
+    return distance if 0 <= -share <= 1 and distance >= 0 else np.inf
+
+
 def ray_segment__right_by_a_linear_system(origin, direction, start, end):
     system = np.column_stack([direction, start - end])
     if abs(np.linalg.det(system)) < 1e-12:
@@ -168,6 +217,11 @@ def wall_share__is_not_clipped(depth, rows):
     top, bottom, height = (WALL - EYE) / depth, -EYE / depth, 2 * SLOPE / rows
     upper = SLOPE - np.arange(rows) * height
     return (np.minimum(top, upper) - np.maximum(bottom, upper - height)) / height
+
+
+def wall_share__forgets_the_eye(depth, rows):
+    """0.75 m above the eye"""
+    return _share(WALL / depth, -EYE / depth, rows)
 
 
 def wall_share__right_by_intervals(depth, rows):

@@ -142,6 +142,8 @@ def expect_close(
     want = np.asarray(want, dtype=float)
     if got is None:
         raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
+    if want.ndim and not isinstance(got, np.ndarray):
+        raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a numpy array")
     try:
         values = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
@@ -155,13 +157,29 @@ def expect_close(
         mistaken = np.broadcast_to(np.asarray(mistaken, dtype=float), want.shape)
         if np.allclose(values, mistaken, atol=tolerance, rtol=0, equal_nan=True):
             raise WrongAnswer(f"{what}: {message}", picture)
-    if not np.isfinite(values[np.isfinite(want)]).all():
-        raise WrongAnswer(f"{what}: some of it is not finite; is something divided by zero?")
-    worst = np.unravel_index(np.nanargmax(np.abs(values - want)), want.shape)
+    if np.isnan(values).any():
+        raise WrongAnswer(f"{what}: some of it is not a number; is something divided by zero?")
+    with np.errstate(invalid="ignore"):  # inf - inf, where both agree
+        apart = np.nan_to_num(np.abs(values - want))
+    worst = np.unravel_index(apart.argmax(), want.shape)
     place = f" at {tuple(int(i) for i in worst)}" if want.shape else ""
     raise WrongAnswer(
         f"{what}: {values[worst]:.4g}{place}, but {want[worst]:.4g} is right", picture
     )
+
+
+def call(student: Function, *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return
+    """Call a student's function, and demand that it leaves its arguments alone.
+
+    Raises:
+        WrongAnswer: when an argument was changed.
+    """
+    before = [np.array(argument, copy=True) for argument in arguments]
+    answer = student(*arguments)
+    for number, (old, new) in enumerate(zip(before, arguments, strict=True), 1):
+        if not np.array_equal(old, new):
+            raise WrongAnswer(f"your function changes its argument {number}; make a new array")
+    return answer
 
 
 def _seconds(function: Function, example: tuple) -> float:

@@ -17,7 +17,9 @@ def check_environment() -> bool:
         Whether nothing is missing.
     """
     version = ".".join(map(str, sys.version_info[:3]))
-    print(f"Python {version} at {Path(sys.executable)}")
+    python, course = Path(sys.executable), Path(__file__).resolve().parents[2]
+    shown = python.relative_to(course) if python.is_relative_to(course) else python
+    print(f"Python {version} at {shown}")
     faults = find_faults()
     for fault in faults:
         print(f"✗ {fault}\n  fix: {_FIX}")

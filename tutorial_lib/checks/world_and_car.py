@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib import geometry
-from tutorial_lib.checks.check import WrongAnswer, check, expect_close
+from tutorial_lib.checks.check import WrongAnswer, call, check, expect_close
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar, advance
 from tutorial_lib.world.raycast import Fan, Raycaster
@@ -37,7 +37,9 @@ def check_to_local(student: Function) -> None:
             ),
         }
         want = geometry.to_local(pose, points)
-        expect_close(f"to_local from {pose.tolist()}", student(pose, points), want, 1e-6, mistakes)
+        expect_close(
+            f"to_local from {pose.tolist()}", call(student, pose, points), want, 1e-6, mistakes
+        )
 
 
 @check(geometry.compose, (np.array([1.0, 2.0, 0.5]), np.array([0.1, 0.0, 0.2])))
@@ -57,9 +59,18 @@ def check_compose(student: Function) -> None:
             "the other way round: first comes first": geometry.compose(second, first),
             "wrap the heading into -pi to pi": [*want[:2], first[2] + second[2]],
             "headings add up: the second is measured from the first": [*want[:2], second[2]],
+            "the step is turned the wrong way; from the robot to the world it is R itself": [
+                *geometry.compose([*first[:2], -first[2]], second)[:2],
+                want[2],
+            ],
+            "turn the step by the first heading alone; the second comes after it": [
+                *geometry.to_world([*first[:2], first[2] + second[2]], second[:2]),
+                want[2],
+            ],
+            "wrap the heading into -pi to pi, not 0 to 2 pi": [*want[:2], want[2] % (2 * np.pi)],
         }
         what = f"compose of {first.tolist()} and {second.tolist()}"
-        expect_close(what, student(first, second), want, 1e-6, mistakes)
+        expect_close(what, call(student, first, second), want, 1e-6, mistakes)
 
 
 def bicycle_step(
@@ -75,7 +86,7 @@ def bicycle_step(
 def check_bicycle_step(student: Function) -> None:
     """The kinematic bicycle; any integrator that is right for small steps passes."""
     pose, wheelbase, seconds = np.array([1.0, 2.0, 0.5]), 0.30, 0.02
-    still = np.asarray(student(pose, 0.0, 0.4, wheelbase, seconds), dtype=float)
+    still = np.asarray(call(student, pose, 0.0, 0.4, wheelbase, seconds), dtype=float)
     if still.shape == (3,) and abs(still[2] - pose[2]) > 1e-6:
         raise WrongAnswer("bicycle_step: the car turns even when it stands; multiply by the speed")
     for speed, steering in ((0.8, 0.0), (0.8, 0.45), (-0.3, 0.4), (0.5, -0.3)):
@@ -96,9 +107,14 @@ def check_bicycle_step(student: Function) -> None:
             ),
             "the turn is the turning rate times the seconds": with_turn(rate),
             "cos belongs to x and sin to y": swapped,
+            "the rear axle moves along the heading, not along heading + steering": [
+                pose[0] + step * np.cos(pose[2] + steering),
+                pose[1] + step * np.sin(pose[2] + steering),
+                want[2],
+            ],
         }
         what = f"bicycle_step at {speed} m/s, steering {steering} rad"
-        answer = student(pose, speed, steering, wheelbase, seconds)
+        answer = call(student, pose, speed, steering, wheelbase, seconds)
         expect_close(what, answer, want, 3e-4, mistakes)
 
 
@@ -131,7 +147,7 @@ def check_ray_segment(student: Function) -> None:
             along = "that is how far along the wall the ray hits, not how far away"
             mistakes = {f"{along} (a share)": share, f"{along} (metres)": place}
         with np.errstate(divide="ignore", invalid="ignore"):
-            answer = student(origin, direction, start, end)
+            answer = call(student, origin, direction, start, end)
         expect_close(f"ray_segment, wall {name}", answer, want, 1e-6, mistakes)
 
 
@@ -157,6 +173,9 @@ def check_wall_share(student: Function) -> NDArray[np.uint8]:
             "upside down: row 0 is the top of the picture": want[::-1],
             "the eye is 0.25 m above the floor, not half way up the wall": halves,
             "divide the heights by the depth": _shares(WALL_HEIGHT - EYE, -EYE, rows),
+            "the wall rises 0.75 m above the eye, not 1 m": _shares(
+                WALL_HEIGHT / depth, -EYE / depth, rows
+            ),
         }
         got = student(depth, rows)
         values = np.asarray(got, dtype=float) if got is not None else want

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz import colours
+from tutorial_lib.viz.panels import camera_picture, label
 from tutorial_lib.viz.plan_view import Picture, PlanView
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import full_circle
 
 MAP, SIDE, MARGIN = 720, 480, 20
 _LASER_REACH = 4.0  # metres shown around the robot
-_FONT = cv2.FONT_HERSHEY_SIMPLEX
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Moment:
         observation: of this one robot.
         track: (T, 2) where it has been.
         path: (P, 2) what is left of its way.
-        goal: (2,).
+        goal: (2,), or None where the robot has none.
         discs: people and obstacles.
         lines: what to write below the pictures.
     """
@@ -39,7 +39,7 @@ class Moment:
     observation: Observation
     track: Array
     path: Array
-    goal: Array
+    goal: Array | None
     discs: Discs | None
     lines: Sequence[tuple[str, str]]
 
@@ -71,18 +71,17 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
     picture = np.full((height, width, 3), colours.PAPER, np.uint8)
     picture[MARGIN : MARGIN + MAP, MARGIN : MARGIN + MAP] = draw_map(view, moment)
     left = MAP + 2 * MARGIN
-    _write(picture, title, left, MARGIN + 16, 0.6, colours.INK)
-    camera = moment.observation.image[0]
-    shown = cv2.resize(camera, (SIDE, SIDE // 3), interpolation=cv2.INTER_CUBIC)
+    label(picture, title, left, MARGIN + 16, 0.6, colours.INK)
+    shown = camera_picture(moment.observation.image[0], SIDE, smooth=True)
     top = MARGIN + 36
     picture[top : top + SIDE // 3, left : left + SIDE] = shown
-    _write(picture, "camera, 120 degrees", left, top + SIDE // 3 + 18, 0.45, colours.FAINT)
+    label(picture, "camera, 120 degrees", left, top + SIDE // 3 + 18, 0.45, colours.FAINT)
     top += SIDE // 3 + 40
     picture[top : top + 320, left : left + 320] = draw_laser(moment, 320)
-    _write(picture, "laser, 4 m around", left, top + 340, 0.45, colours.FAINT)
+    label(picture, "laser, 4 m around", left, top + 340, 0.45, colours.FAINT)
     for i, (name, value) in enumerate(moment.lines):
-        _write(picture, name, left + 336, top + 20 + 58 * i, 0.45, colours.FAINT)
-        _write(picture, value, left + 336, top + 46 + 58 * i, 0.65, colours.INK)
+        label(picture, name, left + 336, top + 20 + 58 * i, 0.45, colours.FAINT)
+        label(picture, value, left + 336, top + 46 + 58 * i, 0.65, colours.INK)
     legend = (
         ("robot", colours.ROBOT),
         ("way", colours.PATH),
@@ -94,7 +93,7 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
     for i, (name, colour) in enumerate(legend):
         x, y = left + 160 * (i % 3), top + 376 + 26 * (i // 3)
         cv2.circle(picture, (x + 6, y - 5), 6, colour, cv2.FILLED, cv2.LINE_AA)
-        _write(picture, name, x + 20, y, 0.5, colours.INK)
+        label(picture, name, x + 20, y, 0.5, colours.INK)
     return picture
 
 
@@ -108,7 +107,8 @@ def draw_map(view: PlanView, moment: Moment) -> Picture:
     view.polyline(picture, moment.path, colours.PATH, 3)
     view.polyline(picture, moment.track, colours.TRACK, 3)
     view.points(picture, points, colours.LASER, 2.0)
-    view.goal(picture, moment.goal)
+    if moment.goal is not None:
+        view.goal(picture, moment.goal)
     if moment.discs is not None:
         for x, y, radius in moment.discs.circles:
             view.disc(picture, [x, y], radius, colours.PERSON)
@@ -135,9 +135,3 @@ def draw_laser(moment: Moment, size: int) -> Picture:
         cv2.circle(picture, (x, y), 40, colours.LASER, cv2.FILLED, cv2.LINE_AA, 4)
     cv2.fillPoly(picture, [fixed(moment.footprint)], colours.ROBOT, cv2.LINE_AA, 4)
     return picture
-
-
-def _write(
-    picture: Picture, text: str, x: int, y: int, size: float, colour: tuple[int, int, int]
-) -> None:
-    cv2.putText(picture, text, (x, y), _FONT, size, colour, 1, cv2.LINE_AA)

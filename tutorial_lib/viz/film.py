@@ -1,5 +1,6 @@
 """Films and strips of pictures on disk."""
 
+import io
 import os
 import sys
 from collections.abc import Iterator, Sequence
@@ -9,9 +10,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
+from tutorial_lib.viz import colours
 
 Picture = NDArray[np.uint8]
 
@@ -55,6 +58,33 @@ def write_picture(path: str | Path, picture: Picture) -> None:
     with atomic_path(path) as temporary:
         if not cv2.imwrite(str(temporary), picture[..., ::-1]):
             raise OSError(f"{path}: OpenCV could not write the picture")
+
+
+def png(picture: Picture) -> bytes:
+    """An RGB picture (H, W, 3) as the bytes of a PNG file of at most 256 colours.
+
+    That is a third of the size of one with all colours, and a page of pictures adds up.
+
+    Raises:
+        InputError: when it is no such picture.
+    """
+    picture = np.ascontiguousarray(picture)
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
+        raise InputError(f"picture: {picture.shape} {picture.dtype}; give (H, W, 3) uint8")
+    # Means of colours will do for walls, but the car, the goal and the floors keep their own.
+    kept = [*colours.THINGS, *colours.ROOMS.values()]
+    means = Image.fromarray(picture).quantize(256 - len(kept), method=Image.Quantize.MEDIANCUT)
+    palette = (means.getpalette() or [])[: 768 - 3 * len(kept)]
+    palette += [0] * (768 - 3 * len(kept) - len(palette))
+    numbers, codes = np.array(means), picture @ np.array([1 << 16, 1 << 8, 1])
+    for number, (red, green, blue) in enumerate(kept, 256 - len(kept)):
+        numbers[codes == (red << 16) + (green << 8) + blue] = number
+        palette += [red, green, blue]
+    few = Image.fromarray(numbers)
+    few.putpalette(palette)
+    buffer = io.BytesIO()
+    few.save(buffer, "PNG")
+    return buffer.getvalue()
 
 
 def strip(frames: Sequence[Picture], count: int = 4, gap: int = 8) -> Picture:

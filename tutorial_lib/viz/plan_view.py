@@ -84,10 +84,44 @@ class PlanView:
         nose = [[front, 0.0], [front * 0.55, half * 0.8], [front * 0.55, -half * 0.8]]
         self.polygon(picture, to_world(pose, nose), colours.PAPER)
 
+    def arrow(
+        self,
+        picture: Picture,
+        pose: ArrayLike,
+        colour: tuple[int, int, int] = colours.ROBOT,
+        size: float = 10.0,
+    ) -> None:
+        """Mark a pose (3,) by an arrowhead of `size` pixels, for maps on which a car is tiny."""
+        head = np.array([[1.3, 0.0], [-0.9, 0.9], [-0.5, 0.0], [-0.9, -0.9]])
+        rim = head * (size + 3.0) / self.scale
+        self.polygon(picture, to_world(pose, rim), colours.PAPER)
+        self.polygon(picture, to_world(pose, head * size / self.scale), colour)
+
     def goal(self, picture: Picture, point: ArrayLike) -> None:
         """Draw a goal at `point` (2,) as a ring around a dot."""
         for radius, colour in ((0.34, colours.GOAL), (0.24, colours.PAPER), (0.12, colours.GOAL)):
             self.disc(picture, point, radius, colour)
+
+    def seen(
+        self, picture: Picture, pose: ArrayLike, ends: ArrayLike, opacity: float = 0.5
+    ) -> None:
+        """Tint what a robot at `pose` (3,) sees: up to the `ends` (P, 2) of its rays, in order."""
+        ends = np.asarray(ends, dtype=float).reshape(-1, 2)
+        outline = np.concatenate([np.asarray(pose, dtype=float)[None, :2], ends])
+        self.polygon(picture, outline, colours.VIEW, opacity)
+        self.polyline(picture, np.concatenate([outline, outline[:1]]), colours.VIEW, 1.5)
+
+    def rays(
+        self,
+        picture: Picture,
+        pose: ArrayLike,
+        ends: ArrayLike,
+        colour: tuple[int, int, int] = colours.LASER,
+    ) -> None:
+        """Draw rays from `pose` (3,) to their `ends` (P, 2), with a dot where each one ends."""
+        for end in np.asarray(ends, dtype=float).reshape(-1, 2):
+            self.polyline(picture, [np.asarray(pose, dtype=float)[:2], end], colour, 1)
+        self.points(picture, ends, colour, 3.0)
 
     def _fixed(self, points: ArrayLike) -> NDArray[np.int32]:
         """(P, 2) pixels in OpenCV's fixed point, whose whole numbers are pixels' middles."""
