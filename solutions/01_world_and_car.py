@@ -161,8 +161,9 @@ for axis, error, name in (
             track.append(compose(track[-1], np.array([1.0, 0.0, np.deg2rad(turn)])))
         axis.plot(*np.array(track)[:, :2].T, style, color=colours.unit(colour), label=meaning)
     for lap in (1, 2, 3):
-        axis.annotate(f" {lap}" if error else "", track[8 * lap][:2], fontsize=13)
-    axis.set(title=name, aspect="equal", xlabel="x / m", ylabel="y / m")
+        spot = {"textcoords": "offset points", "xytext": (-4, -18), "fontsize": 13}
+        axis.annotate(str(lap) if error else "", track[8 * lap][:2], **spot)
+    axis.set(title=name, ylim=(-0.5, 2.7), aspect="equal", xlabel="x / m", ylabel="y / m")
 axes[1].legend(loc="center")
 show(from_figure(figure))
 
@@ -232,7 +233,7 @@ def turning_circle(steering_angle, speed):
         outline = to_world(shown, car.footprint)
         axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
     axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
-    axis.legend(loc="upper right", fontsize=10)
+    axis.legend(loc="center right", fontsize=10)
     radius = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
     width = np.ptp(corner[:, 1]) if steering_angle else 0.24
     text = f"radius {radius:.2f} m; the outer corner sweeps over {width:.2f} m across the corridor"

@@ -60,7 +60,6 @@ class DrivePanel(Shell):
         """Connect buttons to `controller`; `rehearsal` are the presses of the static strip."""
         self.controller = controller
         self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
-        self.picture.layout.max_width = "100%"
         self.buttons = {
             name: ipywidgets.Button(description=name, layout=ipywidgets.Layout(width="7.5em"))
             for name in (*ACTIONS, "start again")
@@ -80,7 +79,7 @@ class DrivePanel(Shell):
         self._refresh()
 
     def _refresh(self) -> None:
-        self.picture.value = png(self.controller.render())
+        _put(self.picture, self.controller.render())
         self.line.value = _words(self.controller.text)
 
 
@@ -110,7 +109,6 @@ class SliderPanel(Shell):
         self._render = render
         self.controls = {name: _control(name, span) for name, span in ranges.items()}
         self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
-        self.picture.layout.max_width = "100%"
         self._show(*render(**self.values))
         for control in self.controls.values():
             control.observe(self._changed, names="value")
@@ -128,7 +126,8 @@ class SliderPanel(Shell):
             self.line.value = _words(f"{type(error).__name__}: {error}", "b")
 
     def _show(self, picture: Picture, text: str) -> None:
-        self.picture.value, self.line.value = png(picture), _words(text)
+        _put(self.picture, picture)
+        self.line.value = _words(text)
 
     def _strip(self) -> Picture:
         """The pictures at the first control's low, present and high value."""
@@ -179,6 +178,13 @@ def _control(name: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.W
     whole = all(isinstance(number, int | np.integer) for number in span)
     kind = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
     return kind(value=value, min=low, max=high, step=step, **look)
+
+
+def _put(image: ipywidgets.Image, picture: Picture) -> None:
+    """Show a picture at its own size, or smaller where the page is narrower."""
+    # In a box an image would otherwise be stretched to the width of the page.
+    image.layout.width, image.layout.max_width = f"{picture.shape[1]}px", "100%"
+    image.value = png(picture)
 
 
 def _spoken(name: str) -> str:
