@@ -223,7 +223,7 @@ def turning_circle(steering_angle, speed):
     track = np.array(track)
     outer = car.footprint[1 if steering_angle >= 0 else 2]  # the front corner that swings wide
     side = 1.0 if steering_angle >= 0 else -1.0  # the wall that the car starts along
-    figure, (axis,) = chart(6.5, 4.0)
+    figure, (axis,) = chart(8.0, 4.0)
     for wall in (-0.17 * side, 1.23 * side):
         axis.axhline(wall, color="0.3", linewidth=4, label="corridor, 1.4 m" if wall > 0 else None)
     axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle, 8 seconds")
@@ -233,7 +233,7 @@ def turning_circle(steering_angle, speed):
         outline = to_world(shown, car.footprint)
         axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
     axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
-    axis.legend(loc="center right", fontsize=10)
+    axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=10)
     radius = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
     width = np.ptp(corner[:, 1]) if steering_angle else 0.24
     text = f"radius {radius:.2f} m; the outer corner sweeps over {width:.2f} m across the corridor"
