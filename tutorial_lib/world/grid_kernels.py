@@ -10,7 +10,16 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.world.ray_kernels import F, Floats, Ints, direction, meet, nearest, turn
+from tutorial_lib.world.ray_kernels import (
+    F,
+    Floats,
+    Ints,
+    direction,
+    meet,
+    nearest,
+    scratch_for,
+    turn,
+)
 
 _AROUND = 3  # cells around the robot's own whose walls every ray is compared with
 
@@ -40,6 +49,7 @@ def cast_grid(
     # One place more than walls: a wall met again is written, but not counted.
     ends, near = np.empty((4, total + 1), F), np.empty(total + 1, np.int32)
     stamp = np.full(total, -1, np.int32)
+    scratch = scratch_for(total, bundle)
     dx, dy, index = np.empty(many, F), np.empty(many, F), np.empty(many, np.int32)
     for pose in range(len(poses)):
         x, y = poses[pose, 0], poses[pose, 1]
@@ -64,7 +74,7 @@ def cast_grid(
         # Within this distance no wall is outside the cells around the robot.
         reach = cell * (_AROUND + min(gx - i, i + 1 - gx, gy - j, j + 1 - gy))
         turn(rays, cos, sin, dx, dy)
-        nearest(ends, count, dx, dy, bundle, index)
+        nearest(ends, count, dx, dy, bundle, scratch, index)
         for ray in range(many):
             ex, ey = direction(rays, ray, cos, sin)
             s = near[index[ray]] if index[ray] >= 0 else -1

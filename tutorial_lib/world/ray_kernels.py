@@ -36,7 +36,7 @@ def cast_all(
     in float64.
     """
     count, many = segments.shape[1], rays.shape[1]
-    ends = np.empty((4, count), F)
+    ends, scratch = np.empty((4, count), F), scratch_for(count, bundle)
     dx, dy, index = np.empty(many, F), np.empty(many, F), np.empty(many, np.int32)
     for pose in range(len(poses)):
         x, y = poses[pose, 0], poses[pose, 1]
@@ -47,7 +47,7 @@ def cast_all(
             ends[2, s] = F(segments[2, s] - x)
             ends[3, s] = F(segments[3, s] - y)
         turn(rays, cos, sin, dx, dy)
-        nearest(ends, count, dx, dy, bundle, index)
+        nearest(ends, count, dx, dy, bundle, scratch, index)
         for ray in range(many):
             ex, ey = direction(rays, ray, cos, sin)
             t, u = meet(segments, index[ray], x, y, ex, ey)
@@ -55,15 +55,29 @@ def cast_all(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def nearest(ends: Singles, count: int, dx: Singles, dy: Singles, bundle: int, index: Ints) -> None:
+def scratch_for(count: int, bundle: int) -> tuple[Ints, Ints, Singles, Singles, Singles, Ints]:
+    """The room that `nearest` works in, laid out once for many poses."""
+    inside, seen = np.empty(count, np.int32), np.empty(count, np.int32)
+    ex, ey, best = np.empty(bundle, F), np.empty(bundle, F), np.empty(bundle, F)
+    return inside, seen, ex, ey, best, np.empty(bundle, np.int32)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def nearest(
+    ends: Singles,
+    count: int,
+    dx: Singles,
+    dy: Singles,
+    bundle: int,
+    scratch: tuple[Ints, Ints, Singles, Singles, Singles, Ints],
+    index: Ints,
+) -> None:
     """For each ray from the origin the nearest of the first `count` walls, or -1.
 
     The inner loop has no branch, so that it runs on many rays at once; 1 / distance is
     cross(ray, b - a) / cross(a, b) for a wall from a to b, which is linear in the ray.
     """
-    inside, seen = np.empty(count, np.int32), np.empty(count, np.int32)
-    ex, ey, best = np.empty(bundle, F), np.empty(bundle, F), np.empty(bundle, F)
-    winner = np.empty(bundle, np.int32)
+    inside, seen, ex, ey, best, winner = scratch
     for first in range(0, len(dx), bundle):
         size = min(bundle, len(dx) - first)
         for r in range(size):
