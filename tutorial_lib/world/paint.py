@@ -97,26 +97,26 @@ def paint_rows(
     ceiling and floor. `image` is written.
     """
     rows, width = image.shape[1], image.shape[2]
-    ceiling, floor = np.empty(width, np.float32), np.empty(width, np.float32)
     upper, lower = np.empty(width, np.float32), np.empty(width, np.float32)
+    to_ceiling, to_floor = np.empty(width, np.float32), np.empty(width, np.float32)
     colour = np.empty(width, np.float32)
-    for i in range(width):
-        ceiling[i], floor[i] = backdrop[0, i % 3], backdrop[1, i % 3]
     per_row = np.float32(rows / (2.0 * slope))
     horizon = np.float32(rows / 2.0)
     for n in range(len(image)):
         for column in range(width // 3):
-            # In rows from the picture's upper edge, downwards.
+            # The wall's ends, in rows from the picture's upper edge, downwards.
             scale = nearness[n, column] * per_row
-            a = max(horizon - heights[0] * scale, _ZERO)
-            b = min(horizon - heights[1] * scale, np.float32(rows))
-            for i in range(3 * column, 3 * column + 3):
-                upper[i], lower[i], colour[i] = a, b, colours[n, i]
+            a, b = horizon - heights[0] * scale, horizon - heights[1] * scale
+            for channel in range(3):
+                i = 3 * column + channel
+                upper[i], lower[i] = a, b
+                to_ceiling[i] = backdrop[0, channel] - colours[n, i]
+                to_floor[i] = backdrop[1, channel] - colours[n, i]
+                colour[i] = colours[n, i] + _HALF  # so that cutting off rounds
         for row in range(rows):
             line = image[n, row]
-            first = np.float32(row)
+            first, end = np.float32(row), np.float32(row + 1)
             for i in range(width):
                 above = min(max(upper[i] - first, _ZERO), _ONE)
-                below = _ONE - min(max(lower[i] - first, _ZERO), _ONE)
-                value = above * ceiling[i] + below * floor[i] + (_ONE - above - below) * colour[i]
-                line[i] = np.uint8(value + _HALF)
+                below = min(max(end - lower[i], _ZERO), _ONE)
+                line[i] = np.uint8(colour[i] + above * to_ceiling[i] + below * to_floor[i])
