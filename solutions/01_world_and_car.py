@@ -501,7 +501,7 @@ show(side_by_side([plan, stacked(shown, ["from the first room", "from the second
 #
 # Meng 2020 shows in Fig. 6 a robot that follows a trajectory of 23 m, with numbered pictures along the way and the laser seen from above. Below is its
 # twin. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
-# texture, and the driver here still knows the map. The orange dots are the laser at the six numbered
+# texture, and the driver here still knows the map. The orange dots are the laser at the numbered
 # places: 96 beams all around, drawn up to 4 m. **Predict:** which two of the pictures will be most alike?
 
 # %%
@@ -533,9 +533,20 @@ for number, (pose, observation) in enumerate(kept[:6], 1):
     names.append(f"picture {number}")
 length = np.linalg.norm(np.diff(np.array(track)[:, :2], axis=0), axis=1).sum()
 print(f"a drive of {length:.1f} m")
+images = np.array([observation.image[0] for _, observation in kept[:6]], dtype=float)
+unlike = np.abs(images[:, None] - images).mean(axis=(2, 3, 4))  # mean difference of two pictures
+first, second = np.triu_indices(len(images), k=1)
+for pair in np.argsort(unlike[first, second])[:2]:
+    i, j = first[pair], second[pair]
+    print(f"pictures {i + 1} and {j + 1} differ by {unlike[i, j]:.0f} grey levels on average")
 show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
 
 # %% [markdown]
+# <details><summary>Which two are most alike?</summary>
+# Pixel by pixel, pictures 2 and 3, and then 3 and 5, which were taken at the two ends of the long corridor. Likeness of pixels is a poor measure of how near two
+# places are. This is why the course learns what the car can <i>reach</i>, and does not simply compare pictures.
+# </details>
+#
 # ## How it fails
 #
 # | what happens | cause | who mends it |

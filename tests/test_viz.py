@@ -8,7 +8,8 @@ from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz import colours
 from tutorial_lib.viz.dashboard import Moment, beams_of, dashboard, draw_laser
-from tutorial_lib.viz.film import strip, write_film, write_picture
+from tutorial_lib.viz.film import write_film, write_picture
+from tutorial_lib.viz.panels import evenly
 from tutorial_lib.viz.plan_view import PlanView
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.scene import Scene
@@ -188,15 +189,10 @@ def test_a_picture_that_cannot_be_written_leaves_what_was_there(tmp_path, monkey
     assert [f.read_text() for f in tmp_path.iterdir()] == ["an older picture"]
 
 
-def test_a_strip_holds_frames_from_first_to_last_with_white_between():
-    pictures = frames(10)
-    tall = strip(pictures, count=4, gap=8)
-    assert tall.shape == (4 * 48 + 3 * 8, 64, 3)
-    assert tall.dtype == np.uint8
-    for i, frame in enumerate((0, 3, 6, 9)):
-        assert (tall[56 * i : 56 * i + 48] == pictures[frame]).all()
-        assert (tall[56 * i + 48 : 56 * i + 56] == 255).all()
-    assert strip(pictures[:2], count=4).shape == (2 * 48 + 8, 64, 3)
-    assert (strip(pictures, count=1) == pictures[0]).all()
-    with pytest.raises(InputError, match="no frames"):
-        strip([])
+def test_frames_are_chosen_evenly_from_first_to_last():
+    assert evenly(10, 4).tolist() == [0, 3, 6, 9]
+    assert evenly(2, 4).tolist() == [0, 1]
+    assert evenly(9, 1).tolist() == [0]
+    for total, count in ((0, 3), (5, 0)):
+        with pytest.raises(InputError, match="no frames"):
+            evenly(total, count)

@@ -17,7 +17,8 @@ from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.colours import PERSON
 from tutorial_lib.viz.dashboard import DriveFilm, Moment
-from tutorial_lib.viz.film import strip, write_film, write_picture
+from tutorial_lib.viz.film import write_film, write_picture
+from tutorial_lib.viz.panels import evenly, stacked
 from tutorial_lib.viz.plan_view import PlanView
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
@@ -94,7 +95,7 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     )
     film = DriveFilm(PlanView(scene), moments, _title(plan, rooms))
     write_film(folder / FILM, film, _FILM_RATE)
-    write_picture(folder / STRIP, strip(film, 3))
+    write_picture(folder / STRIP, stacked([film[i] for i in evenly(len(film), 3)]))
     write_text(folder / FIGURES, json.dumps(asdict(outcome), indent=1) + "\n")
     return outcome
 

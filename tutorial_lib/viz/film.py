@@ -1,4 +1,4 @@
-"""Films and strips of pictures on disk."""
+"""Films and pictures on disk."""
 
 import io
 import os
@@ -85,20 +85,6 @@ def png(picture: Picture) -> bytes:
     buffer = io.BytesIO()
     few.save(buffer, "PNG")
     return buffer.getvalue()
-
-
-def strip(frames: Sequence[Picture], count: int = 4, gap: int = 8) -> Picture:
-    """`count` frames spread evenly over a film, one under the other, white between them.
-
-    Raises:
-        InputError: when there are no frames to choose from.
-    """
-    if not len(frames) or count < 1:
-        raise InputError("strip: no frames to show; give at least one, and a count >= 1")
-    chosen = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
-    line = np.full((gap, *frames[0].shape[1:]), 255, np.uint8)
-    parts = [part for i in chosen for part in (frames[i], line)]
-    return np.concatenate(parts[:-1])
 
 
 @contextmanager

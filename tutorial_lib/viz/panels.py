@@ -82,6 +82,17 @@ def stacked(
     return _arranged(pictures, titles, width, gap, along=0)
 
 
+def evenly(total: int, count: int) -> NDArray[np.intp]:
+    """The numbers of `count` frames from the first to the last of `total`; all when fewer.
+
+    Raises:
+        InputError: when there are no frames to choose from.
+    """
+    if total < 1 or count < 1:
+        raise InputError("strip: no frames to show; give at least one, and a count >= 1")
+    return np.linspace(0, total - 1, min(count, total)).round().astype(np.intp)
+
+
 def film_strip(
     frames: Sequence[Picture],
     times: ArrayLike | None = None,
@@ -101,11 +112,9 @@ def film_strip(
     Raises:
         InputError: when there are no frames, or another number of times.
     """
-    if not len(frames) or count < 1:
-        raise InputError("strip: no frames to show; give at least one, and a count >= 1")
+    chosen = evenly(len(frames), count)
     if times is not None and len(np.atleast_1d(times)) != len(frames):
         raise InputError(f"strip: {len(frames)} frames; give as many times, or none")
-    chosen = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)
     pictures = [_checked(frames[i]) for i in chosen]
     high, wide = pictures[0].shape[:2]
     scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))
