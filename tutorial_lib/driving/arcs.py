@@ -151,9 +151,16 @@ def _choose(
                 gone = shift + (length if sign > 0 else length * reverse_cost)
                 dx, dy = waypoints[robot, 0] - x, waypoints[robot, 1] - y
                 to_go = _to_go(dx, dy, heading, radius, reverse_cost)
-                if _is_hidden(px, py, near, x, y, dx, dy, box[3]):
-                    to_go += detour
-                arc_cost = min(arc_cost, gone + to_go + discomfort * roughness)
+                # Only what would be better if in sight needs looking at; detours are not free.
+                cost = gone + to_go + discomfort * roughness
+                if cost < min(arc_cost, lowest):
+                    if _is_hidden(px, py, near, x, y, dx, dy, box[3]):
+                        cost = gone + (to_go + detour) + discomfort * roughness
+                    arc_cost = min(arc_cost, cost)
+                # A metre more costs at least one, and brings the waypoint at most one nearer.
+                bound = gone + np.sqrt(dx * dx + dy * dy) + discomfort * roughness
+                if arc_cost >= lowest and bound > lowest + 1e-9:
+                    break
             if arc_cost < lowest:
                 lowest, best[robot], free[robot], least[robot] = arc_cost, arc, length, arc_gap
     return best, free, least
@@ -164,15 +171,14 @@ def _gap(
     px: Array, py: Array, near: int, x: float, y: float, cos: float, sin: float, box: Array
 ) -> float:
     """Metres from the car at (x, y) to the nearest of the points; negative if one is inside."""
-    smallest = np.inf
+    inner, outer = 0.0, np.inf
     for i in range(near):
         ux, uy = px[i] - x, py[i] - y
         along, aside = cos * ux + sin * uy, cos * uy - sin * ux
         out_x, out_y = max(box[0] - along, along - box[2]), max(box[1] - aside, aside - box[3])
-        inner = min(max(out_x, out_y), 0.0)
-        outer = np.sqrt(max(out_x, 0.0) ** 2 + max(out_y, 0.0) ** 2)
-        smallest = min(smallest, inner + outer)
-    return smallest
+        inner = min(inner, max(out_x, out_y))
+        outer = min(outer, max(out_x, 0.0) ** 2 + max(out_y, 0.0) ** 2)
+    return inner + np.sqrt(outer)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

@@ -1,34 +1,15 @@
 """An oracle that drives a fleet along geodesics: it knows the map and its own pose."""
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.arcs import ArcController
 from tutorial_lib.driving.gridpath import DistanceFields, GridPaths
-from tutorial_lib.driving.metrics import REACHED, time_limit
+from tutorial_lib.driving.rollouts import Drives, Robots, drive, geodesic_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import Controller
-from tutorial_lib.world.simulation import STEP, Simulation
-
-
-@dataclass(frozen=True)
-class Drives:
-    """How a fleet's drives ended.
-
-    Attributes:
-        reached: (N,) the target was reached in time, and nothing was touched.
-        collided: (N,) something was touched.
-        seconds: (N,) until the drive ended.
-        poses: (T, N, 3) where the robots were; one that is done rolls to a stop.
-    """
-
-    reached: NDArray[np.bool_]
-    collided: NDArray[np.bool_]
-    seconds: Array
-    poses: Array
+from tutorial_lib.world.simulation import Simulation
 
 
 class OracleCourier:
@@ -54,14 +35,23 @@ class OracleCourier:
         self.controller = ArcController() if controller is None else controller
         self.reach = reach
 
-    def act(self, simulation: Simulation) -> Array:
-        """Actions (N, 2) for the robots where they are now."""
-        poses, numbers = simulation.poses, np.arange(len(self.goals))
-        if len(poses) != len(numbers):
-            raise InputError(f"courier: {len(poses)} robots and {len(numbers)} goals; give as many")
-        caster = simulation.scene.caster
-        targets = self.fields.waypoints(poses[:, :2], numbers, caster, self.reach)
-        return self.controller.act(simulation.observe(), to_local(poses, targets))
+    def act(self, simulation: Simulation, robots: Robots | None = None) -> Array:
+        """Actions for the robots where they are now.
+
+        Args:
+            simulation: as many robots as there are goals.
+            robots: (M,) numbers of those to drive; all unless given.
+
+        Returns:
+            (M, 2), or (N, 2) for all.
+        """
+        count = len(self.goals)
+        if len(simulation) != count:
+            raise InputError(f"courier: {len(simulation)} robots, {count} goals; give as many")
+        robots = np.arange(count) if robots is None else robots
+        poses, caster = simulation.poses[robots], simulation.scene.caster
+        targets = self.fields.waypoints(poses[:, :2], robots, caster, self.reach)
+        return self.controller.act(simulation.observe(robots), to_local(poses, targets))
 
     def drive(self, simulation: Simulation) -> Drives:
         """Drive until every robot has reached its goal, touched something or run out of time.
@@ -69,20 +59,5 @@ class OracleCourier:
         Raises:
             InputError: when no way leads a robot to its goal.
         """
-        shortest = self.fields.paths.fields(self.goals, shortest=True)
-        starts, count = simulation.poses[:, :2], len(simulation)
-        limit = time_limit(shortest.distance(starts, np.arange(count)))
-        for lost in np.flatnonzero(~np.isfinite(limit)):
-            raise InputError(f"goal: no way leads robot {lost} to its goal; choose another goal")
-        reached, over = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-        seconds, track = np.zeros(count), [simulation.poses]
-        while not over.all():
-            actions = self.act(simulation)
-            actions[over] = 0.0
-            simulation.step(actions)
-            track.append(simulation.poses)
-            gap = np.linalg.norm(simulation.poses[:, :2] - self.goals, axis=1)
-            seconds[~over] += STEP
-            reached |= ~over & ~simulation.collided & (gap < REACHED)
-            over |= reached | simulation.collided | (seconds >= limit)
-        return Drives(reached, simulation.collided & ~reached, seconds, np.stack(track))
+        limit = geodesic_limit(self.fields.paths, simulation.poses, self.goals)
+        return drive(simulation, self.act, self.goals, limit)

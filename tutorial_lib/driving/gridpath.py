@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components, dijkstra
@@ -86,17 +87,22 @@ class DistanceFields:
         """
         points = np.asarray(points, dtype=float)
         nodes, _ = self.paths.nearest(points)
-        best, visible, gone = points.copy(), np.ones(len(points), bool), np.zeros(len(points))
-        here = points
-        while visible.any():
+        places, near, gone = [points], [np.ones(len(points), bool)], np.zeros(len(points))
+        going = near[0]
+        while going.any():
             arrived = (nodes < 0) | (self.towards[goals, nodes] == _NO_NODE)
             place = np.where(arrived[:, None], self.goals[goals], self.paths.points[nodes])
-            gone = gone + np.linalg.norm(place - here, axis=1)
-            visible &= (gone <= reach) & caster.sees(points, place)
-            best = np.where(visible[:, None], place, best)
-            visible &= ~arrived
-            here, nodes = place, np.where(arrived, nodes, self.towards[goals, nodes])
-        return best
+            gone = gone + np.linalg.norm(place - places[-1], axis=1)
+            near.append(going & (gone <= reach))
+            places.append(place)
+            going = near[-1] & ~arrived
+            nodes = np.where(arrived, nodes, self.towards[goals, nodes])
+        ways, near = np.stack(places), np.stack(near)
+        # All in one call; a place beyond one that is hidden does not count.
+        ahead = ways[1:].reshape(-1, 2)
+        sight = caster.sees(np.broadcast_to(points, ways[1:].shape).reshape(-1, 2), ahead)
+        seen = np.logical_and.accumulate(sight.reshape(near[1:].shape) & near[1:], axis=0)
+        return ways[seen.sum(axis=0), np.arange(len(points))]
 
 
 class GridPaths:
@@ -166,19 +172,9 @@ class GridPaths:
     def nearest(self, points: ArrayLike) -> tuple[NDArray[np.int32], Array]:
         """The node nearest to each point (..., 2), -1 where none is near, and the gap in metres."""
         points = np.asarray(points, dtype=float)
-        row, column = np.moveaxis(self._grid.cells(points) // 2, -1, 0)
-        best = np.full(points.shape[:-1], -1, dtype=np.int32)
-        gap = np.full(points.shape[:-1], np.inf)
-        reach = range(-3, 4)
-        for i, j in ((i, j) for i in reach for j in reach):
-            r = np.clip(row + i, 0, self._number.shape[0] - 1)
-            c = np.clip(column + j, 0, self._number.shape[1] - 1)
-            node = self._number[r, c]
-            far = np.linalg.norm(points - self.points[node], axis=-1)
-            closer = (node >= 0) & (far < gap)
-            best, gap = np.where(closer, node, best), np.where(closer, far, gap)
-        near = gap <= _NEAR
-        return np.where(near, best, -1).astype(np.int32), np.where(near, gap, np.inf)
+        cells = self._grid.cells(points).reshape(-1, 2) // 2
+        nodes, gap = _nearest(points.reshape(-1, 2), cells, self._number, self.points)
+        return nodes.reshape(points.shape[:-1]), gap.reshape(points.shape[:-1])
 
     def fields(self, goals: ArrayLike, *, shortest: bool = False) -> DistanceFields:
         """The distance of every place from each goal.
@@ -231,3 +227,22 @@ def _shifted(
     down, right = middle or (down, right)
     moved = slice(first.start + down, first.stop + down)
     return grid[first, left], grid[moved, left.start + right : left.stop + right]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _nearest(
+    points: Array, cells: NDArray[np.intp], number: NDArray[np.int32], places: Array
+) -> tuple[NDArray[np.int32], Array]:
+    """For points (N, 2) in `cells` (N, 2) the node nearest within `_NEAR`, and the gap."""
+    rows, columns = number.shape
+    best, gap = np.full(len(points), -1, np.int32), np.full(len(points), np.inf)
+    for n in range(len(points)):
+        for row in range(max(cells[n, 0] - 3, 0), min(cells[n, 0] + 4, rows)):
+            for column in range(max(cells[n, 1] - 3, 0), min(cells[n, 1] + 4, columns)):
+                node = number[row, column]
+                if node >= 0:
+                    x, y = points[n, 0] - places[node, 0], points[n, 1] - places[node, 1]
+                    far = np.sqrt(x * x + y * y)
+                    if far <= _NEAR and far < gap[n]:
+                        best[n], gap[n] = node, far
+    return best, gap

@@ -9,9 +9,10 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
-from tutorial_lib.driving.courier import Drives, OracleCourier
+from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.metrics import walls_crossed
+from tutorial_lib.driving.rollouts import Drives
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.world.bodies import BicycleCar

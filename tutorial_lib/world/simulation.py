@@ -36,18 +36,20 @@ class Sensors:
     """What a robot carries.
 
     Attributes:
-        camera: takes the pictures.
+        camera: takes the pictures; None for none, where only the laser is needed.
         laser: scans the full circle.
         with_depth: whether the camera tells depth.
     """
 
-    camera: Camera | PanoramicCamera = field(default_factory=Camera)
+    camera: Camera | PanoramicCamera | None = field(default_factory=Camera)
     laser: Laser = field(default_factory=Laser)
     with_depth: bool = False
 
     def __post_init__(self) -> None:
         if self.laser.field_of_view < 2 * np.pi:
             raise InputError("sensors: a robot's laser scans the full circle; give 2 pi")
+        if self.with_depth and self.camera is None:
+            raise InputError("sensors: depth needs a camera; give one, or with_depth=False")
 
 
 class Simulation:
@@ -178,18 +180,32 @@ class Simulation:
             self._fleet.substep(*(moving * rates), STEP / SUBSTEPS)
         self._finish(before, ACTION_SECONDS, actions)
 
-    def observe(self) -> Observation:
-        """What every robot's sensors tell now."""
-        camera, laser, discs = self.sensors.camera, self.sensors.laser, self.discs
-        image, depth = camera.look(self.scene, self.poses, discs)
+    def observe(self, robots: NDArray[np.intp] | None = None) -> Observation:
+        """What the robots' sensors tell now.
+
+        Args:
+            robots: (M,) numbers of those to ask; all unless given.
+        """
+        numbers = np.arange(len(self), dtype=np.int32)
+        numbers = numbers if robots is None else numbers[robots]
+        poses, discs = self.poses[numbers], self.discs
+        image, depth = self._look(poses, discs, numbers)
         return Observation(
             image=image,
             depth=depth if self.sensors.with_depth else None,
-            laser=laser.scan(self.scene, self.poses, discs),
-            odometry=self.odometry.copy(),
-            speed=self.speed.copy(),
-            steering=self.controls[:, 1].copy(),
+            laser=self.sensors.laser.scan(self.scene, poses, discs, numbers),
+            odometry=self.odometry[numbers],
+            speed=self.speed[numbers],
+            steering=self.controls[numbers, 1],
         )
+
+    def _look(
+        self, poses: Array, discs: Discs | None, numbers: NDArray[np.int32]
+    ) -> tuple[NDArray[np.uint8], Array]:
+        """Pictures and depth; both are empty where there is no camera."""
+        if self.sensors.camera is None:
+            return np.empty((len(poses), 0, 0, 3), np.uint8), np.empty((len(poses), 0))
+        return self.sensors.camera.look(self.scene, poses, discs, numbers)
 
     def _finish(
         self, before: NDArray[np.float64], seconds: float, actions: NDArray[np.intp] | None

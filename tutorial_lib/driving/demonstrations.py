@@ -1,0 +1,193 @@
+"""Demonstrations: an oracle drives between random places, and what the robots sense is kept.
+
+After Meng 2020 (IV): random starts, goals and headings in the free space; a reactive controller
+follows the geodesic at 10 Hz; runs that collide are dropped.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from tutorial_lib.driving.courier import OracleCourier
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.metrics import time_limit
+from tutorial_lib.driving.rollouts import Robots, drive
+from tutorial_lib.driving.trajectories import (
+    CONTEXT_INTERVAL,
+    Trajectory,
+    load_trajectories,
+    save_trajectories,
+)
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Controller
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.placing import random_free_poses
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.worlds import parse_world, scene_of
+
+NEAREST, FARTHEST = 4.0, 20.0
+"""Metres of geodesic from a demonstration's start to its goal."""
+SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
+"""Frames of a demonstration at least: one context with k = 5."""
+
+
+def demonstrate(
+    world: str,
+    scene: Scene,
+    count: int,
+    seed: int,
+    controller: Controller | None = None,
+    control_noise: float = 0.0,
+) -> list[Trajectory]:
+    """Drive a fleet along geodesics between random places, and record it.
+
+    Args:
+        world: name to put on the trajectories.
+        scene: that world.
+        count: cars that set out.
+        seed: of starts, goals and noise.
+        controller: drives to the waypoints; an `ArcController` unless given.
+        control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
+
+    Returns:
+        At most `count` trajectories, those that arrived; each ends a step before its goal counts as
+        reached.
+
+    Raises:
+        InputError: when the world is too small for a geodesic of `NEAREST`.
+    """
+    rng = np.random.default_rng(seed)
+    paths = GridPaths(scene.clearance)
+    starts, goals, limit = _errands(scene, paths, count, rng)
+    # Pictures are rendered on load; the controllers need only the laser.
+    sensors = Sensors(camera=None)
+    simulation = Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
+    courier, recorder = OracleCourier(paths, goals, controller), _Recorder()
+    drives = drive(simulation, courier.act, goals, limit, record=recorder)
+    found = (recorder.trajectory(world, seed, robot) for robot in np.flatnonzero(drives.reached))
+    return [trajectory for trajectory in found if len(trajectory) >= SHORTEST]
+
+
+def record_demonstrations(
+    worlds: Sequence[str],
+    count: int,
+    seed: int,
+    folder: str | Path,
+    jobs: int = 2,
+    controller: Controller | None = None,
+    control_noise: float = 0.0,
+) -> list[Path]:
+    """Record demonstrations in many worlds, one file each; files that are there are kept.
+
+    So an interrupted recording goes on where it stopped and ends with the same files. A file that
+    is damaged, or was recorded with another seed, count or noise, is recorded again.
+
+    Args:
+        worlds: their names, see `world.worlds`.
+        count: cars that set out in each world.
+        seed: of the whole recording.
+        folder: for the files; made where it is missing.
+        jobs: processes.
+        controller: as for `demonstrate`.
+        control_noise: as for `demonstrate`.
+
+    Returns:
+        The files, in the order of `worlds`.
+
+    Raises:
+        InputError: when a name is wrong, before anything is recorded, or a world is too small.
+    """
+    for name in worlds:
+        parse_world(name)
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    names = list(dict.fromkeys(worlds))
+    run_all = Parallel(n_jobs=jobs, return_as="generator")
+    recipe = (count, seed, folder, controller, control_noise)
+    paths = run_all(delayed(_record)(name, *recipe) for name in names)
+    bar = tqdm(paths, total=len(names), desc="demonstrations", disable=None)
+    done = dict(zip(names, bar, strict=True))
+    return [done[name] for name in worlds]
+
+
+def world_seed(seed: int, world: str, count: int, control_noise: float = 0.0) -> int:
+    """The seed of one world's demonstrations; the same in every process and on every machine."""
+    recipe = crc32(f"{world} {count} {control_noise:g}".encode())
+    return int(np.random.SeedSequence([seed, recipe]).generate_state(1)[0])
+
+
+def _record(
+    world: str,
+    count: int,
+    seed: int,
+    folder: Path,
+    controller: Controller | None,
+    control_noise: float,
+) -> Path:
+    """Record one world, unless its file is there."""
+    path = folder / f"{world.replace('/', '-')}.npz"
+    own = world_seed(seed, world, count, control_noise)
+    if not _is_recorded(path, world, own):
+        scene = scene_of(world)
+        save_trajectories(path, demonstrate(world, scene, count, own, controller, control_noise))
+    return path
+
+
+def _is_recorded(path: Path, world: str, seed: int) -> bool:
+    try:
+        found = load_trajectories(path)
+    except InputError:
+        return False
+    return all((trajectory.world, trajectory.seed) == (world, seed) for trajectory in found)
+
+
+def _errands(
+    scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator
+) -> tuple[Array, Array, Array]:
+    """Random starts (N, 3), goals (N, 2) and the seconds (N,) that the drives may take."""
+    places = np.flatnonzero(paths.largest)
+    starts = random_free_poses(scene, BicycleCar(), paths.points[places], count, rng)
+    distance = paths.fields(starts[:, :2], shortest=True).cost[:, places]
+    goals = np.empty(count, dtype=np.intp)
+    for robot, far in enumerate(distance):
+        fit = np.flatnonzero((far >= NEAREST) & (far <= FARTHEST))
+        if not fit.size:
+            raise InputError(
+                f"demonstrations: no place is {NEAREST} m away from where a car starts; "
+                "give a larger world"
+            )
+        goals[robot] = rng.choice(fit)
+    limit = time_limit(distance[np.arange(count), goals])
+    return starts, paths.points[places[goals]], limit
+
+
+class _Recorder:
+    """Keeps what the robots under way sense and do."""
+
+    def __init__(self) -> None:
+        self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
+
+    def __call__(self, simulation: Simulation, robots: Robots, actions: Array) -> None:
+        """Keep one step, before it is made."""
+        seen = simulation.observe(robots)
+        laser = seen.laser.astype(np.float32)
+        poses = simulation.poses[robots]
+        row = (poses, seen.odometry, laser, seen.speed, seen.steering, actions)
+        self._steps.append((robots, row))
+
+    def trajectory(self, world: str, seed: int, robot: int) -> Trajectory:
+        """All that was kept of one robot."""
+        rows = []
+        for robots, row in self._steps:
+            place = np.searchsorted(robots, robot)
+            if place == len(robots) or robots[place] != robot:
+                break  # whoever is done does not set out again
+            rows.append([column[place] for column in row])
+        columns = [np.array(column) for column in zip(*rows, strict=True)]
+        return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)

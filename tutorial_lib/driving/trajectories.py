@@ -1,0 +1,225 @@
+"""Recorded experience: what a robot sensed and did, ten times a second; on disk without pictures.
+
+A million frames are 12 GB of pixels but seconds of rays, so pictures are rendered on load.
+"""
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera, PanoramicCamera
+
+CONTEXT_INTERVAL = 3
+"""Frames between the pictures of a target's context (dT of Meng 2020, III-B)."""
+VERSION = 1
+"""Of the file's layout."""
+
+# Array fields of a trajectory: the shape of a row (None: any length) and the type on disk.
+_COLUMNS: dict[str, tuple[tuple[int | None, ...], type]] = {
+    "poses": ((3,), np.float64),
+    "odometry": ((3,), np.float64),
+    "laser": ((None,), np.float32),
+    "speed": ((), np.float64),
+    "steering": ((), np.float64),
+    "actions": ((2,), np.float64),
+    "timestamps": ((), np.float64),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One drive at 10 Hz: row t is what was sensed at time t, and the action then taken.
+
+    Attributes:
+        world: its name, see `world.worlds`.
+        seed: the drive was made with.
+        poses: (T, 3) float64, where the robot really was.
+        odometry: (T, 3) float64, pose since the start as the wheels told it.
+        laser: (T, B) float32 metres, full circle.
+        speed: (T,) float64 m/s.
+        steering: (T,) float64 rad.
+        actions: (T, 2) float64, commanded speed in m/s and steering in rad.
+        timestamps: (T,) float64 seconds, rising.
+
+    Raises:
+        InputError: when an array has another shape or type, or is not finite.
+    """
+
+    world: str
+    seed: int
+    poses: Array
+    odometry: Array
+    laser: NDArray[np.float32]
+    speed: Array
+    steering: Array
+    actions: Array
+    timestamps: Array
+
+    def __post_init__(self) -> None:
+        for name, (row, kind) in _COLUMNS.items():
+            array = getattr(self, name)
+            _check_column(name, array, row, kind)
+            if len(array) != len(self.poses):
+                raise InputError(f"{name}: {len(array)} rows where poses has {len(self.poses)}")
+        if not len(self.poses):
+            raise InputError("poses: a trajectory without a frame")
+        if not (np.diff(self.timestamps) > 0).all():
+            raise InputError("timestamps: not increasing")
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    @cached_property
+    def arc_length(self) -> Array:
+        """(T,) metres driven until each frame, in reverse too."""
+        steps = np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1)
+        return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def context(
+    length: int, frames: ArrayLike, k: int, interval: int = CONTEXT_INTERVAL
+) -> NDArray[np.intp]:
+    """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
+
+    Args:
+        length: number of frames of the trajectory.
+        frames: (N,) whole numbers i of the targets.
+        k: pictures on either side.
+        interval: dT, frames between them.
+
+    Returns:
+        (N, 2 k + 1); beyond either end of the trajectory its first or last frame is repeated.
+
+    Raises:
+        InputError: when the trajectory is shorter than one context, or an argument makes no sense.
+
+    >>> context(20, [1, 9], k=1).tolist()
+    [[0, 1, 4], [6, 9, 12]]
+    """
+    frames = np.atleast_1d(np.asarray(frames))
+    if k < 0 or interval < 1:
+        raise InputError(f"context: k = {k}, interval = {interval}; give k >= 0 and interval >= 1")
+    needed = 2 * k * interval + 1
+    if length < needed:
+        raise InputError(
+            f"context: k = {k} needs a trajectory of {needed} frames and this one has {length}; "
+            "give a longer one or a smaller k"
+        )
+    whole = frames.ndim == 1 and (frames.dtype.kind in "iu" or not frames.size)
+    if not whole or not ((frames >= 0) & (frames < length)).all():
+        raise InputError(f"context: frames {frames}; give (N,) whole numbers 0 to {length - 1}")
+    around = np.arange(-k, k + 1) * interval
+    return np.clip(frames.astype(np.intp)[:, None] + around, 0, length - 1)
+
+
+def render(
+    scene: Scene, poses: ArrayLike, camera: Camera | PanoramicCamera | None = None
+) -> NDArray[np.uint8]:
+    """The pictures (..., H, W, 3) that `camera` takes from poses (..., 3), nobody about."""
+    camera = Camera() if camera is None else camera
+    poses = np.asarray(poses, dtype=float)
+    image, _ = camera.look(scene, poses.reshape(-1, 3))
+    return image.reshape(*poses.shape[:-1], *image.shape[1:])
+
+
+def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:
+    """Write many trajectories into one `.npz` file, whole or not at all.
+
+    Raises:
+        InputError: when their lasers have different numbers of beams.
+    """
+    if len({trajectory.laser.shape[1] for trajectory in trajectories}) > 1:
+        raise InputError(f"{path}: lasers with different numbers of beams; save them apart")
+    arrays: dict[str, NDArray[Any]] = {
+        "version": np.array(VERSION),
+        "world": np.array([trajectory.world for trajectory in trajectories], dtype=np.str_),
+        "seed": np.array([trajectory.seed for trajectory in trajectories], dtype=np.int64),
+        "offsets": np.cumsum([0, *map(len, trajectories)], dtype=np.int64),
+    }
+    for name, (row, kind) in _COLUMNS.items():
+        none = np.empty((0, *(width or 0 for width in row)), kind)
+        arrays[name] = np.concatenate([none] * (not trajectories) + _all(name, trajectories))
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, **arrays)
+
+
+def load_trajectories(path: str | Path) -> list[Trajectory]:
+    """Read what `save_trajectories` wrote; every array is checked.
+
+    Raises:
+        InputError: naming the file, what is wrong with it and what to do.
+    """
+    try:
+        arrays = _read(Path(path))
+        return _split(arrays)
+    except InputError as error:
+        raise InputError(f"{path}: {error}; delete the file and record it again") from error
+
+
+def _all(name: str, trajectories: list[Trajectory]) -> list[NDArray[Any]]:
+    return [getattr(trajectory, name) for trajectory in trajectories]
+
+
+def _read(path: Path) -> dict[str, NDArray[Any]]:
+    """Every array of a file of the right version."""
+    if not path.is_file():
+        raise InputError("there is no such file")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
+    except Exception as error:
+        raise InputError(f"damaged, or not an .npz file ({error})") from error
+    names = ["version", "world", "seed", "offsets", *_COLUMNS]
+    if "version" not in arrays or arrays["version"].shape or arrays["version"] != VERSION:
+        raise InputError(f"not recorded experience of version {VERSION}")
+    for name in names:
+        if name not in arrays:
+            raise InputError(f"the array {name!r} is missing")
+    return arrays
+
+
+def _split(arrays: dict[str, NDArray[Any]]) -> list[Trajectory]:
+    """The trajectories from their arrays laid end to end."""
+    offsets, world, seed = arrays["offsets"], arrays["world"], arrays["seed"]
+    rows = len(np.atleast_1d(arrays["poses"]))
+    if offsets.dtype.kind != "i" or offsets.ndim != 1 or not len(offsets):
+        raise InputError("offsets: not a row of whole numbers")
+    if offsets[0] != 0 or offsets[-1] != rows or not (np.diff(offsets) > 0).all():
+        raise InputError(f"offsets: do not divide the {rows} rows of poses")
+    shape = (len(offsets) - 1,)
+    if world.shape != shape or (world.dtype.kind != "U" and world.size):
+        raise InputError(f"world: not {shape[0]} names")
+    if seed.shape != shape or seed.dtype.kind != "i":
+        raise InputError(f"seed: not {shape[0]} whole numbers")
+    for name, (row, kind) in _COLUMNS.items():
+        _check_column(name, arrays[name], row, kind)
+        if len(arrays[name]) != rows:
+            raise InputError(f"{name}: {len(arrays[name])} rows where poses has {rows}")
+    names = [field.name for field in fields(Trajectory)][2:]
+    return [
+        Trajectory(str(world[i]), int(seed[i]), *(arrays[name][first:last] for name in names))
+        for i, (first, last) in enumerate(pairwise(offsets))
+    ]
+
+
+def _check_column(name: str, array: NDArray[Any], row: tuple[int | None, ...], kind: type) -> None:
+    """Check one array's shape, type and numbers."""
+    fits = array.ndim == 1 + len(row)
+    fits = fits and all(w in (None, n) for w, n in zip(row, array.shape[1:], strict=True))
+    if not fits:
+        wanted = ", ".join(["T", *("B" if width is None else str(width) for width in row)])
+        raise InputError(f"{name}: shape {array.shape} where ({wanted}) belongs")
+    if array.dtype != kind:
+        raise InputError(f"{name}: type {array.dtype} where {np.dtype(kind)} belongs")
+    if not np.isfinite(array).all():
+        raise InputError(f"{name}: holds numbers that are not finite")
