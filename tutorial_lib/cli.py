@@ -1,4 +1,4 @@
-"""The commands: ``python -m tutorial_lib {lab,demo,build,bench,experiment}``."""
+"""The commands: ``python -m tutorial_lib {lab,demo,build,train,experiment,bench}``."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ import subprocess
 import sys
 from pathlib import Path
 
+from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments import bench_fleet, bench_raycast, plans
+from tutorial_lib.experiments import bench_fleet, bench_raycast, meng_table1, plans
 from tutorial_lib.experiments.demo import run_demo
 from tutorial_lib.experiments.report import Options, Report, parse_worlds
 from tutorial_lib.files import check_writable, write_text
+from tutorial_lib.learning import recipes
+from tutorial_lib.learning.weights import save_network
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_map
 
-EXPERIMENTS = {"plans": plans.run}
+EXPERIMENTS = {"plans": plans.run, "meng_table1": meng_table1.run}
 BENCHES = {"raycast": bench_raycast.run, "fleet": bench_fleet.run}
 PROJECT = Path(__file__).resolve().parent.parent
 INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
@@ -56,6 +59,10 @@ def _parser() -> argparse.ArgumentParser:
         "--students", action="store_true", help="only what students get; runs nothing"
     )
     build.set_defaults(run=_build)
+    train = commands.add_parser("train", help="train a network from nothing, its data included")
+    train.add_argument("name", choices=("waypoint",))
+    train.add_argument("--k", choices=recipes.WAYPOINT, required=True)
+    train.set_defaults(run=_train)
     for name, table in (("experiment", EXPERIMENTS), ("bench", BENCHES)):
         command = commands.add_parser(name, help=f"one of: {', '.join(table)}")
         command.add_argument("name", choices=table)
@@ -118,6 +125,16 @@ def _build(options: argparse.Namespace) -> int:
     for name in options.names or known:
         for file in build(known[name], PROJECT, students_only=options.students):
             print(f"wrote {file.relative_to(PROJECT)}")
+    return 0
+
+
+def _train(options: argparse.Namespace) -> int:
+    recipe = recipes.WAYPOINT[options.k]
+    work = PROJECT / ".training"
+    work.mkdir(exist_ok=True)
+    network, card = recipes.train_local(recipe, RMPController(), work)
+    path = save_network(network, card)
+    print(f"wrote {path.relative_to(PROJECT)} after {card.minutes} min: {card.validation}")
     return 0
 
 

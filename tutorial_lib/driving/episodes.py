@@ -1,0 +1,135 @@
+"""Episodes of local control: from beside a recorded drive to a frame of it (Meng 2020, Table I)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.jitter import PAPER_JITTER, jittered
+from tutorial_lib.driving.metrics import time_limit
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, relative
+from tutorial_lib.world.people import Person
+
+RADIUS = 0.15
+"""Metres, of an obstacle that is not in any recording."""
+_FROM_START, _FROM_TARGET = 0.75, 0.6  # metres that an obstacle's middle keeps
+_PASSAGE = 0.40  # metres between an obstacle and the wall that a car can pass through
+_TRIES = 60
+
+
+@dataclass(frozen=True)
+class Episodes:
+    """Starts and targets in one world.
+
+    Attributes:
+        recorded: the drives they lie on.
+        starts: (N, 3) poses.
+        targets: (N,) frames to reach.
+        ahead: (N,) metres of the drive between them, negative for a target behind.
+        limit: (N,) seconds allowed.
+    """
+
+    recorded: RecordedWorld
+    starts: Array
+    targets: NDArray[np.intp]
+    ahead: Array
+    limit: Array
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def some(self, numbers: NDArray[np.intp]) -> "Episodes":
+        """Those of the given numbers."""
+        kept = (self.starts, self.targets, self.ahead, self.limit)
+        return Episodes(self.recorded, *(values[numbers] for values in kept))
+
+    def within(self, recorded: RecordedWorld) -> "Episodes":
+        """The same ones where the world looks otherwise."""
+        return replace(self, recorded=recorded)
+
+    @property
+    def goals(self) -> Array:
+        """(N, 3) poses of the targets."""
+        return self.recorded.poses[self.targets]
+
+
+def draw_episodes(
+    recorded: RecordedWorld, paths: GridPaths, count: int, rng: np.random.Generator
+) -> Episodes:
+    """Targets from 1 m behind to 3 m ahead along a drive, starts jittered as in the paper.
+
+    Raises:
+        InputError: when a world has too little room to start in.
+    """
+    sources, targets = recorded.draw(4 * count, 1, rng)
+    starts, found = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng)
+    field = paths.fields(recorded.poses[targets, :2], shortest=True)
+    geodesic = field.distance(starts[:, :2], np.arange(len(starts)))
+    # A pose that already is at its target shows nothing.
+    gap = np.linalg.norm(relative(starts, recorded.poses[targets])[:, :2], axis=1)
+    good = np.flatnonzero(found & np.isfinite(geodesic) & (gap >= 0.30))[:count]
+    if len(good) < count:
+        raise InputError(f"episodes: only {len(good)} of {count} fit; give a larger world")
+    ahead = (recorded.arc[targets] - recorded.arc[sources])[good]
+    return Episodes(recorded, starts[good], targets[good], ahead, time_limit(geodesic[good]))
+
+
+def with_obstacles(
+    episodes: Episodes, each: int, count: int, rng: np.random.Generator
+) -> tuple[Episodes, list[Person]]:
+    """The first `count` of those episodes that have room for `each` obstacles on the way.
+
+    An obstacle stands within 0.3 m of the straight line between start and target, with a passage on
+    one side at least.
+
+    Returns:
+        The episodes, fewer where there are not so many, and their obstacles, which exist for the
+        robot of that episode only.
+    """
+    chosen, obstacles = [], []
+    for number, (start, goal) in enumerate(zip(episodes.starts, episodes.goals, strict=True)):
+        places = _places(episodes.recorded, start[:2], goal[:2], each, rng)
+        if len(places) == each and len(chosen) < count:
+            obstacles += [Person([place], radius=RADIUS, owner=len(chosen)) for place in places]
+            chosen.append(number)
+    return episodes.some(np.array(chosen, dtype=np.intp)), obstacles
+
+
+def _places(
+    recorded: RecordedWorld, start: Array, goal: Array, each: int, rng: np.random.Generator
+) -> list[Array]:
+    """Where obstacles can stand between two points; fewer than `each` where there is no room."""
+    places: list[Array] = []
+    if np.linalg.norm(goal - start) < _FROM_START + _FROM_TARGET:
+        return places
+    for _ in range(_TRIES):
+        place = _near_the_way(start, goal, rng)
+        kept = np.linalg.norm(np.array([start, goal]) - place, axis=1)
+        free = (kept >= [_FROM_START, _FROM_TARGET]).all() and all(
+            np.linalg.norm(other - place) >= 2 * RADIUS + _PASSAGE for other in places
+        )
+        if free and _can_be_passed(recorded, place, goal - start):
+            places.append(place)
+            if len(places) == each:
+                break
+    return places
+
+
+def _near_the_way(start: Array, goal: Array, rng: np.random.Generator) -> Array:
+    """A point within 0.3 m of the straight line between two points."""
+    along = goal - start
+    aside = np.array([-along[1], along[0]]) / max(float(np.linalg.norm(along)), 1e-9)
+    return start + rng.uniform(0.0, 1.0) * along + rng.uniform(-0.3, 0.3) * aside
+
+
+def _can_be_passed(recorded: RecordedWorld, place: Array, along: Array) -> bool:
+    """Whether there is room beside an obstacle, on the left or on the right."""
+    scene = recorded.scene
+    aside = np.array([-along[1], along[0]]) / max(float(np.linalg.norm(along)), 1e-9)
+    sides = np.array([place + side * (RADIUS + _PASSAGE / 2) * aside for side in (1, -1)])
+    clear = scene.clearance.at(np.array([place, *sides]))
+    in_sight = scene.caster.sees(np.repeat(place[None], 2, axis=0), sides)
+    return bool(clear[0] > 0 and (in_sight & (clear[1:] >= _PASSAGE / 2)).any())

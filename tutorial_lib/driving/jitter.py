@@ -1,0 +1,68 @@
+"""Beside a recorded drive: where a robot may find itself that is to go on from there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.geometry import Array, compose
+from tutorial_lib.world.bodies import BicycleCar, Body
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.scene import Scene
+
+
+@dataclass(frozen=True)
+class Jitter:
+    """How far from a recorded drive a robot may find itself.
+
+    Attributes:
+        aside: metres, sigma of the shift to the left or right.
+        most: metres that it is shifted at most.
+        turn: rad, sigma of the turn.
+        wide_turn: rad, sigma of the turn of those that come out of a manoeuvre.
+        wide: share of those.
+    """
+
+    aside: float = 0.3
+    most: float = 1.0
+    turn: float = float(np.deg2rad(9.0))
+    wide_turn: float = float(np.deg2rad(9.0))
+    wide: float = 0.0
+
+    def apply(self, poses: Array, rng: np.random.Generator) -> Array:
+        """Poses (N, 3) shifted sideways and turned."""
+        count = len(poses)
+        aside = np.clip(rng.normal(0.0, self.aside, count), -self.most, self.most)
+        wide = rng.random(count) < self.wide
+        turn = rng.normal(0.0, 1.0, count) * np.where(wide, self.wide_turn, self.turn)
+        return compose(poses, np.stack([np.zeros(count), aside, turn], axis=1))
+
+
+PAPER_JITTER = Jitter()
+"""As the authors' code has it; what Table I starts from."""
+
+
+def jittered(
+    scene: Scene,
+    poses: Array,
+    jitter: Jitter,
+    rng: np.random.Generator,
+    body: Body | None = None,
+    tries: int = 8,
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Poses beside `poses` (N, 3) from which a body can start, and (N,) whether one was found.
+
+    A pose from which the recorded one is not in sight lies behind a wall and is not taken.
+    """
+    body = BicycleCar() if body is None else body
+    moved, found = poses.copy(), np.zeros(len(poses), dtype=bool)
+    for _ in range(tries):
+        missing = np.flatnonzero(~found)
+        if not len(missing):
+            break
+        tried = jitter.apply(poses[missing], rng)
+        good = is_free(scene, body, tried)
+        good &= scene.caster.sees(tried[:, :2], poses[missing, :2])
+        moved[missing[good]] = tried[good]
+        found[missing[good]] = True
+    return moved, found

@@ -1,0 +1,72 @@
+"""The drives that were recorded in one world, and pairs of places along them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.trajectories import CONTEXT_INTERVAL, Trajectory
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.scene import Scene
+
+BEHIND, AHEAD = 1.0, 3.0
+"""Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
+
+
+class RecordedWorld:
+    """All the drives recorded in one world, laid end to end.
+
+    Attributes:
+        scene: the world.
+        poses: (F, 3) of all frames.
+        speed, steering: (F,) m/s and rad.
+        arc: (F,) metres driven up to each frame, never falling from one drive to the next.
+        first, last: (F,) numbers of the first and last frame of the drive that a frame is from.
+    """
+
+    def __init__(self, scene: Scene, trajectories: Sequence[Trajectory]) -> None:
+        """Lay `trajectories` end to end."""
+        if not trajectories:
+            raise InputError("pairs: no drives to draw from; record some first")
+        self.scene = scene
+        self.trajectories = tuple(trajectories)
+        lengths = np.array([len(trajectory) for trajectory in trajectories])
+        ends = np.cumsum(lengths)
+        self.poses = np.concatenate([trajectory.poses for trajectory in trajectories])
+        self.speed = np.concatenate([trajectory.speed for trajectory in trajectories])
+        self.steering = np.concatenate([trajectory.steering for trajectory in trajectories])
+        self.first = np.repeat(ends - lengths, lengths)
+        self.last = np.repeat(ends - 1, lengths)
+        # A gap wider than any pair keeps a search along the arc within its drive.
+        gap = np.repeat(np.arange(len(lengths)) * 100.0, lengths)
+        length = np.cumsum([0.0] + [t.arc_length[-1] for t in trajectories[:-1]])
+        arcs = np.concatenate([trajectory.arc_length for trajectory in trajectories])
+        self.arc = arcs + gap + np.repeat(length, lengths)
+
+    def context(self, frames: NDArray[np.intp], k: int) -> NDArray[np.intp]:
+        """(N, 2k+1) frames around each of `frames` (N,), none beyond the ends of its drive."""
+        around = frames[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1)
+        return np.clip(around, self.first[frames, None], self.last[frames, None])
+
+    def frame_at(self, frames: NDArray[np.intp], ahead: Array) -> NDArray[np.intp]:
+        """(N,) the frame so many metres `ahead` (N,) of each frame, or the end of the drive."""
+        found = np.searchsorted(self.arc, self.arc[frames] + ahead)
+        return np.clip(found, self.first[frames], self.last[frames])
+
+    def draw(
+        self, targets: int, starts: int, rng: np.random.Generator
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Pairs of frames along one drive, the target 1 m behind to 3 m ahead (Table I).
+
+        Args:
+            targets: G, how many targets.
+            starts: S, for each.
+            rng: draws them.
+
+        Returns:
+            (G * S,) frames to drive from, those of one target in a row, and (G,) targets.
+        """
+        frames = rng.integers(len(self.poses), size=targets)
+        ahead = rng.uniform(-BEHIND, AHEAD, size=targets * starts)
+        return self.frame_at(np.repeat(frames, starts), -ahead), frames

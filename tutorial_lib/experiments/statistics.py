@@ -1,0 +1,41 @@
+"""Intervals: worlds are the independent units, not episodes."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tutorial_lib.geometry import Array
+
+_DRAWS = 4_000
+_Z = 1.96
+
+
+def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, float]:
+    """Mean of all values and its 95 % interval, bootstrapped over worlds.
+
+    With only one world it is Wilson's interval, and needs values from 0 to 1.
+
+    Args:
+        values: (N,) an episode's success, or the difference of two systems on it.
+        worlds: (N,) which world each is from.
+
+    >>> over_worlds([1.0, 1.0, 0.0, 1.0], [0, 0, 1, 1])
+    (0.75, 0.5, 1.0)
+    """
+    values, worlds = np.asarray(values, dtype=float), np.asarray(worlds)
+    names, which = np.unique(worlds, return_inverse=True)
+    if len(names) == 1:
+        return wilson(values)
+    sums, counts = np.bincount(which, values), np.bincount(which)
+    draws = np.random.default_rng(0).integers(len(names), size=(_DRAWS, len(names)))
+    means = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
+    low, high = np.quantile(means, [0.025, 0.975])
+    return float(values.mean()), float(low), float(high)
+
+
+def wilson(values: Array) -> tuple[float, float, float]:
+    """Share of successes and Wilson's 95 % interval."""
+    count, share = len(values), float(np.mean(values))
+    middle = share + _Z**2 / (2 * count)
+    half = _Z * np.sqrt(max(share * (1 - share), 0.0) / count + _Z**2 / (4 * count**2))
+    scale = 1 + _Z**2 / count
+    return share, float((middle - half) / scale), float((middle + half) / scale)

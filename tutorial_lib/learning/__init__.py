@@ -1,0 +1,1 @@
+"""Learning: labels, networks, their training and their weights; the only place that has torch."""

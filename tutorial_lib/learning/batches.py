@@ -1,0 +1,161 @@
+"""Training data: blocks of pairs from many worlds, rendered while the network learns."""
+
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, fields
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from tutorial_lib.driving.jitter import Jitter
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.geometry import Array, relative
+from tutorial_lib.interfaces import Controller, Observation
+from tutorial_lib.learning.networks import Architecture
+from tutorial_lib.learning.pairs import TRAINING_JITTER, Pairs, draw_pairs
+from tutorial_lib.world.sensors import Laser
+
+STARTS = 4
+"""Starts for each target: its pictures are encoded once for all of them."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """G targets with S starts each; N = G * S pairs, those of one target in a row.
+
+    Attributes:
+        current: (N, H, W, C) pictures, as the view gives them.
+        contexts: (G, 2k+1, H, W, C) pictures.
+        waypoint: (N, 2) metres.
+        turn: (N, 2) cosine and sine of the heading difference.
+        overlap: (N, 2).
+        context_poses: (N, 2k+1, 4) x, y, cosine and sine of where each picture was taken.
+        action: (N, 2) what the demonstrating driver would do; empty unless asked for.
+        weight: (N,) 1 for pairs that can be learnt from, 0 for others.
+    """
+
+    current: NDArray
+    contexts: NDArray
+    waypoint: NDArray[np.float32]
+    turn: NDArray[np.float32]
+    overlap: NDArray[np.float32]
+    context_poses: NDArray[np.float32]
+    action: NDArray[np.float32]
+    weight: NDArray[np.float32]
+
+    def tensor(self, name: str) -> Tensor:
+        """One of the labels."""
+        return torch.from_numpy(getattr(self, name))
+
+    def targets(self, groups: NDArray[np.intp] | slice) -> "Batch":
+        """Some of the targets, with all their starts."""
+        count, starts = len(self.contexts), len(self.current) // len(self.contexts)
+        picked = {"contexts": self.contexts[groups]}
+        for field in fields(self):
+            if field.name != "contexts":
+                values = getattr(self, field.name)
+                by_target = values.reshape(count, starts, *values.shape[1:])[groups]
+                picked[field.name] = by_target.reshape(len(by_target) * starts, *values.shape[1:])
+        return Batch(**picked)
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where training data comes from.
+
+    Attributes:
+        drives: of all worlds.
+        architecture: of the network that is to learn.
+        driver: whose actions are to be learnt; needed for the output "action".
+        jitter: of the starts.
+        worlds: that a block is made of.
+        targets: of each of them.
+        starts: of each target.
+        vary: whether the pictures' looks are changed at random.
+    """
+
+    drives: Sequence[RecordedWorld]
+    architecture: Architecture
+    driver: Controller | None = None
+    jitter: Jitter = TRAINING_JITTER
+    worlds: int = 16
+    targets: int = 64
+    starts: int = STARTS
+    vary: bool = True
+
+    def block(self, seed: Sequence[int]) -> Batch:
+        """The block of that seed: targets of `worlds` worlds, well mixed."""
+        rng = np.random.default_rng(seed)
+        parts = [
+            self._world(self.drives[i], rng)
+            for i in rng.integers(len(self.drives), size=self.worlds)
+        ]
+        joined = Batch(
+            **{
+                field.name: np.concatenate([getattr(part, field.name) for part in parts])
+                for field in fields(Batch)
+            }
+        )
+        return joined.targets(rng.permutation(len(joined.contexts)))
+
+    def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
+        pairs = draw_pairs(
+            recorded, self.targets, self.starts, self.architecture.k, self.jitter, rng
+        )
+        view, count = self.architecture.looks_at, self.targets * self.starts
+        current = view.render(recorded.scene, pairs.starts)
+        contexts = view.render(recorded.scene, pairs.contexts)
+        if self.vary:
+            current, contexts = view.vary([current, contexts], rng)
+        seen = relative(pairs.starts[:, :, None], pairs.contexts[:, None])
+        labels = pairs.labels
+        return Batch(
+            current.reshape(count, *current.shape[2:]),
+            contexts,
+            labels.waypoint.astype(np.float32),
+            _turn(labels.heading),
+            labels.overlap.astype(np.float32),
+            np.concatenate([seen[..., :2], _turn(seen[..., 2])], axis=-1, dtype=np.float32).reshape(
+                count, -1, 4
+            ),
+            self._actions(recorded, pairs),
+            pairs.valid.ravel().astype(np.float32),
+        )
+
+    def _actions(self, recorded: RecordedWorld, pairs: Pairs) -> NDArray[np.float32]:
+        """What the driver does at each start, given the waypoint that is to be predicted."""
+        poses, frames = pairs.starts.reshape(-1, 3), pairs.sources.ravel()
+        if self.driver is None:
+            return np.zeros((len(poses), 0), np.float32)
+        seen = Observation(
+            image=np.zeros((len(poses), 0, 0, 3), np.uint8),
+            depth=None,
+            laser=Laser().scan(recorded.scene, poses),
+            odometry=np.zeros((len(poses), 3)),
+            speed=recorded.speed[frames],
+            steering=recorded.steering[frames],
+        )
+        return self.driver.act(seen, pairs.labels.waypoint).astype(np.float32)
+
+
+def batches(source: Source, seed: int, first: int, size: int) -> Iterator[Batch]:
+    """Batches of `size` targets without end, from the `first` on; the next block is made meanwhile.
+
+    A batch depends on its number and the seed alone, so that training can go on anywhere.
+    """
+    each = source.worlds * source.targets // size
+    with ThreadPoolExecutor(1) as helper:
+        number = first // each
+        coming = helper.submit(source.block, [seed, number])
+        while True:
+            block = coming.result()
+            coming = helper.submit(source.block, [seed, number + 1])
+            for part in range(first % each if number == first // each else 0, each):
+                yield block.targets(slice(part * size, (part + 1) * size))
+            number += 1
+
+
+def _turn(heading: Array) -> NDArray[np.float32]:
+    return np.stack([np.cos(heading), np.sin(heading)], axis=-1).astype(np.float32)

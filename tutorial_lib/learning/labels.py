@@ -1,0 +1,77 @@
+"""What a network is to learn from a drive (Meng 2020, IV): waypoint, heading difference, overlap.
+
+A pair is a place to drive from, beside a recorded drive, and a frame of that drive to drive to.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.geometry import Array, relative, to_local
+from tutorial_lib.world.raycast import Raycaster
+from tutorial_lib.world.visibility import mutual_overlap
+
+CLEARANCE = 0.06
+"""Metres that the line to a waypoint keeps from every wall."""
+CANDIDATES = 16
+"""Places of the drive that are tried as waypoints."""
+
+
+def waypoint_labels(
+    caster: Raycaster, starts: Array, track: Array, sources: NDArray, targets: NDArray
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The farthest place of the drive that a straight line leads to (Meng 2020, IV).
+
+    Args:
+        caster: the walls.
+        starts: (N, 3) where the robots are, beside frames `sources` of the drive.
+        track: (T, 3) poses of the recorded drive.
+        sources: (N,) frame numbers.
+        targets: (N,) frame numbers; a target before its source is its own waypoint.
+
+    Returns:
+        (N, 2) waypoints in the frames of `starts`, and (N,) whether there is one.
+    """
+    share = np.linspace(0.0, 1.0, CANDIDATES + 1)[1:]
+    ahead = (targets > sources)[:, None]
+    frames = np.rint(sources[:, None] + share * (targets - sources)[:, None]).astype(int)
+    places = track[np.where(ahead, frames, targets[:, None]), :2]
+    seen = in_clear_sight(caster, np.repeat(starts[:, None, :2], CANDIDATES, axis=1), places)
+    seen |= ~ahead
+    farthest = CANDIDATES - 1 - seen[:, ::-1].argmax(axis=1)
+    chosen = places[np.arange(len(starts)), farthest]
+    return to_local(starts, chosen), seen.any(axis=1)
+
+
+def in_clear_sight(caster: Raycaster, origins: Array, points: Array) -> NDArray[np.bool_]:
+    """Whether a robot at `origins` (..., 2) sees `points` (..., 2), `CLEARANCE` off the walls."""
+    along = points - origins
+    length = np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-9)
+    aside = CLEARANCE * np.stack([-along[..., 1], along[..., 0]], axis=-1) / length
+    seen = np.ones(points.shape[:-1], dtype=bool)
+    for side in (0.0, 1.0, -1.0):
+        start, end = origins + side * aside, points + side * aside
+        seen &= caster.sees(start.reshape(-1, 2), end.reshape(-1, 2)).reshape(seen.shape)
+    return seen
+
+
+@dataclass(frozen=True)
+class Labels:
+    """What is to be learnt of N pairs.
+
+    Attributes:
+        waypoint: (N, 2) metres, in the frame of the start.
+        heading: (N,) rad, of the target as seen from the start.
+        overlap: (N, 2) share of the current picture in the target's, and the other way round.
+    """
+
+    waypoint: Array
+    heading: Array
+    overlap: Array
+
+
+def label(caster: Raycaster, starts: Array, goals: Array, waypoints: Array) -> Labels:
+    """All labels of pairs: `starts` (N, 3), target poses `goals` (N, 3), `waypoints` (N, 2)."""
+    overlap = mutual_overlap(caster, starts, goals)
+    return Labels(waypoints, relative(starts, goals)[:, 2], overlap)

@@ -1,0 +1,45 @@
+"""What a network is punished for (Meng 2020, III-B, and the weights of its authors' code)."""
+
+from torch import Tensor
+from torch.nn import functional
+
+from tutorial_lib.learning.batches import Batch
+
+NEAR = 0.1
+"""Metres below which a waypoint's error no longer counts for more."""
+CONTEXT_WEIGHT = 2.0
+"""Of where the context's pictures were taken: many labels for each pair, which teach matching."""
+
+
+def position_loss(predicted: Tensor, wanted: Tensor) -> Tensor:
+    """Squared error over distance, (...), for positions (..., 2): near ones must be exact."""
+    return ((predicted - wanted) ** 2).sum(-1) / wanted.norm(dim=-1).clamp(min=NEAR)
+
+
+def waypoint_loss(outputs: Tensor, batch: Batch) -> Tensor:
+    """(N,) waypoint, heading difference and overlaps, 1 : 1 : 1."""
+    waypoint, turn, overlap = outputs.split([2, 2, 2], dim=1)
+    position = position_loss(waypoint, batch.tensor("waypoint"))
+    heading = ((turn - batch.tensor("turn")) ** 2).sum(1)
+    shares = functional.binary_cross_entropy_with_logits(
+        overlap, batch.tensor("overlap"), reduction="none"
+    ).sum(1)
+    return position + heading + shares
+
+
+def action_loss(outputs: Tensor, batch: Batch) -> Tensor:
+    """(N,) squared error of speed and steering, each as a share of its range."""
+    scale = outputs.new_tensor([0.5, 0.3])
+    return (((outputs - batch.tensor("action")) / scale) ** 2).sum(1)
+
+
+def context_loss(poses: Tensor, batch: Batch) -> Tensor:
+    """(N,) where the pictures of the context were taken, on average."""
+    wanted = batch.tensor("context_poses")
+    position = position_loss(poses[..., :2], wanted[..., :2])
+    heading = ((poses[..., 2:] - wanted[..., 2:]) ** 2).sum(-1)
+    return (position + heading).mean(1)
+
+
+LOSSES = {"waypoint": waypoint_loss, "action": action_loss}
+"""By a network's outputs."""

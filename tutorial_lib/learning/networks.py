@@ -1,0 +1,125 @@
+"""A network that compares what is seen with a target in its context (Meng 2020, III-B)."""
+
+from dataclasses import dataclass
+
+import torch
+from torch import Tensor, nn
+from torch.nn import functional
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.learning.encoders import (
+    FEATURES,
+    MatchingEncoder,
+    PairEncoder,
+    SeparateEncoder,
+    StackedEncoder,
+)
+from tutorial_lib.learning.views import VIEWS, View
+
+ENCODERS = ("matching", "pair", "separate", "stacked")
+OUTPUTS = {"waypoint": 6, "action": 2}
+"""Waypoint x, y, cosine and sine of the heading difference, two overlaps; or speed and steering."""
+
+
+@dataclass(frozen=True)
+class Architecture:
+    """All that must be known to build a network; it stands on the card beside its weights.
+
+    Attributes:
+        k: pictures of context on either side of the target.
+        encoder: one of `ENCODERS`.
+        view: one of `VIEWS`.
+        outputs: one of `OUTPUTS`.
+    """
+
+    k: int
+    encoder: str = "matching"
+    view: str = "camera16"
+    outputs: str = "waypoint"
+
+    def __post_init__(self) -> None:
+        known = {"encoder": ENCODERS, "view": tuple(VIEWS), "outputs": tuple(OUTPUTS)}
+        for name, choices in known.items():
+            if getattr(self, name) not in choices:
+                raise InputError(
+                    f"network: {name} {getattr(self, name)!r}; give one of {', '.join(choices)}"
+                )
+        if not 0 <= self.k <= 20:
+            raise InputError(f"network: k = {self.k}; give 0 to 20")
+
+    @property
+    def pictures(self) -> int:
+        """Of a target with its context, 2k + 1."""
+        return 2 * self.k + 1
+
+    @property
+    def looks_at(self) -> View:
+        """The view that is meant by its name."""
+        return VIEWS[self.view]
+
+
+class LocalNetwork(nn.Module):
+    """Pairs, their context, and what is to be told about them."""
+
+    def __init__(self, architecture: Architecture) -> None:
+        """Build an untrained network."""
+        super().__init__()
+        self.architecture = architecture
+        channels, rows, _ = architecture.looks_at.size
+        if architecture.encoder == "stacked":
+            self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.pictures)
+        else:
+            kinds = {"matching": MatchingEncoder, "pair": PairEncoder, "separate": SeparateEncoder}
+            self.encoder = kinds[architecture.encoder](channels, rows)
+        self.stacked = architecture.encoder == "stacked"
+        compared = 1 if self.stacked else architecture.pictures
+        self.context = nn.Conv1d(FEATURES, 128, compared)
+        self.hidden = nn.Linear(128, 64)
+        self.heads = nn.Linear(64, OUTPUTS[architecture.outputs])
+        self.pose = nn.Linear(FEATURES, 4)
+        self.to(memory_format=torch.channels_last)
+
+    def encode_current(self, pictures: Tensor) -> Tensor:
+        """What is kept of current pictures (N, C, H, W)."""
+        return self.encoder.current(pictures)
+
+    def encode_targets(self, contexts: Tensor) -> Tensor:
+        """What is kept of targets (M, 2k+1, C, H, W), an anchor's for instance: (M, 2k+1, ...)."""
+        if self.stacked:
+            return self.encoder.target(contexts.flatten(1, 2))[:, None]
+        encoded = self.encoder.target(contexts.flatten(0, 1))
+        return encoded.unflatten(0, contexts.shape[:2])
+
+    def compare(self, current: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
+        """Tell about pairs of what was kept.
+
+        Args:
+            current: (N, ...) from `encode_current`.
+            targets: (N, 2k+1, ...) from `encode_targets`.
+
+        Returns:
+            (N, O) outputs, and (N, 2k+1, 4) where each picture of the context was taken: x, y,
+            cosine and sine of the heading, seen from the current pose. Only training needs those.
+        """
+        count, pictures = targets.shape[:2]
+        current = current[:, None].expand(count, pictures, *current.shape[1:])
+        features = self.encoder.compare(current.flatten(0, 1), targets.flatten(0, 1))
+        features = features.view(count, pictures, FEATURES)
+        x = functional.relu(self.context(features.transpose(1, 2))[..., 0])  # (N, 128)
+        x = functional.relu(self.hidden(x))
+        return self.heads(x), self.pose(features)
+
+    def forward(self, current: Tensor, contexts: Tensor) -> Tensor:
+        """Outputs (N, O) for pictures (N, C, H, W) and targets (N, 2k+1, C, H, W), nothing kept.
+
+        This is the paper's plain evaluation: each pair is encoded for itself.
+        """
+        if self.stacked:
+            return self.compare(self.encode_current(current), self.encode_targets(contexts))[0]
+        pictures = contexts.shape[1]
+        repeated = current[:, None].expand(-1, pictures, -1, -1, -1).flatten(0, 1)
+        features = self.encoder.compare(
+            self.encoder.current(repeated), self.encoder.target(contexts.flatten(0, 1))
+        ).view(len(current), pictures, FEATURES)
+        x = functional.relu(self.context(features.transpose(1, 2))[..., 0])
+        return self.heads(functional.relu(self.hidden(x)))

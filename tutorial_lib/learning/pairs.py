@@ -1,0 +1,68 @@
+"""Batches of pairs, drawn from recorded drives and rendered when they are needed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.jitter import Jitter, jittered
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.labels import Labels, label, waypoint_labels
+
+TRAINING_JITTER = Jitter(wide=0.25, wide_turn=float(np.deg2rad(35.0)))
+"""Wider than the paper's: a car that manoeuvres looks far aside."""
+
+
+@dataclass(frozen=True)
+class Pairs:
+    """Starts and targets of one world, S starts for each of G targets.
+
+    Attributes:
+        starts: (G, S, 3) poses.
+        sources: (G, S) the frame beside which each start lies.
+        goals: (G, 3) poses of the targets.
+        contexts: (G, 2k+1, 3) poses that the target's pictures are taken from.
+        labels: of all pairs, (G * S) of them.
+        valid: (G, S) whether the pair can be learnt from.
+    """
+
+    starts: Array
+    sources: NDArray[np.intp]
+    goals: Array
+    contexts: Array
+    labels: Labels
+    valid: NDArray[np.bool_]
+
+
+def draw_pairs(
+    recorded: RecordedWorld,
+    targets: int,
+    starts: int,
+    k: int,
+    jitter: Jitter,
+    rng: np.random.Generator,
+) -> Pairs:
+    """Draw pairs of which the target is 1 m behind to 3 m ahead of the start (Meng 2020, III-B).
+
+    Args:
+        recorded: drives of one world.
+        targets: G, how many targets.
+        starts: S, how many starts for each.
+        k: frames of context on either side.
+        jitter: of the starts.
+        rng: of everything drawn.
+    """
+    scene = recorded.scene
+    sources, frames = recorded.draw(targets, starts, rng)
+    moved, found = jittered(scene, recorded.poses[sources], jitter, rng)
+    goals = np.repeat(frames, starts)
+    waypoints, sees = waypoint_labels(scene.caster, moved, recorded.poses, sources, goals)
+    return Pairs(
+        moved.reshape(targets, starts, 3),
+        sources.reshape(targets, starts),
+        recorded.poses[frames],
+        recorded.poses[recorded.context(frames, k)],
+        label(scene.caster, moved, recorded.poses[goals], waypoints),
+        (found & sees).reshape(targets, starts),
+    )

@@ -1,0 +1,107 @@
+"""How each shipped network is trained: its worlds, its sizes, its settings."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+from joblib import Parallel, delayed
+
+from tutorial_lib.driving.demonstrations import record_demonstrations
+from tutorial_lib.driving.jitter import PAPER_JITTER
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.trajectories import load_trajectories
+from tutorial_lib.interfaces import Controller
+from tutorial_lib.learning.batches import Source
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.training import Settings, train
+from tutorial_lib.learning.weights import Card
+from tutorial_lib.world.worlds import local_world, scene_of, training_world
+
+SEED = 0
+"""Of the demonstrations."""
+FIRST_VALIDATION_WORLD = 10_000
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """All that a trained network comes from.
+
+    Attributes:
+        name: of the weights.
+        command: that trains them.
+        architecture: of the network.
+        settings: of its training.
+        worlds: how many training worlds, seeds 0 and up.
+        validation_worlds: how many, seeds 10,000 and up.
+        cars: that drive in each world for the demonstrations.
+    """
+
+    name: str
+    command: str
+    architecture: Architecture
+    settings: Settings = field(default_factory=Settings)
+    worlds: int = 96
+    validation_worlds: int = 12
+    cars: int = 16
+
+
+WAYPOINT = {
+    k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(steps=steps))
+    for k, name, architecture, steps in (
+        ("0", "waypoint_k0", Architecture(0), 40_000),
+        ("2", "waypoint_k2", Architecture(2), 24_000),
+        ("5", "waypoint_k5", Architecture(5), 12_000),
+        ("direct", "direct_k2", Architecture(2, outputs="action"), 16_000),
+        ("laser", "laser_k2", Architecture(2, view="laser"), 24_000),
+    )
+}
+"""What `train waypoint --k` can train."""
+
+
+def train_local(recipe: Recipe, driver: Controller, work: Path) -> tuple[LocalNetwork, Card]:
+    """Train a network of local control from nothing, its demonstrations included.
+
+    What is recorded and how far training got is kept in `work`: an interrupted run goes on there.
+
+    Args:
+        recipe: what to train.
+        driver: drives the demonstrations, and is what direct control imitates.
+        work: folder for demonstrations and checkpoint.
+
+    Returns:
+        The network and its card.
+    """
+    begun = time.monotonic()
+    first = FIRST_VALIDATION_WORLD
+    learnt = [training_world(seed) for seed in range(recipe.worlds)]
+    unseen = [local_world(first + i) for i in range(recipe.validation_worlds)]
+    imitated = driver if recipe.architecture.outputs == "action" else None
+    drives = recorded_drives(learnt, recipe.cars, driver, work)
+    source = Source(drives, recipe.architecture, imitated)
+    drives = recorded_drives(unseen, recipe.cars, driver, work)
+    others = replace(source, drives=drives, jitter=PAPER_JITTER, vary=False)
+    validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
+    checkpoint = work / f"{recipe.name}.pt"
+    network, progress = train(recipe.architecture, source, validation, recipe.settings, checkpoint)
+    card = Card(
+        recipe.name,
+        recipe.command,
+        recipe.architecture,
+        recipe={**asdict(recipe.settings), "worlds": recipe.worlds, "cars": recipe.cars},
+        validation=progress.history[progress.best],
+        minutes=round((time.monotonic() - begun) / 60, 1),
+    )
+    return network, card
+
+
+def recorded_drives(
+    worlds: Sequence[str], cars: int, driver: Controller, work: Path
+) -> list[RecordedWorld]:
+    """Demonstrations in `worlds`, recorded where they are missing."""
+    paths = record_demonstrations(worlds, cars, SEED, work / "demonstrations", controller=driver)
+    scenes = Parallel(n_jobs=2)(delayed(scene_of)(world) for world in worlds)
+    recorded = [load_trajectories(path) for path in paths]
+    return [
+        RecordedWorld(scene, found) for scene, found in zip(scenes, recorded, strict=True) if found
+    ]

@@ -1,0 +1,225 @@
+"""One plain training loop: seeded, resumable, with a progress bar."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor
+from tqdm.auto import tqdm
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path
+from tutorial_lib.learning.batches import Batch, Source, batches
+from tutorial_lib.learning.losses import CONTEXT_WEIGHT, LOSSES, context_loss
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How a network is trained.
+
+    Attributes:
+        steps: batches at most.
+        targets: of a batch; each has `STARTS` pairs.
+        rate: the highest learning rate of Adam; it falls to nothing along half a cosine.
+        warm_up: batches until it is reached.
+        every: batches between two looks at the validation worlds.
+        patience: looks without a better result after which training ends.
+        threads: of torch; the result depends on it in the last digits.
+        seed: of the first weights and of the batches.
+    """
+
+    steps: int = 20_000
+    targets: int = 16
+    rate: float = 2e-3
+    warm_up: int = 200
+    every: int = 1_000
+    patience: int = 6
+    threads: int = 1
+    seed: int = 0
+
+    def rate_at(self, step: int) -> float:
+        """The learning rate of a step."""
+        rise = min(1.0, (step + 1) / self.warm_up)
+        return self.rate * rise * 0.5 * (1.01 + math.cos(math.pi * step / self.steps))
+
+
+@dataclass
+class Progress:
+    """Where a training stands.
+
+    Attributes:
+        step: batches learnt from.
+        history: for each look at the validation worlds the step, the training loss since the last
+            look, and what was measured.
+    """
+
+    step: int = 0
+    history: list[dict[str, float]] = field(default_factory=list)
+
+    @property
+    def best(self) -> int:
+        """Number of the look with the smallest validation loss."""
+        losses = [look["validation"] for look in self.history]
+        return losses.index(min(losses))
+
+    def is_over(self, patience: int) -> bool:
+        """Whether the last `patience` looks were no better than one before."""
+        return bool(self.history) and len(self.history) - 1 - self.best >= patience
+
+
+def train(
+    architecture: Architecture,
+    source: Source,
+    validation: Sequence[Batch],
+    settings: Settings,
+    checkpoint: Path | None = None,
+    on_look: Callable[[LocalNetwork, Progress], None] | None = None,
+) -> tuple[LocalNetwork, Progress]:
+    """Train a network from nothing, or from where `checkpoint` stands, to the same weights.
+
+    Args:
+        architecture: of the network.
+        source: of its batches.
+        validation: batches of worlds that it is not trained on.
+        settings: all else.
+        checkpoint: file that holds the state of the training between two looks.
+        on_look: is shown the network at every look.
+
+    Returns:
+        The network with the weights of the best look, and the progress.
+
+    Raises:
+        InputError: when the checkpoint belongs to another training.
+    """
+    torch.set_num_threads(settings.threads)
+    torch.manual_seed(settings.seed)
+    state = _State(LocalNetwork(architecture), settings)
+    if checkpoint is not None and checkpoint.exists():
+        state.load(checkpoint)
+    network, progress = state.network, state.progress
+    coming = batches(source, settings.seed, progress.step, settings.targets)
+    bar = tqdm(total=settings.steps, initial=progress.step, disable=None, unit="batch")
+    while progress.step < settings.steps and not progress.is_over(settings.patience):
+        state.learn(next(coming))
+        bar.update()
+        if progress.step % settings.every == 0 or progress.step == settings.steps:
+            look = state.look(validation)
+            bar.set_postfix({name: f"{value:.3f}" for name, value in look.items()})
+            if checkpoint is not None:
+                state.save(checkpoint)
+            if on_look is not None:
+                on_look(network, progress)
+    bar.close()
+    coming.close()
+    network.load_state_dict(state.best)
+    return network.eval(), progress
+
+
+class _State:
+    """All that changes while a network learns."""
+
+    def __init__(self, network: LocalNetwork, settings: Settings) -> None:
+        self.network, self.settings, self.progress = network, settings, Progress()
+        self.optimizer = torch.optim.Adam(network.parameters(), settings.rate)
+        self.best = _copy(network)
+        self.punished: list[float] = []
+
+    def learn(self, batch: Batch) -> None:
+        """One step down the gradient."""
+        for group in self.optimizer.param_groups:
+            group["lr"] = self.settings.rate_at(self.progress.step)
+        loss = total_loss(self.network, batch)
+        self.optimizer.zero_grad()
+        loss.backward()
+        self.optimizer.step()
+        self.progress.step += 1
+        self.punished.append(loss.item())
+
+    def look(self, validation: Sequence[Batch]) -> dict[str, float]:
+        """Look at the validation worlds, and keep the weights if they are the best so far."""
+        look = {"training": sum(self.punished) / len(self.punished)}
+        look |= validate(self.network, validation)
+        self.punished.clear()
+        self.progress.history.append({"step": self.progress.step, **look})
+        if self.progress.best == len(self.progress.history) - 1:
+            self.best = _copy(self.network)
+        return look
+
+    def save(self, path: Path) -> None:
+        """Write the state, whole or not at all."""
+        state = {
+            "recipe": self._recipe,
+            "network": self.network.state_dict(),
+            "optimizer": self.optimizer.state_dict(),
+            "best": self.best,
+            "step": self.progress.step,
+            "history": self.progress.history,
+        }
+        with atomic_path(path) as temporary:
+            torch.save(state, temporary)
+
+    def load(self, path: Path) -> None:
+        """Go on where `save` stopped.
+
+        Raises:
+            InputError: when the file is damaged or belongs to another training.
+        """
+        advice = "delete it to begin again"
+        try:
+            state = torch.load(path, weights_only=True)
+            recipe = state["recipe"]
+        # torch, zipfile and pickle have a dozen errors for a damaged file.
+        except Exception as error:
+            raise InputError(f"{path}: a damaged checkpoint ({error}); {advice}") from error
+        if recipe != self._recipe:
+            raise InputError(f"{path}: a checkpoint of another training, {recipe}; {advice}")
+        self.network.load_state_dict(state["network"])
+        self.optimizer.load_state_dict(state["optimizer"])
+        self.best = state["best"]
+        self.progress.step, self.progress.history = state["step"], state["history"]
+
+    @property
+    def _recipe(self) -> dict[str, Any]:
+        return asdict(self.network.architecture) | asdict(self.settings)
+
+
+def _copy(network: LocalNetwork) -> dict[str, Tensor]:
+    return {name: value.detach().clone() for name, value in network.state_dict().items()}
+
+
+def outputs_of(network: LocalNetwork, batch: Batch) -> tuple[Tensor, Tensor]:
+    """Outputs (N, O) and context poses (N, 2k+1, 4); each target is encoded once."""
+    view = network.architecture.looks_at
+    targets = network.encode_targets(view.numbers(batch.contexts))
+    current = network.encode_current(view.numbers(batch.current))
+    return network.compare(current, targets.repeat_interleave(len(current) // len(targets), dim=0))
+
+
+def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
+    """What the network is punished for, on average over the pairs that count."""
+    outputs, poses = outputs_of(network, batch)
+    loss = LOSSES[network.architecture.outputs](outputs, batch)
+    if not network.stacked:
+        loss = loss + CONTEXT_WEIGHT * context_loss(poses, batch)
+    weight = batch.tensor("weight")
+    return (loss * weight).sum() / weight.sum().clamp(min=1.0)
+
+
+@torch.inference_mode()
+def validate(network: LocalNetwork, validation: Sequence[Batch]) -> dict[str, float]:
+    """Mean loss on validation worlds, and the waypoints' median and mean error in metres."""
+    losses, errors = [], []
+    for batch in validation:
+        outputs, _ = outputs_of(network, batch)
+        kept = batch.tensor("weight") > 0
+        losses.append(LOSSES[network.architecture.outputs](outputs, batch)[kept])
+        errors.append((outputs[:, :2] - batch.tensor("waypoint")).norm(dim=1)[kept])
+    measured = {"validation": torch.cat(losses).mean().item()}
+    if network.architecture.outputs == "waypoint":
+        error = torch.cat(errors)
+        measured |= {"median": error.median().item(), "mean": error.mean().item()}
+    return measured

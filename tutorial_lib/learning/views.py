@@ -1,0 +1,153 @@
+"""What a network looks at: the camera's picture or the laser's scan, 64 columns."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera, Laser
+
+COLUMNS = 64
+_MIDDLE = slice(16, 80)  # the 64 beams of the full circle's 96 that span 240 degrees
+_BEAMS = 96
+
+
+class View(Protocol):
+    """How a network gets its pictures, (..., H, W, C) arrays, and turns them into numbers."""
+
+    name: str
+    size: tuple[int, int, int]
+
+    def render(self, scene: Scene, poses: Array) -> NDArray:
+        """What is seen from poses (..., 3)."""
+
+    def of(self, observations: Observation) -> NDArray:
+        """What robots see, (N, H, W, C)."""
+
+    def vary(self, pictures: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+        """The same change of looks for the g-th of all (G, ..., H, W, C) `pictures`."""
+
+    def numbers(self, pictures: NDArray) -> Tensor:
+        """Pictures (..., H, W, C) as (..., C', H, W), each number about -1 to 1."""
+
+
+@dataclass(frozen=True)
+class CameraView:
+    """The camera's pictures.
+
+    Attributes:
+        rows: 16 for learning; 64 show the same in more detail.
+    """
+
+    rows: int = 16
+
+    @property
+    def name(self) -> str:
+        """As it stands on a network's card."""
+        return f"camera{self.rows}"
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Channels, rows and columns of the numbers."""
+        return (3, self.rows, COLUMNS)
+
+    def render(self, scene: Scene, poses: Array) -> NDArray[np.uint8]:
+        """Pictures (..., H, W, 3) uint8 from poses (..., 3)."""
+        image, _ = Camera(rows=self.rows).look(scene, poses.reshape(-1, 3))
+        return image.reshape(*poses.shape[:-1], *image.shape[1:])
+
+    def of(self, observations: Observation) -> NDArray[np.uint8]:
+        """The robots' pictures."""
+        return observations.image
+
+    def vary(self, pictures: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+        """Exchange the colour channels, invert some, and change contrast and brightness.
+
+        A world's colours are arbitrary; what counts is where the same ones are seen again.
+        """
+        count = len(pictures[0])
+        order = rng.permuted(np.tile(np.arange(3), (count, 1)), axis=1)
+        level = np.linspace(0.0, 1.0, 256)
+        gamma = np.exp(rng.normal(0.0, 0.25, (count, 3, 1)))
+        gain, shift = rng.normal(1.0, 0.12, (count, 3, 1)), rng.normal(0.0, 0.05, (count, 3, 1))
+        tables = np.clip(gain * level**gamma + shift, 0.0, 1.0)
+        tables = np.where(rng.random((count, 3, 1)) < 0.5, 1.0 - tables, tables)
+        tables = np.rint(255 * tables).astype(np.uint8)
+        return [
+            np.stack(
+                [
+                    _recoloured(p, order, tables)
+                    for p, order, tables in zip(group, order, tables, strict=True)
+                ]
+            )
+            for group in pictures
+        ]
+
+    def numbers(self, pictures: NDArray) -> Tensor:
+        """Pictures (..., H, W, 3) as (..., 3, H, W) from -1 to 1."""
+        _check(pictures, (self.rows, COLUMNS, 3), np.uint8)
+        return torch.from_numpy(pictures).movedim(-1, -3).float().div_(127.5).sub_(1.0)
+
+
+@dataclass(frozen=True)
+class LaserView:
+    """The 64 points over 240 degrees of the paper's laser variant, left to right."""
+
+    name: str = "laser"
+    size: tuple[int, int, int] = (3, 1, COLUMNS)
+
+    def render(self, scene: Scene, poses: Array) -> NDArray[np.float32]:
+        """Distances (..., 1, 64, 1) in metres from poses (..., 3)."""
+        scan = Laser().scan(scene, poses.reshape(-1, 3))
+        return self._middle(scan).reshape(*poses.shape[:-1], 1, COLUMNS, 1)
+
+    def of(self, observations: Observation) -> NDArray[np.float32]:
+        """The robots' scans."""
+        if observations.laser.shape[1] != _BEAMS:
+            raise InputError(f"laser: {observations.laser.shape[1]} beams; give {_BEAMS}")
+        return self._middle(observations.laser)[:, None, :, None]
+
+    def vary(self, pictures: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+        """Distances are what they are."""
+        del rng
+        return pictures
+
+    def numbers(self, pictures: NDArray) -> Tensor:
+        """Distances (..., 1, 64, 1) as (..., 3, 1, 64): near, middling and far ones spread out."""
+        _check(pictures, (1, COLUMNS, 1), np.float32)
+        metres = torch.from_numpy(pictures)[..., 0]
+        parts = [0.5 / (metres + 0.25), metres.clamp(max=3.0) / 1.5 - 1.0, metres / 5.0 - 1.0]
+        return torch.stack(parts, dim=-3)
+
+    @staticmethod
+    def _middle(scan: Array) -> NDArray[np.float32]:
+        return np.ascontiguousarray(scan[..., _MIDDLE][..., ::-1], dtype=np.float32)
+
+
+VIEWS: dict[str, View] = {view.name: view for view in (CameraView(16), CameraView(64), LaserView())}
+"""All views, by the name on a network's card."""
+
+
+def _recoloured(
+    pictures: NDArray[np.uint8], order: NDArray[np.intp], tables: NDArray[np.uint8]
+) -> NDArray[np.uint8]:
+    """Pictures (..., 3) with channels in another `order` (3,), each through its table (3, 256)."""
+    changed = np.empty_like(pictures)
+    for channel, source in enumerate(order):
+        changed[..., channel] = tables[channel][pictures[..., source]]
+    return changed
+
+
+def _check(pictures: NDArray, size: tuple[int, ...], kind: type) -> None:
+    if pictures.shape[-3:] != size or pictures.dtype != kind:
+        raise InputError(
+            f"pictures: {pictures.dtype} of shape {pictures.shape}; this network looks at "
+            f"{np.dtype(kind)} (..., {', '.join(map(str, size))}): give the robot that sensor"
+        )

@@ -1,0 +1,103 @@
+"""Trained weights on disk: half-precision safetensors with a card of where they come from."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import torch
+from safetensors import SafetensorError
+from safetensors.torch import load_file, save_file
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path, write_text
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
+
+FOLDER = Path(__file__).resolve().parent.parent / "weights"
+"""Of the weights that come with the library."""
+
+
+@dataclass(frozen=True)
+class Card:
+    """Where weights come from.
+
+    Attributes:
+        name: of the network.
+        command: that trains it again.
+        architecture: to build it with.
+        recipe: data and settings it was trained with.
+        validation: what was measured on validation worlds.
+        minutes: of training, data included.
+        parameters: how many numbers it has.
+        sha256: of the weights' file.
+    """
+
+    name: str
+    command: str
+    architecture: Architecture
+    recipe: dict[str, Any] = field(default_factory=dict)
+    validation: dict[str, float] = field(default_factory=dict)
+    minutes: float = 0.0
+    parameters: int = 0
+    sha256: str = ""
+
+
+def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Path:
+    """Write `NAME.safetensors` in half precision and the card `NAME.json` beside it.
+
+    Returns:
+        The file of the weights.
+    """
+    path = folder / f"{card.name}.safetensors"
+    halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
+    with atomic_path(path) as temporary:
+        save_file(halves, temporary)
+    parameters = sum(value.numel() for value in halves.values())
+    text = asdict(card) | {"parameters": parameters, "sha256": _digest(path)}
+    write_text(path.with_suffix(".json"), json.dumps(text, indent=1) + "\n")
+    return path
+
+
+def load_card(name: str, folder: Path = FOLDER) -> Card:
+    """The card of weights.
+
+    Raises:
+        InputError: when it is missing or damaged.
+    """
+    path = folder / f"{name}.json"
+    try:
+        text = json.loads(path.read_text(encoding="utf-8"))
+        return Card(**(text | {"architecture": Architecture(**text["architecture"])}))
+    except FileNotFoundError:
+        known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"
+        raise InputError(f"weights: no {name!r} in {folder}; there are {known}") from None
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: not a card of weights ({error}); restore the file") from error
+
+
+def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
+    """A trained network by its name, ready to be asked.
+
+    Raises:
+        InputError: when file or card is missing, the hash differs or the shapes do not fit; it
+            names the command that trains it again.
+    """
+    card = load_card(name, folder)
+    path = folder / f"{name}.safetensors"
+    again = f"restore the file, or train it again: python -m tutorial_lib {card.command}"
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file; {again}")
+    if _digest(path) != card.sha256:
+        raise InputError(f"{path}: not the file that its card describes (SHA-256 differs); {again}")
+    network = LocalNetwork(card.architecture)
+    try:
+        weights = {key: value.float() for key, value in load_file(path).items()}
+        network.load_state_dict(weights)
+    except (SafetensorError, RuntimeError) as error:
+        raise InputError(f"{path}: does not fit {card.architecture} ({error}); {again}") from error
+    return network.eval().to(memory_format=torch.channels_last)
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
