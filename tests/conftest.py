@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
+from tutorial_lib.driving.demonstrations import demonstrate
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.trajectories import Trajectory
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.worlds import scene_of
 
 
 def pytest_addoption(parser):
@@ -51,7 +55,7 @@ def box():
     return Scene(make_box())
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def pillars():
     """A scene of a room with three pillars."""
     return Scene(make_box(pillars=[(3.0, 3.0, 0.5), (6.5, 4.0, 0.3), (5.0, 7.5, 0.8)]))
@@ -62,3 +66,31 @@ def random_walls(count, side, rng):
     middle, angle = rng.uniform(0, side, (count, 2)), rng.uniform(0, 2 * np.pi, count)
     half = np.stack([np.cos(angle), np.sin(angle)], axis=1) * rng.uniform(0.25, 1.5, (count, 1))
     return np.concatenate([middle - half, middle + half], axis=1)
+
+
+@pytest.fixture(scope="session")
+def recorded():
+    """Five or six drives recorded in an office."""
+    world = "office/1/standard"
+    scene = scene_of(world)
+    return RecordedWorld(scene, demonstrate(world, scene, 6, 3))
+
+
+def make_drive(points, step=0.05):
+    """A drive along a broken line (K, 2), a frame every `step` metres."""
+    points = np.asarray(points, dtype=float)
+    miles = np.concatenate([[0.0], np.hypot(*np.diff(points, axis=0).T).cumsum()])
+    at = np.arange(0.0, miles[-1] + 1e-9, step)
+    places = np.stack([np.interp(at, miles, column) for column in points.T], axis=1)
+    leg = np.clip(np.searchsorted(miles, at, side="right") - 1, 0, len(points) - 2)
+    along = np.diff(points, axis=0)[leg]
+    return drive_of(np.column_stack([places, np.arctan2(along[:, 1], along[:, 0])]))
+
+
+def drive_of(poses):
+    """A trajectory that consists of nothing but its poses (T, 3)."""
+    poses = np.asarray(poses, dtype=float)
+    count = len(poses)
+    laser, nothing = np.zeros((count, 96), np.float32), np.zeros(count)
+    actions, time = np.zeros((count, 2)), np.arange(count) * 0.1
+    return Trajectory("box", 0, poses, poses, laser, nothing, nothing, actions, time)

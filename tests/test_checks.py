@@ -4,11 +4,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tutorial_lib.checks import world_and_car
+from tutorial_lib.checks import local_control, world_and_car
 from tutorial_lib.checks.check import Check, WrongAnswer, check, expect_close
 
 ANSWERS = Path(__file__).parent / "wrong_answers"
-MODULES = {"01_world_and_car": world_and_car}
+MODULES = {"01_world_and_car": world_and_car, "02_local_control": local_control}
 
 
 def load(name):

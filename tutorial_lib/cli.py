@@ -9,10 +9,17 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments import bench_fleet, bench_raycast, meng_table1, plans
+from tutorial_lib.experiments import (
+    ablations,
+    bench_control,
+    bench_fleet,
+    bench_raycast,
+    meng_table1,
+    plans,
+)
 from tutorial_lib.experiments.demo import run_demo
+from tutorial_lib.experiments.demo_sight import drive_by_sight
 from tutorial_lib.experiments.report import Options, Report, parse_worlds
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import recipes
@@ -21,7 +28,7 @@ from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_map
 
 EXPERIMENTS = {"plans": plans.run, "meng_table1": meng_table1.run}
-BENCHES = {"raycast": bench_raycast.run, "fleet": bench_fleet.run}
+BENCHES = {"raycast": bench_raycast.run, "fleet": bench_fleet.run, "control": bench_control.run}
 PROJECT = Path(__file__).resolve().parent.parent
 INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
 
@@ -52,6 +59,9 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
     demo.add_argument("--family", choices=FAMILIES, default="apartment")
     demo.add_argument("--seed", type=int, default=0)
+    demo.add_argument(
+        "--sight", action="store_true", help="by sight alone, to a goal picture in the next room"
+    )
     demo.set_defaults(run=_demo)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
     build.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
@@ -72,7 +82,8 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--quick", action="store_true", help="fewer episodes, same code")
         if table is EXPERIMENTS:
             command.add_argument("--map", type=Path, help="a map's file, in place of worlds")
-        command.set_defaults(run=_report, table=table, map=None)
+            command.add_argument("--ablation", choices=ablations.ABLATIONS, default="")
+        command.set_defaults(run=_report, table=table, map=None, ablation="")
     return parser
 
 
@@ -104,7 +115,8 @@ def _demo(options: argparse.Namespace) -> int:
         plan = import_map(options.map, seed=options.seed)
     else:
         plan = generate(options.family, options.seed)
-    outcome = run_demo(plan, options.seed, Path.cwd())
+    drive = drive_by_sight if options.sight else run_demo
+    outcome = drive(plan, options.seed, Path.cwd())
     verdict = "reached the goal" if outcome.reached else "MISSED the goal"
     print(
         f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}: {verdict} after "
@@ -130,20 +142,20 @@ def _build(options: argparse.Namespace) -> int:
 
 def _train(options: argparse.Namespace) -> int:
     recipe = recipes.WAYPOINT[options.k]
-    work = PROJECT / ".training"
-    work.mkdir(exist_ok=True)
-    network, card = recipes.train_local(recipe, RMPController(), work)
+    network, card = recipes.train_local(recipe, recipes.WORK)
     path = save_network(network, card)
     print(f"wrote {path.relative_to(PROJECT)} after {card.minutes} min: {card.validation}")
     return 0
 
 
 def _report(options: argparse.Namespace) -> int:
+    if options.ablation and options.name != "meng_table1":
+        raise InputError(f"--ablation: {options.name} has none; it belongs to meng_table1")
     if options.seed < 0:
         raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
     if options.json is not None:
         check_writable(options.json)
-    asked = Options(options.worlds, options.seed, options.quick, options.map)
+    asked = Options(options.worlds, options.seed, options.quick, options.map, options.ablation)
     report: Report = options.table[options.name](asked)
     print(report.as_text())
     if options.json is not None:

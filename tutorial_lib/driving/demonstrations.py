@@ -15,6 +15,7 @@ from tqdm.auto import tqdm
 from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.metrics import time_limit
+from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.driving.rollouts import Robots, drive
 from tutorial_lib.driving.trajectories import (
     CONTEXT_INTERVAL,
@@ -52,7 +53,7 @@ def demonstrate(
         scene: that world.
         count: cars that set out.
         seed: of starts, goals and noise.
-        controller: drives to the waypoints; an `ArcController` unless given.
+        controller: drives to the waypoints; an `RMPController` unless given.
         control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
 
     Returns:
@@ -68,6 +69,7 @@ def demonstrate(
     # Pictures are rendered on load; the controllers need only the laser.
     sensors = Sensors(camera=None)
     simulation = Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
+    controller = RMPController() if controller is None else controller
     courier, recorder = OracleCourier(paths, goals, controller), _Recorder()
     drives = drive(simulation, courier.act, goals, limit, record=recorder)
     found = (recorder.trajectory(world, seed, robot) for robot in np.flatnonzero(drives.reached))

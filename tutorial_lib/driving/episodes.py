@@ -7,17 +7,19 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.jitter import PAPER_JITTER, jittered
-from tutorial_lib.driving.metrics import time_limit
-from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.metrics import REACHED, time_limit
+from tutorial_lib.driving.recorded import BEHIND, RecordedWorld
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.geometry import Array
 from tutorial_lib.world.people import Person
 
 RADIUS = 0.15
 """Metres, of an obstacle that is not in any recording."""
 _FROM_START, _FROM_TARGET = 0.75, 0.6  # metres that an obstacle's middle keeps
-_PASSAGE = 0.40  # metres between an obstacle and the wall that a car can pass through
+_PASSAGE = 0.70  # metres between an obstacle and the wall that a car can pass through
 _TRIES = 60
+_SPARE = 8  # times as many pairs are drawn
+_AT_ONCE = 256
 
 
 @dataclass(frozen=True)
@@ -57,24 +59,39 @@ class Episodes:
 
 
 def draw_episodes(
-    recorded: RecordedWorld, paths: GridPaths, count: int, rng: np.random.Generator
+    recorded: RecordedWorld,
+    paths: GridPaths,
+    count: int,
+    rng: np.random.Generator,
+    least: float = -BEHIND,
 ) -> Episodes:
     """Targets from 1 m behind to 3 m ahead along a drive, starts jittered as in the paper.
+
+    Args:
+        recorded: drives of one world.
+        paths: its geodesics.
+        count: N episodes.
+        rng: draws them.
+        least: metres along the drive to the target, at least.
 
     Raises:
         InputError: when a world has too little room to start in.
     """
-    sources, targets = recorded.draw(4 * count, 1, rng)
+    sources, targets = recorded.draw(_SPARE * count, 1, rng)
+    ahead = recorded.arc[targets] - recorded.arc[sources]
+    sources, targets = sources[ahead >= least], targets[ahead >= least]
     starts, found = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng)
-    field = paths.fields(recorded.poses[targets, :2], shortest=True)
-    geodesic = field.distance(starts[:, :2], np.arange(len(starts)))
     # A pose that already is at its target shows nothing.
-    gap = np.linalg.norm(relative(starts, recorded.poses[targets])[:, :2], axis=1)
-    good = np.flatnonzero(found & np.isfinite(geodesic) & (gap >= 0.30))[:count]
+    gap = np.linalg.norm(starts[:, :2] - recorded.poses[targets, :2], axis=1)
+    good = np.flatnonzero(found & (gap >= REACHED))[: count + count // 10 + 5]
+    field = paths.fields(recorded.poses[targets[good], :2], shortest=True)
+    geodesic = field.distance(starts[good, :2], np.arange(len(good)))
+    kept = np.isfinite(geodesic)
+    good, geodesic = good[kept][:count], geodesic[kept][:count]
     if len(good) < count:
         raise InputError(f"episodes: only {len(good)} of {count} fit; give a larger world")
     ahead = (recorded.arc[targets] - recorded.arc[sources])[good]
-    return Episodes(recorded, starts[good], targets[good], ahead, time_limit(geodesic[good]))
+    return Episodes(recorded, starts[good], targets[good], ahead, time_limit(geodesic))
 
 
 def with_obstacles(

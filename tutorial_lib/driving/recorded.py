@@ -12,6 +12,8 @@ from tutorial_lib.world.scene import Scene
 
 BEHIND, AHEAD = 1.0, 3.0
 """Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
+CLOSE = 0.8
+"""Metres along the drive within which the last bit of the way is decided."""
 
 
 class RecordedWorld:
@@ -55,7 +57,7 @@ class RecordedWorld:
         return np.clip(found, self.first[frames], self.last[frames])
 
     def draw(
-        self, targets: int, starts: int, rng: np.random.Generator
+        self, targets: int, starts: int, rng: np.random.Generator, close: float = 0.0
     ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Pairs of frames along one drive, the target 1 m behind to 3 m ahead (Table I).
 
@@ -63,10 +65,14 @@ class RecordedWorld:
             targets: G, how many targets.
             starts: S, for each.
             rng: draws them.
+            close: share of the pairs that are within `CLOSE` instead, as at the end of a drive.
 
         Returns:
             (G * S,) frames to drive from, those of one target in a row, and (G,) targets.
         """
-        frames = rng.integers(len(self.poses), size=targets)
-        ahead = rng.uniform(-BEHIND, AHEAD, size=targets * starts)
+        frames, count = rng.integers(len(self.poses), size=targets), targets * starts
+        ahead = rng.uniform(-BEHIND, AHEAD, size=count)
+        if close:
+            near = rng.random(count) < close
+            ahead = np.where(near, rng.uniform(-CLOSE, CLOSE, size=count), ahead)
         return self.frame_at(np.repeat(frames, starts), -ahead), frames

@@ -1,26 +1,36 @@
-"""Courses for local controllers, and the controllers that are raced on them."""
+"""The courses of Table I: episodes under one condition in one world."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.courier import OracleCourier
-from tutorial_lib.driving.episodes import Episodes
+from tutorial_lib.driving.demonstrations import demonstrate
+from tutorial_lib.driving.episodes import Episodes, draw_episodes, with_obstacles
 from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.local import ComposedController, RandomWaypoints
-from tutorial_lib.driving.rmp import RMPController
+from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rollouts import Driver, Drives, drive
-from tutorial_lib.learning.estimators import DirectNetwork, EncodedTargets, WaypointNetwork
+from tutorial_lib.experiments.report import Options
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, Simulation
 from tutorial_lib.world.visibility import mutual_overlap
+from tutorial_lib.world.worlds import local_world, scene_of
 
+WORLDS = tuple(range(20_000, 20_020))
+NOISE = 1 / 3
+OBSTACLES = 2
+CARS = 24
+"""That record the drives of a world."""
 OVERLAPPING = 0.7
 """Both overlaps beyond which the authors' code takes a target for reached too."""
+_EPISODES, _QUICK_EPISODES = 100, 40
+_SPARE, _LONG = 5, 2.0  # times as many episodes, so long, among which are those with room
 
 
 @dataclass(frozen=True)
@@ -58,59 +68,50 @@ class Course:
         return matched
 
 
-Contender = Callable[[Course], Driver]
-"""Gets ready for a course, and drives it."""
+def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
+    """The worlds that were asked for, and how many episodes each has."""
+    worlds = options.worlds or (WORLDS[:10] if options.quick else WORLDS)
+    return worlds, _QUICK_EPISODES if options.quick else _EPISODES
 
 
-def contenders(seed: int) -> dict[str, Contender]:
-    """The rows of Table I by name, bracketed by a random one and an oracle."""
-    rmp = RMPController()
+def courses(place: Any, count: int, seed: int) -> dict[str, Course]:  # noqa: ANN401
+    """The conditions of one world; shifted colours only where a world is generated."""
+    recorded, paths, rng = _explored(place, seed)
+    episodes = draw_episodes(recorded, paths, count, rng)
+    found = {"clean": Course(episodes, []), "noise": Course(episodes, [], NOISE)}
+    spare = draw_episodes(recorded, paths, _SPARE * count, rng, _LONG)
+    blocked, obstacles = with_obstacles(spare, OBSTACLES, count, rng)
+    if len(blocked):
+        found["obstacles"] = Course(blocked, obstacles)
+    if isinstance(place, int):
+        scene = scene_of(local_world(place, "shifted"))
+        shifted = RecordedWorld(scene, recorded.trajectories)
+        found["shifted"] = Course(episodes.within(shifted), [])
+    return found
 
-    def at_random(course: Course) -> Driver:
-        del course
-        controller = ComposedController(RandomWaypoints(np.random.default_rng(seed)), rmp)
-        return lambda simulation, robots: controller.act(simulation.observe(robots), None)
 
-    def oracle(course: Course) -> Driver:
-        paths = GridPaths(course.episodes.recorded.scene.clearance)
-        return OracleCourier(paths, course.episodes.goals[:, :2], rmp).act
+def clean_course(place: Any, count: int, seed: int) -> Course:  # noqa: ANN401
+    """Only the first condition of `courses`."""
+    recorded, paths, rng = _explored(place, seed)
+    return Course(draw_episodes(recorded, paths, count, rng), [])
 
+
+def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:  # noqa: ANN401
+    """A world with drives recorded in it, its geodesics, and what draws everything else."""
+    generated = isinstance(place, int)
+    name = local_world(place) if generated else str(place)
+    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
+    rng = np.random.default_rng([seed, place if generated else 0])
+    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
+    return RecordedWorld(scene, drives), GridPaths(scene.clearance), rng
+
+
+def attempt(course: Course, driver: Driver, seed: int) -> dict[str, Array]:
+    """One driver on one course; each value is (N,)."""
+    drives = course.run(driver, seed)
     return {
-        "random": at_random,
-        "direct": directly(DirectNetwork("direct_k2")),
-        "k0": by_waypoints(WaypointNetwork("waypoint_k0")),
-        "k2": by_waypoints(WaypointNetwork("waypoint_k2")),
-        "k5": by_waypoints(WaypointNetwork("waypoint_k5")),
-        "laser": by_waypoints(WaypointNetwork("laser_k2")),
-        "oracle": oracle,
+        "reached": drives.reached.astype(float),
+        "collided": drives.collided.astype(float),
+        "overlap": course.matched(drives).astype(float),
+        "ahead": course.episodes.ahead,
     }
-
-
-def by_waypoints(predictor: WaypointNetwork) -> Contender:
-    """C = C_RMP after C_WP."""
-
-    def prepare(course: Course) -> Driver:
-        targets = shown(predictor, course.episodes)
-        controller = ComposedController(predictor, RMPController())
-        return lambda simulation, robots: controller.act(
-            simulation.observe(robots), targets[robots]
-        )
-
-    return prepare
-
-
-def directly(network: DirectNetwork) -> Contender:
-    """From pictures to speed and steering."""
-
-    def prepare(course: Course) -> Driver:
-        targets = shown(network, course.episodes)
-        return lambda simulation, robots: network.act(simulation.observe(robots), targets[robots])
-
-    return prepare
-
-
-def shown(network: WaypointNetwork | DirectNetwork, episodes: Episodes) -> EncodedTargets:
-    """The targets of episodes, pictured with their context and encoded once."""
-    recorded = episodes.recorded
-    frames = recorded.context(episodes.targets, network.architecture.k)
-    return network.prepare(network.view.render(recorded.scene, recorded.poses[frames]))

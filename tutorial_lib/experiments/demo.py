@@ -35,8 +35,8 @@ _STROLL = 2.5  # metres that a person walks to and fro
 _ASIDE = 0.45  # metres beside the way
 _AT_EASE = 1.0  # metres of the way without people at either end
 _TRIES = 20  # pairs of rooms
-_EVERY = 2  # simulation steps for each frame of the film
-_FILM_RATE = 15.0
+EVERY = 2  # simulation steps for each frame of the film
+FILM_RATE = 15.0
 _STANDING = 0.05  # m/s
 
 
@@ -55,8 +55,8 @@ class Outcome:
     driven: float
     geodesic: float
     people: int
-    film: str
-    strip: str
+    film: str = FILM
+    strip: str = STRIP
 
 
 def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
@@ -65,8 +65,7 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     Raises:
         InputError: when the plan has no two places far enough apart.
     """
-    for name in (FILM, STRIP, FIGURES):
-        check_writable(folder / name)
+    check_folder(folder)
     rng = np.random.default_rng(seed)
     scene = Scene(plan)
     paths = GridPaths(scene.clearance)
@@ -90,14 +89,22 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         driven=round(path_length(track), 2),
         geodesic=round(float(paths.fields(goal, shortest=True).distance(start[None, :2])[0]), 2),
         people=len(people),
-        film=FILM,
-        strip=STRIP,
     )
-    film = DriveFilm(PlanView(scene), moments, _title(plan, rooms))
-    write_film(folder / FILM, film, _FILM_RATE)
+    leave(folder, DriveFilm(PlanView(scene), moments, _title(plan, rooms)), outcome)
+    return outcome
+
+
+def check_folder(folder: Path) -> None:
+    """Check that a demo can leave its files in `folder`."""
+    for name in (FILM, STRIP, FIGURES):
+        check_writable(folder / name)
+
+
+def leave(folder: Path, film: DriveFilm, outcome: Outcome) -> None:
+    """Write the film, its strip of pictures and the figures of a demo into `folder`."""
+    write_film(folder / FILM, film, FILM_RATE)
     write_picture(folder / STRIP, stacked([film[i] for i in evenly(len(film), 3)]))
     write_text(folder / FIGURES, json.dumps(asdict(outcome), indent=1) + "\n")
-    return outcome
 
 
 def choose_places(
@@ -162,10 +169,10 @@ def _drive(
         gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
         arrived = gap < REACHED and abs(simulation.speed[0]) < _STANDING
         over = arrived or simulation.collided[0] or simulation.seconds >= limit
-        if over or len(track) % _EVERY == 1:
+        if over or len(track) % EVERY == 1:
             moments.append(_moment(simulation, fields, np.array(track)))
         if over:
-            return moments + moments[-1:] * round(_FILM_RATE), np.array(track)
+            return moments + moments[-1:] * round(FILM_RATE), np.array(track)
         simulation.step(courier.act(simulation))
         track.append(simulation.poses[0, :2])
 

@@ -6,33 +6,19 @@ import time
 from typing import Any
 
 import numpy as np
-import torch
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
-from tutorial_lib.driving.demonstrations import demonstrate
-from tutorial_lib.driving.episodes import draw_episodes, with_obstacles
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.rmp import RMPController
-from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.courses import Contender, Course, contenders
+from tutorial_lib.experiments import ablations
+from tutorial_lib.experiments.contenders import contenders
+from tutorial_lib.experiments.courses import attempt, courses, worlds_of
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.statistics import over_worlds
+from tutorial_lib.experiments.statistics import difference, over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.world.importers import import_map
-from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.worlds import local_world, scene_of
+from tutorial_lib.learning.estimators import use_threads
 
-WORLDS = tuple(range(20_000, 20_024))
-CONDITIONS = ("clean", "noise", "obstacles", "shifted")
 PAPER = {"direct": 0.46, "k0": 0.88, "k2": 0.91, "k5": 0.95}
 """Table I of the paper, which is clean."""
-NOISE = 1 / 3
-OBSTACLES = 2
-CARS = 24
-"""That record the drives of a world."""
-_EPISODES, _QUICK_EPISODES = 100, 40
 _BANDS = {"behind": (-1.0, 0.0), "near": (0.0, 1.0), "middle": (1.0, 2.0), "far": (2.0, 3.1)}
 
 Results = dict[tuple[str, str], dict[str, Array]]
@@ -45,12 +31,13 @@ def run(options: Options) -> Report:
     With `options.map` the only world is that file's, and there is no shifted palette.
     """
     begun = time.perf_counter()
-    count = _QUICK_EPISODES if options.quick else _EPISODES
-    worlds = options.worlds or (WORLDS[:10] if options.quick else WORLDS)
+    if options.ablation:
+        return ablations.run(options)
+    worlds, count = worlds_of(options)
     places: list[Any] = list(worlds)
     if options.map is not None:
         worlds, places = (), [options.map]
-        count = _QUICK_EPISODES if options.quick else 5 * _EPISODES
+        count = count if options.quick else 5 * count
     run_all = Parallel(n_jobs=-1, return_as="generator")
     jobs = run_all(delayed(race)(place, count, options.seed) for place in places)
     parts = list(tqdm(jobs, total=len(places), desc="meng_table1", disable=None))
@@ -69,59 +56,24 @@ def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed
         count: episodes.
         seed: of drives, episodes and noise.
     """
-    torch.set_num_threads(1)
+    use_threads(1)  # the worlds are run side by side
     found: Results = {}
     drivers = contenders(seed)
     for condition, course in courses(place, count, seed).items():
         for name, contender in drivers.items():
-            found[name, condition] = attempt(course, contender, seed)
-    return found
-
-
-def attempt(course: Course, contender: Contender, seed: int) -> dict[str, Array]:
-    """One contender on one course; each value is (N,)."""
-    drives = course.run(contender(course), seed)
-    return {
-        "reached": drives.reached.astype(float),
-        "collided": drives.collided.astype(float),
-        "overlap": course.matched(drives).astype(float),
-        "ahead": course.episodes.ahead,
-    }
-
-
-def courses(place: Any, count: int, seed: int) -> dict[str, Course]:  # noqa: ANN401
-    """The conditions of one world; shifted colours only where a world is generated."""
-    generated = isinstance(place, int)
-    name = local_world(place) if generated else str(place)
-    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
-    rng = np.random.default_rng([seed, place if generated else 0])
-    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)), RMPController())
-    recorded, paths = RecordedWorld(scene, drives), GridPaths(scene.clearance)
-    episodes = draw_episodes(recorded, paths, count, rng)
-    spare = draw_episodes(recorded, paths, 12 * count, rng)
-    blocked, obstacles = with_obstacles(spare, OBSTACLES, count, rng)
-    if not len(blocked):
-        raise InputError(f"meng_table1: no room for obstacles in {name}; give a larger world")
-    found = {
-        "clean": Course(episodes, []),
-        "noise": Course(episodes, [], NOISE),
-        "obstacles": Course(blocked, obstacles),
-    }
-    if generated:
-        shifted = RecordedWorld(scene_of(local_world(place, "shifted")), drives)
-        found["shifted"] = Course(episodes.within(shifted), [])
+            found[name, condition] = attempt(course, contender(course.episodes), seed)
     return found
 
 
 def _joined(parts: list[Results]) -> Results:
     """All worlds one after the other, with the number of each episode's world."""
     joined: Results = {}
-    for key in parts[0]:
-        columns = {
-            name: np.concatenate([part[key][name] for part in parts]) for name in parts[0][key]
-        }
-        sizes = [len(part[key]["reached"]) for part in parts]
-        joined[key] = columns | {"world": np.repeat(np.arange(len(parts)), sizes)}
+    for key in dict.fromkeys(key for part in parts for key in part):
+        found = {number: part[key] for number, part in enumerate(parts) if key in part}
+        names = next(iter(found.values()))
+        columns = {name: np.concatenate([part[name] for part in found.values()]) for name in names}
+        sizes = [len(part["reached"]) for part in found.values()]
+        joined[key] = columns | {"world": np.repeat(list(found), sizes)}
     return joined
 
 
@@ -158,7 +110,8 @@ def _notes(results: Results) -> tuple[str, ...]:
     notes = []
     for what, (first, second) in pairs.items():
         if second in results:
-            gap = results[first]["reached"] - results[second]["reached"]
-            mean, low, high = (100 * v for v in over_worlds(gap, results[first]["world"]))
+            one, other = results[first], results[second]
+            found = difference(one["reached"], other["reached"], one["world"])
+            mean, low, high = (100 * value for value in found)
             notes.append(f"{what}: {mean:+.1f} points ({low:+.1f} to {high:+.1f})")
     return tuple(notes)

@@ -17,12 +17,14 @@ class Options:
         seed: of everything that is random but the worlds.
         quick: fewer episodes, same code.
         map: a file to run on instead of generated worlds.
+        ablation: which one to run instead of the whole experiment.
     """
 
     worlds: tuple[int, ...] = ()
     seed: int = 0
     quick: bool = False
     map: Path | None = None
+    ablation: str = ""
 
 
 @dataclass(frozen=True)

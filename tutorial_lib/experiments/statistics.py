@@ -15,7 +15,7 @@ def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, flo
     With only one world it is Wilson's interval, and needs values from 0 to 1.
 
     Args:
-        values: (N,) an episode's success, or the difference of two systems on it.
+        values: (N,) an episode's success.
         worlds: (N,) which world each is from.
 
     >>> over_worlds([1.0, 1.0, 0.0, 1.0], [0, 0, 1, 1])
@@ -30,6 +30,21 @@ def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, flo
     means = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
     low, high = np.quantile(means, [0.025, 0.975])
     return float(values.mean()), float(low), float(high)
+
+
+def difference(
+    first: ArrayLike, second: ArrayLike, worlds: ArrayLike
+) -> tuple[float, float, float]:
+    """Mean of `first` - `second` on the same episodes (N,) and its 95 % interval.
+
+    Bootstrapped over worlds; with only one world, over its episodes.
+
+    >>> difference([1.0, 1.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0, 0, 1, 1])
+    (0.5, 0.5, 0.5)
+    """
+    gap, worlds = np.subtract(first, second), np.asarray(worlds)
+    one = len(np.unique(worlds)) == 1
+    return over_worlds(gap, np.arange(len(gap)) if one else worlds)
 
 
 def wilson(values: Array) -> tuple[float, float, float]:

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
 import torch
@@ -11,10 +12,12 @@ from torch import Tensor
 
 from tutorial_lib.driving.jitter import Jitter
 from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import Controller, Observation
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.pairs import TRAINING_JITTER, Pairs, draw_pairs
+from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import Laser
 
 STARTS = 4
@@ -73,6 +76,8 @@ class Source:
         worlds: that a block is made of.
         targets: of each of them.
         starts: of each target.
+        close: share of pairs whose target is very near; most mistakes are made there.
+        clutter: share of starts before which one or two things stand that were not recorded.
         vary: whether the pictures' looks are changed at random.
     """
 
@@ -83,7 +88,21 @@ class Source:
     worlds: int = 16
     targets: int = 64
     starts: int = STARTS
+    close: float = 0.35
+    clutter: float = 0.3
     vary: bool = True
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What its blocks depend on, so far as it can be told in a few words."""
+        return {
+            "frames": sum(len(recorded.poses) for recorded in self.drives),
+            "jitter": asdict(self.jitter),
+            "block": [self.worlds, self.targets, self.starts],
+            "close": self.close,
+            "clutter": self.clutter,
+            "vary": self.vary,
+        }
 
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` worlds, well mixed."""
@@ -102,10 +121,11 @@ class Source:
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
         pairs = draw_pairs(
-            recorded, self.targets, self.starts, self.architecture.k, self.jitter, rng
+            recorded, self.targets, self.starts, self.architecture.k, self.jitter, rng, self.close
         )
         view, count = self.architecture.looks_at, self.targets * self.starts
-        current = view.render(recorded.scene, pairs.starts)
+        discs = clutter(pairs.starts.reshape(-1, 3), self.clutter, rng)
+        current = view.render(recorded.scene, pairs.starts, discs)
         contexts = view.render(recorded.scene, pairs.contexts)
         if self.vary:
             current, contexts = view.vary([current, contexts], rng)
@@ -140,20 +160,41 @@ class Source:
         return self.driver.act(seen, pairs.labels.waypoint).astype(np.float32)
 
 
+def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
+    """Round things of any colour before a `share` of the robots at `poses` (N, 3), one or two each.
+
+    A robot is to find its way past people and boxes that were not there when a drive was recorded.
+    """
+    owners = np.repeat(np.arange(len(poses)), rng.integers(1, 3, len(poses)))
+    owners = owners[(rng.random(len(poses)) < share)[owners]].astype(np.int32)
+    count = len(owners)
+    bearing, distance = rng.uniform(-1.1, 1.1, count), rng.uniform(0.5, 2.5, count)
+    ahead = np.stack([distance * np.cos(bearing), distance * np.sin(bearing)], axis=1)
+    centres = to_world(poses[owners], ahead)
+    circles = np.column_stack([centres, rng.uniform(0.08, 0.25, count)])
+    return Discs(circles, owners, rng.uniform(0.0, 255.0, (count, 3)).astype(np.float32))
+
+
 def batches(source: Source, seed: int, first: int, size: int) -> Iterator[Batch]:
     """Batches of `size` targets without end, from the `first` on; the next block is made meanwhile.
 
     A batch depends on its number and the seed alone, so that training can go on anywhere.
+
+    Raises:
+        InputError: when a batch is larger than a block.
     """
-    each = source.worlds * source.targets // size
+    block = source.worlds * source.targets
+    if not 1 <= size <= block:
+        raise InputError(f"batches: of {size} targets; a block holds {block}: give 1 to {block}")
+    each = block // size
     with ThreadPoolExecutor(1) as helper:
         number = first // each
         coming = helper.submit(source.block, [seed, number])
         while True:
-            block = coming.result()
+            made = coming.result()
             coming = helper.submit(source.block, [seed, number + 1])
             for part in range(first % each if number == first // each else 0, each):
-                yield block.targets(slice(part * size, (part + 1) * size))
+                yield made.targets(slice(part * size, (part + 1) * size))
             number += 1
 
 

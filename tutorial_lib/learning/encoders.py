@@ -31,10 +31,14 @@ class Narrowing(nn.Module):
 
     def forward(self, columns: Tensor) -> Tensor:
         """(N, 32, width) to (N, FEATURES)."""
-        count = len(columns)
-        x = functional.relu(self.first(columns.reshape(count, COLUMNS // 2, -1)))  # (N, 16, width)
-        x = functional.relu(self.second(x.view(count, COLUMNS // 4, -1)))  # (N, 8, last)
+        x = functional.relu(self.first(_merged(columns)))  # (N, 16, width)
+        x = functional.relu(self.second(_merged(x)))  # (N, 8, last)
         return functional.relu(self.out(x.flatten(1)))
+
+
+def _merged(columns: Tensor) -> Tensor:
+    """Columns (N, L, C) as (N, L / 2, 2 C), also of no pairs at all."""
+    return columns.unflatten(1, (-1, 2)).flatten(2)
 
 
 class PairEncoder(nn.Module):
@@ -72,14 +76,14 @@ class PairEncoder(nn.Module):
 
 
 class MatchingEncoder(nn.Module):
-    """Finds each column of either picture again in the other one.
+    """Finds each column of the current picture again in the target.
 
     The correlation volume holds the similarity of every column of one picture to every column of
     the other. Its softmax along a row says where a column is seen again; what is there, and where
     that is, joins the column's own features.
     """
 
-    def __init__(self, channels: int, rows: int, match: int = 24, width: int = 48) -> None:
+    def __init__(self, channels: int, rows: int, match: int = 24, width: int = 56) -> None:
         super().__init__()
         self.rows = rows_away(channels, rows, _FIRST)
         self.mix = nn.Sequential(
@@ -89,44 +93,40 @@ class MatchingEncoder(nn.Module):
             nn.ReLU(),
         )
         self.match = nn.Linear(_WIDTH, match)
-        self.own = nn.ModuleList([nn.Linear(_WIDTH, width) for _ in range(2)])
-        self.shown = nn.ModuleList([nn.Linear(_WIDTH, width, bias=False) for _ in range(2)])
-        self.place = nn.Parameter(0.3 * torch.randn(4, COLUMNS, width))
-        self.likeness = nn.Parameter(torch.zeros(2, width))
+        self.own = nn.Linear(_WIDTH, width)
+        self.shown = nn.Linear(_WIDTH, width)
+        self.places = nn.Parameter(0.3 * torch.randn(2, COLUMNS, width))
+        self.likeness = nn.Parameter(torch.zeros(width))
         self.sharpness = nn.Parameter(torch.tensor(3.0))
-        self.narrow = nn.ModuleList([Narrowing(width) for _ in range(2)])
-        self.sizes = [match, width, width]
+        self.narrow = Narrowing(width)
+        self.sizes = [match, width]
 
     def current(self, pictures: Tensor) -> Tensor:
-        """(N, C, H, 64) to (N, 32, match + 2 width)."""
-        return self._describe(pictures, 0)
+        """(N, C, H, 64) to (N, 32, match + width): what a column is found by, and what it knows."""
+        match, columns = self._columns(pictures)
+        return torch.cat([self.sharpness.exp() * match, self.own(columns) + self.places[0]], dim=-1)
 
     def target(self, pictures: Tensor) -> Tensor:
-        """(N, C, H, 64) to (N, 32, match + 2 width)."""
-        return self._describe(pictures, 1)
+        """(N, C, H, 64) to (N, 32, match + width): what finds a column, and what it then shows."""
+        match, columns = self._columns(pictures)
+        return torch.cat([match, self.shown(columns) + self.places[1]], dim=-1)
 
     def compare(self, current: Tensor, target: Tensor) -> Tensor:
         """(N, FEATURES) of pairs."""
-        match, own, shown = current.split(self.sizes, dim=-1)
-        other_match, other_own, other_shown = target.split(self.sizes, dim=-1)
-        volume = self.sharpness.exp() * match @ other_match.transpose(1, 2)  # (N, 32, 32)
-        there = self._join(0, volume, own, other_shown)
-        back = self._join(1, volume.transpose(1, 2), other_own, shown)
-        return self.narrow[0](there) + self.narrow[1](back)
-
-    def _describe(self, pictures: Tensor, side: int) -> Tensor:
-        """What each column is found by, what it knows, and what it shows to those who find it."""
-        x = self.mix(functional.relu(self.rows(pictures)))[:, :, 0].transpose(1, 2)  # (N, 32, 64)
-        match = functional.normalize(self.match(x), dim=-1)
-        own = self.own[side](x) + self.place[side]
-        shown = self.shown[side](x) + self.place[2 + side]
-        return torch.cat([match, own, shown], dim=-1)
-
-    def _join(self, side: int, volume: Tensor, own: Tensor, shown: Tensor) -> Tensor:
-        """Columns (N, 32, width) with what they find in the other picture."""
+        volume = self.volume(current, target)
+        own, shown = current[..., self.sizes[0] :], target[..., self.sizes[0] :]
         found = volume.softmax(dim=-1) @ shown
-        best = volume.amax(dim=-1, keepdim=True) * self.likeness[side]
-        return functional.relu(own + found + best)
+        best = volume.amax(dim=-1, keepdim=True) * self.likeness
+        return self.narrow(functional.relu(own + found + best))
+
+    def volume(self, current: Tensor, target: Tensor) -> Tensor:
+        """The correlation volume (N, 32, 32): rows are columns of the current picture."""
+        return current[..., : self.sizes[0]] @ target[..., : self.sizes[0]].transpose(1, 2)
+
+    def _columns(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
+        """Directions (N, 32, match) to match by, and features (N, 32, 64) of the columns."""
+        x = self.mix(functional.relu(self.rows(pictures)))[:, :, 0].transpose(1, 2)
+        return functional.normalize(self.match(x), dim=-1), x
 
 
 class SeparateEncoder(nn.Module):

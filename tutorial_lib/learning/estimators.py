@@ -1,6 +1,6 @@
 """Trained networks behind the seams of `tutorial_lib.interfaces`."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from torch import Tensor
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.weights import load_network
 
 
@@ -21,9 +21,11 @@ class EncodedTargets:
 
     Attributes:
         encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`.
+        architecture: of that network.
     """
 
     encoded: Tensor
+    architecture: Architecture
 
     def __len__(self) -> int:
         return len(self.encoded)
@@ -31,7 +33,12 @@ class EncodedTargets:
     def __getitem__(self, index: Any) -> "EncodedTargets":  # noqa: ANN401 - any numpy index
         """The targets that `index` selects, as a batch."""
         index = [index] if isinstance(index, int | np.integer) else index
-        return EncodedTargets(self.encoded[index])
+        return replace(self, encoded=self.encoded[index])
+
+
+def use_threads(count: int) -> None:
+    """Let networks use that many threads in this process; one, where processes run side by side."""
+    torch.set_num_threads(count)
 
 
 class _Estimator:
@@ -62,12 +69,18 @@ class _Estimator:
                 f"targets: shape {contexts.shape}; this network has k = {self.architecture.k}: "
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
-        return EncodedTargets(self.network.encode_targets(self.view.numbers(contexts)))
+        encoded = self.network.encode_targets(self.view.numbers(contexts))
+        return EncodedTargets(encoded, self.architecture)
 
     @torch.inference_mode()
     def ask(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """The network's outputs (N, O) for N robots and as many targets."""
         prepared = targets if isinstance(targets, EncodedTargets) else self.prepare(targets)
+        if prepared.architecture != self.architecture:
+            raise InputError(
+                f"targets: prepared by another network, {prepared.architecture}; prepare them with "
+                f"this one, {self.architecture}"
+            )
         if len(prepared) != len(observations):
             raise InputError(
                 f"targets: {len(prepared)} for {len(observations)} robots; give as many"
@@ -87,8 +100,13 @@ class WaypointNetwork(_Estimator):
         self, observations: Observation, targets: EncodedTargets | NDArray
     ) -> tuple[Array, Array]:
         """Waypoints (N, 2) in metres in the robots' frames, and mutual overlaps (N, 2)."""
-        outputs = self.ask(observations, targets)
-        return outputs[:, :2], 1.0 / (1.0 + np.exp(-outputs[:, 4:6]))
+        return _told(self.ask(observations, targets))
+
+    @torch.inference_mode()
+    def predict_plainly(self, observations: Observation, contexts: NDArray) -> tuple[Array, Array]:
+        """The same with nothing kept: every pair is encoded for itself, to compare speeds."""
+        current = self.view.numbers(self.view.of(observations))
+        return _told(self.network(current, self.view.numbers(contexts)).numpy().astype(float))
 
 
 class DirectNetwork(_Estimator):
@@ -101,3 +119,8 @@ class DirectNetwork(_Estimator):
     def act(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """Actions (N, 2): speed in m/s and steering in rad."""
         return self.ask(observations, targets)
+
+
+def _told(outputs: Array) -> tuple[Array, Array]:
+    """Waypoints (N, 2) and overlaps (N, 2) among a network's outputs (N, 6)."""
+    return outputs[:, :2], 1.0 / (1.0 + np.exp(-outputs[:, 4:6]))

@@ -5,15 +5,22 @@ from torch.nn import functional
 
 from tutorial_lib.learning.batches import Batch
 
-NEAR = 0.1
-"""Metres below which a waypoint's error no longer counts for more."""
+ROUNDED = 0.1
+"""Metres below which an error counts as its square, and not as itself."""
+TOLERANCE = 0.15
+"""Metres of error that cost 1 where the target is; 1 m away from it, twice as many do."""
 CONTEXT_WEIGHT = 2.0
 """Of where the context's pictures were taken: many labels for each pair, which teach matching."""
 
 
 def position_loss(predicted: Tensor, wanted: Tensor) -> Tensor:
-    """Squared error over distance, (...), for positions (..., 2): near ones must be exact."""
-    return ((predicted - wanted) ** 2).sum(-1) / wanted.norm(dim=-1).clamp(min=NEAR)
+    """What an error costs, (...), for positions (..., 2): less where it is far to go.
+
+    The authors divide the squared error by the distance. That draws doubtful waypoints to zero,
+    where the car stops; the distance itself, rounded off near zero, settles for the median.
+    """
+    error = ((predicted - wanted) ** 2).sum(-1)
+    return ((error + ROUNDED**2).sqrt() - ROUNDED) / (TOLERANCE * (1.0 + wanted.norm(dim=-1)))
 
 
 def waypoint_loss(outputs: Tensor, batch: Batch) -> Tensor:

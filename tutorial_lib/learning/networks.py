@@ -44,8 +44,8 @@ class Architecture:
                 raise InputError(
                     f"network: {name} {getattr(self, name)!r}; give one of {', '.join(choices)}"
                 )
-        if not 0 <= self.k <= 20:
-            raise InputError(f"network: k = {self.k}; give 0 to 20")
+        if not isinstance(self.k, int) or not 0 <= self.k <= 20:
+            raise InputError(f"network: k = {self.k!r}; give a whole number, 0 to 20")
 
     @property
     def pictures(self) -> int:

@@ -10,7 +10,7 @@ from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.labels import Labels, label, waypoint_labels
 
-TRAINING_JITTER = Jitter(wide=0.25, wide_turn=float(np.deg2rad(35.0)))
+TRAINING_JITTER = Jitter(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
 """Wider than the paper's: a car that manoeuvres looks far aside."""
 
 
@@ -42,6 +42,7 @@ def draw_pairs(
     k: int,
     jitter: Jitter,
     rng: np.random.Generator,
+    close: float = 0.0,
 ) -> Pairs:
     """Draw pairs of which the target is 1 m behind to 3 m ahead of the start (Meng 2020, III-B).
 
@@ -52,9 +53,10 @@ def draw_pairs(
         k: frames of context on either side.
         jitter: of the starts.
         rng: of everything drawn.
+        close: see `RecordedWorld.draw`.
     """
     scene = recorded.scene
-    sources, frames = recorded.draw(targets, starts, rng)
+    sources, frames = recorded.draw(targets, starts, rng, close)
     moved, found = jittered(scene, recorded.poses[sources], jitter, rng)
     goals = np.repeat(frames, starts)
     waypoints, sees = waypoint_labels(scene.caster, moved, recorded.poses, sources, goals)

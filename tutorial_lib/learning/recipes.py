@@ -10,14 +10,16 @@ from joblib import Parallel, delayed
 from tutorial_lib.driving.demonstrations import record_demonstrations
 from tutorial_lib.driving.jitter import PAPER_JITTER
 from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.driving.trajectories import load_trajectories
-from tutorial_lib.interfaces import Controller
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card
 from tutorial_lib.world.worlds import local_world, scene_of, training_world
 
+WORK = Path(".training")
+"""Where recorded drives and checkpoints are kept."""
 SEED = 0
 """Of the demonstrations."""
 FIRST_VALIDATION_WORLD = 10_000
@@ -49,24 +51,23 @@ class Recipe:
 WAYPOINT = {
     k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(steps=steps))
     for k, name, architecture, steps in (
-        ("0", "waypoint_k0", Architecture(0), 40_000),
-        ("2", "waypoint_k2", Architecture(2), 24_000),
-        ("5", "waypoint_k5", Architecture(5), 12_000),
-        ("direct", "direct_k2", Architecture(2, outputs="action"), 16_000),
-        ("laser", "laser_k2", Architecture(2, view="laser"), 24_000),
+        ("0", "waypoint_k0", Architecture(0), 30_000),
+        ("2", "waypoint_k2", Architecture(2), 20_000),
+        ("5", "waypoint_k5", Architecture(5), 10_000),
+        ("direct", "direct_k2", Architecture(2, outputs="action"), 12_000),
+        ("laser", "laser_k2", Architecture(2, view="laser"), 16_000),
     )
 }
 """What `train waypoint --k` can train."""
 
 
-def train_local(recipe: Recipe, driver: Controller, work: Path) -> tuple[LocalNetwork, Card]:
+def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     """Train a network of local control from nothing, its demonstrations included.
 
     What is recorded and how far training got is kept in `work`: an interrupted run goes on there.
 
     Args:
         recipe: what to train.
-        driver: drives the demonstrations, and is what direct control imitates.
         work: folder for demonstrations and checkpoint.
 
     Returns:
@@ -76,11 +77,11 @@ def train_local(recipe: Recipe, driver: Controller, work: Path) -> tuple[LocalNe
     first = FIRST_VALIDATION_WORLD
     learnt = [training_world(seed) for seed in range(recipe.worlds)]
     unseen = [local_world(first + i) for i in range(recipe.validation_worlds)]
-    imitated = driver if recipe.architecture.outputs == "action" else None
-    drives = recorded_drives(learnt, recipe.cars, driver, work)
+    imitated = RMPController() if recipe.architecture.outputs == "action" else None
+    drives = recorded_drives(learnt, recipe.cars, work)
     source = Source(drives, recipe.architecture, imitated)
-    drives = recorded_drives(unseen, recipe.cars, driver, work)
-    others = replace(source, drives=drives, jitter=PAPER_JITTER, vary=False)
+    drives = recorded_drives(unseen, recipe.cars, work)
+    others = replace(source, drives=drives, jitter=PAPER_JITTER, close=0.0, clutter=0.0, vary=False)
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
     checkpoint = work / f"{recipe.name}.pt"
     network, progress = train(recipe.architecture, source, validation, recipe.settings, checkpoint)
@@ -95,11 +96,9 @@ def train_local(recipe: Recipe, driver: Controller, work: Path) -> tuple[LocalNe
     return network, card
 
 
-def recorded_drives(
-    worlds: Sequence[str], cars: int, driver: Controller, work: Path
-) -> list[RecordedWorld]:
+def recorded_drives(worlds: Sequence[str], cars: int, work: Path) -> list[RecordedWorld]:
     """Demonstrations in `worlds`, recorded where they are missing."""
-    paths = record_demonstrations(worlds, cars, SEED, work / "demonstrations", controller=driver)
+    paths = record_demonstrations(worlds, cars, SEED, work / "demonstrations")
     scenes = Parallel(n_jobs=2)(delayed(scene_of)(world) for world in worlds)
     recorded = [load_trajectories(path) for path in paths]
     return [

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 import torch
 from torch import Tensor
@@ -97,7 +96,7 @@ def train(
     """
     torch.set_num_threads(settings.threads)
     torch.manual_seed(settings.seed)
-    state = _State(LocalNetwork(architecture), settings)
+    state = _State(LocalNetwork(architecture), settings, source)
     if checkpoint is not None and checkpoint.exists():
         state.load(checkpoint)
     network, progress = state.network, state.progress
@@ -122,8 +121,9 @@ def train(
 class _State:
     """All that changes while a network learns."""
 
-    def __init__(self, network: LocalNetwork, settings: Settings) -> None:
+    def __init__(self, network: LocalNetwork, settings: Settings, source: Source) -> None:
         self.network, self.settings, self.progress = network, settings, Progress()
+        self.recipe = {**asdict(network.architecture), **asdict(settings), "source": source.recipe}
         self.optimizer = torch.optim.Adam(network.parameters(), settings.rate)
         self.best = _copy(network)
         self.punished: list[float] = []
@@ -152,7 +152,7 @@ class _State:
     def save(self, path: Path) -> None:
         """Write the state, whole or not at all."""
         state = {
-            "recipe": self._recipe,
+            "recipe": self.recipe,
             "network": self.network.state_dict(),
             "optimizer": self.optimizer.state_dict(),
             "best": self.best,
@@ -171,20 +171,16 @@ class _State:
         advice = "delete it to begin again"
         try:
             state = torch.load(path, weights_only=True)
-            recipe = state["recipe"]
-        # torch, zipfile and pickle have a dozen errors for a damaged file.
+            if state["recipe"] == self.recipe:
+                self.network.load_state_dict(state["network"])
+                self.optimizer.load_state_dict(state["optimizer"])
+                self.best = state["best"]
+                self.progress = Progress(state["step"], state["history"])
+                return
+        # torch, zipfile and pickle have a dozen errors for a damaged file, some many lines long.
         except Exception as error:
-            raise InputError(f"{path}: a damaged checkpoint ({error}); {advice}") from error
-        if recipe != self._recipe:
-            raise InputError(f"{path}: a checkpoint of another training, {recipe}; {advice}")
-        self.network.load_state_dict(state["network"])
-        self.optimizer.load_state_dict(state["optimizer"])
-        self.best = state["best"]
-        self.progress.step, self.progress.history = state["step"], state["history"]
-
-    @property
-    def _recipe(self) -> dict[str, Any]:
-        return asdict(self.network.architecture) | asdict(self.settings)
+            raise InputError(f"{path}: a damaged checkpoint; {advice}") from error
+        raise InputError(f"{path}: a checkpoint of another training, {state['recipe']}; {advice}")
 
 
 def _copy(network: LocalNetwork) -> dict[str, Tensor]:

@@ -11,6 +11,7 @@ from torch import Tensor
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera, Laser
 
@@ -25,8 +26,8 @@ class View(Protocol):
     name: str
     size: tuple[int, int, int]
 
-    def render(self, scene: Scene, poses: Array) -> NDArray:
-        """What is seen from poses (..., 3)."""
+    def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray:
+        """What is seen from poses (..., 3); a disc's owner is the number of a pose."""
 
     def of(self, observations: Observation) -> NDArray:
         """What robots see, (N, H, W, C)."""
@@ -58,9 +59,9 @@ class CameraView:
         """Channels, rows and columns of the numbers."""
         return (3, self.rows, COLUMNS)
 
-    def render(self, scene: Scene, poses: Array) -> NDArray[np.uint8]:
+    def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray[np.uint8]:
         """Pictures (..., H, W, 3) uint8 from poses (..., 3)."""
-        image, _ = Camera(rows=self.rows).look(scene, poses.reshape(-1, 3))
+        image, _ = Camera(rows=self.rows).look(scene, poses.reshape(-1, 3), discs)
         return image.reshape(*poses.shape[:-1], *image.shape[1:])
 
     def of(self, observations: Observation) -> NDArray[np.uint8]:
@@ -93,7 +94,7 @@ class CameraView:
     def numbers(self, pictures: NDArray) -> Tensor:
         """Pictures (..., H, W, 3) as (..., 3, H, W) from -1 to 1."""
         _check(pictures, (self.rows, COLUMNS, 3), np.uint8)
-        return torch.from_numpy(pictures).movedim(-1, -3).float().div_(127.5).sub_(1.0)
+        return _tensor(pictures).movedim(-1, -3).float().div_(127.5).sub_(1.0)
 
 
 @dataclass(frozen=True)
@@ -103,9 +104,9 @@ class LaserView:
     name: str = "laser"
     size: tuple[int, int, int] = (3, 1, COLUMNS)
 
-    def render(self, scene: Scene, poses: Array) -> NDArray[np.float32]:
+    def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray[np.float32]:
         """Distances (..., 1, 64, 1) in metres from poses (..., 3)."""
-        scan = Laser().scan(scene, poses.reshape(-1, 3))
+        scan = Laser().scan(scene, poses.reshape(-1, 3), discs)
         return self._middle(scan).reshape(*poses.shape[:-1], 1, COLUMNS, 1)
 
     def of(self, observations: Observation) -> NDArray[np.float32]:
@@ -122,7 +123,7 @@ class LaserView:
     def numbers(self, pictures: NDArray) -> Tensor:
         """Distances (..., 1, 64, 1) as (..., 3, 1, 64): near, middling and far ones spread out."""
         _check(pictures, (1, COLUMNS, 1), np.float32)
-        metres = torch.from_numpy(pictures)[..., 0]
+        metres = _tensor(pictures)[..., 0]
         parts = [0.5 / (metres + 0.25), metres.clamp(max=3.0) / 1.5 - 1.0, metres / 5.0 - 1.0]
         return torch.stack(parts, dim=-3)
 
@@ -143,6 +144,11 @@ def _recoloured(
     for channel, source in enumerate(order):
         changed[..., channel] = tables[channel][pictures[..., source]]
     return changed
+
+
+def _tensor(pictures: NDArray) -> Tensor:
+    """The numbers of an array, which may be a view such as one flipped left to right."""
+    return torch.from_numpy(np.ascontiguousarray(pictures))
 
 
 def _check(pictures: NDArray, size: tuple[int, ...], kind: type) -> None:

@@ -49,6 +49,7 @@ def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Pa
     Returns:
         The file of the weights.
     """
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{card.name}.safetensors"
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
     with atomic_path(path) as temporary:
@@ -66,14 +67,15 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
         InputError: when it is missing or damaged.
     """
     path = folder / f"{name}.json"
+    again = "restore the file, or train it again: python -m tutorial_lib train --help"
     try:
         text = json.loads(path.read_text(encoding="utf-8"))
         return Card(**(text | {"architecture": Architecture(**text["architecture"])}))
     except FileNotFoundError:
         known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"
-        raise InputError(f"weights: no {name!r} in {folder}; there are {known}") from None
+        raise InputError(f"{path}: there is no such card, but {known}; {again}") from None
     except (ValueError, KeyError, TypeError) as error:
-        raise InputError(f"{path}: not a card of weights ({error}); restore the file") from error
+        raise InputError(f"{path}: not a card of weights ({error}); {again}") from error
 
 
 def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
@@ -95,7 +97,7 @@ def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
         weights = {key: value.float() for key, value in load_file(path).items()}
         network.load_state_dict(weights)
     except (SafetensorError, RuntimeError) as error:
-        raise InputError(f"{path}: does not fit {card.architecture} ({error}); {again}") from error
+        raise InputError(f"{path}: does not fit {card.architecture}; {again}") from error
     return network.eval().to(memory_format=torch.channels_last)
 
 

@@ -32,6 +32,7 @@ class Moment:
         goal: (2,), or None where the robot has none.
         discs: people and obstacles.
         lines: what to write below the pictures.
+        target: (H, W, 3) picture of what the robot is to reach, where it is shown one.
     """
 
     pose: Array
@@ -42,6 +43,7 @@ class Moment:
     goal: Array | None
     discs: Discs | None
     lines: Sequence[tuple[str, str]]
+    target: Picture | None = None
 
 
 @dataclass(frozen=True)
@@ -72,16 +74,22 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
     picture[MARGIN : MARGIN + MAP, MARGIN : MARGIN + MAP] = draw_map(view, moment)
     left = MAP + 2 * MARGIN
     label(picture, title, left, MARGIN + 16, 0.6, colours.INK)
-    shown = camera_picture(moment.observation.image[0], SIDE, smooth=True)
     top = MARGIN + 36
-    picture[top : top + SIDE // 3, left : left + SIDE] = shown
-    label(picture, "camera, 120 degrees", left, top + SIDE // 3 + 18, 0.45, colours.FAINT)
-    top += SIDE // 3 + 40
-    picture[top : top + 320, left : left + 320] = draw_laser(moment, 320)
-    label(picture, "laser, 4 m around", left, top + 340, 0.45, colours.FAINT)
+    views = [(moment.observation.image[0], "camera, 120 degrees")]
+    if moment.target is not None:
+        views.append((moment.target, "what the camera should see: the goal"))
+    for image, caption in views:
+        shown = camera_picture(image, SIDE, smooth=True)
+        picture[top : top + SIDE // 3, left : left + SIDE] = shown
+        label(picture, caption, left, top + SIDE // 3 + 18, 0.45, colours.FAINT)
+        top += SIDE // 3 + 40
+    size = 320 if moment.target is None else 200
+    picture[top : top + size, left : left + size] = draw_laser(moment, size)
+    label(picture, "laser, 4 m around", left, top + size + 20, 0.45, colours.FAINT)
+    gap = size * 0.18
     for i, (name, value) in enumerate(moment.lines):
-        label(picture, name, left + 336, top + 20 + 58 * i, 0.45, colours.FAINT)
-        label(picture, value, left + 336, top + 46 + 58 * i, 0.65, colours.INK)
+        label(picture, name, left + size + 16, top + 20 + round(gap * i), 0.45, colours.FAINT)
+        label(picture, value, left + size + 16, top + 40 + round(gap * i), 0.6, colours.INK)
     legend = (
         ("robot", colours.ROBOT),
         ("way", colours.PATH),
@@ -91,7 +99,7 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
         ("goal", colours.GOAL),
     )
     for i, (name, colour) in enumerate(legend):
-        x, y = left + 160 * (i % 3), top + 376 + 26 * (i // 3)
+        x, y = left + 160 * (i % 3), top + size + 56 + 26 * (i // 3)
         cv2.circle(picture, (x + 6, y - 5), 6, colour, cv2.FILLED, cv2.LINE_AA)
         label(picture, name, x + 20, y, 0.5, colours.INK)
     return picture

@@ -1,0 +1,352 @@
+import hashlib
+import json
+import re
+from dataclasses import replace
+
+import joblib
+import numpy as np
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+
+from tutorial_lib import cli
+from tutorial_lib.errors import InputError
+from tutorial_lib.learning import recipes, weights
+from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
+from tutorial_lib.learning.training import Settings
+from tutorial_lib.learning.weights import FOLDER, Card, load_card, load_network, save_network
+
+torch.set_num_threads(1)  # so small are they here that two threads are slower
+MEGABYTE = 1_000_000
+SHIPPED = sorted(file.stem for file in FOLDER.glob("*.safetensors"))
+AGAIN = r"python -m tutorial_lib train waypoint --k 9"
+
+
+def make(architecture=Architecture(1, "pair"), seed=0):  # noqa: B008 - it is frozen
+    torch.manual_seed(seed)
+    return LocalNetwork(architecture).eval()
+
+
+def card_for(network, name="some"):
+    return Card(
+        name,
+        "train waypoint --k 9",
+        network.architecture,
+        {"steps": 3, "rate": 0.1},
+        {"validation": 0.5},
+        1.5,
+    )
+
+
+def asked(network):
+    """What a network answers about random pictures."""
+    torch.manual_seed(1)
+    size = network.architecture.looks_at.size
+    with torch.inference_mode():
+        return network(torch.rand(4, *size), torch.rand(4, network.architecture.pictures, *size))
+
+
+def damaged(folder, change, **edits):
+    """Change the bytes of the weights, and edit their card; a hash of None is reckoned anew."""
+    path = folder / "some.safetensors"
+    path.write_bytes(change(path.read_bytes()))
+    if "sha256" in edits and edits["sha256"] is None:
+        edits["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    card = path.with_suffix(".json")
+    card.write_text(json.dumps(json.loads(card.read_text()) | edits))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A folder with the weights and the card of a network, as `some`."""
+    network = make()
+    save_network(network, card_for(network), tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("encoder", ENCODERS)
+def test_what_is_saved_is_loaded(tmp_path, encoder):
+    network = make(Architecture(2, encoder))
+    path = save_network(network, card_for(network), tmp_path)
+    assert path == tmp_path / "some.safetensors"
+    loaded = load_network("some", tmp_path)
+    assert not loaded.training
+    assert loaded.architecture == network.architecture
+    for name, value in network.state_dict().items():
+        assert torch.equal(loaded.state_dict()[name], value.half().float()), name
+    assert {value.dtype for value in loaded.state_dict().values()} == {torch.float32}
+    torch.testing.assert_close(asked(loaded), asked(network), rtol=0.01, atol=0.002)
+    assert (asked(loaded) - asked(make(Architecture(2, encoder), seed=5))).abs().max() > 0.02
+
+
+def test_the_card_is_kept_and_tells_size_and_hash(folder):
+    card, network = load_card("some", folder), make()
+    content = (folder / "some.safetensors").read_bytes()
+    parameters = sum(value.numel() for value in network.parameters())
+    digest = hashlib.sha256(content).hexdigest()
+    assert card == replace(card_for(network), parameters=parameters, sha256=digest)
+    assert 2 * parameters < len(content) < 2 * parameters + 10_000
+
+
+def test_saving_changes_neither_the_network_nor_the_bytes(folder, tmp_path):
+    network, before = make(), (folder / "some.safetensors").read_bytes()
+    answers = asked(network)
+    save_network(network, card_for(network), folder)
+    assert (folder / "some.safetensors").read_bytes() == before
+    assert torch.equal(asked(network), answers)
+    assert {value.dtype for value in network.parameters()} == {torch.float32}
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["some.json", "some.safetensors"]
+
+
+def test_a_missing_folder_is_made(tmp_path):
+    network = make()
+    save_network(network, card_for(network), tmp_path / "new" / "weights")
+    assert load_network("some", tmp_path / "new" / "weights").architecture == network.architecture
+
+
+def test_a_save_that_fails_leaves_the_old_weights(folder, monkeypatch):
+    def full(halves, path):
+        path.write_bytes(b"half")
+        raise OSError("no space left")
+
+    before = asked(load_network("some", folder))
+    monkeypatch.setattr(weights, "save_file", full)
+    with pytest.raises(OSError, match="no space"):
+        save_network(make(seed=5), card_for(make()), folder)
+    assert len(list(folder.iterdir())) == 2
+    assert torch.equal(asked(load_network("some", folder)), before)
+
+
+@pytest.mark.parametrize("choice", recipes.WAYPOINT)
+def test_every_network_that_is_shipped_is_small_enough(tmp_path, choice):
+    recipe = recipes.WAYPOINT[choice]
+    network = make(recipe.architecture)
+    path = save_network(network, card_for(network, recipe.name), tmp_path)
+    assert path.stat().st_size <= MEGABYTE
+    assert recipe.command == f"train waypoint --k {choice}"
+
+
+def test_every_recipe_has_a_name_and_an_architecture_of_its_own():
+    names = [recipe.name for recipe in recipes.WAYPOINT.values()]
+    assert len(set(names)) == len({r.architecture for r in recipes.WAYPOINT.values()}) == len(names)
+
+
+# What may be wrong with the file: the change of its bytes, and of its card.
+def edited(change):
+    """Bytes of weights of which the dictionary was changed."""
+
+    def bytes_of(content, path):
+        path.write_bytes(content)
+        values = load_file(path)
+        change(values)
+        save_file(values, path)
+        return path.read_bytes()
+
+    return bytes_of
+
+
+def refused(folder, words):
+    """Loading fails in one line that names the file and the command that trains it again."""
+    with pytest.raises(InputError, match=rf"some\.safetensors.*{words}.*{AGAIN}") as caught:
+        load_network("some", folder)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("place", [0, 7, 40, 5000, -1])
+def test_a_byte_that_flipped_is_told(folder, place):
+    def flip(content):
+        changed = bytearray(content)
+        changed[place] ^= 0x10
+        return bytes(changed)
+
+    damaged(folder, flip)
+    refused(folder, "SHA-256 differs")
+
+
+@pytest.mark.parametrize("size", [0, 1, 7, 100, 5000, -1000, -1])
+def test_a_file_cut_off_anywhere_is_told_even_if_the_card_agrees(folder, size):
+    damaged(folder, lambda content: content[:size])
+    refused(folder, "SHA-256 differs")
+    damaged(folder, lambda content: content, sha256=None)
+    refused(folder, "does not fit")
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"k": 2},
+        {"k": 0},
+        {"encoder": "matching"},
+        {"encoder": "separate"},
+        {"encoder": "stacked"},
+        {"view": "camera64"},
+        {"view": "laser"},
+        {"outputs": "action"},
+    ],
+)
+def test_weights_of_another_architecture_are_refused(folder, other):
+    architecture = json.loads((folder / "some.json").read_text())["architecture"] | other
+    damaged(folder, lambda content: content, architecture=architecture)
+    refused(folder, "does not fit")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda values: values.pop("heads.bias"),
+        lambda values: values.update(more=torch.zeros(3)),
+        lambda values: values.update({"heads.bias": torch.zeros(7)}),
+        lambda values: values.clear(),
+    ],
+    ids=["missing", "more", "shape", "none"],
+)
+def test_weights_that_are_not_all_there_are_refused(folder, tmp_path, change):
+    path = folder / "some.safetensors"
+    content = edited(change)(path.read_bytes(), path)
+    damaged(folder, lambda _: content, sha256=None)
+    refused(folder, "does not fit")
+
+
+def test_what_is_no_safetensors_file_is_refused(folder):
+    for content in (b"", b"hello", b"\xff" * 5000, b'{"a": 1}' * 10):
+        damaged(folder, lambda _, content=content: content, sha256=None)
+        refused(folder, "does not fit")
+
+
+def test_missing_weights_are_told(folder):
+    (folder / "some.safetensors").unlink()
+    refused(folder, "no such file")
+
+
+def test_a_missing_card_is_told_with_those_that_are_there(folder):
+    with pytest.raises(InputError, match=r"other\.json.* some;.*python -m tutorial_lib train"):
+        load_network("other", folder)
+    (folder / "some.json").unlink()
+    with pytest.raises(InputError, match=r"some\.json.* none;.*python -m tutorial_lib train"):
+        load_network("some", folder)
+
+
+DAMAGED = {
+    "empty": lambda text: "",
+    "cut": lambda text: text[: len(text) // 2],
+    "list": lambda text: "[1, 2]",
+    "null": lambda text: "null",
+    "number": lambda text: "3",
+    "no_architecture": lambda text: text.replace('"architecture"', '"building"'),
+    "no_command": lambda text: text.replace('"command"', '"order"'),
+    "no_encoder": lambda text: text.replace('"pair"', '"pear"'),
+    "k_word": lambda text: text.replace('"k": 1', '"k": "one"'),
+    "k_half": lambda text: text.replace('"k": 1', '"k": 1.5'),
+    "k_large": lambda text: text.replace('"k": 1', '"k": 1000000'),
+    "k_none": lambda text: text.replace('"k": 1', '"k": null'),
+    "more": lambda text: text.replace('"name"', '"more": 1, "name"'),
+    "view_list": lambda text: text.replace('"camera16"', '["camera16"]'),
+}
+
+
+@pytest.mark.parametrize("fault", DAMAGED)
+def test_a_damaged_card_is_told(folder, fault):
+    path = folder / "some.json"
+    changed = DAMAGED[fault](path.read_text())
+    assert changed != path.read_text()
+    path.write_text(changed)
+    words = r"some\.json: not a card of weights.*python -m tutorial_lib train"
+    with pytest.raises(InputError, match=words):
+        load_network("some", folder)
+
+
+def test_a_card_that_is_no_text_is_told(folder):
+    (folder / "some.json").write_bytes(b"\xff\xfe\x00\x81")
+    with pytest.raises(InputError, match=r"some\.json: not a card"):
+        load_card("some", folder)
+
+
+# What is shipped.
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_weights_fit_their_cards(name):
+    card, network = load_card(name), load_network(name)
+    path = FOLDER / f"{name}.safetensors"
+    assert path.stat().st_size <= MEGABYTE
+    assert card.name == name
+    assert card.parameters == sum(value.numel() for value in network.parameters())
+    assert card.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert all(value.isfinite().all() for value in network.parameters())
+    assert 0 < card.minutes <= 30
+    assert np.isfinite(card.validation["validation"])
+    assert cli._parser().parse_args(card.command.split()).command == "train"
+    assert asked(network).isfinite().all()
+
+
+@pytest.mark.parametrize("recipe", recipes.WAYPOINT.values(), ids=lambda recipe: recipe.name)
+def test_shipped_weights_are_those_of_their_recipe(recipe):
+    if recipe.name not in SHIPPED:
+        pytest.skip("is not shipped")
+    card = load_card(recipe.name)
+    assert card.architecture == recipe.architecture
+    assert card.command == recipe.command
+
+
+def test_all_weights_have_cards_and_are_small_together():
+    assert [file.stem for file in sorted(FOLDER.glob("*.json"))] == SHIPPED
+    assert sum(file.stat().st_size for file in FOLDER.glob("*")) <= 25 * MEGABYTE
+
+
+# The command.
+
+
+@pytest.mark.parametrize("arguments", [["--k", "7"], ["--k", "two"], []])
+def test_only_what_has_a_recipe_is_trained(capsys, arguments):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["train", "waypoint", *arguments])
+    assert stopped.value.code == 2
+    error = capsys.readouterr().err
+    assert "--k" in error
+    if arguments:
+        told = re.search(r"choose from (.*)\)", error)[1]
+        assert re.findall(r"\w+", told) == ["0", "2", "5", "direct", "laser"]
+
+
+def test_another_network_s_name_is_refused(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["train", "wisdom", "--k", "2"])
+    assert stopped.value.code == 2
+    assert "waypoint" in capsys.readouterr().err
+
+
+@pytest.fixture
+def tiny(tmp_path, monkeypatch):
+    """The command trains a tiny network, and all files are in a folder of the test's."""
+    recipe = recipes.Recipe(
+        "tiny",
+        "train waypoint --k 0",
+        Architecture(0, "pair", outputs="action"),
+        Settings(steps=4, targets=2, every=2),
+        worlds=2,
+        validation_worlds=1,
+        cars=3,
+    )
+    monkeypatch.setitem(recipes.WAYPOINT, "0", recipe)
+    monkeypatch.setattr(recipes, "WORK", tmp_path / "work")
+    monkeypatch.setattr(cli, "PROJECT", tmp_path)
+    folder = tmp_path / "weights"
+    monkeypatch.setattr(cli, "save_network", lambda *both: save_network(*both, folder))
+    monkeypatch.chdir(tmp_path)
+    return recipe
+
+
+def test_the_command_trains_saves_and_goes_on_where_it_was_stopped(tiny, tmp_path, capsys):
+    with joblib.parallel_config(backend="threading"):
+        assert cli.main(["train", "waypoint", "--k", "0"]) == 0
+        assert "tiny.safetensors" in capsys.readouterr().out
+        path = tmp_path / "weights" / "tiny.safetensors"
+        before = path.read_bytes()
+        card = load_card("tiny", path.parent)
+        assert card.recipe["steps"] == 4
+        assert card.recipe["worlds"] == 2
+        assert card.validation["step"] in (2, 4)
+        assert load_network("tiny", path.parent).architecture == tiny.architecture
+        path.unlink()
+        assert cli.main(["train", "waypoint", "--k", "0"]) == 0
+        assert path.read_bytes() == before

@@ -1,0 +1,100 @@
+"""Ablations of local control at k = 2: how pictures are compared, worlds, rows of pixels."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from tutorial_lib.experiments.contenders import by_waypoints
+from tutorial_lib.experiments.courses import attempt, clean_course, worlds_of
+from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.statistics import over_worlds
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.networks import Architecture
+from tutorial_lib.learning.recipes import WORK, Recipe, train_local
+from tutorial_lib.learning.training import Settings
+
+STEPS = 5_000
+"""Of every variant: about five minutes."""
+_COMMAND = "experiment meng_table1 --ablation"
+
+
+def _variants(**architectures: tuple[Architecture, int]) -> dict[str, Recipe]:
+    settings = Settings(steps=STEPS)
+    return {
+        name: Recipe(f"ablation_{name}", f"{_COMMAND} ...", architecture, settings, worlds)
+        for name, (architecture, worlds) in architectures.items()
+    }
+
+
+ABLATIONS = {
+    "encoder": _variants(
+        matching=(Architecture(2), 96),
+        pair=(Architecture(2, "pair"), 96),
+        separate=(Architecture(2, "separate"), 96),
+        stacked=(Architecture(2, "stacked"), 96),
+    ),
+    "worlds": _variants(
+        worlds4=(Architecture(2), 4),
+        worlds12=(Architecture(2), 12),
+        worlds48=(Architecture(2), 48),
+    ),
+    "rows": _variants(
+        matching=(Architecture(2), 96),
+        rows64=(Architecture(2, view="camera64"), 96),
+    ),
+}
+
+
+def run(options: Options) -> Report:
+    """Train every variant of `options.ablation` and drive the clean episodes of Table I with it."""
+    begun = time.perf_counter()
+    worlds, count = worlds_of(options)
+    recipes = ABLATIONS[options.ablation]
+    variants = list(recipes.values())
+    trained = Parallel(n_jobs=2)(delayed(_train)(recipe) for recipe in variants)
+    jobs = Parallel(n_jobs=-1, return_as="generator")(
+        delayed(_race)([network for network, _ in trained], world, count, options.seed)
+        for world in worlds
+    )
+    parts = list(tqdm(jobs, total=len(worlds), desc="ablation", disable=None))
+    where = np.repeat(np.arange(len(worlds)), count)
+    rows: list[dict[str, Any]] = []
+    for number, (variant, (predictor, card)) in enumerate(zip(recipes, trained, strict=True)):
+        reached = np.concatenate([part[number] for part in parts])
+        success, low, high = over_worlds(reached, where)
+        weights = predictor.network.parameters()
+        rows.append(
+            {
+                "variant": variant,
+                "parameters": sum(weight.numel() for weight in weights),
+                "worlds": recipes[variant].worlds,
+                "minutes": card.minutes,
+                "median_m": card.validation["median"],
+                "mean_m": card.validation["mean"],
+                "episodes": len(reached),
+                "success": success,
+                "low": low,
+                "high": high,
+            }
+        )
+    took = time.perf_counter() - begun
+    name = f"ablation_{options.ablation}"
+    return Report(name, options.seed, worlds, options.quick, took, rows)
+
+
+def _train(recipe: Recipe) -> tuple[WaypointNetwork, Any]:
+    network, card = train_local(recipe, WORK)
+    return WaypointNetwork(network), card
+
+
+def _race(predictors: list[WaypointNetwork], world: int, count: int, seed: int) -> list[Array]:
+    """Whether each variant reached each target of one world."""
+    use_threads(1)
+    course = clean_course(world, count, seed)
+    return [attempt(course, by_waypoints(p)(course.episodes), seed)["reached"] for p in predictors]
