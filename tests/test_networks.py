@@ -125,6 +125,19 @@ def test_no_pairs_have_no_outputs(encoder, view):
     assert outputs.shape == network(current, contexts).shape == (0, 6)
 
 
+@pytest.mark.parametrize("encoder", ["matching", "pair", "separate"])
+@pytest.mark.parametrize("k", [0, 1, 3])
+@torch.inference_mode()
+def test_a_context_of_another_length_is_refused(encoder, k):
+    network, current = build(encoder, k=2), pictures_for(build(), 4)
+    contexts = pictures_for(network, 4, 2 * k + 1)
+    kept = network.encode_targets(contexts)
+    with pytest.raises(InputError, match=f"{2 * k + 1} pictures; give 5"):
+        network(current, contexts)
+    with pytest.raises(InputError, match=f"{2 * k + 1} pictures; give 5"):
+        network.compare(network.encode_current(current), kept)
+
+
 @pytest.mark.parametrize(("outputs", "count"), OUTPUTS.items())
 def test_there_are_as_many_outputs_as_are_asked_for(outputs, count):
     network = build("pair", k=0, outputs=outputs)

@@ -2,6 +2,7 @@ import hashlib
 import json
 import re
 from dataclasses import replace
+from functools import partial
 
 import joblib
 import numpy as np
@@ -12,6 +13,7 @@ from safetensors.torch import load_file, save_file
 from tutorial_lib import cli
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning import recipes, weights
+from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.learning.weights import FOLDER, Card, load_card, load_network, save_network
@@ -328,6 +330,7 @@ def tiny(tmp_path, monkeypatch):
         cars=3,
     )
     monkeypatch.setitem(recipes.WAYPOINT, "0", recipe)
+    monkeypatch.setattr(recipes, "Source", partial(Source, worlds=2, targets=4))
     monkeypatch.setattr(recipes, "WORK", tmp_path / "work")
     monkeypatch.setattr(cli, "PROJECT", tmp_path)
     folder = tmp_path / "weights"

@@ -105,9 +105,7 @@ class LocalNetwork(nn.Module):
         current = current[:, None].expand(count, pictures, *current.shape[1:])
         features = self.encoder.compare(current.flatten(0, 1), targets.flatten(0, 1))
         features = features.view(count, pictures, FEATURES)
-        x = functional.relu(self.context(features.transpose(1, 2))[..., 0])  # (N, 128)
-        x = functional.relu(self.hidden(x))
-        return self.heads(x), self.pose(features)
+        return self._tell(features), self.pose(features)
 
     def forward(self, current: Tensor, contexts: Tensor) -> Tensor:
         """Outputs (N, O) for pictures (N, C, H, W) and targets (N, 2k+1, C, H, W), nothing kept.
@@ -120,6 +118,15 @@ class LocalNetwork(nn.Module):
         repeated = current[:, None].expand(-1, pictures, -1, -1, -1).flatten(0, 1)
         features = self.encoder.compare(
             self.encoder.current(repeated), self.encoder.target(contexts.flatten(0, 1))
-        ).view(len(current), pictures, FEATURES)
-        x = functional.relu(self.context(features.transpose(1, 2))[..., 0])
+        )
+        return self._tell(features.view(len(current), pictures, FEATURES))
+
+    def _tell(self, features: Tensor) -> Tensor:
+        """Outputs (N, O) from what describes pairs (N, P, FEATURES)."""
+        (wanted,) = self.context.kernel_size
+        if features.shape[1] != wanted:
+            raise InputError(
+                f"network: targets of {features.shape[1]} pictures; give {wanted} to this one"
+            )
+        x = functional.relu(self.context(features.transpose(1, 2))[..., 0])  # (N, 128)
         return self.heads(functional.relu(self.hidden(x)))

@@ -101,7 +101,7 @@ def train(
         state.load(checkpoint)
     network, progress = state.network, state.progress
     coming = batches(source, settings.seed, progress.step, settings.targets)
-    bar = tqdm(total=settings.steps, initial=progress.step, disable=None, unit="batch")
+    bar = tqdm(total=settings.steps, initial=progress.step, disable=None, leave=False)
     while progress.step < settings.steps and not progress.is_over(settings.patience):
         state.learn(next(coming))
         bar.update()
