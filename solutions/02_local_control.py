@@ -399,7 +399,7 @@ sliders(
 # ### Why the car must be able to reverse
 #
 # Table I of the paper asks for targets up to **one metre behind** the car. The policies above only ever drive forwards to what lies ahead. The library's `RMPController` blends the same policies, and before it asks them, it
-# chooses an *arc* to the waypoint, forwards or in reverse, and turns in several moves where one arc is too view.
+# chooses an *arc* to the waypoint, forwards or in reverse, and turns in several moves where one arc is too tight.
 #
 # **Predict:** a car that never reverses, and the library's car, both know exactly where the target is. Over all episodes whose target lies behind, which share of them will either reach?
 
@@ -448,7 +448,7 @@ for drives in found.values():
 show(side_by_side(panels, list(found), height=420))
 
 # %% [markdown]
-# A car needs 1.6 m of width for a half circle (notebook 01). Few places of an apartment are that view, so a car that only knows *forwards* must go round the block to get 50 cm back. This is a property of the *body*, and no
+# A car needs 1.6 m of width for a half circle (notebook 01). Few places of an apartment are that wide, so a car that only knows *forwards* must go round the block to get 50 cm back. This is a property of the *body*, and no
 # network can make up for it.
 #
 # ## 3 · Which waypoint should the network say?

@@ -15,7 +15,7 @@ from tutorial_lib.driving.rollouts import geodesic_limit
 from tutorial_lib.driving.trajectories import context
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import distance_to_segments, relative
-from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
@@ -96,14 +96,16 @@ def test_who_finds_no_place_stays_and_is_told():
     assert (poses == kept).all()
 
 
-def test_another_body_has_another_room():
-    corridor = Scene(make_box(10.0, 1.0))
-    poses = np.tile([[5.0, 0.3, np.pi / 2]], (60, 1))
-    jitter = Jitter(aside=0.1, turn=0.01)
-    for body in (CAR, DifferentialDrive()):
+def test_a_wider_body_needs_more_room():
+    corridor, broad = Scene(make_box(10.0, 2.0)), BicycleCar(width=0.7)
+    poses = np.tile([5.0, 1.0, 0.0], (100, 1))
+    jitter = Jitter(aside=0.6, turn=0.01)
+    for body in (CAR, broad):
         moved, found = jittered(corridor, poses, jitter, np.random.default_rng(0), body)
-        assert found.any()
-        assert is_free(corridor, body, moved[found]).all()
+        assert found.all()
+        assert is_free(corridor, body, moved).all()
+    slim = jittered(corridor, poses, jitter, np.random.default_rng(0))[0]
+    assert not is_free(corridor, broad, slim).all()
 
 
 def test_the_same_seed_jitters_alike(pillars):
@@ -258,6 +260,15 @@ def test_episodes_are_the_same_however_many_fields_are_made_at_once(
         assert (getattr(again, name) == getattr(episodes, name)).all()
     other = draw_episodes(recorded, paths, 120, np.random.default_rng(1))
     assert (other.starts != episodes.starts).any()
+
+
+def test_episodes_can_be_long_ones_only(recorded, paths):
+    long = draw_episodes(recorded, paths, 40, np.random.default_rng(0), least=1.8)
+    assert long.ahead.min() >= 1.8
+    assert long.ahead.max() > 2.8
+    gap = np.hypot(*(long.starts - long.goals)[:, :2].T)
+    assert gap.min() >= 0.30
+    assert is_free(recorded.scene, CAR, long.starts).all()
 
 
 def test_where_nobody_can_start_there_are_no_episodes():

@@ -368,6 +368,16 @@ def test_the_same_seed_trains_the_same_weights(source, validation, finished):
     assert not equal(other, network)
 
 
+def test_the_seed_draws_the_first_weights_too(source, validation):
+    # At a rate of zero nothing is learnt.
+    still = replace(SETTINGS, steps=1, rate=0.0)
+    first, again, other = (
+        train(TINY, source, validation, replace(still, seed=seed))[0] for seed in (3, 3, 4)
+    )
+    assert equal(first, again)
+    assert not equal(first, other)
+
+
 def test_there_is_a_look_after_every_so_many_steps_and_at_the_end(source, validation, finished):
     assert [look["step"] for look in finished[1].history] == [4, 8, 12, 16, 20]
     for look in finished[1].history:

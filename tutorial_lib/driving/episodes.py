@@ -19,7 +19,7 @@ _FROM_START, _FROM_TARGET = 0.75, 0.6  # metres that an obstacle's middle keeps
 _PASSAGE = 0.70  # metres between an obstacle and the wall that a car can pass through
 _TRIES = 60
 _SPARE = 8  # times as many pairs are drawn
-_AT_ONCE = 256
+_AT_ONCE = 256  # distance fields are held in memory
 
 
 @dataclass(frozen=True)
@@ -84,14 +84,23 @@ def draw_episodes(
     # A pose that already is at its target shows nothing.
     gap = np.linalg.norm(starts[:, :2] - recorded.poses[targets, :2], axis=1)
     good = np.flatnonzero(found & (gap >= REACHED))[: count + count // 10 + 5]
-    field = paths.fields(recorded.poses[targets[good], :2], shortest=True)
-    geodesic = field.distance(starts[good, :2], np.arange(len(good)))
+    geodesic = _geodesics(paths, starts[good], recorded.poses[targets[good]])
     kept = np.isfinite(geodesic)
     good, geodesic = good[kept][:count], geodesic[kept][:count]
     if len(good) < count:
         raise InputError(f"episodes: only {len(good)} of {count} fit; give a larger world")
     ahead = (recorded.arc[targets] - recorded.arc[sources])[good]
     return Episodes(recorded, starts[good], targets[good], ahead, time_limit(geodesic))
+
+
+def _geodesics(paths: GridPaths, starts: Array, goals: Array) -> Array:
+    """Metres (N,) from starts (N, 3) to goals (N, 3), some at a time: each fills a whole field."""
+    found = np.empty(len(starts))
+    for first in range(0, len(starts), _AT_ONCE):
+        some = slice(first, first + _AT_ONCE)
+        field = paths.fields(goals[some, :2], shortest=True)
+        found[some] = field.distance(starts[some, :2], np.arange(len(field.goals)))
+    return found
 
 
 def with_obstacles(

@@ -140,11 +140,11 @@ class Source:
             np.concatenate([seen[..., :2], _turn(seen[..., 2])], axis=-1, dtype=np.float32).reshape(
                 count, -1, 4
             ),
-            self._actions(recorded, pairs),
+            self._actions(recorded, pairs, discs),
             pairs.valid.ravel().astype(np.float32),
         )
 
-    def _actions(self, recorded: RecordedWorld, pairs: Pairs) -> NDArray[np.float32]:
+    def _actions(self, recorded: RecordedWorld, pairs: Pairs, discs: Discs) -> NDArray[np.float32]:
         """What the driver does at each start, given the waypoint that is to be predicted."""
         poses, frames = pairs.starts.reshape(-1, 3), pairs.sources.ravel()
         if self.driver is None:
@@ -152,7 +152,7 @@ class Source:
         seen = Observation(
             image=np.zeros((len(poses), 0, 0, 3), np.uint8),
             depth=None,
-            laser=Laser().scan(recorded.scene, poses),
+            laser=Laser().scan(recorded.scene, poses, discs),
             odometry=np.zeros((len(poses), 3)),
             speed=recorded.speed[frames],
             steering=recorded.steering[frames],
@@ -168,7 +168,7 @@ def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
     owners = np.repeat(np.arange(len(poses)), rng.integers(1, 3, len(poses)))
     owners = owners[(rng.random(len(poses)) < share)[owners]].astype(np.int32)
     count = len(owners)
-    bearing, distance = rng.uniform(-1.1, 1.1, count), rng.uniform(0.5, 2.5, count)
+    bearing, distance = rng.uniform(-1.1, 1.1, count), rng.uniform(0.7, 2.5, count)
     ahead = np.stack([distance * np.cos(bearing), distance * np.sin(bearing)], axis=1)
     centres = to_world(poses[owners], ahead)
     circles = np.column_stack([centres, rng.uniform(0.08, 0.25, count)])

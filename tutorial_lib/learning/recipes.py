@@ -51,7 +51,7 @@ class Recipe:
 WAYPOINT = {
     k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(steps=steps))
     for k, name, architecture, steps in (
-        ("0", "waypoint_k0", Architecture(0), 30_000),
+        ("0", "waypoint_k0", Architecture(0), 24_000),
         ("2", "waypoint_k2", Architecture(2), 20_000),
         ("5", "waypoint_k5", Architecture(5), 10_000),
         ("direct", "direct_k2", Architecture(2, outputs="action"), 12_000),
@@ -84,6 +84,7 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     others = replace(source, drives=drives, jitter=PAPER_JITTER, close=0.0, clutter=0.0, vary=False)
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
     checkpoint = work / f"{recipe.name}.pt"
+    prepared = time.monotonic() - begun
     network, progress = train(recipe.architecture, source, validation, recipe.settings, checkpoint)
     card = Card(
         recipe.name,
@@ -91,7 +92,7 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
         recipe.architecture,
         recipe={**asdict(recipe.settings), "worlds": recipe.worlds, "cars": recipe.cars},
         validation=progress.history[progress.best],
-        minutes=round((time.monotonic() - begun) / 60, 1),
+        minutes=round((prepared + progress.seconds) / 60, 1),
     )
     return network, card
 

@@ -1,6 +1,7 @@
 """One plain training loop: seeded, resumable, with a progress bar."""
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -54,10 +55,12 @@ class Progress:
         step: batches learnt from.
         history: for each look at the validation worlds the step, the training loss since the last
             look, and what was measured.
+        seconds: it took, all sittings together.
     """
 
     step: int = 0
     history: list[dict[str, float]] = field(default_factory=list)
+    seconds: float = 0.0
 
     @property
     def best(self) -> int:
@@ -127,6 +130,7 @@ class _State:
         self.optimizer = torch.optim.Adam(network.parameters(), settings.rate)
         self.best = _copy(network)
         self.punished: list[float] = []
+        self.looked = time.monotonic()
 
     def learn(self, batch: Batch) -> None:
         """One step down the gradient."""
@@ -144,6 +148,8 @@ class _State:
         look = {"training": sum(self.punished) / len(self.punished)}
         look |= validate(self.network, validation)
         self.punished.clear()
+        now = time.monotonic()
+        self.looked, self.progress.seconds = now, self.progress.seconds + now - self.looked
         self.progress.history.append({"step": self.progress.step, **look})
         if self.progress.best == len(self.progress.history) - 1:
             self.best = _copy(self.network)
@@ -158,6 +164,7 @@ class _State:
             "best": self.best,
             "step": self.progress.step,
             "history": self.progress.history,
+            "seconds": self.progress.seconds,
         }
         with atomic_path(path) as temporary:
             torch.save(state, temporary)
@@ -175,7 +182,7 @@ class _State:
                 self.network.load_state_dict(state["network"])
                 self.optimizer.load_state_dict(state["optimizer"])
                 self.best = state["best"]
-                self.progress = Progress(state["step"], state["history"])
+                self.progress = Progress(state["step"], state["history"], state["seconds"])
                 return
         # torch, zipfile and pickle have a dozen errors for a damaged file, some many lines long.
         except Exception as error:
