@@ -11,6 +11,7 @@ from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.driving.recorded import BEHIND, RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
 
 RADIUS = 0.15
@@ -18,6 +19,7 @@ RADIUS = 0.15
 _FROM_START, _FROM_TARGET = 0.75, 0.6  # metres that an obstacle's middle keeps
 _PASSAGE = 0.70  # metres between an obstacle and the wall that a car can pass through
 _TRIES = 60
+_ROOMY = BicycleCar(length=0.52, width=0.34)  # a start has 5 cm to spare all around
 _SPARE = 8  # times as many pairs are drawn
 _AT_ONCE = 256  # distance fields are held in memory
 
@@ -80,7 +82,7 @@ def draw_episodes(
     sources, targets = recorded.draw(_SPARE * count, 1, rng)
     ahead = recorded.arc[targets] - recorded.arc[sources]
     sources, targets = sources[ahead >= least], targets[ahead >= least]
-    starts, found = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng)
+    starts, found = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng, _ROOMY)
     # A pose that already is at its target shows nothing.
     gap = np.linalg.norm(starts[:, :2] - recorded.poses[targets, :2], axis=1)
     good = np.flatnonzero(found & (gap >= REACHED))[: count + count // 10 + 5]

@@ -168,10 +168,10 @@ class RMPController:
     reverse_cost: float = 2.3
     turn_cost: float = 0.5
     go_on: float = 0.05
-    begin: float = 0.45
-    miss: float = 0.08
+    begin: float = 0.6
+    miss: float = 0.2
     carrot: float = 0.5
-    arrived: float = 0.08
+    arrived: float = 0.03
     margin: float = 0.03
     braking: float = 0.7
     reserve: float = 0.02

@@ -168,7 +168,7 @@ def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
     owners = np.repeat(np.arange(len(poses)), rng.integers(1, 3, len(poses)))
     owners = owners[(rng.random(len(poses)) < share)[owners]].astype(np.int32)
     count = len(owners)
-    bearing, distance = rng.uniform(-1.1, 1.1, count), rng.uniform(0.7, 2.5, count)
+    bearing, distance = rng.uniform(-1.1, 1.1, count), rng.uniform(0.5, 2.5, count)
     ahead = np.stack([distance * np.cos(bearing), distance * np.sin(bearing)], axis=1)
     centres = to_world(poses[owners], ahead)
     circles = np.column_stack([centres, rng.uniform(0.08, 0.25, count)])

@@ -7,10 +7,9 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from tutorial_lib.driving.demonstrations import record_demonstrations
+from tutorial_lib.driving.demonstrations import DRIVER, record_demonstrations
 from tutorial_lib.driving.jitter import PAPER_JITTER
 from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.driving.trajectories import load_trajectories
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
@@ -77,7 +76,7 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     first = FIRST_VALIDATION_WORLD
     learnt = [training_world(seed) for seed in range(recipe.worlds)]
     unseen = [local_world(first + i) for i in range(recipe.validation_worlds)]
-    imitated = RMPController() if recipe.architecture.outputs == "action" else None
+    imitated = DRIVER if recipe.architecture.outputs == "action" else None
     drives = recorded_drives(learnt, recipe.cars, work)
     source = Source(drives, recipe.architecture, imitated)
     drives = recorded_drives(unseen, recipe.cars, work)
