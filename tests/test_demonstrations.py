@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from conftest import make_box
 
-from tutorial_lib.driving.arcs import ArcController
 from tutorial_lib.driving.demonstrations import (
+    DRIVER,
     FARTHEST,
     NEAREST,
     SHORTEST,
@@ -57,7 +57,7 @@ class Noting:
 
     def act(self, observations, waypoints):
         self.seen.append(observations)
-        return ArcController().act(observations, waypoints)
+        return DRIVER.act(observations, waypoints)
 
 
 def test_most_drives_arrive_and_say_where_they_were_made(shown):
@@ -124,7 +124,7 @@ def test_a_row_holds_what_was_sensed_before_its_action(scene, shown):
         assert (first == t.laser[0]).all(axis=1).any()
     for t in again:
         assert t.speed[0] == t.steering[0] == 0.0
-        assert t.actions[0, 0] != 0.0
+        assert t.actions[0].any()
 
 
 def test_those_who_collide_are_dropped(scene):

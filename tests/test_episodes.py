@@ -21,7 +21,8 @@ from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
 from tutorial_lib.world.worlds import scene_of
 
-CAR, PASSAGE = BicycleCar(), module._PASSAGE
+CAR = BicycleCar()
+PASSED_AT, CLEAR = module._BESIDE, module._CLEAR
 WIDE = Jitter(aside=0.6, wide=0.5, wide_turn=1.0)
 
 
@@ -335,7 +336,7 @@ def test_obstacles_stand_in_the_way_and_keep_their_distances(course):
         places = places_of(obstacles, robot)
         assert np.hypot(*(places - start[:2]).T).min() >= 0.75
         assert np.hypot(*(places - goal[:2]).T).min() >= 0.6
-        assert np.hypot(*(places[0] - places[1])) >= 2 * RADIUS + PASSAGE
+        assert np.hypot(*(places[0] - places[1])) >= 2 * RADIUS
         way = distance_to_segments(places, [[*start[:2], *goal[:2]]])
         assert way.max() <= 0.3 + 1e-9
 
@@ -357,7 +358,7 @@ def test_a_passage_remains_beside_every_obstacle(recorded, course):
         aside = np.array([-along[1], along[0]])
         for place in places_of(obstacles, robot):
             room = [room_beside(walls, place, side * aside) for side in (1, -1)]
-            assert max(room) >= PASSAGE - 0.06  # a cell of the grid
+            assert max(room) >= PASSED_AT + CLEAR - 0.06  # a cell of the grid
 
 
 def test_an_obstacle_exists_for_its_robot_alone(recorded, course):
@@ -385,7 +386,7 @@ def corridor_episodes(width, count=10):
 
 def test_where_no_passage_would_remain_no_obstacle_is_put():
     rng = np.random.default_rng(0)
-    blocked, obstacles = with_obstacles(corridor_episodes(PASSAGE + 0.15), 1, 10, rng)
+    blocked, obstacles = with_obstacles(corridor_episodes(0.75), 1, 10, rng)
     assert len(blocked) == 0
     assert obstacles == []
     blocked, obstacles = with_obstacles(corridor_episodes(2.0), 1, 10, rng)

@@ -1,6 +1,7 @@
 """Episodes of local control: from beside a recorded drive to a frame of it (Meng 2020, Table I)."""
 
 from dataclasses import dataclass, replace
+from itertools import combinations, pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +14,13 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
 
 RADIUS = 0.15
 """Metres, of an obstacle that is not in any recording."""
 _FROM_START, _FROM_TARGET = 0.75, 0.6  # metres that an obstacle's middle keeps
-_PASSAGE = 0.70  # metres between an obstacle and the wall that a car can pass through
+_BESIDE, _CLEAR = 0.35, 0.25  # metres between an obstacle and the line past it: at it, anywhere
+_AT_EASE = 0.3  # metres from start and target within which walls may be nearer
 _TRIES = 60
 _ROOMY = BicycleCar(length=0.52, width=0.34)  # a start has 5 cm to spare all around
 _SPARE = 8  # times as many pairs are drawn
@@ -129,21 +132,17 @@ def with_obstacles(
 def _places(
     recorded: RecordedWorld, start: Array, goal: Array, each: int, rng: np.random.Generator
 ) -> list[Array]:
-    """Where obstacles can stand between two points; fewer than `each` where there is no room."""
-    places: list[Array] = []
+    """Where obstacles can stand between two points so that a car gets past; none without room."""
     if np.linalg.norm(goal - start) < _FROM_START + _FROM_TARGET:
-        return places
+        return []
     for _ in range(_TRIES):
-        place = _near_the_way(start, goal, rng)
-        kept = np.linalg.norm(np.array([start, goal]) - place, axis=1)
-        free = (kept >= [_FROM_START, _FROM_TARGET]).all() and all(
-            np.linalg.norm(other - place) >= 2 * RADIUS + _PASSAGE for other in places
-        )
-        if free and _can_be_passed(recorded, place, goal - start):
-            places.append(place)
-            if len(places) == each:
-                break
-    return places
+        places = [_near_the_way(start, goal, rng) for _ in range(each)]
+        apart = np.linalg.norm(np.array(places)[:, None] - [start, goal], axis=2)
+        kept = (apart >= [_FROM_START, _FROM_TARGET]).all()
+        kept = kept and all(np.linalg.norm(a - b) >= 2 * RADIUS for a, b in combinations(places, 2))
+        if kept and _can_be_passed(recorded.scene, start, goal, places):
+            return places
+    return []
 
 
 def _near_the_way(start: Array, goal: Array, rng: np.random.Generator) -> Array:
@@ -153,11 +152,23 @@ def _near_the_way(start: Array, goal: Array, rng: np.random.Generator) -> Array:
     return start + rng.uniform(0.0, 1.0) * along + rng.uniform(-0.3, 0.3) * aside
 
 
-def _can_be_passed(recorded: RecordedWorld, place: Array, along: Array) -> bool:
-    """Whether there is room beside an obstacle, on the left or on the right."""
-    scene = recorded.scene
-    aside = np.array([-along[1], along[0]]) / max(float(np.linalg.norm(along)), 1e-9)
-    sides = np.array([place + side * (RADIUS + _PASSAGE / 2) * aside for side in (1, -1)])
-    clear = scene.clearance.at(np.array([place, *sides]))
-    in_sight = scene.caster.sees(np.repeat(place[None], 2, axis=0), sides)
-    return bool(clear[0] > 0 and (in_sight & (clear[1:] >= _PASSAGE / 2)).any())
+def _can_be_passed(scene: Scene, start: Array, goal: Array, places: list[Array]) -> bool:
+    """Whether a bent line leads past all obstacles, on either side, with room for a car."""
+    along = (goal - start) / np.linalg.norm(goal - start)
+    aside = (RADIUS + _BESIDE) * np.array([-along[1], along[0]])
+    in_order = sorted(places, key=lambda place: float(along @ place))
+    for sides in product((1.0, -1.0), repeat=len(places)):
+        beside = [place + side * aside for place, side in zip(in_order, sides, strict=True)]
+        line = _sampled(np.array([start, *beside, goal]))
+        ends = np.linalg.norm(line[:, None] - [start, goal], axis=2).min(axis=1)
+        gap = np.linalg.norm(line[:, None] - in_order, axis=2).min(axis=1) - RADIUS
+        gap = np.minimum(gap, scene.clearance.at(line))
+        if (gap[ends > _AT_EASE] >= _CLEAR).all():
+            return True
+    return False
+
+
+def _sampled(corners: Array) -> Array:
+    """Points (P, 2) about every 5 cm of a line through `corners` (C, 2)."""
+    parts = [np.linspace(a, b, 2 + int(np.linalg.norm(b - a) / 0.05)) for a, b in pairwise(corners)]
+    return np.concatenate(parts)

@@ -1,0 +1,113 @@
+"""Table I: the same episodes for everybody, and a report that can be read."""
+
+import json
+
+import numpy as np
+import pytest
+
+from tutorial_lib.cli import main
+from tutorial_lib.experiments import ablations, bench_control, courses, meng_table1
+from tutorial_lib.experiments.contenders import contenders
+from tutorial_lib.experiments.report import Options
+from tutorial_lib.learning.networks import LocalNetwork
+
+WORLD = 10_001
+CONTROLLERS = {"direct", "k0", "k2", "k5", "laser", "random", "oracle"}
+CONDITIONS = {"clean", "noise", "obstacles", "shifted"}
+
+
+@pytest.fixture(scope="module")
+def course():
+    return courses.courses(WORLD, 12, seed=0)
+
+
+@pytest.fixture(scope="module")
+def report():
+    """Two worlds with few episodes."""
+    patch = pytest.MonkeyPatch()
+    patch.setattr(courses, "_QUICK_EPISODES", 3)
+    made = meng_table1.run(Options(worlds=(10_000, 10_001), quick=True))
+    patch.undo()
+    return made
+
+
+def test_every_controller_has_a_row_for_every_condition(report):
+    keys = [(row["controller"], row["condition"]) for row in report.rows]
+    assert len(keys) == len(set(keys)) == len(CONTROLLERS) * len(CONDITIONS)
+    assert set(keys) == {(name, condition) for name in CONTROLLERS for condition in CONDITIONS}
+    for row in report.rows:
+        assert row["low"] <= row["success"] <= row["high"]
+        assert row["success_or_overlap"] >= row["success"]
+        assert row["episodes"] == 6
+    assert json.loads(json.dumps(report.as_dict()))["worlds"] == [10_000, 10_001]
+    assert "oracle - k5, clean" in report.as_text()
+
+
+def test_all_conditions_share_their_starts_and_targets(course):
+    clean = course["clean"].episodes
+    for name in ("noise", "shifted"):
+        assert (course[name].episodes.starts == clean.starts).all()
+        assert (course[name].episodes.targets == clean.targets).all()
+    seen = [course[name].episodes.recorded.scene.plan for name in ("clean", "shifted")]
+    assert (seen[0].segments == seen[1].segments).all()
+    assert not np.array_equal(seen[0].atlas, seen[1].atlas)
+    assert course["noise"].noise == pytest.approx(1 / 3)
+    owners = [person.owner for person in course["obstacles"].people]
+    assert np.bincount(owners).tolist() == [courses.OBSTACLES] * len(course["obstacles"].episodes)
+
+
+def test_the_clean_course_alone_is_the_same(course):
+    alone = courses.clean_course(WORLD, 12, seed=0).episodes
+    assert (alone.starts == course["clean"].episodes.starts).all()
+    assert (alone.targets == course["clean"].episodes.targets).all()
+
+
+def test_a_random_controller_and_an_oracle_bracket_the_others(course):
+    clean = course["clean"]
+    reached = {
+        name: courses.attempt(clean, prepare(clean.episodes), 0)["reached"].mean()
+        for name, prepare in contenders(0).items()
+    }
+    assert reached["oracle"] >= 0.9
+    assert reached["random"] <= 0.4
+    assert reached["k5"] >= 0.7
+    assert reached["random"] < reached["k2"]
+
+
+def test_the_same_seed_gives_the_same_outcome(course):
+    noisy = course["noise"]
+    both = [
+        courses.attempt(noisy, contenders(0)["k2"](noisy.episodes), seed=4)["reached"]
+        for _ in range(2)
+    ]
+    assert (both[0] == both[1]).all()
+
+
+@pytest.mark.parametrize("name", ablations.ABLATIONS)
+def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name):
+    recipes = ablations.ABLATIONS[name]
+    assert len({recipe.settings for recipe in recipes.values()}) == 1
+    assert len({(r.architecture, r.worlds) for r in recipes.values()}) == len(recipes)
+    for recipe in recipes.values():
+        assert recipe.architecture.k == 2
+        assert LocalNetwork(recipe.architecture) is not None
+
+
+def test_an_ablation_belongs_to_table_1(capsys):
+    assert main(["experiment", "plans", "--ablation", "encoder"]) == 2
+    assert "meng_table1" in capsys.readouterr().err
+
+
+def test_the_benchmark_of_control_tells_where_the_time_goes(monkeypatch):
+    monkeypatch.setattr(bench_control, "FLEETS", (1, 3))
+    rows = bench_control.run(Options(quick=True)).rows
+    assert {(row["cars"], row["stage"]) for row in rows} == {
+        (cars, stage) for cars in (1, 3) for stage in (*bench_control.STAGES, "plain", "all")
+    }
+    for cars in (1, 3):
+        shares = [
+            row["share"]
+            for row in rows
+            if row["cars"] == cars and row["stage"] in bench_control.STAGES
+        ]
+        assert sum(shares) == pytest.approx(1.0)
