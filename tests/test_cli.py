@@ -41,6 +41,16 @@ def test_the_demo_reaches_its_goal_and_leaves_film_strip_and_figures(tmp_path, c
     assert "reached the goal" in capsys.readouterr().out
 
 
+def test_the_demo_by_sight_reaches_the_next_room(tmp_path, capsys):
+    assert main(["demo", "--sight", "--seed", "3"]) == 0
+    told = json.loads((tmp_path / "demo.json").read_text())
+    assert told["reached"]
+    assert not told["collided"]
+    assert told["geodesic"] > 1.0
+    assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
+    assert "reached the goal" in capsys.readouterr().out
+
+
 def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
     image = np.full((160, 200), 254, np.uint8)
     image[[0, -1]] = image[:, [0, -1]] = 0

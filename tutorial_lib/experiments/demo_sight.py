@@ -30,7 +30,8 @@ from tutorial_lib.world.simulation import Simulation
 NETWORK = "waypoint_k5"
 CARS = 24
 """That record drives, of which one leads from the start to the goal."""
-_NEAREST = 1.8  # metres of the drive from the start to the goal
+_NEAREST = 2.2  # metres of the drive from the start to the goal
+_AROUND = 2.0  # metres of the map around the drive
 _SHARP = Camera(rows=64, columns=192)  # for the film; the network looks at 16 x 64
 
 
@@ -68,7 +69,11 @@ def drive_by_sight(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         people=0,
     )
     title = f"{name}: by sight from {rooms[0]} to {rooms[1]}"
-    leave(folder, DriveFilm(PlanView(scene), moments, title), outcome)
+    driven = np.concatenate([track, episode.goals[:, :2]])
+    low, high = driven.min(axis=0), driven.max(axis=0)
+    half = (high - low).max() / 2 + _AROUND
+    bounds = [*((low + high) / 2 - half), *((low + high) / 2 + half)]
+    leave(folder, DriveFilm(PlanView(scene, bounds=bounds), moments, title), outcome)
     return outcome
 
 

@@ -22,9 +22,25 @@ _WALL_THICKNESS = 0.15  # metres drawn behind a wall's face
 class PlanView:
     """Draws on a picture of a scene from above."""
 
-    def __init__(self, scene: Scene, width: int = 720, height: int = 720, margin: int = 16) -> None:
-        """Fit the scene into `width` x `height` pixels, `margin` pixels free all around."""
-        x0, y0, x1, y1 = scene.plan.bounds
+    def __init__(
+        self,
+        scene: Scene,
+        width: int = 720,
+        height: int = 720,
+        margin: int = 16,
+        bounds: ArrayLike | None = None,
+    ) -> None:
+        """Fit the scene, or what lies within `bounds`, into a picture.
+
+        Args:
+            scene: what to draw.
+            width: pixels.
+            height: pixels.
+            margin: pixels around it.
+            bounds: x0, y0, x1, y1 in metres; the whole plan unless given.
+        """
+        given = scene.plan.bounds if bounds is None else bounds
+        x0, y0, x1, y1 = np.asarray(given, dtype=float)
         self.scale = min((width - 2 * margin) / (x1 - x0), (height - 2 * margin) / (y1 - y0))
         self._middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
         self._centre = np.array([width / 2, height / 2])
