@@ -45,10 +45,41 @@ def test_the_speed_of_the_fleet_is_that_of_the_results():
     assert f"steps {ratio:.1f} times as fast" in README
 
 
-def test_the_example_runs(capsys):
-    code = re.search(r"```python\n(.*?)```", README, re.DOTALL).group(1)
-    exec(code, {})
+@pytest.mark.parametrize(
+    ("label", "controller"),
+    [
+        ("random waypoints", "random"),
+        ("direct, k = 2", "direct"),
+        ("C, k = 0", "k0"),
+        ("C, k = 2", "k2"),
+        ("C, k = 5", "k5"),
+        ("C, laser, k = 2", "laser"),
+        ("oracle", "oracle"),
+    ],
+)
+def test_the_table_of_local_controllers_is_that_of_the_results(label, controller):
+    rows = {r["condition"]: r for r in rows_of("meng_table1") if r["controller"] == controller}
+    paper = rows["clean"]["paper"]
+    expected = ["" if paper is None else f"{paper:.0%}"]
+    expected += [
+        f"{rows[name]['success']:.1%}" for name in ("clean", "noise", "obstacles", "shifted")
+    ]
+    assert cells_of(label) == expected
+
+
+def test_the_speed_of_control_is_that_of_the_results():
+    rows = {r["stage"]: r for r in rows_of("control") if r["cars"] == 256}
+    assert f"{rows['all']['car_steps_per_s']:,.0f} car-steps a second" in README
+    assert f"{rows['network']['plain_over_cached']:.1f} times as fast" in README
+
+
+def test_the_examples_run(capsys):
+    first, second = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    names = {}
+    exec(first, names)
     assert "[ True]" in capsys.readouterr().out
+    exec(second, names)
+    assert "m from the target" in capsys.readouterr().out
 
 
 def test_every_picture_and_page_that_is_linked_is_there():

@@ -163,7 +163,7 @@ class RMPController:
     horizon: float = 0.75
     authority: float = 0.25
     lane: float = 0.065
-    lane_reach: float = 1.2
+    lane_reach: float = 2.2
     swing: float = 0.15
     reverse_cost: float = 2.3
     turn_cost: float = 0.5
@@ -175,7 +175,7 @@ class RMPController:
     margin: float = 0.03
     braking: float = 0.7
     reserve: float = 0.02
-    crawl: float = 0.15
+    crawl: float = 0.2
     hurry: float = 3.0
     settle: float = 0.12
 
