@@ -37,7 +37,7 @@ def run(options: Options) -> Report:
     places: list[Any] = list(worlds)
     if options.map is not None:
         worlds, places = (), [options.map]
-        count = count if options.quick else 5 * count
+        count = count if options.quick else 2 * count
     run_all = Parallel(n_jobs=-1, return_as="generator")
     jobs = run_all(delayed(race)(place, count, options.seed) for place in places)
     parts = list(tqdm(jobs, total=len(places), desc="meng_table1", disable=None))

@@ -9,11 +9,6 @@ from tutorial_lib.experiments.report import Report
 FOLDER = Path(__file__).resolve().parent.parent / "results"
 
 
-def is_stored(name: str, folder: Path = FOLDER) -> bool:
-    """Whether there are results of that name."""
-    return (folder / f"{name}.json").is_file()
-
-
 def stored(name: str, folder: Path = FOLDER) -> Report:
     """The stored results of an experiment or benchmark.
 
