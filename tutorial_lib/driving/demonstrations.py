@@ -35,8 +35,8 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 DRIVER = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
-"""Parks exactly, since an oracle's waypoints are exact. With other settings other drives are recorded,
-and networks that are trained on them are not those that come with the library."""
+"""Parks exactly, since an oracle's waypoints are exact. With other settings other drives would be
+recorded, and networks trained on them would not be those that come with the library."""
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
 """Frames of a demonstration at least: one context with k = 5."""
 
