@@ -809,7 +809,7 @@ show(side_by_side(panels, titles, height=460))
 # %% [markdown]
 # Ten of the 40 drives are drawn; a target is green where it was reached and red where not.
 #
-# Has it learnt *this apartment*, or has it learnt to *compare pictures*? **Predict** how many of 40 targets it reaches in another apartment, which neither network has ever seen.
+# Has it learnt *this apartment*, or has it learnt to *compare pictures*? **Predict** how many of 40 targets it reaches in another apartment, which neither network was trained in.
 
 # %%
 elsewhere = scene_of(local_world(10_008))
@@ -830,7 +830,7 @@ for name, network in (("trained for a few seconds", learnt), ("shipped, k = 2", 
 #
 # ## 6 · Drive by sight
 #
-# Now the shipped network, in an apartment that it has never seen. The two parts are put together as in the formula, and the same $\mathcal C_{WP}$ also leads another robot: a round one with two driven wheels that turns in place. **Only $\mathcal C_{RMP}$ is exchanged**; the network is not trained again
+# Now the shipped network, in an apartment that it was not trained in. The two parts are put together as in the formula, and the same $\mathcal C_{WP}$ also leads another robot: a round one with two driven wheels that turns in place. **Only $\mathcal C_{RMP}$ is exchanged**; the network is not trained again
 # (paper, III-B: it is "agnostic to robot dynamics"). For comparison, both are also *told* where the target is, so that only the body counts. **Predict:** which of the two robots will be more successful?
 
 # %%

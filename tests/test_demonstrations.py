@@ -15,9 +15,10 @@ from tutorial_lib.driving.demonstrations import (
 )
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
-from tutorial_lib.driving.trajectories import load_trajectories, render, save_trajectories
+from tutorial_lib.driving.trajectories import load_trajectories, save_trajectories
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import relative
+from tutorial_lib.learning.views import CameraView
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
@@ -109,7 +110,7 @@ def test_replaying_the_actions_gives_the_drive_again(scene, shown):
             seen = simulation.observe()
             assert (simulation.poses[0] == t.poses[row]).all()
             assert (seen.laser[0].astype(np.float32) == t.laser[row]).all()
-            assert (seen.image[0] == render(scene, t.poses[row])).all()
+            assert (seen.image[0] == CameraView().render(scene, t.poses[row])).all()
             assert seen.steering[0] == t.steering[row]
             simulation.step(t.actions[row : row + 1])
         assert not simulation.collided[0]

@@ -12,7 +12,6 @@ from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.jitter import PAPER_JITTER, Jitter, jittered
 from tutorial_lib.driving.recorded import AHEAD, BEHIND, CLOSE, RecordedWorld
 from tutorial_lib.driving.rollouts import geodesic_limit
-from tutorial_lib.driving.trajectories import context
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import distance_to_segments, relative
 from tutorial_lib.world.bodies import BicycleCar
@@ -203,11 +202,26 @@ def test_the_same_seed_draws_the_same_frames(recorded):
 def test_a_context_is_that_of_its_own_drive(recorded, k):
     frames = np.arange(len(recorded.poses))
     found = recorded.context(frames, k)
-    wanted = [
-        context(len(drive), np.arange(len(drive)), k) + start
-        for drive, start in zip(recorded.trajectories, np.unique(recorded.first), strict=True)
-    ]
-    assert (found == np.concatenate(wanted)).all()
+    assert found.shape == (len(frames), 2 * k + 1)
+    for frame, row in zip(frames.tolist(), found.tolist(), strict=True):
+        first, last = recorded.first[frame], recorded.last[frame]
+        assert row == [min(max(frame + 3 * j, first), last) for j in range(-k, k + 1)]
+
+
+@pytest.mark.parametrize(
+    ("frames", "k", "words"),
+    [
+        ([0], -1, "k = -1"),
+        ([-1], 1, "there are 0 to"),
+        ([10**9], 1, "there are 0 to"),
+        ([1.5], 1, "whole numbers"),
+        ([[1, 2]], 1, r"\(N,\)"),
+        ([0], 400, "k = 400 needs a drive of 2401 frames"),
+    ],
+)
+def test_no_context_of_what_was_not_recorded(recorded, frames, k, words):
+    with pytest.raises(InputError, match=words):
+        recorded.context(np.array(frames), k)
 
 
 def test_without_a_drive_there_is_nothing_to_draw(box):

@@ -1,15 +1,20 @@
 """Table I: the same episodes for everybody, and a report that can be read."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from tutorial_lib.cli import main
 from tutorial_lib.experiments import ablations, bench_control, courses, meng_table1
-from tutorial_lib.experiments.contenders import contenders
+from tutorial_lib.experiments.contenders import by_waypoints, contenders
 from tutorial_lib.experiments.report import Options
+from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.world.generators import generate
+from tutorial_lib.world.plan_json import save_plan
+from tutorial_lib.world.simulation import Sensors
 
 WORLD = 10_001
 CONTROLLERS = {"direct", "k0", "k2", "k5", "laser", "random", "oracle"}
@@ -65,8 +70,8 @@ def test_the_clean_course_alone_is_the_same(course):
 def test_a_random_controller_and_an_oracle_bracket_the_others(course):
     clean = course["clean"]
     reached = {
-        name: courses.attempt(clean, prepare(clean.episodes), 0)["reached"].mean()
-        for name, prepare in contenders(0).items()
+        name: courses.attempt(clean, prepare(clean.episodes))["reached"].mean()
+        for name, prepare in contenders((0, WORLD)).items()
     }
     assert reached["oracle"] >= 0.9
     assert reached["random"] <= 0.4
@@ -77,10 +82,20 @@ def test_a_random_controller_and_an_oracle_bracket_the_others(course):
 def test_the_same_seed_gives_the_same_outcome(course):
     noisy = course["noise"]
     both = [
-        courses.attempt(noisy, contenders(0)["k2"](noisy.episodes), seed=4)["reached"]
+        courses.attempt(noisy, contenders((0, WORLD))["k2"](noisy.episodes))["reached"]
         for _ in range(2)
     ]
     assert (both[0] == both[1]).all()
+
+
+@pytest.mark.parametrize("name", ablations.ABLATIONS)
+def test_every_variant_can_be_driven(course, name):
+    two = replace(course["clean"], episodes=course["clean"].episodes.some(np.arange(2)))
+    for recipe in ablations.ABLATIONS[name].values():
+        predictor = WaypointNetwork(LocalNetwork(recipe.architecture).eval())
+        sensors = Sensors(camera=predictor.view.camera)
+        found = courses.attempt(two, by_waypoints(predictor)(two.episodes), sensors)
+        assert found["reached"].shape == (2,)
 
 
 @pytest.mark.parametrize("name", ablations.ABLATIONS)
@@ -91,6 +106,21 @@ def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name
     for recipe in recipes.values():
         assert recipe.architecture.k == 2
         assert LocalNetwork(recipe.architecture) is not None
+
+
+@pytest.mark.parametrize("other", [["--worlds", "3:5"], ["--ablation", "encoder"]])
+def test_a_map_stands_in_place_of_worlds(other, capsys):
+    assert main(["experiment", "meng_table1", "--map", "depot.yaml", *other]) == 2
+    assert "--map" in capsys.readouterr().err
+
+
+def test_a_map_has_no_shifted_palette_and_is_named(tmp_path, monkeypatch):
+    plan = generate("apartment", 10_012)
+    save_plan(plan, tmp_path / "flat.json")
+    monkeypatch.setattr(courses, "_QUICK_EPISODES", 2)
+    made = meng_table1.run(Options(quick=True, map=tmp_path / "flat.json"))
+    assert made.map == "flat.json"
+    assert {row["condition"] for row in made.rows} == CONDITIONS - {"shifted"}
 
 
 def test_an_ablation_belongs_to_table_1(capsys):

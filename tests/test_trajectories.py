@@ -9,13 +9,10 @@ from hypothesis import strategies as st
 
 from tutorial_lib.driving.trajectories import (
     Trajectory,
-    context,
     load_trajectories,
-    render,
     save_trajectories,
 )
 from tutorial_lib.errors import InputError
-from tutorial_lib.world.sensors import Camera, PanoramicCamera
 
 ARRAYS = [field.name for field in fields(Trajectory)][2:]
 
@@ -71,47 +68,6 @@ def test_different_lasers_do_not_mix(tmp_path):
     with pytest.raises(InputError, match="beams"):
         save_trajectories(tmp_path / "a.npz", [make(3), make(3, beams=7)])
     assert list(tmp_path.iterdir()) == []
-
-
-@given(
-    st.integers(1, 60),
-    st.integers(0, 5),
-    st.integers(1, 4),
-    st.lists(st.integers(0, 59), min_size=1, max_size=20),
-)
-def test_context_is_the_frames_around_each_target(length, k, interval, frames):
-    frames = [frame % length for frame in frames]
-    if length < 2 * k * interval + 1:
-        with pytest.raises(InputError, match=f"k = {k} needs .* {2 * k * interval + 1} frames"):
-            context(length, frames, k, interval)
-        return
-    found = context(length, frames, k, interval)
-    assert found.shape == (len(frames), 2 * k + 1)
-    assert found.dtype.kind == "i"
-    for row, i in zip(found.tolist(), frames, strict=True):
-        wanted = [i + j * interval for j in range(-k, k + 1)]
-        assert row == [min(max(frame, 0), length - 1) for frame in wanted]
-
-
-@pytest.mark.parametrize(
-    ("frames", "k", "interval", "words"),
-    [
-        ([0], -1, 3, "k = -1"),
-        ([0], 1, 0, "interval = 0"),
-        ([50], 1, 3, "0 to 49"),
-        ([-1], 1, 3, "0 to 49"),
-        ([1.5], 1, 3, "whole numbers"),
-        ([[1, 2]], 1, 3, r"\(N,\)"),
-    ],
-)
-def test_no_context_of_what_is_not_there(frames, k, interval, words):
-    with pytest.raises(InputError, match=words):
-        context(50, frames, k, interval)
-
-
-def test_context_of_nothing_and_of_one_number():
-    assert context(50, [], 2).shape == (0, 5)
-    assert context(50, 20, 2).tolist() == [[14, 17, 20, 23, 26]]
 
 
 def test_arc_length_counts_reversing_too():
@@ -281,18 +237,3 @@ def test_a_save_that_fails_leaves_the_old_file_and_nothing_else(tmp_path, monkey
         save_trajectories(path, [make(50)])
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_pictures_are_those_of_the_camera(pillars):
-    rng = np.random.default_rng(0)
-    poses = np.column_stack([rng.uniform(0.5, 1.5, (6, 2)), rng.uniform(-3, 3, 6)])
-    flat = Camera().look(pillars, poses)[0]
-    assert (render(pillars, poses) == flat).all()
-    nested = render(pillars, poses.reshape(2, 3, 3))
-    assert nested.shape == (2, 3, 16, 64, 3)
-    assert nested.dtype == np.uint8
-    assert (nested.reshape(flat.shape) == flat).all()
-    assert (render(pillars, poses[2]) == flat[2]).all()
-    panorama = PanoramicCamera()
-    assert render(pillars, poses[:2], panorama).shape == (2, 16, 192, 3)
-    assert render(pillars, np.empty((0, 5, 3))).shape == (0, 5, 16, 64, 3)

@@ -60,7 +60,9 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument("--family", choices=FAMILIES, default="apartment")
     demo.add_argument("--seed", type=int, default=0)
     demo.add_argument(
-        "--sight", action="store_true", help="by sight alone, to a goal picture in the next room"
+        "--sight",
+        action="store_true",
+        help="no map and no pose: to a picture of the next room",
     )
     demo.set_defaults(run=_demo)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
@@ -144,6 +146,8 @@ def _train(options: argparse.Namespace) -> int:
     recipe = recipes.WAYPOINT[options.k]
     network, card = recipes.train_local(recipe, recipes.WORK)
     path = save_network(network, card)
+    # What is finished would otherwise be found again instead of trained.
+    recipe.checkpoint(recipes.WORK).unlink(missing_ok=True)
     print(f"wrote {path.relative_to(PROJECT)} after {card.minutes} min: {card.validation}")
     return 0
 
@@ -151,6 +155,8 @@ def _train(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     if options.ablation and options.name != "meng_table1":
         raise InputError(f"--ablation: {options.name} has none; it belongs to meng_table1")
+    if options.map is not None and (options.worlds or options.ablation):
+        raise InputError("--map: stands in place of worlds; give no --worlds and no --ablation")
     if options.seed < 0:
         raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
     if options.json is not None:

@@ -85,7 +85,6 @@ def record_demonstrations(
     seed: int,
     folder: str | Path,
     jobs: int = 2,
-    controller: Controller | None = None,
     control_noise: float = 0.0,
 ) -> list[Path]:
     """Record demonstrations in many worlds, one file each; files that are there are kept.
@@ -99,7 +98,6 @@ def record_demonstrations(
         seed: of the whole recording.
         folder: for the files; made where it is missing.
         jobs: processes.
-        controller: as for `demonstrate`.
         control_noise: as for `demonstrate`.
 
     Returns:
@@ -114,7 +112,7 @@ def record_demonstrations(
     folder.mkdir(parents=True, exist_ok=True)
     names = list(dict.fromkeys(worlds))
     run_all = Parallel(n_jobs=jobs, return_as="generator")
-    recipe = (count, seed, folder, controller, control_noise)
+    recipe = (count, seed, folder, control_noise)
     paths = run_all(delayed(_record)(name, *recipe) for name in names)
     bar = tqdm(paths, total=len(names), desc="demonstrations", disable=None)
     done = dict(zip(names, bar, strict=True))
@@ -132,7 +130,6 @@ def _record(
     count: int,
     seed: int,
     folder: Path,
-    controller: Controller | None,
     control_noise: float,
 ) -> Path:
     """Record one world, unless its file is there."""
@@ -140,7 +137,7 @@ def _record(
     own = world_seed(seed, world, count, control_noise)
     if not _is_recorded(path, world, own):
         scene = scene_of(world)
-        save_trajectories(path, demonstrate(world, scene, count, own, controller, control_noise))
+        save_trajectories(path, demonstrate(world, scene, count, own, control_noise=control_noise))
     return path
 
 
@@ -149,7 +146,7 @@ def _is_recorded(path: Path, world: str, seed: int) -> bool:
         found = load_trajectories(path)
     except InputError:
         return False
-    return all((trajectory.world, trajectory.seed) == (world, seed) for trajectory in found)
+    return {(drive.world, drive.seed) for drive in found} == {(world, seed)}
 
 
 def _errands(

@@ -47,7 +47,30 @@ class RecordedWorld:
         self.arc = arcs + gap + np.repeat(length, lengths)
 
     def context(self, frames: NDArray[np.intp], k: int) -> NDArray[np.intp]:
-        """(N, 2k+1) frames around each of `frames` (N,), none beyond the ends of its drive."""
+        """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
+
+        Args:
+            frames: (N,) numbers i of the targets.
+            k: pictures on either side.
+
+        Returns:
+            (N, 2k+1); beyond either end of a drive its first or last frame is repeated.
+
+        Raises:
+            InputError: when a drive is shorter than one context, or there is no such frame.
+        """
+        frames = np.asarray(frames)
+        if k < 0 or frames.dtype.kind not in "iu" or frames.ndim != 1:
+            raise InputError(f"context: frames {frames}, k = {k}; give (N,) whole numbers, k >= 0")
+        if len(frames) and not 0 <= frames.min() <= frames.max() < len(self.poses):
+            raise InputError(f"context: frames {frames}; there are 0 to {len(self.poses) - 1}")
+        needed = 2 * k * CONTEXT_INTERVAL + 1
+        shortest = (self.last - self.first + 1)[frames].min(initial=needed)
+        if shortest < needed:
+            raise InputError(
+                f"context: k = {k} needs a drive of {needed} frames and one has {shortest}; record "
+                "longer ones or give a smaller k"
+            )
         around = frames[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1)
         return np.clip(around, self.first[frames, None], self.last[frames, None])
 

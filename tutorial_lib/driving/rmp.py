@@ -109,6 +109,8 @@ def control_jacobian(body: BicycleCar | DifferentialDrive, controls: ArrayLike) 
 def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[Array, Array]:
     """What a policy means for the controls: force J^T M a, and metric J^T M J.
 
+    How fast the Jacobian itself changes is left out: controls are chosen anew ten times a second.
+
     Jacobians (..., D, 2) are those of the D numbers that the policy accelerates, by (..., D) with
     metrics (..., D, D). Forces (..., 2) and metrics (..., 2, 2) of several policies add up.
     """

@@ -1,6 +1,6 @@
 """Recorded experience: what a robot sensed and did, ten times a second; on disk without pictures.
 
-A million frames are 12 GB of pixels but seconds of rays, so pictures are rendered on load.
+A million frames are 12 GB of pixels but seconds of rays, so pictures are rendered when needed.
 """
 
 from dataclasses import dataclass, fields
@@ -10,13 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
 from tutorial_lib.geometry import Array
-from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, PanoramicCamera
 
 CONTEXT_INTERVAL = 3
 """Frames between the pictures of a target's context (dT of Meng 2020, III-B)."""
@@ -83,52 +81,6 @@ class Trajectory:
         """(T,) metres driven until each frame, in reverse too."""
         steps = np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def context(
-    length: int, frames: ArrayLike, k: int, interval: int = CONTEXT_INTERVAL
-) -> NDArray[np.intp]:
-    """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
-
-    Args:
-        length: number of frames of the trajectory.
-        frames: (N,) whole numbers i of the targets.
-        k: pictures on either side.
-        interval: dT, frames between them.
-
-    Returns:
-        (N, 2 k + 1); beyond either end of the trajectory its first or last frame is repeated.
-
-    Raises:
-        InputError: when the trajectory is shorter than one context, or an argument makes no sense.
-
-    >>> context(20, [1, 9], k=1).tolist()
-    [[0, 1, 4], [6, 9, 12]]
-    """
-    frames = np.atleast_1d(np.asarray(frames))
-    if k < 0 or interval < 1:
-        raise InputError(f"context: k = {k}, interval = {interval}; give k >= 0 and interval >= 1")
-    needed = 2 * k * interval + 1
-    if length < needed:
-        raise InputError(
-            f"context: k = {k} needs a trajectory of {needed} frames and this one has {length}; "
-            "give a longer one or a smaller k"
-        )
-    whole = frames.ndim == 1 and (frames.dtype.kind in "iu" or not frames.size)
-    if not whole or not ((frames >= 0) & (frames < length)).all():
-        raise InputError(f"context: frames {frames}; give (N,) whole numbers 0 to {length - 1}")
-    around = np.arange(-k, k + 1) * interval
-    return np.clip(frames.astype(np.intp)[:, None] + around, 0, length - 1)
-
-
-def render(
-    scene: Scene, poses: ArrayLike, camera: Camera | PanoramicCamera | None = None
-) -> NDArray[np.uint8]:
-    """The pictures (..., H, W, 3) that `camera` takes from poses (..., 3), nobody about."""
-    camera = Camera() if camera is None else camera
-    poses = np.asarray(poses, dtype=float)
-    image, _ = camera.look(scene, poses.reshape(-1, 3))
-    return image.reshape(*poses.shape[:-1], *image.shape[1:])
 
 
 def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:

@@ -18,8 +18,11 @@ Contender = Callable[[Episodes], Driver]
 """Gets ready for episodes, and drives them."""
 
 
-def contenders(seed: int) -> dict[str, Contender]:
-    """The rows of Table I by name, bracketed by a random one and an oracle."""
+def contenders(seed: tuple[int, int]) -> dict[str, Contender]:
+    """The rows of Table I by name, bracketed by a random one and an oracle.
+
+    `seed` is that of the random one.
+    """
     rmp = RMPController()
 
     def at_random(episodes: Episodes) -> Driver:

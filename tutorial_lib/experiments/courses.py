@@ -14,11 +14,11 @@ from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rollouts import Driver, Drives, drive
 from tutorial_lib.experiments.report import Options
-from tutorial_lib.geometry import Array
+from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.world.simulation import STEP, Sensors, Simulation
 from tutorial_lib.world.visibility import mutual_overlap
 from tutorial_lib.world.worlds import local_world, scene_of
 
@@ -41,28 +41,35 @@ class Course:
         episodes: starts and targets.
         people: obstacles on the way.
         noise: sigma of the factor on both controls.
+        seed: of the noise; another one in every world.
     """
 
     episodes: Episodes
     people: list[Person]
     noise: float = 0.0
+    seed: tuple[int, int] = (0, 0)
 
-    def run(self, driver: Driver, seed: int) -> Drives:
+    def run(self, driver: Driver, sensors: Sensors | None = None) -> Drives:
         """Drive all episodes at once."""
         episodes = self.episodes
-        rng = np.random.default_rng(seed)
-        scene = episodes.recorded.scene
         simulation = Simulation(
-            scene, episodes.starts, people=self.people, control_noise=self.noise, rng=rng
+            episodes.recorded.scene,
+            episodes.starts,
+            people=self.people,
+            control_noise=self.noise,
+            sensors=sensors,
+            rng=np.random.default_rng(self.seed),
         )
         return drive(simulation, driver, episodes.goals[:, :2], episodes.limit)
 
     def matched(self, drives: Drives) -> NDArray[np.bool_]:
-        """(N,) whether a drive ever saw what its target sees, and touched nothing before."""
+        """(N,) whether a drive reached its target, or ever saw what its target sees."""
         caster, goals = self.episodes.recorded.scene.caster, self.episodes.goals
         matched = drives.reached.copy()
-        for robot in np.flatnonzero(~drives.reached & ~drives.collided):
-            track = drives.poses[: round(drives.seconds[robot] / STEP) + 1 : 3, robot]
+        for robot in np.flatnonzero(~drives.reached):
+            # A drive that touched something ended with that.
+            steps = round(drives.seconds[robot] / STEP) + (not drives.collided[robot])
+            track = drives.poses[:steps, robot]
             both = mutual_overlap(caster, track, np.broadcast_to(goals[robot], track.shape))
             matched[robot] = (both > OVERLAPPING).all(axis=1).any()
         return matched
@@ -75,25 +82,36 @@ def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
 
 
 def courses(place: Any, count: int, seed: int) -> dict[str, Course]:  # noqa: ANN401
-    """The conditions of one world; shifted colours only where a world is generated."""
+    """The conditions of one world; shifted colours only where a world is generated.
+
+    Obstacles stand in episodes of their own, drawn from those that are long and wide enough.
+    """
     recorded, paths, rng = _explored(place, seed)
-    episodes = draw_episodes(recorded, paths, count, rng)
-    found = {"clean": Course(episodes, []), "noise": Course(episodes, [], NOISE)}
-    spare = draw_episodes(recorded, paths, _SPARE * count, rng, _LONG)
+    episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
+    found = {
+        "clean": Course(episodes, [], seed=seeds),
+        "noise": Course(episodes, [], NOISE, seeds),
+    }
+    spare = draw_episodes(recorded, paths, _SPARE * count, rng, _LONG, fewer=True)
     blocked, obstacles = with_obstacles(spare, OBSTACLES, count, rng)
     if len(blocked):
-        found["obstacles"] = Course(blocked, obstacles)
+        found["obstacles"] = Course(blocked, obstacles, seed=seeds)
     if isinstance(place, int):
         scene = scene_of(local_world(place, "shifted"))
         shifted = RecordedWorld(scene, recorded.trajectories)
-        found["shifted"] = Course(episodes.within(shifted), [])
+        found["shifted"] = Course(episodes.within(shifted), [], seed=seeds)
     return found
 
 
 def clean_course(place: Any, count: int, seed: int) -> Course:  # noqa: ANN401
     """Only the first condition of `courses`."""
     recorded, paths, rng = _explored(place, seed)
-    return Course(draw_episodes(recorded, paths, count, rng), [])
+    return Course(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
+
+
+def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
+    """What everything random in one world is drawn with."""
+    return seed, place if isinstance(place, int) else 0
 
 
 def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:  # noqa: ANN401
@@ -101,17 +119,28 @@ def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.rando
     generated = isinstance(place, int)
     name = local_world(place) if generated else str(place)
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
-    rng = np.random.default_rng([seed, place if generated else 0])
+    rng = np.random.default_rng(seeds_of(place, seed))
     drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
     return RecordedWorld(scene, drives), GridPaths(scene.clearance), rng
 
 
-def attempt(course: Course, driver: Driver, seed: int) -> dict[str, Array]:
-    """One driver on one course; each value is (N,)."""
-    drives = course.run(driver, seed)
+def attempt(course: Course, driver: Driver, sensors: Sensors | None = None) -> dict[str, Array]:
+    """One driver on one course; each value is (N,).
+
+    How it went: reached, collided, and matched (see `Course.matched`). What it was like: metres
+    ahead along the drive, bearing of the target in rad, the smaller overlap of the two first
+    pictures, and metres of clearance at start or target, whichever is less.
+    """
+    drives, episodes = course.run(driver, sensors), course.episodes
+    scene, starts, goals = episodes.recorded.scene, episodes.starts, episodes.goals
+    seen = to_local(starts, goals[:, :2])
+    room = np.stack([scene.clearance.at(poses[:, :2]) for poses in (starts, goals)])
     return {
         "reached": drives.reached.astype(float),
         "collided": drives.collided.astype(float),
-        "overlap": course.matched(drives).astype(float),
-        "ahead": course.episodes.ahead,
+        "matched": course.matched(drives).astype(float),
+        "ahead": episodes.ahead,
+        "bearing": np.abs(np.arctan2(seen[:, 1], seen[:, 0])),
+        "overlap": mutual_overlap(scene.caster, starts, goals).min(axis=1),
+        "clearance": room.min(axis=0),
     }

@@ -11,15 +11,24 @@ from tqdm.auto import tqdm
 
 from tutorial_lib.experiments import ablations
 from tutorial_lib.experiments.contenders import contenders
-from tutorial_lib.experiments.courses import attempt, courses, worlds_of
+from tutorial_lib.experiments.courses import attempt, courses, seeds_of, worlds_of
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.statistics import difference, over_worlds
+from tutorial_lib.experiments.statistics import difference, in_points, over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import use_threads
 
 PAPER = {"direct": 0.46, "k0": 0.88, "k2": 0.91, "k5": 0.95}
-"""Table I of the paper, which is clean."""
-_BANDS = {"behind": (-1.0, 0.0), "near": (0.0, 1.0), "middle": (1.0, 2.0), "far": (2.0, 3.1)}
+"""Table I of the paper, which is clean. Its direct control has k = 0, ours k = 2."""
+_BREAKDOWN = {
+    "behind": ("ahead", -1.1, 0.0),
+    "to_1m": ("ahead", 0.0, 1.0),
+    "to_2m": ("ahead", 1.0, 2.0),
+    "to_3m": ("ahead", 2.0, 3.1),
+    "not_before_it": ("bearing", np.pi / 3, np.pi + 1e-9),
+    "little_overlap": ("overlap", 0.0, 0.1),
+    "tight": ("clearance", 0.0, 0.3),
+}
+"""Parts of the episodes that have a column of their own: what was measured, from, to."""
 
 Results = dict[tuple[str, str], dict[str, Array]]
 """What every (controller, condition) made of each episode."""
@@ -45,7 +54,8 @@ def run(options: Options) -> Report:
     rows = [_row(results, *key) for key in results]
     took = time.perf_counter() - begun
     notes = _notes(results)
-    return Report("meng_table1", options.seed, worlds, options.quick, took, rows, notes)
+    where = "" if options.map is None else options.map.name
+    return Report("meng_table1", options.seed, worlds, options.quick, took, rows, notes, where)
 
 
 def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed or a file
@@ -58,10 +68,10 @@ def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed
     """
     use_threads(1)  # the worlds are run side by side
     found: Results = {}
-    drivers = contenders(seed)
+    drivers = contenders(seeds_of(place, seed))
     for condition, course in courses(place, count, seed).items():
         for name, contender in drivers.items():
-            found[name, condition] = attempt(course, contender(course.episodes), seed)
+            found[name, condition] = attempt(course, contender(course.episodes))
     return found
 
 
@@ -90,11 +100,11 @@ def _row(results: Results, controller: str, condition: str) -> dict[str, Any]:
         "high": high,
         "paper": PAPER.get(controller) if condition == "clean" else None,
         "collided": found["collided"].mean(),
-        "success_or_overlap": found["overlap"].mean(),
+        "success_or_overlap": found["matched"].mean(),
     }
-    for band, (nearest, farthest) in _BANDS.items():
-        inside = (found["ahead"] >= nearest) & (found["ahead"] < farthest)
-        row[f"success_{band}"] = reached[inside].mean() if inside.any() else None
+    for part, (what, low, high) in _BREAKDOWN.items():
+        inside = (found[what] >= low) & (found[what] < high)
+        row[f"success_{part}"] = reached[inside].mean() if inside.any() else None
     return row
 
 
@@ -112,6 +122,5 @@ def _notes(results: Results) -> tuple[str, ...]:
         if second in results:
             one, other = results[first], results[second]
             found = difference(one["reached"], other["reached"], one["world"])
-            mean, low, high = (100 * value for value in found)
-            notes.append(f"{what}: {mean:+.1f} points ({low:+.1f} to {high:+.1f})")
+            notes.append(f"{what}: {in_points(found)}")
     return tuple(notes)

@@ -39,6 +39,7 @@ class Report:
         seconds: it took.
         rows: one for each line of the table; all have the same keys.
         notes: what to read below the table.
+        map: the file's name, where it was run on one.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Report:
     seconds: float
     rows: list[dict[str, Any]]
     notes: tuple[str, ...] = ()
+    map: str = ""
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON."""

@@ -47,6 +47,16 @@ def difference(
     return over_worlds(gap, np.arange(len(gap)) if one else worlds)
 
 
+def in_points(found: tuple[float, float, float]) -> str:
+    """A difference of shares and its interval, to read.
+
+    >>> in_points((0.021, -0.004, 0.05))
+    '+2.1 points (-0.4 to +5.0)'
+    """
+    mean, low, high = (100 * value for value in found)
+    return f"{mean:+.1f} points ({low:+.1f} to {high:+.1f})"
+
+
 def wilson(values: Array) -> tuple[float, float, float]:
     """Share of successes and Wilson's 95 % interval."""
     count, share = len(values), float(np.mean(values))

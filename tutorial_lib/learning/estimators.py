@@ -11,7 +11,7 @@ from torch import Tensor
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.networks import LocalNetwork
 from tutorial_lib.learning.weights import load_network
 
 
@@ -21,11 +21,11 @@ class EncodedTargets:
 
     Attributes:
         encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`.
-        architecture: of that network.
+        network: that encoded them.
     """
 
     encoded: Tensor
-    architecture: Architecture
+    network: LocalNetwork
 
     def __len__(self) -> int:
         return len(self.encoded)
@@ -70,17 +70,14 @@ class _Estimator:
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
         encoded = self.network.encode_targets(self.view.numbers(contexts))
-        return EncodedTargets(encoded, self.architecture)
+        return EncodedTargets(encoded, self.network)
 
     @torch.inference_mode()
     def ask(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """The network's outputs (N, O) for N robots and as many targets."""
         prepared = targets if isinstance(targets, EncodedTargets) else self.prepare(targets)
-        if prepared.architecture != self.architecture:
-            raise InputError(
-                f"targets: prepared by another network, {prepared.architecture}; prepare them with "
-                f"this one, {self.architecture}"
-            )
+        if prepared.network is not self.network:
+            raise InputError("targets: prepared by another network; prepare them with this one")
         if len(prepared) != len(observations):
             raise InputError(
                 f"targets: {len(prepared)} for {len(observations)} robots; give as many"

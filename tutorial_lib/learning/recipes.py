@@ -46,6 +46,10 @@ class Recipe:
     validation_worlds: int = 12
     cars: int = 16
 
+    def checkpoint(self, work: Path) -> Path:
+        """Where the state of its training is kept."""
+        return work / f"{self.name}.pt"
+
 
 WAYPOINT = {
     k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(steps=steps))
@@ -73,18 +77,17 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
         The network and its card.
     """
     begun = time.monotonic()
-    first = FIRST_VALIDATION_WORLD
-    learnt = [training_world(seed) for seed in range(recipe.worlds)]
-    unseen = [local_world(first + i) for i in range(recipe.validation_worlds)]
+    learnt, unseen = worlds_of(recipe)
     imitated = DRIVER if recipe.architecture.outputs == "action" else None
     drives = recorded_drives(learnt, recipe.cars, work)
     source = Source(drives, recipe.architecture, imitated)
     drives = recorded_drives(unseen, recipe.cars, work)
     others = replace(source, drives=drives, jitter=PAPER_JITTER, close=0.0, clutter=0.0, vary=False)
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
-    checkpoint = work / f"{recipe.name}.pt"
     prepared = time.monotonic() - begun
-    network, progress = train(recipe.architecture, source, validation, recipe.settings, checkpoint)
+    network, progress = train(
+        recipe.architecture, source, validation, recipe.settings, recipe.checkpoint(work)
+    )
     card = Card(
         recipe.name,
         recipe.command,
@@ -94,6 +97,19 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
         minutes=round((prepared + progress.seconds) / 60, 1),
     )
     return network, card
+
+
+def worlds_of(recipe: Recipe) -> tuple[list[str], list[str]]:
+    """Names of the worlds that are learnt from, and of those that tell when to stop."""
+    first = FIRST_VALIDATION_WORLD
+    learnt = [training_world(seed) for seed in range(recipe.worlds)]
+    return learnt, [local_world(first + i) for i in range(recipe.validation_worlds)]
+
+
+def record_for(recipe: Recipe, work: Path) -> list[Path]:
+    """Record the drives that a training needs, where they are missing."""
+    learnt, unseen = worlds_of(recipe)
+    return record_demonstrations([*learnt, *unseen], recipe.cars, SEED, work / "demonstrations")
 
 
 def recorded_drives(worlds: Sequence[str], cars: int, work: Path) -> list[RecordedWorld]:

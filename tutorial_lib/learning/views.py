@@ -1,6 +1,6 @@
 """What a network looks at: the camera's picture or the laser's scan, 64 columns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -25,6 +25,7 @@ class View(Protocol):
 
     name: str
     size: tuple[int, int, int]
+    camera: Camera
 
     def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray:
         """What is seen from poses (..., 3); a disc's owner is the number of a pose."""
@@ -55,13 +56,18 @@ class CameraView:
         return f"camera{self.rows}"
 
     @property
+    def camera(self) -> Camera:
+        """What a robot must carry."""
+        return Camera(rows=self.rows)
+
+    @property
     def size(self) -> tuple[int, int, int]:
         """Channels, rows and columns of the numbers."""
         return (3, self.rows, COLUMNS)
 
     def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray[np.uint8]:
         """Pictures (..., H, W, 3) uint8 from poses (..., 3)."""
-        image, _ = Camera(rows=self.rows).look(scene, poses.reshape(-1, 3), discs)
+        image, _ = self.camera.look(scene, poses.reshape(-1, 3), discs)
         return image.reshape(*poses.shape[:-1], *image.shape[1:])
 
     def of(self, observations: Observation) -> NDArray[np.uint8]:
@@ -103,6 +109,7 @@ class LaserView:
 
     name: str = "laser"
     size: tuple[int, int, int] = (3, 1, COLUMNS)
+    camera: Camera = field(default_factory=Camera)
 
     def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray[np.float32]:
         """Distances (..., 1, 64, 1) in metres from poses (..., 3)."""

@@ -28,7 +28,7 @@ class Card:
         architecture: to build it with.
         recipe: data and settings it was trained with.
         validation: what was measured on validation worlds.
-        minutes: of training, data included.
+        minutes: it took, and the recording of drives too if they were not there yet.
         parameters: how many numbers it has.
         sha256: of the weights' file.
     """

@@ -11,7 +11,7 @@ from tutorial_lib.world.scene import Scene
 LOCAL_FAMILIES = ("apartment", "office", "maze", "loop_corridor")
 """Where local control is evaluated, by seed."""
 TRAINING_FAMILIES = LOCAL_FAMILIES[:3]
-"""Where networks are trained, by seed: `loop_corridor` is kept for tests."""
+"""Where networks are trained, by seed: they see `loop_corridor` in validation at most."""
 TRAINING_SEEDS = range(10_000)
 
 
