@@ -34,6 +34,7 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
+_LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
 DRIVER = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
 """Parks exactly, since an oracle's waypoints are exact. With other settings other drives would be
 recorded, and networks trained on them would not be those that come with the library."""
@@ -64,7 +65,7 @@ def demonstrate(
         reached.
 
     Raises:
-        InputError: when the world is too small for a geodesic of `NEAREST`.
+        InputError: when the world is too small for a geodesic of 2 m.
     """
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
@@ -158,12 +159,14 @@ def _errands(
     distance = paths.fields(starts[:, :2], shortest=True).cost[:, places]
     goals = np.empty(count, dtype=np.intp)
     for robot, far in enumerate(distance):
-        fit = np.flatnonzero((far >= NEAREST) & (far <= FARTHEST))
-        if not fit.size:
+        farthest = far.max()
+        if farthest < _LEAST:
             raise InputError(
-                f"demonstrations: no place is {NEAREST} m away from where a car starts; "
+                f"demonstrations: no place is {_LEAST} m away from where a car starts; "
                 "give a larger world"
             )
+        nearest = NEAREST if farthest >= NEAREST else _SMALL * farthest
+        fit = np.flatnonzero((far >= nearest) & (far <= FARTHEST))
         goals[robot] = rng.choice(fit)
     limit = time_limit(distance[np.arange(count), goals])
     return starts, paths.points[places[goals]], limit
