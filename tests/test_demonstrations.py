@@ -151,7 +151,12 @@ def test_noise_is_in_the_motion_and_not_in_the_actions(scene, shown):
 
 def test_a_world_that_is_too_small_is_refused():
     with pytest.raises(InputError, match="larger world"):
-        demonstrate("box", Scene(make_box(3.0, 3.0)), 2, 0)
+        demonstrate("box", Scene(make_box(1.8, 1.8)), 2, 0)
+
+
+def test_in_a_small_world_the_goals_are_as_far_as_they_can_be():
+    for t in demonstrate("box", Scene(make_box(4.0, 4.0)), 6, 0):
+        assert np.linalg.norm(t.poses[-1, :2] - t.poses[0, :2]) > 1.4
 
 
 def test_the_seed_of_a_world_is_the_same_everywhere():

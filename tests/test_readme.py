@@ -67,6 +67,17 @@ def test_the_table_of_local_controllers_is_that_of_the_results(label, controller
     assert cells_of(label) == expected
 
 
+@pytest.mark.parametrize("name", ["depot", "tb3_sandbox", "warehouse"])
+def test_success_on_real_maps_is_that_of_the_results(name):
+    rows = rows_of(f"meng_table1_{name}")
+    k5, oracle = (
+        next(r for r in rows if (r["controller"], r["condition"]) == (who, "clean"))
+        for who in ("k5", "oracle")
+    )
+    told = f"{name} {k5['success']:.1%} with k = 5, {oracle['success']:.1%} by the oracle"
+    assert told in README
+
+
 def test_the_speed_of_control_is_that_of_the_results():
     rows = {r["stage"]: r for r in rows_of("control") if r["cars"] == 256}
     assert f"{rows['all']['car_steps_per_s']:,.0f} car-steps a second" in README

@@ -71,9 +71,45 @@ def obstacle_policy__pushes_alike_at_any_distance(distances, closing, push, brak
 
 
 def obstacle_policy__divides_by_nothing(distances, closing, push, brake, weight, fade):
-    """infinite at contact"""
+    """in the acceleration too, not only in the metric"""
     away = (push + brake * np.maximum(closing, 0)) / distances
     return away, weight * np.exp(-np.maximum(distances, 0.01) / fade)
+
+
+def obstacle_policy__limits_nothing(distances, closing, push, brake, weight, fade):
+    """0.01 m, in both"""
+    away = (push + brake * np.maximum(closing, 0)) / distances
+    return away, weight * np.exp(-distances / fade)
+
+
+def obstacle_policy__limits_only_the_push(distances, closing, push, brake, weight, fade):
+    """in the metric too"""
+    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
+    return away, weight * np.exp(-distances / fade)
+
+
+def obstacle_policy__brakes_what_recedes(distances, closing, push, brake, weight, fade):
+    """not the absolute value"""
+    away = (push + brake * np.abs(closing)) / _limited(distances)
+    return away, _fading(distances, weight, fade)
+
+
+def obstacle_policy__limits_the_sum(distances, closing, push, brake, weight, fade):
+    """limit the closing speed from below, not the sum"""
+    away = np.maximum(push + brake * closing, 0) / _limited(distances)
+    return away, _fading(distances, weight, fade)
+
+
+def obstacle_policy__swaps_its_answers(distances, closing, push, brake, weight, fade):
+    """give the accelerations first"""
+    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
+    return _fading(distances, weight, fade), away
+
+
+def obstacle_policy__divides_only_the_brake(distances, closing, push, brake, weight, fade):
+    """divide both terms by the distance"""
+    away = push + brake * np.maximum(closing, 0) / _limited(distances)
+    return away, _fading(distances, weight, fade)
 
 
 def obstacle_policy__never_stops_caring(distances, closing, push, brake, weight, fade):
@@ -122,11 +158,53 @@ def resolve__averages(policies):
 
 
 def resolve__has_no_damping(policies):
-    """add 1e-6"""
+    """nobody cares for one direction: add 1e-6 to the diagonal"""
     force, metric = _sums(policies)
-    if np.linalg.matrix_rank(metric) < 2:
-        raise np.linalg.LinAlgError("Singular matrix")
     return np.linalg.solve(metric, force)
+
+
+def resolve__solves_inside_the_loop(policies):
+    """solve once, after the sums; do not add up"""
+    wanted = np.zeros(2)
+    for jacobian, acceleration, metric in policies:
+        own = jacobian.T @ metric @ jacobian + 1e-6 * np.eye(2)
+        wanted = wanted + np.linalg.solve(own, jacobian.T @ metric @ acceleration)
+    return wanted
+
+
+def resolve__solves_inside_the_loop_undamped(policies):
+    """solve once, after the sums: one policy alone"""
+    return np.mean([np.linalg.solve(*_sums([policy])[::-1]) for policy in policies], axis=0)
+
+
+def resolve__forgets_the_jacobian(policies):
+    """pull back with J"""
+    force, total = np.zeros(2), 1e-6 * np.eye(2)
+    for _, acceleration, metric in policies:
+        force, total = force + metric @ acceleration, total + metric
+    return np.linalg.solve(total, force)
+
+
+def resolve__forgets_the_jacobian_of_the_force(policies):
+    """pull back the force with J too"""
+    force = sum(np.zeros(2) + m @ a for _, a, m in policies)
+    return np.linalg.solve(_sums(policies)[1] + 1e-6 * np.eye(2), force)
+
+
+def resolve__divides_by_the_number(policies):
+    """the force is a sum, not a mean"""
+    force, metric = _sums(policies)
+    return np.linalg.solve(metric + 1e-6 * np.eye(2), force / len(policies))
+
+
+def resolve__returns_inside_the_loop(policies):
+    """is the return inside the loop?"""
+    return resolve__right_by_least_squares(policies[:1])
+
+
+def resolve__right_by_pinv(policies):
+    force, metric = _sums(policies)
+    return np.linalg.pinv(metric) @ force
 
 
 def resolve__hears_only_the_last(policies):
@@ -190,7 +268,7 @@ def waypoint_label__takes_the_greatest_distance(start, track, source, target, se
 
 
 def waypoint_label__looks_for_a_way_back(start, track, source, target, sees):
-    """a target behind is its own waypoint"""
+    """do not search the way back"""
     first, last = min(source, target), max(source, target)
     places = track[first + 1 : last + 1]
     seen = np.flatnonzero(sees(start[:2], places[:, :2]))
@@ -199,6 +277,79 @@ def waypoint_label__looks_for_a_way_back(start, track, source, target, sees):
         seen = np.flatnonzero(sees(start[:2], places[:, :2]))
         return _seen_from(start, places[seen[0]])
     return _seen_from(start, places[seen[-1]]) if len(seen) else None
+
+
+def waypoint_label__ignores_the_target(start, track, source, target, sees):
+    """not beyond the target"""
+    if target <= source:
+        return _seen_from(start, track[target])
+    return _last_in_sight(start, track[source + 1 :], start, sees)
+
+
+def waypoint_label__has_no_case_for_a_target_behind(start, track, source, target, sees):
+    """in sight: a target behind is its own waypoint, in sight or not"""
+    places = track[source + 1 : target + 1]
+    return _seen_from(start, places[np.flatnonzero(sees(start[:2], places[:, :2]))[-1]])
+
+
+def waypoint_label__looks_for_a_target_behind(start, track, source, target, sees):
+    """hidden: a target behind is its own waypoint, in sight or not"""
+    first = target if target <= source else source + 1
+    return _last_in_sight(start, track[first : target + 1], start, sees)
+
+
+def waypoint_label__takes_only_a_target_before_the_source(start, track, source, target, sees):
+    """target <= source"""
+    if target < source:
+        return _seen_from(start, track[target])
+    return _last_in_sight(start, track[source + 1 : target + 1], start, sees)
+
+
+def waypoint_label__takes_the_source_too(start, track, source, target, sees):
+    """the place of source itself is no candidate"""
+    if target <= source:
+        return _seen_from(start, track[target])
+    return _last_in_sight(start, track[source : target + 1], start, sees)
+
+
+def waypoint_label__looks_from_the_source(start, track, source, target, sees):
+    """look from the start"""
+    if target <= source:
+        return _seen_from(start, track[target])
+    return _last_in_sight(start, track[source + 1 : target + 1], track[source], sees)
+
+
+def waypoint_label__counts_from_the_start_of_the_track(start, track, source, target, sees):
+    """count from the first candidate"""
+    ok = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
+    return _seen_from(start, track[ok[-1]])
+
+
+def waypoint_label__counts_so_and_stays_in_the_world(start, track, source, target, sees):
+    """places[seen[-1]]; and give it as seen from the start"""
+    ok = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
+    return track[ok[-1], :2]
+
+
+def waypoint_label__is_one_frame_early(start, track, source, target, sees):
+    """one frame too early"""
+    ok = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
+    return _seen_from(start, track[source + ok[-1]])
+
+
+def waypoint_label__leaves_out_the_target(start, track, source, target, sees):
+    """the target itself is a candidate too"""
+    if target <= source:
+        return _seen_from(start, track[target])
+    return _last_in_sight(start, track[source + 1 : target], start, sees)
+
+
+def waypoint_label__takes_the_last_of_nothing(start, track, source, target, sees):
+    """there is no last place"""
+    if target <= source:
+        return _seen_from(start, track[target])
+    places = track[source + 1 : target + 1]
+    return _seen_from(start, places[np.flatnonzero(sees(start[:2], places[:, :2]))[-1]])
 
 
 def waypoint_label__makes_one_up(start, track, source, target, sees):
@@ -284,3 +435,8 @@ def _seen_from(start, place):
     offset = (place[0] - start[0]) + 1j * (place[1] - start[1])
     turned = offset * np.exp(-1j * start[2])
     return np.array([turned.real, turned.imag])
+
+
+def _last_in_sight(start, places, origin, sees):
+    seen = np.flatnonzero(sees(origin[:2], places[:, :2]))
+    return _seen_from(start, places[seen[-1]]) if len(seen) else None

@@ -83,48 +83,64 @@ _OBSTACLE_EXAMPLE = (np.linspace(0.05, 1, 100), np.zeros(100), 0.12, 0.12, 0.3, 
 @check(rmp.obstacle_policy, _OBSTACLE_EXAMPLE)
 def check_obstacle_policy(student: Callable[..., Any]) -> None:
     """The push off an obstacle: near and far, closing and receding, and at contact."""
-    gains = push, brake, weight, fade = 0.12, 0.3, 0.4, 0.1
+    gains = _, _, weight, fade = 0.12, 0.3, 0.4, 0.1
     cases = (
-        ("standing still", [0.5, 0.2, 0.05], [0.0, 0.0, 0.0]),
         ("closing in", [0.5, 0.2, 0.05], [0.4, 0.3, 0.1]),
+        ("standing still", [0.5, 0.2, 0.05], [0.0, 0.0, 0.0]),
         ("receding", [0.5, 0.2, 0.05], [-0.4, -0.5, -0.1]),
         ("touching", [0.002, 0.0, -0.01], [0.0, 0.1, 0.0]),
     )
     for name, distances, closing in cases:
         distances, closing = np.array(distances), np.array(closing)
         want, metric = rmp.obstacle_policy(distances, closing, *gains)
-        both = push + brake * closing
-        near = np.maximum(distances, 0.01)
-        mistakes = {
-            "what recedes is only pushed: its closing speed counts as 0": both / near,
-            "it makes the distance grow: positive": -want,
-            "the push and the brake are both divided by the distance": push / near
-            + brake * np.maximum(closing, 0),
-            "divide by the distance: near obstacles push harder": push
-            + brake * np.maximum(closing, 0),
-            "whoever closes in is braked on top of the push": push / near,
-            "nearer than 0.01 m it pushes no harder: limit the distance from below": (
-                push + brake * np.maximum(closing, 0)
-            )
-            / np.where(distances == 0, np.nan, distances),
-        }
         with np.errstate(divide="ignore", invalid="ignore"):
             got = call(student, distances, closing, *gains)
         away, metrics = _two("obstacle_policy", got)
         if np.isinf(np.asarray(away, dtype=float)).any():
+            limited = np.shape(metrics) == metric.shape and np.allclose(metrics, metric)
+            where = "in the acceleration too, not only in the metric" if limited else "in both"
             raise WrongAnswer(
-                f"accelerations, {name}: infinite at contact; nearer than 0.01 m it pushes no "
-                "harder: limit the distance from below"
+                f"accelerations, {name}: infinite at contact; nearer than 0.01 m counts as "
+                f"0.01 m, {where}"
             )
+        mistakes = {"that is the metric: give the accelerations first": metric}
+        mistakes |= _pushed(distances, closing, *gains[:2])
         expect_close(f"accelerations, {name}", away, want, 1e-6, mistakes)
+        near = np.maximum(distances, 0.01)
         more = {
             "the metric fades with distance: exp(-distance / fade)": np.full(3, weight),
             "the metric has to fall with distance: the exponent is negative": weight
             * np.exp(near / fade),
             "`fade` is a length: divide the distance by it": weight * np.exp(-near * fade),
             "multiply by `weight`, the metric at contact": np.exp(-near / fade),
+            "nearer than 0.01 m counts as 0.01 m in the metric too, not only in the "
+            "acceleration": weight * np.exp(-distances / fade),
         }
         expect_close(f"metrics, {name}", metrics, metric, 1e-6, more)
+
+
+def _pushed(distances: Array, closing: Array, push: float, brake: float) -> dict[str, Array]:
+    """Known mistakes, and the accelerations they give."""
+    near, shrinking = np.maximum(distances, 0.01), np.maximum(closing, 0)
+    right, both = push + brake * shrinking, push + brake * closing
+    return {
+        "what recedes is only pushed: its closing speed counts as 0": both / near,
+        "what recedes is not braked: np.maximum(closing, 0), not the absolute value": (
+            push + brake * np.abs(closing)
+        )
+        / near,
+        "what recedes is still pushed: limit the closing speed from below, not the sum": np.maximum(
+            both, 0
+        )
+        / near,
+        "it makes the distance grow: positive": -right / near,
+        "the push and the brake are both divided by the distance": push / near + brake * shrinking,
+        "divide both terms by the distance, the push as well": push + brake * shrinking / near,
+        "divide by the distance: near obstacles push harder": right,
+        "whoever closes in is braked on top of the push": push / near,
+        "nearer than 0.01 m counts as 0.01 m, in the acceleration too": right
+        / np.where(distances == 0, np.nan, distances),
+    }
 
 
 def resolve(policies: list[Policy]) -> Array:
@@ -137,7 +153,7 @@ def resolve(policies: list[Policy]) -> Array:
 
 
 _GOAL: Policy = (np.eye(2), np.array([2.0, 0.5]), np.eye(2))
-_WALL: Policy = (np.array([[-0.8, 0.6]]), np.array([3.0]), np.array([[4.0]]))
+_WALL: Policy = (np.array([[-0.5, 1.0]]), np.array([3.0]), np.array([[4.0]]))
 _TURNED: Policy = (
     np.array([[1.0, -0.2], [0.5, 0.9]]),
     np.array([-1.0, 0.7]),
@@ -156,36 +172,62 @@ def check_resolve(student: Callable[..., Any]) -> None:
     )
     for name, policies in cases:
         kept = [tuple(part.copy() for part in policy) for policy in policies]
+        force, metric = _sums(policies)
+        free = np.linalg.matrix_rank(metric) < 2
         try:
-            with np.errstate(divide="ignore", invalid="ignore"):
+            with np.errstate(all="ignore"):
                 got = student(policies)
         except np.linalg.LinAlgError:
-            message = "nobody cares for one of the directions: add 1e-6 to the metric's diagonal"
-            raise WrongAnswer(f"resolve, {name}: {message}") from None
+            raise WrongAnswer(f"resolve, {name}: {_FREE if free else _ONCE}") from None
         before, after = ([part for policy in ps for part in policy] for ps in (kept, policies))
         if not all(np.array_equal(a, b) for a, b in zip(before, after, strict=True)):
             raise WrongAnswer("your function changes the policies; make new arrays")
-        expect_close(f"resolve, {name}", got, resolve(policies), 1e-4, _unresolved(policies))
+        mistakes, want = _unresolved(policies), resolve(policies)
+        if free and isinstance(got, np.ndarray) and got.shape == (2,):
+            fits = np.allclose(metric @ got, force, atol=1e-3) or not np.isfinite(got).all()
+            mistakes |= {_FREE: got} if fits else {}
+        expect_close(f"resolve, {name}", got, want, 1e-4, mistakes)
+
+
+_FREE = "nobody cares for one direction: add 1e-6 to the diagonal"
+_ONCE = "solve once, after the sums: one policy alone may leave a direction free"
+
+
+def _sums(policies: list[Policy]) -> tuple[Array, Array]:
+    """Force (2,) and metric (2, 2) of all policies."""
+    return sum(j.T @ m @ a for j, a, m in policies), sum(j.T @ m @ j for j, _, m in policies)
 
 
 def _unresolved(policies: list[Policy]) -> dict[str, Array]:
     """Known mistakes, and the answers they give."""
-    force = sum(j.T @ m @ a for j, a, m in policies)
-    metric = sum(j.T @ m @ j for j, a, m in policies)
-    unweighted = [(j, a, np.eye(len(a))) for j, a, _ in policies]
-    half = sum(j.T @ a for j, a, _ in policies)
-    alone = [np.linalg.pinv(j) @ a for j, a, _ in policies]
+    force, metric = _sums(policies)
+    small = _DAMPING * np.eye(2)
+    flat = sum(np.zeros(2) + m @ a for _, a, m in policies), sum(small + m for *_, m in policies)
+    alone = [resolve([policy]) for policy in policies]
     return {
         "that is the force; the metric still has to be divided out: np.linalg.solve": force,
         "the metrics do not count: put M between J^T and a, and between J^T and J": resolve(
-            unweighted
+            [(j, a, np.eye(len(a))) for j, a, _ in policies]
         ),
-        "the force lacks the metric: J^T M a": np.linalg.solve(metric + _DAMPING * np.eye(2), half),
+        "the force lacks the metric: J^T M a": np.linalg.solve(
+            metric + small, sum(j.T @ a for j, a, _ in policies)
+        ),
         "add up forces and metrics first, then solve once; do not average what each policy "
         "wants": np.mean(alone, axis=0),
-        "add up what all policies ask for; only the last one counts": resolve(policies[-1:]),
+        "solve once, after the sums; do not add up what each policy wants": np.sum(alone, axis=0),
+        "the force is a sum, not a mean; do not divide it by the number of policies": resolve(
+            policies
+        )
+        / len(policies),
+        "pull back with J: force J^T M a and metric J^T M J": np.linalg.solve(
+            flat[1] + small, flat[0]
+        ),
+        "pull back the force with J too: J^T M a": np.linalg.solve(metric + small, flat[0]),
+        "pull back the metric with J too: J^T M J": np.linalg.solve(flat[1] + small, force),
+        "add up what all policies ask for; only the last one counts": alone[-1],
+        "only the first one counts; is the return inside the loop?": alone[0],
         "the metric of the controls is J^T M J, not J^T J": np.linalg.solve(
-            sum(j.T @ j for j, _, _ in policies) + _DAMPING * np.eye(2), force
+            sum(j.T @ j for j, _, _ in policies) + small, force
         ),
     }
 

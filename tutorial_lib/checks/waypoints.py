@@ -26,7 +26,7 @@ def waypoint_label(
         start: (3,) pose of the robot, beside frame `source`.
         track: (T, 3) poses of the drive.
         source: frame number.
-        target: frame number; a target before the source is its own waypoint.
+        target: frame number; a target at or before the source is its own waypoint.
         sees: tells which points (C, 2) are in clear sight of a place (2,).
     """
     place = _chosen(start, track, source, target, sees)
@@ -57,11 +57,15 @@ _CORNER = _facing_ahead([(0, 0), (2, 0), (2, 2.4)])
 _STRAIGHT = _facing_ahead([(0, 0), (4, 0)])
 _ROUND = _facing_ahead([(0, 0), (3, 0), (3, 0.8), (1.5, 0.8)])
 _FAR_WALL = [9.0, 9.0, 9.0, 10.0]
+_CORNER_WALL = [-1, 0.5, 1.5, 0.5]
 _LABEL_CASES = (
-    ("round a corner", [[-1, 0.5, 1.5, 0.5]], [0.0, -0.1, 0.3], _CORNER, 0, 40),
+    ("round a corner", [_CORNER_WALL], [1.0, -0.2, 0.3], _CORNER, 10, 40),
     ("past a post", [[1, -0.36, 1, -0.24]], [0.0, -0.6, 0.2], _STRAIGHT, 0, 40),
     ("out and back", [_FAR_WALL], [0.0, 0.3, 0.0], _ROUND, 0, len(_ROUND) - 1),
-    ("target behind", [[-1, 0.5, 1.5, 0.5]], [2.1, 1.5, 1.6], _CORNER, 35, 5),
+    ("a drive that goes on", [_FAR_WALL], [0.5, 0.2, 0.1], _STRAIGHT, 5, 20),
+    ("target behind, in sight", [_CORNER_WALL], [2.1, 1.5, 1.6], _CORNER, 35, 25),
+    ("target behind, hidden", [_CORNER_WALL], [2.1, 1.5, 1.6], _CORNER, 35, 5),
+    ("target at the source", [_CORNER_WALL], [0.9, 0.2, -0.4], _CORNER, 10, 10),
     ("nothing in sight", [[0.25, -2, 0.25, 2]], [0.1, 0.0, 0.0], _STRAIGHT, 2, 30),
 )
 
@@ -71,52 +75,90 @@ _LABEL_CASES = (
     (np.zeros(3), _STRAIGHT, 0, 40, clear_sight(Raycaster([_FAR_WALL]))),
 )
 def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """Round a corner, past a post, out and back, a target behind, and nothing in sight."""
-    walls, start, track = np.array(_LABEL_CASES[0][1], float), np.array(_LABEL_CASES[0][2]), _CORNER
-    sees = clear_sight(Raycaster(walls))
-    want, got = waypoint_label(start, track, 0, 40, sees), student(start, track, 0, 40, sees)
-    picture = _labels_from_above(walls, start, track, want, got)
-    for name, walls, start, track, source, target in _LABEL_CASES:
+    """Round a corner, past a post, out and back, targets ahead and behind, nothing in sight."""
+    _, walls, start, track, *frames = _LABEL_CASES[0]
+    walls, start = np.array(walls, float), np.array(start)
+    asked = (start, track, *frames, clear_sight(Raycaster(walls)))
+    picture = _labels_from_above(walls, start, track, waypoint_label(*asked), student(*asked))
+    for name, walls, start, track, *frames in _LABEL_CASES:
         sees, start = clear_sight(Raycaster(np.array(walls, float))), np.array(start)
-        want = waypoint_label(start, track, source, target, sees)
-        kept = start.copy(), track.copy()
-        got = student(start, track, source, target, sees)
+        asked, kept = (start, track, *frames, sees), (start.copy(), track.copy())
+        want, what = waypoint_label(*asked), f"waypoint_label, {name}"
+        try:
+            got = student(*asked)
+        except (IndexError, ValueError):  # of an empty choice
+            if want is not None and frames[1] > frames[0]:
+                raise
+            got = None
+            if want is None:
+                words = "nothing is in sight, so there is no last place; return None"
+                raise WrongAnswer(f"{what}: {words}", picture) from None
         if not (np.array_equal(start, kept[0]) and np.array_equal(track, kept[1])):
             raise WrongAnswer("your function changes its arguments; make a new array")
-        what = f"waypoint_label, {name}"
         if want is None:
-            if got is not None:
-                raise WrongAnswer(f"{what}: there is no waypoint; return None", picture)
+            _expect_none(what, got, to_local(start, track[frames[0], :2]), picture)
             continue
-        mistakes = _mislabelled(start, track, source, target, sees)
-        expect_close(what, got, want, 1e-6, mistakes, picture)
+        if got is None and frames[1] <= frames[0]:
+            raise WrongAnswer(f"{what}: {_BEHIND if frames[1] < frames[0] else _THERE}", picture)
+        expect_close(what, got, want, 1e-6, _mislabelled(*asked), picture)
     return picture
+
+
+_BEHIND = "a target behind is its own waypoint, in sight or not"
+_THERE = "a target at the source's own frame is its own waypoint too: target <= source"
+
+
+def _expect_none(what: str, got: object, own: Array, picture: NDArray[np.uint8]) -> None:
+    """Demand that there is no waypoint; `own` is the place of the source, seen from the start."""
+    if got is None:
+        return
+    words = "there is no waypoint; return None"
+    if np.shape(got) == (2,) and np.allclose(got, own, atol=1e-6):
+        words = "the place of source itself is no candidate; the first one is source + 1"
+    raise WrongAnswer(f"{what}: {words}", picture)
 
 
 def _mislabelled(
     start: Array, track: Array, source: int, target: int, sees: Sees
 ) -> dict[str, Array]:
     """Known mistakes, and the answers they give."""
-    own, right = track[target, :2], _chosen(start, track, source, target, sees)
+    right = _chosen(start, track, source, target, sees)
     mistakes = {
         "give it as seen from the start: to_local": right,
         "shifted, but not turned by the start's heading: to_local": right - start[:2],
     }
     if target <= source:
         places = track[target : source + 1, :2]
-        seen = places[sees(start[:2], places)]
-        return mistakes | {
-            "a target behind is its own waypoint, in sight or not": to_local(start, seen[0]),
-            "a target behind is its own waypoint; do not search the way back": to_local(
-                start, seen[-1]
-            ),
-        }
-    places = track[source + 1 : target + 1, :2]
+        seen = np.flatnonzero(sees(start[:2], places))
+        wrong = {}
+        if len(seen):
+            wrong[f"{_BEHIND}; do not search the way back"] = places[seen[0]]
+            wrong[f"{_BEHIND}; do not look for the nearest on the way back"] = places[seen[-1]]
+    else:
+        wrong = _misplaced(start, track, source, target, sees)
+    for words, place in wrong.items():
+        mistakes[words] = to_local(start, place)
+    for words, place in wrong.items():
+        mistakes[f"{words}; and give it as seen from the start: to_local"] = place
+    return mistakes
+
+
+def _misplaced(
+    start: Array, track: Array, source: int, target: int, sees: Sees
+) -> dict[str, Array]:
+    """Known mistakes with a target ahead, and the places (2,) that they choose."""
+    places, after = track[source + 1 : target + 1, :2], track[source + 1 :, :2]
     seen = sees(start[:2], places)
+    last = np.flatnonzero(seen)[-1]
+    from_source = np.flatnonzero(sees(track[source, :2], places))
     first_hidden = len(seen) if seen.all() else int(seen.argmin())
     ranked = np.linalg.norm(places - start[:2], axis=1) * seen
-    wrong = {
-        "that is the target itself, but it is not in sight": own,
+    before = np.flatnonzero(seen[:-1])
+    return {
+        "that is the target itself, but it is not in sight": track[target, :2],
+        "take the last place in sight up to the target, not beyond the target": after[
+            np.flatnonzero(sees(start[:2], after))[-1]
+        ],
         "that is the nearest place in sight; take the farthest": places[seen.argmax()],
         "a place farther on is in sight again; do not stop at the first hidden one": places[
             max(first_hidden - 1, 0)
@@ -124,15 +166,19 @@ def _mislabelled(
         "the last place along the drive counts, not the one at the greatest distance": places[
             ranked.argmax()
         ],
+        "look from the start, not from the place of source: sees(start[:2], places)": places[
+            from_source[-1] if len(from_source) else 0
+        ],
+        "the target itself is a candidate too": places[before[-1] if len(before) else 0],
+        "one frame too early: number 0 of the candidates is frame source + 1": track[
+            source + last, :2
+        ],
+        "the numbers of the places in sight count from the first candidate, not from the start "
+        "of the track: places[seen[-1]]": track[last, :2],
         "that is the first place that is hidden; take the last one in sight": places[
             min(first_hidden, len(places) - 1)
         ],
-        "the target itself is a candidate too": places[
-            np.flatnonzero(seen[:-1])[-1] if seen[:-1].any() else 0
-        ],
     }
-    local = {words: to_local(start, place) for words, place in wrong.items()}
-    return mistakes | local
 
 
 def _chosen(start: Array, track: Array, source: int, target: int, sees: Sees) -> Array | None:

@@ -109,8 +109,7 @@ def control_jacobian(body: BicycleCar | DifferentialDrive, controls: ArrayLike) 
 def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[Array, Array]:
     """What a policy means for the controls: force J^T M a, and metric J^T M J.
 
-    How fast the Jacobian itself changes is left out: controls are chosen anew ten times a second.
-
+    That Jacobians change is left out: controls are chosen anew ten times a second.
     Jacobians (..., D, 2) are those of the D numbers that the policy accelerates, by (..., D) with
     metrics (..., D, D). Forces (..., 2) and metrics (..., 2, 2) of several policies add up.
     """
@@ -122,7 +121,6 @@ def resolve(forces: Array, metrics: Array, damping: float = 1e-6) -> Array:
     """The accelerations of the controls (..., 2) that suit all policies best.
 
     They minimise the sum over the policies of (J u - a)^T M (J u - a), plus damping * |u|^2.
-
     Forces (..., 2) and metrics (..., 2, 2) are sums of what `pull_back` gave; the damping keeps at
     rest what no policy cares for.
     """
