@@ -1006,9 +1006,9 @@ show(stacked([failure_strip(case) for case in chosen], titles, gap=10))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# The table tells how often, the pictures tell why. When the two pictures share little or nothing, there is nothing to match: the network must guess from what rooms are usually like. A target that is hidden from the start adds that the waypoint is not even the target, but a corner on the way
-# to it. A target behind asks for manoeuvres; the car turns, the target leaves its view, and it has no memory of where it was. In a tight place the waypoint may be right and the car still cannot get there in time. Some drives end <i>close</i> to the target: half a metre away the pictures differ
-# little, and 30 cm decide. Hardly any touches something, since that is the laser's job. (One trait seldom comes alone, and 200 episodes are few: differences of a few points mean nothing here.)
+# One trait stands out. Where the two pictures share less than a tenth, about one drive in four fails; of the others one in fifty. There is nothing to match: the network must guess from what rooms are usually like. A target <i>hidden</i> from the start is too rare here to tell (7 episodes).
+# A target behind and a tight place do no harm: to reverse and to keep off is the driver's job, and it does it by the laser. For the same reason none touches anything. A third of the failures end within half a metre: there the pictures differ
+# little, the network takes the place for the target, and the car waits. (One trait seldom comes alone, and 200 episodes are few: differences of a few points mean nothing here.)
 #
 # The controller itself notices none of this. That is the subject of notebook 03: to <i>know</i> beforehand which targets it will reach.
 # </details>
