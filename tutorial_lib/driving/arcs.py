@@ -13,7 +13,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.errors import InputError
+from tutorial_lib.driving.local import checked_waypoints
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar
@@ -85,9 +85,7 @@ class ArcController:
         Raises:
             InputError: when a waypoint is missing or not finite.
         """
-        waypoints = np.ascontiguousarray(waypoints, dtype=float)
-        if waypoints.shape != (len(observations), 2) or not np.isfinite(waypoints).all():
-            raise InputError(f"waypoints: {waypoints.shape}; give finite (N, 2) for N robots")
+        waypoints = checked_waypoints(waypoints, len(observations))
         angles = full_circle(observations.laser.shape[1])
         state = np.stack([observations.speed, observations.steering], axis=1)
         best, free, gap = _choose(

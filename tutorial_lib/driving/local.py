@@ -3,9 +3,23 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller, Observation, Targets, WaypointPredictor
+
+
+def checked_waypoints(waypoints: ArrayLike, robots: int) -> Array:
+    """Waypoints as (N, 2) float64, one for each of N robots.
+
+    Raises:
+        InputError: when one is missing or not finite.
+    """
+    waypoints = np.ascontiguousarray(waypoints, dtype=float)
+    if waypoints.shape != (robots, 2) or not np.isfinite(waypoints).all():
+        raise InputError(f"waypoints: {waypoints.shape}; give finite (N, 2) for {robots} robots")
+    return waypoints
 
 
 @dataclass(frozen=True)

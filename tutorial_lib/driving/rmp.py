@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.driving import rmp_moves as moves
-from tutorial_lib.errors import InputError
+from tutorial_lib.driving.local import checked_waypoints
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
@@ -190,9 +190,7 @@ class RMPController:
         Raises:
             InputError: when a waypoint is missing or not finite.
         """
-        waypoints = np.ascontiguousarray(waypoints, dtype=float)
-        if waypoints.shape != (len(observations), 2) or not np.isfinite(waypoints).all():
-            raise InputError(f"waypoints: {waypoints.shape}; give finite (N, 2) for N robots")
+        waypoints = checked_waypoints(waypoints, len(observations))
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         controls = np.stack([observations.speed, observations.steering], axis=1)
         carrots, gears, steerings = self._aim(lasers, controls, waypoints)
