@@ -73,9 +73,9 @@ def run(options: Options) -> Report:
     )
     parts = list(tqdm(jobs, total=len(worlds), desc="ablation", disable=None))
     where = np.repeat(np.arange(len(worlds)), count)
+    outcomes = [np.concatenate(found) for found in zip(*parts, strict=True)]
     rows: list[dict[str, Any]] = []
-    for number, (variant, (predictor, card)) in enumerate(zip(recipes, trained, strict=True)):
-        reached = np.concatenate([part[number] for part in parts])
+    for variant, (predictor, card), reached in zip(recipes, trained, outcomes, strict=True):
         success, low, high = over_worlds(reached, where)
         weights = predictor.network.parameters()
         rows.append(
@@ -92,11 +92,10 @@ def run(options: Options) -> Report:
                 "high": high,
             }
         )
-    successes = [np.concatenate([part[number] for part in parts]) for number in range(len(trained))]
-    first, *others = recipes
+    first, *others = zip(recipes, outcomes, strict=True)
     notes = [
-        f"{first} - {other}: " + in_points(difference(successes[0], successes[number], where))
-        for number, other in enumerate(others, start=1)
+        f"{first[0]} - {other}: " + in_points(difference(first[1], reached, where))
+        for other, reached in others
     ]
     took = time.perf_counter() - begun
     name = f"ablation_{options.ablation}"

@@ -11,9 +11,10 @@ from tutorial_lib.driving.demonstrations import demonstrate
 from tutorial_lib.driving.episodes import Episodes
 from tutorial_lib.driving.gridpath import GridPaths, path_length
 from tutorial_lib.driving.local import ComposedController
-from tutorial_lib.driving.metrics import REACHED, time_limit
+from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rmp import RMPController
+from tutorial_lib.driving.rollouts import geodesic_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.contenders import shown
 from tutorial_lib.experiments.demo import EVERY, FILM_RATE, Outcome, check_folder, leave
@@ -80,25 +81,29 @@ def drive_by_sight(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
 def choose_errand(
     recorded: RecordedWorld, rng: np.random.Generator
 ) -> tuple[Episodes, tuple[str, str]]:
-    """One episode from a room to the next along a recorded drive, and the kinds of both rooms.
+    """One episode through a door along a recorded drive, and the kinds of the two rooms.
 
     Raises:
         InputError: when no drive leads from room to room.
     """
-    rooms = recorded.scene.plan.rooms
+    plan = recorded.scene.plan
+    rooms, joined = plan.rooms, np.zeros((len(plan.rooms), len(plan.rooms)), dtype=bool)
+    for door in plan.doors:
+        first, second = door.rooms
+        joined[first, second] = joined[second, first] = True
     sources, targets = recorded.draw(4_000, 1, rng)
     where = np.stack([room.contains(recorded.poses[:, :2]) for room in rooms])
     room_of = np.where(where.any(axis=0), where.argmax(axis=0), -1)
     ahead = recorded.arc[targets] - recorded.arc[sources]
     apart = (room_of[sources] >= 0) & (room_of[targets] >= 0)
-    apart &= (room_of[sources] != room_of[targets]) & (ahead >= _NEAREST)
+    apart &= joined[room_of[sources], room_of[targets]] & (ahead >= _NEAREST)
     if not apart.any():
         raise InputError("demo: no drive leads from one room to the next; give a plan with rooms")
     first = np.flatnonzero(apart)[0]
     source, target = sources[first], targets[first]
-    limit = time_limit(ahead[[first]])
     kinds = (rooms[room_of[source]].kind, rooms[room_of[target]].kind)
-    start = recorded.poses[[source]]
+    start, paths = recorded.poses[[source]], GridPaths(recorded.scene.clearance)
+    limit = geodesic_limit(paths, start, recorded.poses[[target], :2])
     return Episodes(recorded, start, targets[[first]], ahead[[first]], limit), kinds
 
 

@@ -102,8 +102,8 @@ def _row(results: Results, controller: str, condition: str) -> dict[str, Any]:
         "collided": found["collided"].mean(),
         "success_or_overlap": found["matched"].mean(),
     }
-    for part, (what, low, high) in _BREAKDOWN.items():
-        inside = (found[what] >= low) & (found[what] < high)
+    for part, (what, least, most) in _BREAKDOWN.items():
+        inside = (found[what] >= least) & (found[what] < most)
         row[f"success_{part}"] = reached[inside].mean() if inside.any() else None
     return row
 
