@@ -3,7 +3,7 @@ import pytest
 from conftest import make_box, make_drive
 from test_visibility import brute_share
 
-from tutorial_lib.driving.jitter import PAPER_JITTER, jittered
+from tutorial_lib.driving.jitter import PAPER_JITTER, TRAINING_JITTER, jittered
 from tutorial_lib.geometry import to_local, to_world
 from tutorial_lib.learning import pairs as pairs_module
 from tutorial_lib.learning.labels import (
@@ -13,7 +13,7 @@ from tutorial_lib.learning.labels import (
     label,
     waypoint_labels,
 )
-from tutorial_lib.learning.pairs import TRAINING_JITTER, draw_pairs
+from tutorial_lib.learning.pairs import draw_pairs
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene

@@ -46,8 +46,8 @@ def one_by_one(network, current, contexts):
         encoder, x = network.encoder, network.context.bias
         shown = [context.flatten(0, 1)] if network.stacked else context
         for place, picture in enumerate(shown):
-            kept = encoder.current(own[None]), encoder.target(picture[None])
-            x = x + network.context.weight[:, :, place] @ encoder.compare(*kept)[0]
+            kept = encoder.current(own[None]), encoder.target(picture[None])[:, None]
+            x = x + network.context.weight[:, :, place] @ encoder.compare(*kept)[0, 0]
         rows.append(network.heads(functional.relu(network.hidden(functional.relu(x)))))
     return torch.stack(rows)
 
@@ -192,7 +192,8 @@ def test_the_halves_of_the_pair_encoder_are_the_stacked_convolution(rows):
     plain = encoder.stacked(torch.cat([current, target, current - target], dim=1))
     assert halves.shape == (7, 48, 1, COLUMNS)
     torch.testing.assert_close(halves, plain, **CLOSE)
-    assert encoder.compare(encoder.current(current), encoder.target(target)).shape == (7, FEATURES)
+    compared = encoder.compare(encoder.current(current), encoder.target(target)[:, None])
+    assert compared.shape == (7, 1, FEATURES)
 
 
 def correlation(encoder, current, target):

@@ -8,10 +8,11 @@ import pytest
 
 from tutorial_lib.cli import main
 from tutorial_lib.experiments import ablations, bench_control, courses, meng_table1
-from tutorial_lib.experiments.contenders import by_waypoints, contenders
+from tutorial_lib.experiments.contenders import contenders
 from tutorial_lib.experiments.report import Options
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.pilots import by_waypoints
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.simulation import Sensors
@@ -81,10 +82,7 @@ def test_a_random_controller_and_an_oracle_bracket_the_others(course):
 
 def test_the_same_seed_gives_the_same_outcome(course):
     noisy = course["noise"]
-    both = [
-        courses.attempt(noisy, contenders((0, WORLD))["k2"](noisy.episodes))["reached"]
-        for _ in range(2)
-    ]
+    both = [courses.attempt(noisy, contenders((0, WORLD))["k2"])["reached"] for _ in range(2)]
     assert (both[0] == both[1]).all()
 
 
@@ -94,7 +92,7 @@ def test_every_variant_can_be_driven(course, name):
     for recipe in ablations.ABLATIONS[name].values():
         predictor = WaypointNetwork(LocalNetwork(recipe.architecture).eval())
         sensors = Sensors(camera=predictor.view.camera)
-        found = courses.attempt(two, by_waypoints(predictor)(two.episodes), sensors)
+        found = courses.attempt(two, by_waypoints(predictor), sensors)
         assert found["reached"].shape == (2,)
 
 

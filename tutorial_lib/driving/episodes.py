@@ -24,7 +24,6 @@ _AT_EASE = 0.3  # metres from start and target within which walls may be nearer
 _TRIES = 60
 _ROOMY = BicycleCar(length=0.52, width=0.34)  # a start has 5 cm to spare all around
 _SPARE = 8  # times as many pairs are drawn
-_AT_ONCE = 256  # distance fields are held in memory
 
 
 @dataclass(frozen=True)
@@ -95,23 +94,13 @@ def draw_episodes(
     # A pose that already is at its target shows nothing.
     gap = np.linalg.norm(starts[:, :2] - recorded.poses[targets, :2], axis=1)
     good = np.flatnonzero(found & (gap >= REACHED))[: count + count // 10 + 5]
-    geodesic = _geodesics(paths, starts[good], recorded.poses[targets[good]])
+    geodesic = paths.between(starts[good, :2], recorded.poses[targets[good], :2])
     kept = np.isfinite(geodesic)
     good, geodesic = good[kept][:count], geodesic[kept][:count]
     if len(good) < count and not fewer:
         raise InputError(f"episodes: only {len(good)} of {count} fit; give a larger world")
     ahead = (recorded.arc[targets] - recorded.arc[sources])[good]
     return Episodes(recorded, starts[good], targets[good], ahead, time_limit(geodesic))
-
-
-def _geodesics(paths: GridPaths, starts: Array, goals: Array) -> Array:
-    """Metres (N,) from starts (N, 3) to goals (N, 3), some at a time: each fills a whole field."""
-    found = np.empty(len(starts))
-    for first in range(0, len(starts), _AT_ONCE):
-        some = slice(first, first + _AT_ONCE)
-        field = paths.fields(goals[some, :2], shortest=True)
-        found[some] = field.distance(starts[some, :2], np.arange(len(field.goals)))
-    return found
 
 
 def with_obstacles(

@@ -21,6 +21,7 @@ CLEARANCE = 0.25
 _STEPS = [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
 _NO_NODE = -9999
 _NEAR = 0.45  # metres within which a point belongs to a node
+_AT_ONCE = 256  # distance fields are held in memory
 
 
 @dataclass(frozen=True)
@@ -195,6 +196,20 @@ class GridPaths:
         graph = self._geodesic if shortest else self._comfortable
         cost, towards = dijkstra(graph, indices=nodes, return_predecessors=True)
         return DistanceFields(self, goals, gaps, cost, towards)
+
+    def between(self, starts: ArrayLike, goals: ArrayLike) -> Array:
+        """Metres (N,) from each start (N, 2) to its own goal (N, 2); inf without a way.
+
+        Some goals at a time, since each fills a field of the whole world.
+        """
+        starts, goals = np.asarray(starts, dtype=float), np.asarray(goals, dtype=float)
+        places, which = np.unique(goals, axis=0, return_inverse=True)
+        found = np.empty(len(starts))
+        for first in range(0, len(places), _AT_ONCE):
+            field = self.fields(places[first : first + _AT_ONCE], shortest=True)
+            some = np.flatnonzero((which >= first) & (which < first + _AT_ONCE))
+            found[some] = field.distance(starts[some], which[some] - first)
+        return found
 
     @cached_property
     def largest(self) -> NDArray[np.bool_]:

@@ -40,6 +40,8 @@ class Jitter:
 
 PAPER_JITTER = Jitter()
 """As the authors' code has it; what Table I starts from."""
+TRAINING_JITTER = Jitter(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
+"""Wider than the paper's: a car that manoeuvres looks far aside."""
 
 
 def jittered(

@@ -12,6 +12,9 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.simulation import STEP, Simulation
 
+SETTLED = 1.0
+"""Seconds of standing still after which a robot is taken to stand still for good."""
+_STILL = 1e-4  # metres or rad a step
 Robots = NDArray[np.intp]
 """(M,) numbers of the robots that are still under way."""
 Driver = Callable[[Simulation, Robots], Array]
@@ -44,6 +47,7 @@ def drive(
     limit: ArrayLike,
     reached: float = REACHED,
     record: Record | None = None,
+    settle: bool = False,
 ) -> Drives:
     """Drive until every robot has reached its goal, touched something or run out of time.
 
@@ -56,6 +60,8 @@ def drive(
         limit: seconds (N,), or one number for all.
         reached: metres from the goal that count as reached.
         record: looks on.
+        settle: end the drive of a robot that stands still for `SETTLED` seconds. A driver without
+            memory would leave it there forever, where nothing moves and nothing is noisy.
 
     Raises:
         InputError: when goals or limits are not finite or not N.
@@ -67,7 +73,7 @@ def drive(
     if limit.shape not in ((), (count,)) or not np.isfinite(limit).all():
         raise InputError(f"drive: limit {limit}; give finite seconds for {count} robots")
     arrived, over = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-    seconds, track = np.zeros(count), [simulation.poses]
+    seconds, still, track = np.zeros(count), np.zeros(count), [simulation.poses]
     while not over.all():
         robots, actions = np.flatnonzero(~over), np.zeros((count, 2))
         actions[robots] = driver(simulation, robots)
@@ -79,6 +85,10 @@ def drive(
         seconds[robots] += STEP
         arrived |= ~over & ~simulation.collided & (gap < reached)
         over |= arrived | simulation.collided | (seconds >= limit)
+        if settle:
+            moved = np.abs(track[-1] - track[-2]).max(axis=1) > _STILL
+            still = np.where(moved, 0.0, still + STEP)
+            over |= still >= SETTLED
     return Drives(arrived, simulation.collided & ~arrived, seconds, np.stack(track))
 
 

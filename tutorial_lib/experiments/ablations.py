@@ -10,13 +10,13 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
-from tutorial_lib.experiments.contenders import by_waypoints
 from tutorial_lib.experiments.courses import attempt, clean_course, worlds_of
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
 from tutorial_lib.learning.networks import Architecture
+from tutorial_lib.learning.pilots import by_waypoints
 from tutorial_lib.learning.recipes import WORK, Recipe, record_for, train_local
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.world.simulation import Sensors
@@ -118,6 +118,6 @@ def _race(predictors: list[WaypointNetwork], world: int, count: int, seed: int) 
     use_threads(1)
     course = clean_course(world, count, seed)
     return [
-        attempt(course, by_waypoints(p)(course.episodes), Sensors(camera=p.view.camera))["reached"]
+        attempt(course, by_waypoints(p), Sensors(camera=p.view.camera))["reached"]
         for p in predictors
     ]

@@ -2,37 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.driving.courier import OracleCourier
-from tutorial_lib.driving.episodes import Episodes
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.local import ComposedController, RandomWaypoints
+from tutorial_lib.driving.outcomes import Pilot
+from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.driving.rollouts import Driver
-from tutorial_lib.learning.estimators import DirectNetwork, EncodedTargets, WaypointNetwork
-
-Contender = Callable[[Episodes], Driver]
-"""Gets ready for episodes, and drives them."""
+from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
+from tutorial_lib.learning.pilots import by_waypoints, directly
 
 
-def contenders(seed: tuple[int, int]) -> dict[str, Contender]:
+def contenders(seed: tuple[int, int]) -> dict[str, Pilot]:
     """The rows of Table I by name, bracketed by a random one and an oracle.
 
     `seed` is that of the random one.
     """
     rmp = RMPController()
 
-    def at_random(episodes: Episodes) -> Driver:
-        del episodes
+    def at_random(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Driver:
+        del recorded, frames
         controller = ComposedController(RandomWaypoints(np.random.default_rng(seed)), rmp)
         return lambda simulation, robots: controller.act(simulation.observe(robots), None)
 
-    def oracle(episodes: Episodes) -> Driver:
-        paths = GridPaths(episodes.recorded.scene.clearance)
-        return OracleCourier(paths, episodes.goals[:, :2], rmp).act
+    def oracle(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Driver:
+        paths = GridPaths(recorded.scene.clearance)
+        return OracleCourier(paths, recorded.poses[frames, :2], rmp).act
 
     return {
         "random": at_random,
@@ -43,33 +41,3 @@ def contenders(seed: tuple[int, int]) -> dict[str, Contender]:
         "laser": by_waypoints(WaypointNetwork("laser_k2")),
         "oracle": oracle,
     }
-
-
-def by_waypoints(predictor: WaypointNetwork) -> Contender:
-    """C = C_RMP after C_WP."""
-
-    def prepare(episodes: Episodes) -> Driver:
-        targets = shown(predictor, episodes)
-        controller = ComposedController(predictor, RMPController())
-        return lambda simulation, robots: controller.act(
-            simulation.observe(robots), targets[robots]
-        )
-
-    return prepare
-
-
-def directly(network: DirectNetwork) -> Contender:
-    """From pictures to speed and steering."""
-
-    def prepare(episodes: Episodes) -> Driver:
-        targets = shown(network, episodes)
-        return lambda simulation, robots: network.act(simulation.observe(robots), targets[robots])
-
-    return prepare
-
-
-def shown(network: WaypointNetwork | DirectNetwork, episodes: Episodes) -> EncodedTargets:
-    """The targets of episodes, pictured with their context and encoded once."""
-    recorded = episodes.recorded
-    frames = recorded.context(episodes.targets, network.architecture.k)
-    return network.prepare(network.view.render(recorded.scene, recorded.poses[frames]))

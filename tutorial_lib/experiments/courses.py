@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.demonstrations import demonstrate
 from tutorial_lib.driving.episodes import Episodes, draw_episodes, with_obstacles
 from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.outcomes import Pilot
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rollouts import Driver, Drives, drive
 from tutorial_lib.experiments.report import Options
@@ -124,14 +125,15 @@ def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.rando
     return RecordedWorld(scene, drives), GridPaths(scene.clearance), rng
 
 
-def attempt(course: Course, driver: Driver, sensors: Sensors | None = None) -> dict[str, Array]:
-    """One driver on one course; each value is (N,).
+def attempt(course: Course, pilot: Pilot, sensors: Sensors | None = None) -> dict[str, Array]:
+    """One pilot on one course; each value is (N,).
 
     How it went: reached, collided, and matched (see `Course.matched`). What it was like: metres
     ahead along the drive, bearing of the target in rad, the smaller overlap of the two first
     pictures, and metres of clearance at start or target, whichever is less.
     """
-    drives, episodes = course.run(driver, sensors), course.episodes
+    episodes = course.episodes
+    drives = course.run(pilot(episodes.recorded, episodes.targets), sensors)
     scene, starts, goals = episodes.recorded.scene, episodes.starts, episodes.goals
     seen = to_local(starts, goals[:, :2])
     room = np.stack([scene.clearance.at(poses[:, :2]) for poses in (starts, goals)])

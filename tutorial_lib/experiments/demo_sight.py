@@ -16,11 +16,11 @@ from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.driving.rollouts import geodesic_limit
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.contenders import shown
 from tutorial_lib.experiments.demo import EVERY, FILM_RATE, Outcome, check_folder, leave
 from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.learning.pilots import encoded
 from tutorial_lib.viz.dashboard import DriveFilm, Moment
 from tutorial_lib.viz.plan_view import Picture, PlanView
 from tutorial_lib.world.floorplan import FloorPlan
@@ -112,7 +112,7 @@ def _drive(
 ) -> tuple[list[Moment], Array]:
     """Drive until the goal is reached, something is touched or time is up."""
     controller = ComposedController(predictor, RMPController())
-    targets, goal = shown(predictor, episode), episode.goals[0]
+    targets, goal = encoded(predictor, episode.recorded, episode.targets), episode.goals[0]
     picture = _SHARP.look(simulation.scene, goal[None])[0][0]
     track, moments = [simulation.poses[0, :2]], []
     while True:

@@ -68,10 +68,10 @@ def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed
     """
     use_threads(1)  # the worlds are run side by side
     found: Results = {}
-    drivers = contenders(seeds_of(place, seed))
+    pilots = contenders(seeds_of(place, seed))
     for condition, course in courses(place, count, seed).items():
-        for name, contender in drivers.items():
-            found[name, condition] = attempt(course, contender(course.episodes))
+        for name, pilot in pilots.items():
+            found[name, condition] = attempt(course, pilot)
     return found
 
 

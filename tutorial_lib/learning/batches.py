@@ -3,20 +3,20 @@
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, fields
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from tutorial_lib.driving.jitter import Jitter
+from tutorial_lib.driving.jitter import TRAINING_JITTER, Jitter
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import Controller, Observation
 from tutorial_lib.learning.networks import Architecture
-from tutorial_lib.learning.pairs import TRAINING_JITTER, Pairs, draw_pairs
+from tutorial_lib.learning.pairs import Pairs, draw_pairs
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import Laser
 
@@ -36,7 +36,9 @@ class Batch:
         overlap: (N, 2).
         context_poses: (N, 2k+1, 4) x, y, cosine and sine of where each picture was taken.
         action: (N, 2) what the demonstrating driver would do; empty unless asked for.
+        reached: (N,) how probable it is that C reaches the target; 0 unless asked for.
         weight: (N,) 1 for pairs that can be learnt from, 0 for others.
+        placed: (N,) 1 for pairs of which `context_poses` can be learnt, 0 for others.
     """
 
     current: NDArray
@@ -46,7 +48,9 @@ class Batch:
     overlap: NDArray[np.float32]
     context_poses: NDArray[np.float32]
     action: NDArray[np.float32]
+    reached: NDArray[np.float32]
     weight: NDArray[np.float32]
+    placed: NDArray[np.float32]
 
     def tensor(self, name: str) -> Tensor:
         """One of the labels."""
@@ -111,13 +115,8 @@ class Source:
             self._world(self.drives[i], rng)
             for i in rng.integers(len(self.drives), size=self.worlds)
         ]
-        joined = Batch(
-            **{
-                field.name: np.concatenate([getattr(part, field.name) for part in parts])
-                for field in fields(Batch)
-            }
-        )
-        return joined.targets(rng.permutation(len(joined.contexts)))
+        block = joined(parts)
+        return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
         pairs = draw_pairs(
@@ -129,19 +128,19 @@ class Source:
         contexts = view.render(recorded.scene, pairs.contexts)
         if self.vary:
             current, contexts = view.vary([current, contexts], rng)
-        seen = relative(pairs.starts[:, :, None], pairs.contexts[:, None])
-        labels = pairs.labels
+        places = posed(pairs.starts[:, :, None], pairs.contexts[:, None])
+        labels, valid = pairs.labels, pairs.valid.ravel().astype(np.float32)
         return Batch(
             current.reshape(count, *current.shape[2:]),
             contexts,
             labels.waypoint.astype(np.float32),
             _turn(labels.heading),
             labels.overlap.astype(np.float32),
-            np.concatenate([seen[..., :2], _turn(seen[..., 2])], axis=-1, dtype=np.float32).reshape(
-                count, -1, 4
-            ),
+            places.reshape(count, -1, 4),
             self._actions(recorded, pairs, discs),
-            pairs.valid.ravel().astype(np.float32),
+            np.zeros_like(valid),
+            valid,
+            np.ones_like(valid),
         )
 
     def _actions(self, recorded: RecordedWorld, pairs: Pairs, discs: Discs) -> NDArray[np.float32]:
@@ -160,6 +159,22 @@ class Source:
         return self.driver.act(seen, pairs.labels.waypoint).astype(np.float32)
 
 
+def joined(parts: Sequence[Batch]) -> Batch:
+    """All targets of several batches in one."""
+    return Batch(
+        **{
+            field.name: np.concatenate([getattr(part, field.name) for part in parts])
+            for field in fields(Batch)
+        }
+    )
+
+
+def posed(origins: Array, poses: Array) -> NDArray[np.float32]:
+    """Poses (..., 3) as seen from others: (..., 4) x, y, cosine and sine of the heading."""
+    seen = relative(origins, poses)
+    return np.concatenate([seen[..., :2], _turn(seen[..., 2])], axis=-1, dtype=np.float32)
+
+
 def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
     """Round things of any colour before a `share` of the robots at `poses` (N, 3), one or two each.
 
@@ -175,7 +190,21 @@ def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
     return Discs(circles, owners, rng.uniform(0.0, 255.0, (count, 3)).astype(np.float32))
 
 
-def batches(source: Source, seed: int, first: int, size: int) -> Iterator[Batch]:
+class Blocks(Protocol):
+    """Where batches come from."""
+
+    worlds: int
+    targets: int
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What the blocks depend on, so far as it can be told in a few words."""
+
+    def block(self, seed: Sequence[int]) -> Batch:
+        """The block of that seed: `worlds` times `targets` targets, well mixed."""
+
+
+def batches(source: Blocks, seed: int, first: int, size: int) -> Iterator[Batch]:
     """Batches of `size` targets without end, from the `first` on; the next block is made meanwhile.
 
     A batch depends on its number and the seed alone, so that training can go on anywhere.

@@ -1,7 +1,8 @@
 """Comparing two pictures: the paper's pair encoder, and one that matches their columns.
 
 Every encoder has two halves that each see one picture, so that they can be computed once and kept,
-and `compare`, which is all that is left to do for a pair.
+and `compare`, which is all that is left to do for a pair. Sums are made in place where they can be:
+fresh memory costs more time than they do.
 """
 
 import torch
@@ -31,9 +32,9 @@ class Narrowing(nn.Module):
 
     def forward(self, columns: Tensor) -> Tensor:
         """(N, 32, width) to (N, FEATURES)."""
-        x = functional.relu(self.first(_merged(columns)))  # (N, 16, width)
-        x = functional.relu(self.second(_merged(x)))  # (N, 8, last)
-        return functional.relu(self.out(x.flatten(1)))
+        x = self.first(_merged(columns)).relu_()  # (N, 16, width)
+        x = self.second(_merged(x)).relu_()  # (N, 8, last)
+        return self.out(x.flatten(1)).relu_()
 
 
 def _merged(columns: Tensor) -> Tensor:
@@ -64,11 +65,11 @@ class PairEncoder(nn.Module):
         _, other, difference = self.stacked.weight.chunk(3, dim=1)
         return self._first(pictures, other - difference, None)
 
-    def compare(self, current: Tensor, target: Tensor) -> Tensor:
-        """(N, FEATURES) of pairs."""
-        x = functional.relu(current + target)
-        x = functional.relu(self.mix(x))[:, :, 0]  # (N, 64, 32)
-        return self.narrow(x.transpose(1, 2))
+    def compare(self, current: Tensor, targets: Tensor) -> Tensor:
+        """(N, P, FEATURES) of `current` (N, ...) and the pictures of `targets` (N, P, ...)."""
+        x = (current[:, None] + targets).relu_().flatten(0, 1)
+        x = self.mix(x).relu_()[:, :, 0]  # (N * P, 64, 32)
+        return self.narrow(x.transpose(1, 2)).unflatten(0, targets.shape[:2])
 
     def _first(self, pictures: Tensor, weight: Tensor, bias: Tensor | None) -> Tensor:
         layer = self.stacked
@@ -88,9 +89,9 @@ class MatchingEncoder(nn.Module):
         self.rows = rows_away(channels, rows, _FIRST)
         self.mix = nn.Sequential(
             nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1)),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
             nn.Conv2d(_WIDTH, _WIDTH, (1, 3), padding=(0, 1)),
-            nn.ReLU(),
+            nn.ReLU(inplace=True),
         )
         self.match = nn.Linear(_WIDTH, match)
         self.own = nn.Linear(_WIDTH, width)
@@ -111,13 +112,16 @@ class MatchingEncoder(nn.Module):
         match, columns = self._columns(pictures)
         return torch.cat([match, self.shown(columns) + self.places[1]], dim=-1)
 
-    def compare(self, current: Tensor, target: Tensor) -> Tensor:
-        """(N, FEATURES) of pairs."""
-        volume = self.volume(current, target)
-        own, shown = current[..., self.sizes[0] :], target[..., self.sizes[0] :]
-        found = volume.softmax(dim=-1) @ shown
-        best = volume.amax(dim=-1, keepdim=True) * self.likeness
-        return self.narrow(functional.relu(own + found + best))
+    def compare(self, current: Tensor, targets: Tensor) -> Tensor:
+        """(N, P, FEATURES) of `current` (N, ...) and the pictures of `targets` (N, P, ...)."""
+        pairs, match = targets.shape[:2], self.sizes[0]
+        found_by = current[:, None, :, :match].expand(*pairs, -1, -1).flatten(0, 1)
+        targets = targets.flatten(0, 1)
+        volume = self.volume(found_by, targets)
+        columns = volume.softmax(dim=-1) @ targets[..., match:]
+        columns = columns.addcmul_(volume.amax(dim=-1, keepdim=True), self.likeness)
+        columns = columns.unflatten(0, pairs).add_(current[:, None, :, match:])
+        return self.narrow(columns.flatten(0, 1).relu_()).unflatten(0, pairs)
 
     def volume(self, current: Tensor, target: Tensor) -> Tensor:
         """The correlation volume (N, 32, 32): rows are columns of the current picture."""
@@ -125,7 +129,7 @@ class MatchingEncoder(nn.Module):
 
     def _columns(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
         """Directions (N, 32, match) to match by, and features (N, 32, 64) of the columns."""
-        x = self.mix(functional.relu(self.rows(pictures)))[:, :, 0].transpose(1, 2)
+        x = self.mix(self.rows(pictures).relu_())[:, :, 0].transpose(1, 2)
         return functional.normalize(self.match(x), dim=-1), x
 
 
@@ -141,14 +145,15 @@ class SeparateEncoder(nn.Module):
 
     def current(self, pictures: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, FEATURES)."""
-        x = functional.relu(self.mix(functional.relu(self.rows(pictures))))
+        x = self.mix(self.rows(pictures).relu_()).relu_()
         return self.narrow(x[:, :, 0].transpose(1, 2))
 
     target = current
 
-    def compare(self, current: Tensor, target: Tensor) -> Tensor:
-        """(N, FEATURES) of pairs."""
-        return functional.relu(self.both(torch.cat([current, target], dim=-1)))
+    def compare(self, current: Tensor, targets: Tensor) -> Tensor:
+        """(N, P, FEATURES) of `current` (N, ...) and the pictures of `targets` (N, P, ...)."""
+        both = torch.cat([current[:, None].expand_as(targets), targets], dim=-1)
+        return self.both(both).relu_()
 
 
 class StackedEncoder(nn.Module):

@@ -11,8 +11,9 @@ from torch import Tensor
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.networks import LocalNetwork
-from tutorial_lib.learning.weights import load_network
+from tutorial_lib.learning.weights import load_card, load_network
 
 
 @dataclass(frozen=True)
@@ -79,14 +80,21 @@ class _Estimator:
     def ask(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """The network's outputs (N, O) for N robots and as many targets."""
         prepared = targets if isinstance(targets, EncodedTargets) else self.prepare(targets)
-        if prepared.network is not self.network:
+        return self.compare(self.encode(observations), prepared)
+
+    @torch.inference_mode()
+    def encode(self, observations: Observation) -> Tensor:
+        """What is kept of what N robots see, to be asked about with many targets."""
+        return self.network.encode_current(self.view.numbers(self.view.of(observations)))
+
+    @torch.inference_mode()
+    def compare(self, current: Tensor, targets: EncodedTargets) -> Array:
+        """The network's outputs (N, O) for what was kept of N observations and as many targets."""
+        if targets.network is not self.network:
             raise InputError("targets: prepared by another network; prepare them with this one")
-        if len(prepared) != len(observations):
-            raise InputError(
-                f"targets: {len(prepared)} for {len(observations)} robots; give as many"
-            )
-        current = self.network.encode_current(self.view.numbers(self.view.of(observations)))
-        parts = zip(current.split(_AT_ONCE), prepared.encoded.split(_AT_ONCE), strict=True)
+        if len(targets) != len(current):
+            raise InputError(f"targets: {len(targets)} for {len(current)} robots; give as many")
+        parts = zip(current.split(_AT_ONCE), targets.encoded.split(_AT_ONCE), strict=True)
         return _joined([self.network.compare(*part)[0] for part in parts])
 
 
@@ -122,6 +130,31 @@ class DirectNetwork(_Estimator):
     def act(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """Actions (N, 2): speed in m/s and steering in rad."""
         return self.ask(observations, targets)
+
+
+class ReachabilityNetwork(_Estimator):
+    """RE (Meng 2020, III-C), a `Reachability`."""
+
+    def __init__(self, network: LocalNetwork | str, calibration: Calibration | None = None) -> None:
+        """Put a trained network, or shipped weights by their name, behind the seam.
+
+        Args:
+            network: tells a logit.
+            calibration: makes it a probability; shipped weights have one of their own on the card,
+                and any other network's logit is taken as it is.
+        """
+        super().__init__(network, "reachability")
+        if calibration is None and isinstance(network, str):
+            calibration = Calibration(**load_card(network).calibration)
+        self.calibration = Calibration() if calibration is None else calibration
+
+    def probability(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
+        """Probabilities (N,) that C reaches each target."""
+        return self.calibration(self.logits(observations, prepared))
+
+    def logits(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
+        """Logits (N,) before calibration."""
+        return self.ask(observations, prepared)[:, 0]
 
 
 def _joined(parts: list[Tensor]) -> Array:

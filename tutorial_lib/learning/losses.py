@@ -9,8 +9,9 @@ ROUNDED = 0.1
 """Metres below which an error counts as its square, and not as itself."""
 TOLERANCE = 0.15
 """Metres of error that cost 1 where the target is; 1 m away from it, twice as many do."""
-CONTEXT_WEIGHT = 2.0
-"""Of where the context's pictures were taken: many labels for each pair, which teach matching."""
+CONTEXT_WEIGHT = {"waypoint": 2.0, "action": 2.0, "reachability": 0.2}
+"""By a network's outputs, of where the context's pictures were taken: many labels for each pair,
+which teach matching. Reachability starts from an encoder that has learnt it."""
 
 
 def position_loss(predicted: Tensor, wanted: Tensor) -> Tensor:
@@ -40,6 +41,13 @@ def action_loss(outputs: Tensor, batch: Batch) -> Tensor:
     return (((outputs - batch.tensor("action")) / scale) ** 2).sum(1)
 
 
+def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
+    """(N,) binary cross-entropy of the logit (Meng 2020, III-C)."""
+    return functional.binary_cross_entropy_with_logits(
+        outputs[:, 0], batch.tensor("reached"), reduction="none"
+    )
+
+
 def context_loss(poses: Tensor, batch: Batch) -> Tensor:
     """(N,) where the pictures of the context were taken, on average."""
     wanted = batch.tensor("context_poses")
@@ -48,5 +56,5 @@ def context_loss(poses: Tensor, batch: Batch) -> Tensor:
     return (position + heading).mean(1)
 
 
-LOSSES = {"waypoint": waypoint_loss, "action": action_loss}
+LOSSES = {"waypoint": waypoint_loss, "action": action_loss, "reachability": reach_loss}
 """By a network's outputs."""

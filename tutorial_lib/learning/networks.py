@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
-from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning.encoders import (
@@ -17,8 +16,9 @@ from tutorial_lib.learning.encoders import (
 from tutorial_lib.learning.views import VIEWS, View
 
 ENCODERS = ("matching", "pair", "separate", "stacked")
-OUTPUTS = {"waypoint": 6, "action": 2}
-"""Waypoint x, y, cosine and sine of the heading difference, two overlaps; or speed and steering."""
+OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 1}
+"""Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; or
+the logit of how probable it is that the target is reached."""
 
 
 @dataclass(frozen=True)
@@ -101,10 +101,7 @@ class LocalNetwork(nn.Module):
             (N, O) outputs, and (N, 2k+1, 4) where each picture of the context was taken: x, y,
             cosine and sine of the heading, seen from the current pose. Only training needs those.
         """
-        count, pictures = targets.shape[:2]
-        current = current[:, None].expand(count, pictures, *current.shape[1:])
-        features = self.encoder.compare(current.flatten(0, 1), targets.flatten(0, 1))
-        features = features.view(count, pictures, FEATURES)
+        features = self.encoder.compare(current, targets)
         return self._tell(features), self.pose(features)
 
     def forward(self, current: Tensor, contexts: Tensor) -> Tensor:
@@ -114,12 +111,12 @@ class LocalNetwork(nn.Module):
         """
         if self.stacked:
             return self.compare(self.encode_current(current), self.encode_targets(contexts))[0]
-        pictures = contexts.shape[1]
-        repeated = current[:, None].expand(-1, pictures, -1, -1, -1).flatten(0, 1)
+        pairs = contexts.shape[:2]
+        repeated = current[:, None].expand(*pairs, -1, -1, -1).flatten(0, 1)
         features = self.encoder.compare(
-            self.encoder.current(repeated), self.encoder.target(contexts.flatten(0, 1))
+            self.encoder.current(repeated), self.encoder.target(contexts.flatten(0, 1))[:, None]
         )
-        return self._tell(features.view(len(current), pictures, FEATURES))
+        return self._tell(features.view(*pairs, FEATURES))
 
     def _tell(self, features: Tensor) -> Tensor:
         """Outputs (N, O) from what describes pairs (N, P, FEATURES)."""
@@ -128,5 +125,5 @@ class LocalNetwork(nn.Module):
             raise InputError(
                 f"network: targets of {features.shape[1]} pictures; give {wanted} to this one"
             )
-        x = functional.relu(self.context(features.transpose(1, 2))[..., 0])  # (N, 128)
-        return self.heads(functional.relu(self.hidden(x)))
+        x = self.context(features.transpose(1, 2))[..., 0].relu()  # (N, 128)
+        return self.heads(self.hidden(x).relu())

@@ -10,9 +10,6 @@ from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.labels import Labels, label, waypoint_labels
 
-TRAINING_JITTER = Jitter(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
-"""Wider than the paper's: a car that manoeuvres looks far aside."""
-
 
 @dataclass(frozen=True)
 class Pairs:

@@ -56,7 +56,7 @@ WAYPOINT = {
     for k, name, architecture, steps in (
         ("0", "waypoint_k0", Architecture(0), 24_000),
         ("2", "waypoint_k2", Architecture(2), 20_000),
-        ("5", "waypoint_k5", Architecture(5), 14_000),
+        ("5", "waypoint_k5", Architecture(5), 24_000),
         ("direct", "direct_k2", Architecture(2, outputs="action"), 12_000),
         ("laser", "laser_k2", Architecture(2, view="laser"), 16_000),
     )

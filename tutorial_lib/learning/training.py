@@ -12,7 +12,7 @@ from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
-from tutorial_lib.learning.batches import Batch, Source, batches
+from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 
@@ -75,11 +75,12 @@ class Progress:
 
 def train(
     architecture: Architecture,
-    source: Source,
+    source: Blocks,
     validation: Sequence[Batch],
     settings: Settings,
     checkpoint: Path | None = None,
     on_look: Callable[[LocalNetwork, Progress], None] | None = None,
+    begin_with: LocalNetwork | None = None,
 ) -> tuple[LocalNetwork, Progress]:
     """Train a network from nothing, or from where `checkpoint` stands, to the same weights.
 
@@ -90,6 +91,7 @@ def train(
         settings: all else.
         checkpoint: file that holds the state of the training between two looks.
         on_look: is shown the network at every look.
+        begin_with: trained network whose weights are taken over, so far as they fit.
 
     Returns:
         The network with the weights of the best look, and the progress.
@@ -99,7 +101,10 @@ def train(
     """
     torch.set_num_threads(settings.threads)
     torch.manual_seed(settings.seed)
-    state = _State(LocalNetwork(architecture), settings, source)
+    fresh = LocalNetwork(architecture)
+    if begin_with is not None:
+        take_over(fresh, begin_with)
+    state = _State(fresh, settings, source)
     if checkpoint is not None and checkpoint.exists():
         state.load(checkpoint)
     network, progress = state.network, state.progress
@@ -121,10 +126,21 @@ def train(
     return network.eval(), progress
 
 
+def take_over(network: LocalNetwork, trained: LocalNetwork) -> None:
+    """Copy every weight of `trained` that has a counterpart of the same shape in `network`."""
+    own = network.state_dict()
+    fit = {
+        name: value
+        for name, value in trained.state_dict().items()
+        if name in own and own[name].shape == value.shape
+    }
+    network.load_state_dict({**own, **fit})
+
+
 class _State:
     """All that changes while a network learns."""
 
-    def __init__(self, network: LocalNetwork, settings: Settings, source: Source) -> None:
+    def __init__(self, network: LocalNetwork, settings: Settings, source: Blocks) -> None:
         self.network, self.settings, self.progress = network, settings, Progress()
         self.recipe = {**asdict(network.architecture), **asdict(settings), "source": source.recipe}
         self.optimizer = torch.optim.Adam(network.parameters(), settings.rate)
@@ -205,24 +221,27 @@ def outputs_of(network: LocalNetwork, batch: Batch) -> tuple[Tensor, Tensor]:
 def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
     """What the network is punished for, on average over the pairs that count."""
     outputs, poses = outputs_of(network, batch)
-    loss = LOSSES[network.architecture.outputs](outputs, batch)
+    told = network.architecture.outputs
+    loss = LOSSES[told](outputs, batch)
     if not network.stacked:
-        loss = loss + CONTEXT_WEIGHT * context_loss(poses, batch)
+        loss = loss + CONTEXT_WEIGHT[told] * batch.tensor("placed") * context_loss(poses, batch)
     weight = batch.tensor("weight")
     return (loss * weight).sum() / weight.sum().clamp(min=1.0)
 
 
 @torch.inference_mode()
 def validate(network: LocalNetwork, validation: Sequence[Batch]) -> dict[str, float]:
-    """Mean loss on validation worlds, and the waypoints' median and mean error in metres."""
+    """Mean loss on validation worlds, and median and mean error of waypoints in metres."""
+    told = network.architecture.outputs
     losses, errors = [], []
     for batch in validation:
         outputs, _ = outputs_of(network, batch)
         kept = batch.tensor("weight") > 0
-        losses.append(LOSSES[network.architecture.outputs](outputs, batch)[kept])
-        errors.append((outputs[:, :2] - batch.tensor("waypoint")).norm(dim=1)[kept])
+        losses.append(LOSSES[told](outputs, batch)[kept])
+        if told == "waypoint":
+            errors.append((outputs[:, :2] - batch.tensor("waypoint")).norm(dim=1)[kept])
     measured = {"validation": torch.cat(losses).mean().item()}
-    if network.architecture.outputs == "waypoint":
+    if errors:
         error = torch.cat(errors)
         measured |= {"median": error.median().item(), "mean": error.mean().item()}
     return measured

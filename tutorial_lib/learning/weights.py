@@ -28,6 +28,7 @@ class Card:
         architecture: to build it with.
         recipe: data and settings it was trained with.
         validation: what was measured on validation worlds.
+        calibration: what turns the logit of reachability into a probability, see `Calibration`.
         minutes: it took, and the recording of drives too if they were not there yet.
         parameters: how many numbers it has.
         sha256: of the weights' file.
@@ -38,6 +39,7 @@ class Card:
     architecture: Architecture
     recipe: dict[str, Any] = field(default_factory=dict)
     validation: dict[str, float] = field(default_factory=dict)
+    calibration: dict[str, Any] = field(default_factory=dict)
     minutes: float = 0.0
     parameters: int = 0
     sha256: str = ""
@@ -99,6 +101,14 @@ def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
     except (SafetensorError, RuntimeError) as error:
         raise InputError(f"{path}: does not fit {card.architecture}; {again}") from error
     return network.eval().to(memory_format=torch.channels_last)
+
+
+def digest_of(network: LocalNetwork) -> str:
+    """A short name for a network's weights: the same ones have the same."""
+    found = hashlib.sha256()
+    for name, value in sorted(network.state_dict().items()):
+        found.update(name.encode() + value.contiguous().numpy().tobytes())
+    return found.hexdigest()[:16]
 
 
 def _digest(path: Path) -> str:

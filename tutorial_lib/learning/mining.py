@@ -1,0 +1,147 @@
+"""Hard negatives: pairs of which a network is sure, found by asking it about all pairs of a world.
+
+A map is made of the pairs with the highest scores among very many, so the mistakes of a network are
+far more frequent there than among pairs drawn at random.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from joblib import Parallel, delayed
+from numpy.typing import NDArray
+from tqdm.auto import tqdm
+
+from tutorial_lib.driving.errands import Errands, errands_of
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.outcomes import Outcomes, run_errands
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
+from tutorial_lib.learning.outcome_data import kept_outcomes
+from tutorial_lib.learning.pilots import by_waypoints, encoded
+from tutorial_lib.learning.weights import digest_of
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+OWN = 3.0
+"""Metres along one drive within which pairs are not searched: they are drawn often enough."""
+_AT_ONCE = 512
+
+
+@dataclass(frozen=True)
+class Search:
+    """How pairs are searched in one world.
+
+    Attributes:
+        anchors: frames that are paired with each other.
+        pairs: that are kept at most.
+        sure: probability from which on a pair is one to look at.
+    """
+
+    anchors: int = 100
+    pairs: int = 150
+    sure: float = 0.5
+
+    def find(
+        self,
+        reachability: ReachabilityNetwork,
+        recorded: RecordedWorld,
+        paths: GridPaths,
+        rng: np.random.Generator,
+    ) -> tuple[Errands, int]:
+        """Errands of which the network is sure, by target, and how many it was asked about.
+
+        If there are too many, some are drawn; those with a probability above 0.9 are half of them.
+        """
+        frames = np.sort(rng.choice(len(recorded.poses), self.anchors, replace=False))
+        start, target = (pairs.ravel() for pairs in np.meshgrid(frames, frames, indexing="ij"))
+        own = recorded.first[start] == recorded.first[target]
+        apart = ~own | (np.abs(recorded.arc[start] - recorded.arc[target]) > OWN)
+        start, target = start[apart], target[apart]
+        logits = all_logits(reachability, recorded, recorded.poses[start], target)
+        probability = reachability.calibration(logits)
+        sure, very = probability > self.sure, probability > 0.9
+        few, many = np.flatnonzero(sure & ~very), np.flatnonzero(very)
+        half = self.pairs // 2
+        chosen = [rng.permutation(some)[:half] for some in (few, many)]
+        rows = np.concatenate(chosen)
+        rows = rows[np.argsort(target[rows], kind="stable")]
+        errands = errands_of(recorded, paths, recorded.poses[start[rows]], target[rows])
+        return errands, len(start)
+
+
+def all_logits(
+    reachability: ReachabilityNetwork,
+    recorded: RecordedWorld,
+    starts: Array,
+    targets: NDArray[np.intp],
+) -> Array:
+    """Logits (N,), not calibrated, from poses `starts` (N, 3) to recorded frames `targets` (N,).
+
+    What is seen from a pose, and each target, is encoded once.
+    """
+    poses, which = np.unique(starts, axis=0, return_inverse=True)
+    camera = reachability.view.camera
+    seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
+    frames, shown = np.unique(targets, return_inverse=True)
+    prepared = encoded(reachability, recorded, frames)
+    current = reachability.encode(seen)
+    logits = [
+        reachability.compare(current[which[some]], prepared[shown[some]])[:, 0]
+        for some in np.array_split(np.arange(len(starts)), 1 + len(starts) // _AT_ONCE)
+    ]
+    return np.concatenate(logits)
+
+
+def mined_outcomes(
+    reachability: ReachabilityNetwork,
+    controller: str,
+    drives: list[RecordedWorld],
+    work: Path,
+    search: Search | None = None,
+    jobs: int = 2,
+) -> list[Outcomes]:
+    """Search each world, and send the controller on what was found; files that are there are kept.
+
+    Args:
+        reachability: the network whose mistakes are wanted.
+        controller: name of the weights of C_WP.
+        drives: of the worlds.
+        work: folder for the outcomes.
+        search: how pairs are searched.
+        jobs: processes.
+    """
+    search = Search() if search is None else search
+    folder = work / "mined" / controller
+    folder.mkdir(parents=True, exist_ok=True)
+    recipe = f"{digest_of(reachability.network)} {search}"
+    run_all = Parallel(n_jobs=jobs, return_as="generator")
+    names = [recorded.trajectories[0].world for recorded in drives]
+    found = run_all(
+        delayed(_mined)(folder / f"{name.replace('/', '-')}.npz", recipe, *rest)
+        for name, *rest in (
+            (name, reachability, controller, recorded, search)
+            for name, recorded in zip(names, drives, strict=True)
+        )
+    )
+    return list(tqdm(found, total=len(drives), desc="hard negatives", disable=None))
+
+
+def _mined(
+    path: Path,
+    recipe: str,
+    reachability: ReachabilityNetwork,
+    controller: str,
+    recorded: RecordedWorld,
+    search: Search,
+) -> Outcomes:
+    def drive() -> Outcomes:
+        use_threads(1)  # worlds are searched side by side
+        paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng(len(recorded.poses))
+        errands, _ = search.find(reachability, recorded, paths, rng)
+        predictor = WaypointNetwork(controller)
+        return run_errands(recorded, errands, by_waypoints(predictor), predictor.view.camera)
+
+    return kept_outcomes(path, recipe, drive)

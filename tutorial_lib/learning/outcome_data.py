@@ -1,0 +1,100 @@
+"""Outcomes of errands in many worlds, one file each: the data that reachability is learnt from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from tutorial_lib.driving.demonstrations import record_demonstrations
+from tutorial_lib.driving.errands import draw_errands
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.outcomes import Outcomes, load_outcomes, run_errands, save_outcomes
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.trajectories import load_trajectories
+from tutorial_lib.errors import InputError
+from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.pilots import by_waypoints
+from tutorial_lib.learning.weights import load_card
+from tutorial_lib.world.worlds import scene_of
+
+SEED = 1
+"""Of the errands."""
+
+
+def record_outcomes(
+    worlds: Sequence[str],
+    controller: str,
+    targets: int,
+    cars: int,
+    work: Path,
+    jobs: int = 2,
+) -> list[Path]:
+    """Send a controller on errands in many worlds, one file each; files that are there are kept.
+
+    So an interrupted recording goes on where it stopped and ends with the same files. A file that
+    is damaged, or comes from other weights or sizes, is recorded again.
+
+    Args:
+        worlds: their names.
+        controller: name of the weights of C_WP.
+        targets: of each world, see `draw_errands`.
+        cars: whose demonstrations the targets lie on.
+        work: folder for demonstrations and outcomes.
+        jobs: processes.
+
+    Returns:
+        The files, in the order of `worlds`.
+    """
+    drives = record_demonstrations(worlds, cars, 0, work / "demonstrations", jobs)
+    recipe = recipe_of(controller, targets)
+    folder = work / "outcomes" / controller
+    folder.mkdir(parents=True, exist_ok=True)
+    run_all = Parallel(n_jobs=jobs, return_as="generator")
+    files = run_all(
+        delayed(_record)(world, drive, controller, targets, recipe, folder)
+        for world, drive in zip(worlds, drives, strict=True)
+    )
+    return list(tqdm(files, total=len(worlds), desc=f"outcomes of {controller}", disable=None))
+
+
+def recipe_of(controller: str, targets: int) -> str:
+    """What outcomes depend on besides the world and its demonstrations."""
+    return f"{controller} {load_card(controller).sha256[:16]} {targets} {SEED}"
+
+
+def _record(
+    world: str, drives: Path, controller: str, targets: int, recipe: str, folder: Path
+) -> Path:
+    """Record one world, unless its file is there."""
+    path = folder / f"{world.replace('/', '-')}.npz"
+
+    def send() -> Outcomes:
+        use_threads(1)  # worlds are recorded side by side
+        recorded = RecordedWorld(scene_of(world), load_trajectories(drives))
+        return outcomes_in(recorded, world, controller, targets)
+
+    kept_outcomes(path, recipe, send)
+    return path
+
+
+def kept_outcomes(path: Path, recipe: str, record: Callable[[], Outcomes]) -> Outcomes:
+    """The outcomes in the file, or else those that `record` finds, which are kept there."""
+    try:
+        return load_outcomes(path, recipe)
+    except InputError:
+        outcomes = record()
+        save_outcomes(path, outcomes, recipe)
+        return outcomes
+
+
+def outcomes_in(recorded: RecordedWorld, world: str, controller: str, targets: int) -> Outcomes:
+    """Draw errands in one world and send the controller on them."""
+    rng = np.random.default_rng([SEED, crc32(world.encode())])
+    errands = draw_errands(recorded, GridPaths(recorded.scene.clearance), targets, rng)
+    predictor = WaypointNetwork(controller)
+    return run_errands(recorded, errands, by_waypoints(predictor), predictor.view.camera)

@@ -1,0 +1,205 @@
+"""Training data for reachability: errands and how they ended, rendered while the network learns."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.errands import STARTS
+from tutorial_lib.driving.outcomes import Outcomes
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.batches import Batch, joined, posed
+from tutorial_lib.learning.labels import reach_labels
+from tutorial_lib.learning.networks import Architecture
+
+NEAR_IN_TIME, FAR_IN_TIME = 20, 100
+"""Frames: at most so many apart is close, at least so many is not (SPTM's authors)."""
+
+
+@dataclass(frozen=True)
+class Lessons:
+    """What one world teaches.
+
+    Attributes:
+        recorded: its drives.
+        outcomes: errands to frames of those drives.
+        mined: errands of which a network was too sure; may be none.
+    """
+
+    recorded: RecordedWorld
+    outcomes: Outcomes
+    mined: Outcomes | None = None
+
+
+@dataclass(frozen=True)
+class OutcomeSource:
+    """Blocks of errands with their outcomes.
+
+    Attributes:
+        lessons: of all worlds.
+        architecture: of the network that is to learn.
+        drop_collisions: leave them out, as the authors did, instead of counting them as failures.
+        mined: share of the targets that are taken from mined errands, in worlds that have any.
+        worlds: that a block is made of.
+        targets: of each of them, with `STARTS` starts each.
+        vary: whether the pictures' looks are changed at random.
+    """
+
+    lessons: Sequence[Lessons]
+    architecture: Architecture
+    drop_collisions: bool = False
+    mined: float = 0.5
+    worlds: int = 16
+    targets: int = 64
+    vary: bool = True
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What its blocks depend on, so far as it can be told in a few words."""
+        mined = sum(len(lesson.mined) for lesson in self.lessons if lesson.mined is not None)
+        return {
+            "errands": sum(len(lesson.outcomes) for lesson in self.lessons),
+            "reached": int(sum(lesson.outcomes.reached.sum() for lesson in self.lessons)),
+            "mined": [mined, self.mined],
+            "drop_collisions": self.drop_collisions,
+            "block": [self.worlds, self.targets, STARTS],
+            "vary": self.vary,
+        }
+
+    def block(self, seed: Sequence[int]) -> Batch:
+        """The block of that seed: targets of `worlds` worlds, well mixed."""
+        rng = np.random.default_rng(seed)
+        chosen = rng.integers(len(self.lessons), size=self.worlds)
+        block = joined([self._world(self.lessons[i], rng) for i in chosen])
+        return block.targets(rng.permutation(len(block.contexts)))
+
+    def _world(self, lesson: Lessons, rng: np.random.Generator) -> Batch:
+        has_mined = lesson.mined is not None and len(lesson.mined) > 0
+        from_mined = rng.binomial(self.targets, self.mined) if has_mined else 0
+        parts = [self._part(lesson, lesson.outcomes, self.targets - from_mined, rng)]
+        if from_mined:
+            parts.append(self._part(lesson, lesson.mined, from_mined, rng))
+        return joined(parts)
+
+    def _part(
+        self, lesson: Lessons, outcomes: Outcomes, targets: int, rng: np.random.Generator
+    ) -> Batch:
+        recorded, errands = lesson.recorded, outcomes.errands
+        frames, rows = by_target(errands.targets, targets, rng)
+        label, weight = reach_labels(outcomes, self.drop_collisions)
+        return rendered(
+            recorded,
+            self.architecture,
+            errands.starts[rows].reshape(targets, STARTS, 3),
+            frames,
+            {"reached": label[rows], "weight": weight[rows], "overlap": errands.overlap[rows]},
+            rng if self.vary else None,
+        )
+
+
+@dataclass(frozen=True)
+class ProximitySource:
+    """SPTM's blocks: are two pictures of a drive close in time?
+
+    Attributes:
+        drives: of all worlds.
+        architecture: of the network that is to learn.
+        worlds, targets: as for `OutcomeSource`.
+    """
+
+    drives: Sequence[RecordedWorld]
+    architecture: Architecture
+    worlds: int = 16
+    targets: int = 64
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What its blocks depend on, so far as it can be told in a few words."""
+        frames = sum(len(recorded.poses) for recorded in self.drives)
+        return {"frames": frames, "apart": [NEAR_IN_TIME, FAR_IN_TIME]}
+
+    def block(self, seed: Sequence[int]) -> Batch:
+        """The block of that seed: targets of `worlds` worlds, well mixed."""
+        rng = np.random.default_rng(seed)
+        chosen = rng.integers(len(self.drives), size=self.worlds)
+        block = joined([self._world(self.drives[i], rng) for i in chosen])
+        return block.targets(rng.permutation(len(block.contexts)))
+
+    def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
+        frames = rng.integers(len(recorded.poses), size=self.targets)
+        target = np.repeat(frames, STARTS)
+        apart = rng.integers(-NEAR_IN_TIME, NEAR_IN_TIME + 1, size=len(target))
+        near = np.clip(target - apart, recorded.first[target], recorded.last[target])
+        far = rng.integers(len(recorded.poses), size=len(target))
+        close = rng.random(len(target)) < 0.5
+        sources = np.where(close, near, far)
+        own = recorded.first[sources] == recorded.first[target]
+        apart = np.where(own, np.abs(sources - target), FAR_IN_TIME)
+        decided = (apart <= NEAR_IN_TIME) | (apart >= FAR_IN_TIME)
+        labels = {"reached": apart <= NEAR_IN_TIME, "weight": decided, "overlap": np.zeros(2)}
+        starts = recorded.poses[sources].reshape(self.targets, STARTS, 3)
+        return rendered(recorded, self.architecture, starts, frames, labels, rng)
+
+
+def rendered(
+    recorded: RecordedWorld,
+    architecture: Architecture,
+    starts: Array,
+    frames: NDArray[np.intp],
+    labels: dict[str, NDArray],
+    rng: np.random.Generator | None = None,
+) -> Batch:
+    """What is seen from `starts` (G, S, 3) and at the targets `frames` (G,), with labels.
+
+    Args:
+        recorded: the world.
+        architecture: tells the view and the context.
+        starts: S for each target.
+        frames: of the targets.
+        labels: `reached` and `weight` (G * S,), `overlap` (G * S, 2).
+        rng: changes the looks; they stay as they are unless given.
+    """
+    view, count = architecture.looks_at, starts.shape[0] * starts.shape[1]
+    poses = recorded.poses[recorded.context(frames, architecture.k)]
+    current, contexts = view.render(recorded.scene, starts), view.render(recorded.scene, poses)
+    if rng is not None:
+        current, contexts = view.vary([current, contexts], rng)
+    overlap = np.broadcast_to(labels["overlap"], (count, 2)).astype(np.float32)
+    none = np.zeros((count, 2), np.float32)
+    return Batch(
+        current=current.reshape(count, *current.shape[2:]),
+        contexts=contexts,
+        waypoint=none,
+        turn=none,
+        overlap=overlap,
+        context_poses=posed(starts[:, :, None], poses[:, None]).reshape(count, -1, 4),
+        action=none[:, :0],
+        reached=labels["reached"].astype(np.float32),
+        weight=labels["weight"].astype(np.float32),
+        # Where a picture was taken can be told only where something of it is seen.
+        placed=(overlap.min(axis=1) >= 0.1).astype(np.float32),
+    )
+
+
+def by_target(
+    targets: NDArray[np.intp], count: int, rng: np.random.Generator
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Draw `count` of the targets, and `STARTS` rows of each.
+
+    Args:
+        targets: (N,) frame of each row; those of one target in a row.
+        count: G.
+        rng: draws.
+
+    Returns:
+        (G,) frames and (G * STARTS,) rows; a target with fewer rows has some of them again.
+    """
+    begins = np.flatnonzero(np.diff(targets, prepend=-1))
+    sizes = np.diff(np.append(begins, len(targets)))
+    chosen = rng.integers(len(begins), size=count)
+    offset = rng.random(count) * sizes[chosen]
+    turn = (offset.astype(np.intp)[:, None] + np.arange(STARTS)) % sizes[chosen, None]
+    return targets[begins[chosen]], (begins[chosen, None] + turn).ravel()

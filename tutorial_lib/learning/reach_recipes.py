@@ -1,0 +1,221 @@
+"""How the networks for reachability are trained: outcomes, hard negatives, calibration."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.driving.outcomes import load_outcomes
+from tutorial_lib.learning.calibration import (
+    Calibration,
+    auc,
+    fit_isotonic,
+    fit_temperature,
+    reliability,
+    sigmoid,
+)
+from tutorial_lib.learning.estimators import ReachabilityNetwork
+from tutorial_lib.learning.labels import reach_labels
+from tutorial_lib.learning.mining import all_logits, mined_outcomes
+from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.outcome_data import recipe_of, record_outcomes
+from tutorial_lib.learning.reach_batches import Lessons, OutcomeSource, ProximitySource
+from tutorial_lib.learning.recipes import recorded_drives
+from tutorial_lib.learning.training import Settings, train
+from tutorial_lib.learning.weights import Card, load_card, load_network
+from tutorial_lib.world.worlds import local_world, training_world
+
+FIRST_WORLD, WORLDS = 96, 96
+"""Training worlds in which C was not trained: where it was, it may do better than elsewhere."""
+STOPPING = range(10_000, 10_012)
+"""Validation worlds that tell when to stop."""
+CALIBRATING = range(10_012, 10_036)
+"""Validation worlds on which probabilities are mended."""
+VALIDATION_TARGETS = 300
+CARS = 16
+
+
+@dataclass(frozen=True)
+class ReachRecipe:
+    """All that a network for reachability comes from.
+
+    Attributes:
+        name: of the weights.
+        command: that trains them.
+        controller: weights of the C_WP whose errands it learns from, and whose encoder it takes
+            over; none for SPTM's.
+        targets: of the errands in each world, with five starts each.
+        architecture: of the network.
+        first: settings of the training on errands drawn at random.
+        second: settings of the training that has mined errands, too.
+    """
+
+    name: str
+    command: str
+    controller: str
+    targets: int
+    architecture: Architecture
+    first: Settings
+    second: Settings
+
+    def checkpoints(self, work: Path) -> tuple[Path, Path]:
+        """Where the states of both its trainings are kept."""
+        return work / f"{self.name}_first.pt", work / f"{self.name}_second.pt"
+
+
+def _recipe(
+    which: str, controller: str, targets: int, steps: int, **architecture: Any
+) -> ReachRecipe:
+    shape = Architecture(**architecture, outputs="reachability")
+    first = Settings(steps=steps, rate=1e-3)
+    second = replace(first, steps=steps, rate=5e-4, seed=1)
+    name = f"reach_{which if which == 'laser' else 'k' + which}"
+    command = f"train reachability --k {which}"
+    return ReachRecipe(name, command, controller, targets, shape, first, second)
+
+
+REACHABILITY = {
+    "0": _recipe("0", "waypoint_k0", 320, 8_000, k=0),
+    "2": _recipe("2", "waypoint_k2", 850, 8_000, k=2),
+    "5": _recipe("5", "waypoint_k5", 320, 6_000, k=5),
+    "laser": _recipe("laser", "laser_k2", 320, 6_000, k=2, view="laser"),
+}
+"""What `train reachability --k` can train, besides SPTM's."""
+SPTM = ReachRecipe(
+    "sptm",
+    "train reachability --k sptm",
+    "",
+    0,
+    Architecture(0, outputs="reachability"),
+    Settings(steps=12_000),
+    Settings(steps=0),
+)
+"""SPTM's network: temporal proximity of two pictures, learnt from nothing on the same drives."""
+
+
+def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[LocalNetwork, Card]:
+    """Train RE for one controller, its errands and hard negatives included.
+
+    What is recorded and how far training got is kept in `work`: an interrupted run goes on there.
+
+    Args:
+        recipe: what to train.
+        work: folder for drives, outcomes and checkpoints.
+        jobs: processes that record.
+
+    Returns:
+        The network and its card, which holds its calibration.
+    """
+    begun = time.monotonic()
+    lessons = lessons_of(
+        recipe, [training_world(FIRST_WORLD + i) for i in range(WORLDS)], work, jobs
+    )
+    stopping = lessons_of(recipe, [local_world(seed) for seed in STOPPING], work, jobs)
+    source = OutcomeSource(lessons, recipe.architecture)
+    others = replace(source, lessons=stopping, vary=False, targets=48)
+    validation = [others.block([0, i]) for i in range(2)]
+    spent = time.monotonic() - begun
+    stages = []
+    network = load_network(recipe.controller)
+    for stage, settings in enumerate((recipe.first, recipe.second)):
+        checkpoint = recipe.checkpoints(work)[stage]
+        network, progress = train(
+            recipe.architecture, source, validation, settings, checkpoint, begin_with=network
+        )
+        stages.append(progress)
+        if stage == 0:
+            begun = time.monotonic()
+            source = replace(source, lessons=with_mined(lessons, network, recipe, work, jobs))
+            spent += time.monotonic() - begun
+    minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
+    calibrating = lessons_of(recipe, [local_world(seed) for seed in CALIBRATING], work, jobs)
+    calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
+    card = Card(
+        recipe.name,
+        recipe.command,
+        recipe.architecture,
+        recipe={
+            "first": asdict(recipe.first),
+            "second": asdict(recipe.second),
+            "controller": load_card(recipe.controller).sha256,
+            **source.recipe,
+        },
+        validation={**stages[-1].history[stages[-1].best], **measured},
+        calibration=asdict(calibration),
+        minutes=minutes,
+    )
+    return network, card
+
+
+def lessons_of(recipe: ReachRecipe, worlds: list[str], work: Path, jobs: int) -> list[Lessons]:
+    """Errands in `worlds` and how they ended, recorded where they are missing."""
+    targets = recipe.targets if worlds[0] == training_world(FIRST_WORLD) else VALIDATION_TARGETS
+    files = record_outcomes(worlds, recipe.controller, targets, CARS, work, jobs)
+    known = recipe_of(recipe.controller, targets)
+    drives = recorded_drives(worlds, CARS, work)
+    return [
+        Lessons(recorded, load_outcomes(file, known))
+        for recorded, file in zip(drives, files, strict=True)
+    ]
+
+
+def with_mined(
+    lessons: list[Lessons], network: LocalNetwork, recipe: ReachRecipe, work: Path, jobs: int
+) -> list[Lessons]:
+    """The lessons, every second one with errands of which the network was too sure."""
+    searched = [lesson.recorded for lesson in lessons[::2]]
+    mined = mined_outcomes(
+        ReachabilityNetwork(network), recipe.controller, searched, work, jobs=jobs
+    )
+    taught = [replace(lesson, mined=m) for lesson, m in zip(lessons[::2], mined, strict=True)]
+    return [*taught, *lessons[1::2]]
+
+
+def calibrate(
+    network: ReachabilityNetwork, lessons: list[Lessons]
+) -> tuple[Calibration, dict[str, float]]:
+    """Fit a calibration on validation worlds, and say how far off the network was without it."""
+    logits, label, seen = [], [], []
+    for lesson in lessons:
+        errands = lesson.outcomes.errands
+        starts, targets = errands.starts, errands.targets
+        logits.append(all_logits(network, lesson.recorded, starts, targets))
+        label.append(reach_labels(lesson.outcomes)[0])
+        seen.append(errands.seen)
+    logits, label, seen = (np.concatenate(parts) for parts in (logits, label, seen))
+    temperature, offset = fit_temperature(logits, label)
+    isotonic = fit_isotonic(logits, label)
+    ways = {
+        "raw": sigmoid(logits),
+        "temperature": sigmoid(logits / temperature + offset),
+        "isotonic": isotonic(logits),
+    }
+    measured = {"auc": auc(logits[seen], label[seen]), "temperature": temperature, "offset": offset}
+    for way, probability in ways.items():
+        measured[f"ece_{way}"] = reliability(probability[seen], label[seen]).ece
+    return isotonic, {name: round(value, 4) for name, value in measured.items()}
+
+
+def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card]:
+    """Train SPTM's network from nothing on the same drives."""
+    drives = recorded_drives([training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work)
+    source = ProximitySource(drives, recipe.architecture)
+    stopping = recorded_drives([local_world(seed) for seed in STOPPING], CARS, work)
+    others = replace(source, drives=stopping, targets=48)
+    validation = [others.block([0, i]) for i in range(2)]
+    checkpoint = recipe.checkpoints(work)[0]
+    network, progress = train(recipe.architecture, source, validation, recipe.first, checkpoint)
+    card = Card(
+        recipe.name,
+        recipe.command,
+        recipe.architecture,
+        recipe={**asdict(recipe.first), **source.recipe},
+        validation=progress.history[progress.best],
+        calibration=asdict(Calibration()),
+        minutes=round(progress.seconds / 60, 1),
+    )
+    return network, card
