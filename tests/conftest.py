@@ -2,14 +2,20 @@
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tutorial_lib.driving.demonstrations import demonstrate
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.trajectories import Trajectory
+from tutorial_lib.learning.weights import FOLDER
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of
+
+# A busy machine is no defect.
+settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("patient")
 
 
 def pytest_addoption(parser):
@@ -94,3 +100,9 @@ def drive_of(poses):
     laser, nothing = np.zeros((count, 96), np.float32), np.zeros(count)
     actions, time = np.zeros((count, 2)), np.arange(count) * 0.1
     return Trajectory("box", 0, poses, poses, laser, nothing, nothing, actions, time)
+
+
+def needs(*weights):
+    """Skips a test where these weights were not trained yet."""
+    missing = [name for name in weights if not (FOLDER / f"{name}.safetensors").is_file()]
+    return pytest.mark.skipif(bool(missing), reason=f"not trained yet: {', '.join(missing)}")

@@ -85,6 +85,16 @@ def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
         (["experiment", "plans", "--map", "tiny.json"], "no place has"),
         (["experiment", "plans", "--map", "."], "."),
         (["bench", "fleet", "--quick", "--json", "nowhere/x.json"], "existing folder"),
+        (["train", "waypoint", "--k", "sptm"], "--k sptm; give one of 0, 2, 5, direct, laser"),
+        (["train", "reachability", "--k", "direct"], "give one of 0, 2, 5, laser, sptm"),
+        (["experiment", "calibration", "--ablation", "rows"], "calibration has audit"),
+        (["experiment", "meng_table1", "--ablation", "audit"], "meng_table1 has encoder"),
+        (["experiment", "meng_fig7", "--ablation", "audit"], "meng_fig7 has none"),
+        (["experiment", "calibration", "--map", "small.json"], "--map: calibration runs on"),
+        (["experiment", "meng_fig5", "--map", "small.json"], "--map: meng_fig5 runs on"),
+        (["experiment", "meng_fig6", "--map", "small.json"], "--map: meng_fig6 runs on"),
+        (["experiment", "meng_fig7", "--map", "small.json"], "--map: meng_fig7 runs on"),
+        (["bench", "reachability", "--seed", "-1"], "--seed"),
     ],
 )
 def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
@@ -105,6 +115,25 @@ def test_worlds_that_are_no_range_are_refused(capsys, text):
         main(["experiment", "plans", f"--worlds={text}"])
     assert stopped.value.code == 2
     assert "give A:B" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["train", "reachability", "--k", "7"], "--k"),
+        (["train", "reachability"], "--k"),
+        (["train", "wisdom", "--k", "2"], "wisdom"),
+        (["experiment", "meng_fig8"], "meng_fig7"),
+        (["experiment", "calibration", "--ablation", "temperature"], "audit"),
+        (["bench", "reachability", "--map", "small.json"], "--map"),
+        (["bench", "reachability", "--ablation", "audit"], "--ablation"),
+    ],
+)
+def test_what_there_is_not_is_refused_with_what_there_is(capsys, arguments, words):
+    with pytest.raises(SystemExit) as stopped:
+        main(arguments)
+    assert stopped.value.code == 2
+    assert words in capsys.readouterr().err
 
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")

@@ -3,8 +3,9 @@ import pytest
 
 from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.rollouts import drive, geodesic_limit
+from tutorial_lib.driving.rollouts import SETTLED, drive, geodesic_limit
 from tutorial_lib.errors import InputError
+from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.sensors import PanoramicCamera
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -157,3 +158,70 @@ def test_without_a_camera_there_are_no_pictures(box):
     assert len(without[np.array([1, 2])]) == 2
     with pytest.raises(InputError, match="depth needs a camera"):
         Sensors(camera=None, with_depth=True)
+
+
+# Who stands still for good.
+
+
+def stop_and_go(simulation, robots):
+    """Robot 0 never moves, 1 goes and stops for good, 2 rests for a while, 3 and 4 never rest."""
+    now = round(simulation.seconds, 3)
+    speed = [0.0, 0.5 if now < 2.0 else 0.0, 0.0 if 1.0 < now < 1.9 else 0.5, 0.5, 0.004]
+    return np.column_stack([np.array(speed)[robots], np.zeros(len(robots))])
+
+
+ROWS = np.array([[1.0, y, 0.0] for y in (1.0, 3.0, 5.0, 7.0, 9.0)])
+GOALS = ROWS[:, :2] + [7.0, 0.0]
+
+
+def test_who_stands_still_for_good_is_done_and_who_rests_is_not(box):
+    drives = drive(Simulation(box, ROWS), stop_and_go, GOALS, 16.0, settle=True)
+    assert drives.reached.tolist() == [False, False, True, True, False]
+    assert not drives.collided.any()
+    # A step more or less than the second that they must stand still.
+    assert drives.seconds[0] == pytest.approx(SETTLED, abs=0.11)
+    assert drives.seconds[1] == pytest.approx(2.0 + 0.25 + SETTLED, abs=0.25)
+    assert drives.seconds[4] == pytest.approx(16.0, abs=0.11)
+    assert drives.seconds[2] == pytest.approx(drives.seconds[3] + 0.9, abs=0.3)
+
+
+def test_unless_asked_nobody_is_given_up_for_standing_still(box):
+    drives = drive(Simulation(box, ROWS), stop_and_go, GOALS, 16.0)
+    assert drives.seconds[[0, 1, 4]] == pytest.approx(16.0, abs=0.11)
+
+
+def test_who_has_settled_is_asked_no_more(box):
+    asked = []
+
+    def driver(simulation, robots):
+        asked.append(robots.tolist())
+        return stop_and_go(simulation, robots)
+
+    drives = drive(Simulation(box, ROWS), driver, GOALS, 16.0, settle=True)
+    steps = [sum(robot in robots for robots in asked) for robot in range(5)]
+    assert steps == np.round(drives.seconds * 10).astype(int).tolist()
+
+
+def test_who_turns_on_the_spot_does_not_stand_still(box):
+    def turning(simulation, robots):
+        return np.tile([0.0, 0.2], (len(robots), 1))
+
+    simulation = Simulation(box, ROWS[:1], body=DifferentialDrive())
+    drives = drive(simulation, turning, GOALS[:1], 5.0, settle=True)
+    assert drives.seconds[0] == pytest.approx(5.0, abs=0.11)
+
+
+def test_settling_changes_nothing_for_those_who_drive(pillars):
+    rng = np.random.default_rng(1)
+    starts = np.column_stack([rng.uniform(1, 2, (8, 2)), rng.uniform(-3, 3, 8)])
+    goals = rng.uniform([7, 5], [9, 9], (8, 2))
+    courier = OracleCourier(GridPaths(pillars.clearance), goals)
+    both = [
+        drive(Simulation(pillars, starts), courier.act, goals, 30.0, settle=settle)
+        for settle in (False, True)
+    ]
+    assert both[0].reached.sum() >= 6
+    still = both[1].seconds < both[0].seconds
+    assert (both[0].reached == both[1].reached).all()
+    assert (both[0].collided == both[1].collided).all()
+    assert not (still & both[0].reached).any()

@@ -295,3 +295,89 @@ def test_one_robot_of_a_batch_is_a_batch_of_one(box):
     observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0]]).observe()
     assert len(observation[1]) == 1
     assert observation[1].image.shape == (1, 16, 64, 3)
+
+
+# Somebody picks a robot up.
+
+
+def test_a_robot_is_put_down_elsewhere_at_rest(box):
+    starts = [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0], [2.0, 6.0, 0.0]]
+    simulation = drive(Simulation(box, starts), [0.6, 0.2], 20)
+    before = simulation.poses
+    there = np.array([[8.0, 8.0, 1.0], [5.0, 5.0, 4.0]])
+    simulation.place([2, 0], there)
+    assert np.allclose(simulation.poses[[2, 0]], [[8.0, 8.0, 1.0], [5.0, 5.0, 4.0 - 2 * np.pi]])
+    assert (simulation.poses[1] == before[1]).all()
+    seen = simulation.observe()
+    assert seen.speed[[2, 0]].tolist() == seen.steering[[2, 0]].tolist() == [0.0, 0.0]
+    assert seen.speed[1] > 0.5
+    image = Simulation(box, there).observe().image
+    assert (seen.image[[2, 0]] == image).all()
+    placed = simulation.poses
+    simulation.step(np.zeros((3, 2)))
+    assert np.allclose(simulation.poses[[2, 0]], placed[[2, 0]], atol=1e-9)
+    assert np.linalg.norm(simulation.poses[1, :2] - placed[1, :2]) > 0.02
+
+
+def test_no_odometer_notices_being_carried(box):
+    simulation = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.0], 20)
+    odometry = simulation.odometry.copy()
+    simulation.place([0], [8.0, 2.0, np.pi / 2])
+    assert (simulation.odometry == odometry).all()
+    drive(simulation, [0.5, 0.0], 20)
+    gone = np.linalg.norm(simulation.poses[0, :2] - [8.0, 2.0])
+    assert gone > 0.8
+    assert simulation.odometry[0, 0] - odometry[0, 0] == pytest.approx(gone)
+
+
+def test_who_is_carried_drives_on_as_if_it_had_started_there(box):
+    carried = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.3], 10)
+    carried.place([0], [6.0, 6.0, 2.0])
+    fresh = Simulation(box, [[6.0, 6.0, 2.0]])
+    for simulation in (carried, fresh):
+        drive(simulation, [0.4, -0.2], 30)
+    assert np.allclose(carried.poses, fresh.poses, atol=1e-9)
+    assert not carried.collided[0]
+
+
+def test_carried_off_a_wall_it_touches_nothing(box):
+    simulation = drive(Simulation(box, [[9.0, 5.0, 0.0]]), [0.8, 0.0], 20)
+    assert simulation.touching[0]
+    simulation.place([0], [5.0, 5.0, 0.0])
+    drive(simulation, [0.0, 0.0], 1)
+    assert not simulation.touching[0]
+    assert simulation.collided[0]  # it did, once
+    assert np.allclose(simulation.poses[0], [5.0, 5.0, 0.0], atol=2e-3)
+    drive(simulation, [0.8, 0.0], 80)
+    assert simulation.touching[0]
+
+
+@pytest.mark.parametrize(
+    ("robots", "poses", "words"),
+    [
+        ([0, 1], [[5.0, 5.0, 0.0], [9.95, 5.0, 0.0]], r"\(9.95, 5.00\).* inside a wall"),
+        ([0], [[np.nan, 5.0, 0.0]], "not finite"),
+        ([0], [[50.0, 5.0, 0.0]], "inside a wall"),
+        ([0], [[5.0, 5.0]], "rows x, y, heading"),
+        ([0, 1], [[5.0, 5.0, 0.0]], "robots .0 1., 1 poses"),
+        ([0, 0], [[5.0, 5.0, 0.0], [6.0, 5.0, 0.0]], "robots .0 0., 2 poses"),
+        ([2], [[5.0, 5.0, 0.0]], "there are 0 to 1"),
+        ([-1], [[5.0, 5.0, 0.0]], "there are 0 to 1"),
+        ([0.5], [[5.0, 5.0, 0.0]], "whole numbers"),
+        ([1], [[7.1, 7.0, 0.0]], "people: .* stands where"),
+    ],
+)
+def test_where_no_robot_can_stand_none_is_put(box, robots, poses, words):
+    starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    people = [Person([[7.0, 7.0]], owner=1), Person([[5.0, 2.0]])]
+    simulation = Simulation(box, starts, people=people)
+    with pytest.raises(InputError, match=words):
+        simulation.place(robots, poses)
+    assert (simulation.poses == starts).all()
+
+
+def test_one_robot_s_obstacle_is_not_in_another_s_way(box):
+    starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    simulation = Simulation(box, starts, people=[Person([[7.0, 7.0]], owner=1)])
+    simulation.place([0], [[7.0, 7.0, 0.0]])
+    assert simulation.poses[0, 0] == 7.0

@@ -5,7 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tutorial_lib.experiments.statistics import difference, over_worlds, wilson
+from tutorial_lib.experiments.statistics import (
+    difference,
+    measured_over_worlds,
+    over_worlds,
+    wilson,
+)
 
 
 def slow_bootstrap(values, worlds, draws=3000):
@@ -141,3 +146,73 @@ def test_a_difference_can_be_negative_and_its_interval_holds_it(worlds):
     assert low > -0.35
     other = difference(values, worse, world)
     assert other == pytest.approx((-mean, -high, -low), abs=0.03)
+
+
+# What is no mean.
+
+
+def mean(values):
+    return float(values.mean())
+
+
+def test_of_a_mean_the_interval_is_that_of_the_mean():
+    values, world = episodes_of(12, 15)
+    assert measured_over_worlds(mean, world, values) == pytest.approx(
+        over_worlds(values, world), abs=0.03
+    )
+
+
+def test_what_is_measured_may_be_anything():
+    values, world = episodes_of(9, 20)
+    values = values + np.random.default_rng(3).normal(size=len(values))
+    found = measured_over_worlds(lambda x: float(np.median(x)), world, values)
+    by_world, chance, medians = [values[world == w] for w in range(9)], random.Random(7), []
+    for _ in range(2000):
+        medians.append(np.median(np.concatenate([chance.choice(by_world) for _ in by_world])))
+    wanted = (np.median(values), *np.quantile(medians, [0.025, 0.975]))
+    assert found == pytest.approx(wanted, abs=0.08)
+    assert found[1] < found[0] < found[2]
+    assert found == measured_over_worlds(lambda x: float(np.median(x)), world, values)
+
+
+def test_columns_are_drawn_together():
+    values, world = episodes_of(6, 10)
+    seen = []
+
+    def gap(first, second):
+        seen.append((first == second + 1).all())
+        return float((first - second).mean())
+
+    assert measured_over_worlds(gap, world, values + 1, values) == (1.0, 1.0, 1.0)
+    assert all(seen)
+
+
+def test_worlds_are_drawn_whole_and_as_many_as_there_are():
+    world = np.repeat([3, 8, 9], [2, 5, 1])
+    rows = np.arange(8)
+
+    def check(drawn):
+        times = np.bincount(drawn, minlength=8)
+        each = times[[0, 2, 7]]
+        assert (times == np.repeat(each, [2, 5, 1])).all()
+        assert each.sum() == 3
+        return 0.0
+
+    assert measured_over_worlds(check, world, rows) == (0.0, 0.0, 0.0)
+
+
+def test_one_world_is_measured_by_its_rows():
+    values = np.random.default_rng(0).normal(size=400)
+    found = measured_over_worlds(mean, np.full(400, 20_003), values)
+    half = 1.96 * values.std() / 20
+    assert found == pytest.approx(
+        (values.mean(), values.mean() - half, values.mean() + half), abs=0.02
+    )
+
+
+def test_draws_in_which_nothing_can_be_measured_do_not_count():
+    def ratio(values):
+        return float("nan") if values.all() else mean(values)
+
+    values, world = np.array([1.0, 1.0, 0.0, 0.0]), np.array([0, 0, 1, 1])
+    assert measured_over_worlds(ratio, world, values) == (0.5, 0.0, 0.5)

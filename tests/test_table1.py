@@ -121,9 +121,9 @@ def test_a_map_has_no_shifted_palette_and_is_named(tmp_path, monkeypatch):
     assert {row["condition"] for row in made.rows} == CONDITIONS - {"shifted"}
 
 
-def test_an_ablation_belongs_to_table_1(capsys):
+def test_an_ablation_belongs_to_its_experiment(capsys):
     assert main(["experiment", "plans", "--ablation", "encoder"]) == 2
-    assert "meng_table1" in capsys.readouterr().err
+    assert "--ablation encoder: plans has none" in capsys.readouterr().err
 
 
 def test_the_benchmark_of_control_tells_where_the_time_goes(monkeypatch):

@@ -307,7 +307,7 @@ def test_only_what_has_a_recipe_is_trained(capsys, arguments):
     assert "--k" in error
     if arguments:
         told = re.search(r"choose from (.*)\)", error)[1]
-        assert re.findall(r"\w+", told) == ["0", "2", "5", "direct", "laser"]
+        assert re.findall(r"\w+", told) == ["0", "2", "5", "direct", "laser", "sptm"]
 
 
 def test_another_network_s_name_is_refused(capsys):

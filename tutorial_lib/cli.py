@@ -15,6 +15,11 @@ from tutorial_lib.experiments import (
     bench_control,
     bench_fleet,
     bench_raycast,
+    bench_reachability,
+    calibration,
+    meng_fig5,
+    meng_fig6,
+    meng_fig7,
     meng_table1,
     plans,
 )
@@ -22,13 +27,32 @@ from tutorial_lib.experiments.demo import run_demo
 from tutorial_lib.experiments.demo_sight import drive_by_sight
 from tutorial_lib.experiments.report import Options, Report, parse_worlds
 from tutorial_lib.files import check_writable, write_text
-from tutorial_lib.learning import recipes
+from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_map
 
-EXPERIMENTS = {"plans": plans.run, "meng_table1": meng_table1.run}
-BENCHES = {"raycast": bench_raycast.run, "fleet": bench_fleet.run, "control": bench_control.run}
+EXPERIMENTS = {
+    "plans": plans.run,
+    "meng_table1": meng_table1.run,
+    "calibration": calibration.run,
+    "meng_fig5": meng_fig5.run,
+    "meng_fig6": meng_fig6.run,
+    "meng_fig7": meng_fig7.run,
+}
+WITH_ABLATIONS = {"meng_table1": tuple(ablations.ABLATIONS), "calibration": ("audit",)}
+WITH_MAPS = ("meng_table1", "plans")
+BENCHES = {
+    "raycast": bench_raycast.run,
+    "fleet": bench_fleet.run,
+    "control": bench_control.run,
+    "reachability": bench_reachability.run,
+}
+NETWORKS = {
+    "waypoint": recipes.WAYPOINT,
+    "reachability": {**reach_recipes.REACHABILITY, "sptm": reach_recipes.SPTM},
+}
+"""What `train` can train."""
 PROJECT = Path(__file__).resolve().parent.parent
 INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
 
@@ -72,8 +96,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     build.set_defaults(run=_build)
     train = commands.add_parser("train", help="train a network from nothing, its data included")
-    train.add_argument("name", choices=("waypoint",))
-    train.add_argument("--k", choices=recipes.WAYPOINT, required=True)
+    train.add_argument("name", choices=tuple(NETWORKS))
+    choices = dict.fromkeys(k for known in NETWORKS.values() for k in known)
+    train.add_argument("--k", choices=tuple(choices), required=True)
     train.set_defaults(run=_train)
     for name, table in (("experiment", EXPERIMENTS), ("bench", BENCHES)):
         command = commands.add_parser(name, help=f"one of: {', '.join(table)}")
@@ -84,7 +109,8 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--quick", action="store_true", help="fewer episodes, same code")
         if table is EXPERIMENTS:
             command.add_argument("--map", type=Path, help="a map's file, in place of worlds")
-            command.add_argument("--ablation", choices=ablations.ABLATIONS, default="")
+            known = [name for names in WITH_ABLATIONS.values() for name in names]
+            command.add_argument("--ablation", choices=known, default="")
         command.set_defaults(run=_report, table=table, map=None, ablation="")
     return parser
 
@@ -143,18 +169,29 @@ def _build(options: argparse.Namespace) -> int:
 
 
 def _train(options: argparse.Namespace) -> int:
-    recipe = recipes.WAYPOINT[options.k]
-    network, card = recipes.train_local(recipe, recipes.WORK)
+    known = NETWORKS[options.name]
+    if options.k not in known:
+        raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")
+    recipe = known[options.k]
+    if options.name == "waypoint":
+        network, card = recipes.train_local(recipe, recipes.WORK)
+    else:
+        network, card = reach_recipes.train_reachability(recipe, recipes.WORK)
     path = save_network(network, card)
     # What is finished would otherwise be found again instead of trained.
-    recipe.checkpoint(recipes.WORK).unlink(missing_ok=True)
+    for checkpoint in recipe.checkpoints(recipes.WORK):
+        checkpoint.unlink(missing_ok=True)
     print(f"wrote {path.relative_to(PROJECT)} after {card.minutes} min: {card.validation}")
     return 0
 
 
 def _report(options: argparse.Namespace) -> int:
-    if options.ablation and options.name != "meng_table1":
-        raise InputError(f"--ablation: {options.name} has none; it belongs to meng_table1")
+    known = WITH_ABLATIONS.get(options.name, ())
+    if options.ablation and options.ablation not in known:
+        which = f"has {', '.join(known)}" if known else "has none"
+        raise InputError(f"--ablation {options.ablation}: {options.name} {which}")
+    if options.map is not None and options.name not in WITH_MAPS:
+        raise InputError(f"--map: {options.name} runs on generated worlds; leave it out")
     if options.map is not None and (options.worlds or options.ablation):
         raise InputError("--map: stands in place of worlds; give no --worlds and no --ablation")
     if options.seed < 0:

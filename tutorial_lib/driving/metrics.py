@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.raycast import Raycaster
 
@@ -12,6 +13,11 @@ SLOWEST = 0.3
 """m/s on average, below which a drive is given up (v_min of Meng 2020, III-C)."""
 GRACE = 5.0
 """Seconds allowed on top."""
+STRAYED = 1.0
+"""Metres from the path beyond which a robot no longer follows it."""
+AHEAD = 3.0
+"""Metres of a path that may be cut short, where it turns to and fro within those of `STRAYED`."""
+_DENSE = 0.02  # metres between the points at which a path is compared with a track
 
 
 def time_limit(geodesic: ArrayLike) -> Array:
@@ -27,3 +33,54 @@ def walls_crossed(caster: Raycaster, poses: Array) -> int:
     """How often a track among `poses` (T, N, 3) passes through a wall."""
     before, after = poses[:-1, :, :2].reshape(-1, 2), poses[1:, :, :2].reshape(-1, 2)
     return int((~caster.sees(before, after)).sum())
+
+
+def covered(path: ArrayLike, track: ArrayLike, collided_at: int | None = None) -> float:
+    """Metres of a path that a robot followed before it strayed from it or touched something.
+
+    Summed over trajectories and divided by the sum of their lengths, this is the cover rate (Meng
+    2020, IV-B). A path may cross itself, so a robot is compared with the part of it from `STRAYED`
+    behind to `AHEAD` ahead of where it got to; who leaves out more gets no farther. The end counts
+    as covered from `REACHED` on.
+
+    Args:
+        path: (P, 2 or more) points to be followed, in metres; a pose is one.
+        track: (T, 2 or more) where the robot was, step by step.
+        collided_at: number of the step at which something was touched; nothing counts after it.
+
+    Raises:
+        InputError: when there is no path, or something is not finite.
+
+    >>> covered([[0, 0], [4, 0]], [[0, 0], [0.5, 0.9], [1, 0.9], [1.5, 0.9], [2, 1.1], [3, 0]])
+    1.5
+    """
+    path, track = _points("path", path), _points("track", track)
+    if collided_at is not None:
+        track = track[: collided_at + 1]
+    places, miles = _densely(path)
+    behind, ahead, now = round(STRAYED / _DENSE), round(AHEAD / _DENSE), 0
+    for point in track:
+        first = max(now - behind, 0)
+        gap = np.linalg.norm(places[first : now + ahead + 1] - point, axis=1)
+        if gap.min() > STRAYED:
+            break
+        now = max(now, first + int(gap.argmin()))
+        if miles[-1] - miles[now] <= REACHED and np.linalg.norm(places[-1] - point) <= REACHED:
+            return float(miles[-1])
+    return float(miles[now])
+
+
+def _points(name: str, points: ArrayLike) -> Array:
+    """(P, 2) finite points."""
+    points = np.asarray(points, dtype=float)
+    if points.ndim != 2 or not len(points) or points.shape[1] < 2 or not np.isfinite(points).all():
+        raise InputError(f"{name}: shape {points.shape}; give finite points (P, 2), one at least")
+    return points[:, :2]
+
+
+def _densely(path: Array) -> tuple[Array, Array]:
+    """Points (Q, 2) about every `_DENSE` metres of a path, and the metres (Q,) up to each."""
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    miles = np.concatenate([[0.0], np.cumsum(steps)])
+    at = np.linspace(0.0, miles[-1], int(np.ceil(miles[-1] / _DENSE)) + 1)
+    return np.stack([np.interp(at, miles, column) for column in path.T], axis=1), at

@@ -32,8 +32,11 @@ class Outcomes:
 
     Attributes:
         errands: where they led.
-        driven: (N,) whether a robot was sent; hopeless ones may count as failed without that.
-        reached: (N,) whether the target was reached in time, and nothing was touched.
+        driven: (N,) whether a robot was sent. Hopeless errands count as failed without that: who
+            chances upon such a target (`experiment calibration --ablation audit` says how many do)
+            could not have known.
+        reached: (N,) whether the target was reached in time, and nothing was touched. Who touches
+            something has not (the authors left such drives out; here there are 5 in 150,000).
         collided: (N,) whether something was touched.
         seconds: (N,) until it ended.
     """

@@ -1,19 +1,41 @@
 """The drives that were recorded in one world, and pairs of places along them."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.driving.trajectories import CONTEXT_INTERVAL, Trajectory
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
 
 BEHIND, AHEAD = 1.0, 3.0
 """Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
 CLOSE = 0.8
 """Metres along the drive within which the last bit of the way is decided."""
+
+
+def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) -> NDArray[np.intp]:
+    """Frames of contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
+
+    Args:
+        frames: (N,) numbers i of the targets.
+        k: pictures on either side.
+        first: (N,) or one number, the first frame of the drive, which is repeated before it.
+        last: the same for the last frame, which is repeated after it.
+
+    Returns:
+        (N, 2k+1) in the order of time.
+
+    >>> frames_around([0, 10], 2, 0, 12).tolist()
+    [[0, 0, 0, 3, 6], [4, 7, 10, 12, 12]]
+    """
+    around = np.asarray(frames)[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1)
+    return np.clip(around, np.reshape(first, (-1, 1)), np.reshape(last, (-1, 1)))
 
 
 class RecordedWorld:
@@ -59,11 +81,9 @@ class RecordedWorld:
         Raises:
             InputError: when a drive is shorter than one context, or there is no such frame.
         """
-        frames = np.asarray(frames)
-        if k < 0 or frames.dtype.kind not in "iu" or frames.ndim != 1:
-            raise InputError(f"context: frames {frames}, k = {k}; give (N,) whole numbers, k >= 0")
-        if len(frames) and not 0 <= frames.min() <= frames.max() < len(self.poses):
-            raise InputError(f"context: frames {frames}; there are 0 to {len(self.poses) - 1}")
+        frames = self._checked(frames)
+        if k < 0:
+            raise InputError(f"context: k = {k}; give k >= 0")
         needed = 2 * k * CONTEXT_INTERVAL + 1
         shortest = (self.last - self.first + 1)[frames].min(initial=needed)
         if shortest < needed:
@@ -71,8 +91,40 @@ class RecordedWorld:
                 f"context: k = {k} needs a drive of {needed} frames and one has {shortest}; record "
                 "longer ones or give a smaller k"
             )
-        around = frames[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1)
-        return np.clip(around, self.first[frames, None], self.last[frames, None])
+        return frames_around(frames, k, self.first[frames], self.last[frames])
+
+    def observe(self, frames: NDArray[np.intp], camera: Camera | None = None) -> Observation:
+        """What the robot sensed at frames (N,): pictures are rendered, the rest was recorded.
+
+        Args:
+            frames: their numbers.
+            camera: takes the pictures; the usual one unless given.
+
+        Raises:
+            InputError: when there is no such frame, or lasers have different numbers of beams.
+        """
+        frames = self._checked(frames)
+        laser, odometry = self._sensed
+        image, _ = (Camera() if camera is None else camera).look(self.scene, self.poses[frames])
+        senses = (laser[frames], odometry[frames], self.speed[frames], self.steering[frames])
+        return Observation(image, None, *senses)
+
+    @cached_property
+    def _sensed(self) -> tuple[NDArray[np.float32], Array]:
+        """Laser (F, B) and odometry (F, 3) of all frames; only to observe are they needed."""
+        if len({trajectory.laser.shape[1] for trajectory in self.trajectories}) > 1:
+            raise InputError("drives: lasers with different numbers of beams; take them apart")
+        laser = np.concatenate([trajectory.laser for trajectory in self.trajectories])
+        return laser, np.concatenate([trajectory.odometry for trajectory in self.trajectories])
+
+    def _checked(self, frames: ArrayLike) -> NDArray[np.intp]:
+        """Frames (N,) that there are."""
+        frames = np.asarray(frames)
+        if frames.dtype.kind not in "iu" or frames.ndim != 1:
+            raise InputError(f"frames: {frames}; give (N,) whole numbers")
+        if len(frames) and not 0 <= frames.min() <= frames.max() < len(self.poses):
+            raise InputError(f"frames: {frames}; there are 0 to {len(self.poses) - 1}")
+        return frames
 
     def frame_at(self, frames: NDArray[np.intp], ahead: Array) -> NDArray[np.intp]:
         """(N,) the frame so many metres `ahead` (N,) of each frame, or the end of the drive."""

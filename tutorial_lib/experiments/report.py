@@ -56,8 +56,8 @@ class Report:
         return asdict(self)
 
     def as_text(self) -> str:
-        """A table that a person can read."""
-        keys = list(self.rows[0])
+        """A table that a person can read; lists are for the JSON only."""
+        keys = [key for key, value in self.rows[0].items() if not isinstance(value, list)]
         cells = [keys, *([_shown(row[key]) for key in keys] for row in self.rows)]
         widths = [max(len(line[i]) for line in cells) for i in range(len(keys))]
         lines = ["  ".join(c.rjust(w) for c, w in zip(line, widths, strict=True)) for line in cells]
@@ -77,6 +77,8 @@ def parse_worlds(text: str) -> tuple[int, ...]:
 
 
 def _shown(value: object) -> str:
+    if value is None:
+        return ""
     if isinstance(value, float):
         return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}"
     return str(value)

@@ -1,11 +1,14 @@
 """Intervals: worlds are the independent units, not episodes."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.geometry import Array
 
 _DRAWS = 4_000
+_FEW_DRAWS = 400  # of what takes longer to measure than a mean
 _Z = 1.96
 
 
@@ -30,6 +33,29 @@ def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, flo
     means = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
     low, high = np.quantile(means, [0.025, 0.975])
     return float(values.mean()), float(low), float(high)
+
+
+def measured_over_worlds(
+    measure: Callable[..., float], worlds: ArrayLike, *columns: ArrayLike
+) -> tuple[float, float, float]:
+    """What `measure` finds in all columns (N,), and its 95 % interval, bootstrapped over worlds.
+
+    With only one world it is bootstrapped over its rows.
+
+    >>> measured_over_worlds(lambda x: float(np.max(x)), [0, 0, 1], [1.0, 2.0, 3.0])
+    (3.0, 2.0, 3.0)
+    """
+    values = [np.asarray(column) for column in columns]
+    names, which = np.unique(np.asarray(worlds), return_inverse=True)
+    rows = [np.flatnonzero(which == i) for i in range(len(names))]
+    rows = [np.array([i]) for i in range(len(which))] if len(names) == 1 else rows
+    rng = np.random.default_rng(0)
+    found = []
+    for _ in range(_FEW_DRAWS):
+        drawn = np.concatenate([rows[i] for i in rng.integers(len(rows), size=len(rows))])
+        found.append(measure(*(column[drawn] for column in values)))
+    low, high = np.nanquantile(found, [0.025, 0.975])
+    return measure(*values), float(low), float(high)
 
 
 def difference(

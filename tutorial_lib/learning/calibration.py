@@ -44,7 +44,7 @@ def reliability(predicted: ArrayLike, came_true: ArrayLike, bins: int = BINS) ->
     Raises:
         InputError: when there are fewer predictions than bins, or something is not in [0, 1].
 
-    >>> reliability([0.2, 0.2, 0.8, 0.8], [0, 0, 1, 1], bins=2).ece
+    >>> round(reliability([0.2, 0.2, 0.8, 0.8], [0, 0, 1, 1], bins=2).ece, 3)
     0.2
     """
     predicted, came_true = _checked(predicted, came_true)
@@ -154,7 +154,7 @@ def fit_isotonic(logits: Array, came_true: ArrayLike, knots: int = _KNOTS) -> Ca
     raw, mended = raw[distinct], mended[distinct]
     for i in range(1, len(raw)):
         mended[i] = max(mended[i], mended[i - 1] + _STEEP * (raw[i] - raw[i - 1]))
-    return Calibration(tuple(raw.round(4)), tuple(mended.round(4)))
+    return Calibration(tuple(raw.round(4).tolist()), tuple(mended.round(4).tolist()))
 
 
 def _checked(predicted: ArrayLike, came_true: ArrayLike) -> tuple[Array, Array]:

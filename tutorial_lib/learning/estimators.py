@@ -84,8 +84,15 @@ class _Estimator:
 
     @torch.inference_mode()
     def encode(self, observations: Observation) -> Tensor:
-        """What is kept of what N robots see, to be asked about with many targets."""
-        return self.network.encode_current(self.view.numbers(self.view.of(observations)))
+        """What is kept of what N robots see, to be asked about with many targets.
+
+        Rows that repeat the one before, as in a question about many targets, are encoded once.
+        """
+        pictures = self.view.of(observations)
+        repeats = (pictures[1:] == pictures[:-1]).all(axis=(1, 2, 3))
+        fresh = np.append(True, ~repeats)[: len(pictures)]
+        encoded = self.network.encode_current(self.view.numbers(pictures[fresh]))
+        return encoded if fresh.all() else encoded[np.cumsum(fresh) - 1]
 
     @torch.inference_mode()
     def compare(self, current: Tensor, targets: EncodedTargets) -> Array:
@@ -96,6 +103,14 @@ class _Estimator:
             raise InputError(f"targets: {len(targets)} for {len(current)} robots; give as many")
         parts = zip(current.split(_AT_ONCE), targets.encoded.split(_AT_ONCE), strict=True)
         return _joined([self.network.compare(*part)[0] for part in parts])
+
+    @torch.inference_mode()
+    def ask_plainly(self, observations: Observation, contexts: NDArray) -> Array:
+        """The same with nothing kept: every pair is encoded for itself, to compare speeds."""
+        current = self.view.numbers(self.view.of(observations))
+        targets = self.view.numbers(contexts)
+        parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
+        return _joined([self.network(*part) for part in parts])
 
 
 class WaypointNetwork(_Estimator):
@@ -111,13 +126,9 @@ class WaypointNetwork(_Estimator):
         """Waypoints (N, 2) in metres in the robots' frames, and mutual overlaps (N, 2)."""
         return _told(self.ask(observations, targets))
 
-    @torch.inference_mode()
     def predict_plainly(self, observations: Observation, contexts: NDArray) -> tuple[Array, Array]:
-        """The same with nothing kept: every pair is encoded for itself, to compare speeds."""
-        current = self.view.numbers(self.view.of(observations))
-        targets = self.view.numbers(contexts)
-        parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
-        return _told(_joined([self.network(*part) for part in parts]))
+        """The same with nothing kept, see `ask_plainly`."""
+        return _told(self.ask_plainly(observations, contexts))
 
 
 class DirectNetwork(_Estimator):

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.outcomes import Outcomes
 from tutorial_lib.geometry import Array, relative, to_local
 from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.visibility import mutual_overlap
@@ -17,13 +16,6 @@ CLEARANCE = 0.06
 """Metres that the line to a waypoint keeps from every wall."""
 CANDIDATES = 16
 """Places of the drive that are tried as waypoints."""
-
-AUDIT = (
-    (5.0, 6.5, 7.5, 9.0, 11.0, 13.5, 17.5, 25.0),
-    (0.16, 0.12, 0.11, 0.08, 0.06, 0.05, 0.04, 0.03),
-)
-"""Metres, and share of the errands to there, with nothing in common in the two views, that ended
-well when robots were sent on them in training worlds: `experiment calibration --ablation audit`."""
 
 
 def waypoint_labels(
@@ -77,25 +69,6 @@ class Labels:
     waypoint: Array
     heading: Array
     overlap: Array
-
-
-def reach_labels(outcomes: Outcomes, drop_collisions: bool = False) -> tuple[Array, Array]:
-    """How probable it is that C reaches each target (Meng 2020, III-C), and what that counts.
-
-    A robot that was sent has reached it or not. Errands on which none was sent lead far away to
-    where nothing can be recognised; the audit says how often a robot still chances upon the target.
-
-    Args:
-        outcomes: of N errands.
-        drop_collisions: leave them out, as the authors did, instead of counting them as failures.
-
-    Returns:
-        Labels (N,) in [0, 1] and weights (N,), 0 or 1.
-    """
-    chance = np.interp(outcomes.errands.geodesic, *AUDIT)
-    label = np.where(outcomes.driven, outcomes.reached, chance)
-    weight = 1.0 - (outcomes.collided & drop_collisions)
-    return label.astype(float), weight.astype(float)
 
 
 def label(caster: Raycaster, starts: Array, goals: Array, waypoints: Array) -> Labels:

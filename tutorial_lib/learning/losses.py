@@ -9,9 +9,11 @@ ROUNDED = 0.1
 """Metres below which an error counts as its square, and not as itself."""
 TOLERANCE = 0.15
 """Metres of error that cost 1 where the target is; 1 m away from it, twice as many do."""
-CONTEXT_WEIGHT = {"waypoint": 2.0, "action": 2.0, "reachability": 0.2}
+OVERLAP_WEIGHT = 0.3
+"""Of the two overlaps, which reachability learns besides."""
+CONTEXT_WEIGHT = {"waypoint": 2.0, "action": 2.0, "reachability": 2.0}
 """By a network's outputs, of where the context's pictures were taken: many labels for each pair,
-which teach matching. Reachability starts from an encoder that has learnt it."""
+which teach matching. Reachability is asked about places that C was never trained with."""
 
 
 def position_loss(predicted: Tensor, wanted: Tensor) -> Tensor:
@@ -42,10 +44,18 @@ def action_loss(outputs: Tensor, batch: Batch) -> Tensor:
 
 
 def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
-    """(N,) binary cross-entropy of the logit (Meng 2020, III-C)."""
-    return functional.binary_cross_entropy_with_logits(
-        outputs[:, 0], batch.tensor("reached"), reduction="none"
+    """(N,) binary cross-entropy of reachability (Meng 2020, III-C) and, less so, of the overlaps.
+
+    The paper's RE tells one probability. What is seen of a target decides on it more than anything
+    else, and every pair teaches that, not only those about which an outcome tells something.
+    """
+    asked = [outputs[:, :1], outputs[:, 1:]]
+    labels = [batch.tensor("reached")[:, None], batch.tensor("overlap")]
+    reached, shares = (
+        functional.binary_cross_entropy_with_logits(told, label, reduction="none").sum(1)
+        for told, label in zip(asked, labels, strict=True)
     )
+    return reached + OVERLAP_WEIGHT * shares
 
 
 def context_loss(poses: Tensor, batch: Batch) -> Tensor:

@@ -16,9 +16,9 @@ from tutorial_lib.learning.encoders import (
 from tutorial_lib.learning.views import VIEWS, View
 
 ENCODERS = ("matching", "pair", "separate", "stacked")
-OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 1}
+OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3}
 """Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; or
-the logit of how probable it is that the target is reached."""
+the logit of how probable it is that the target is reached, and two overlaps."""
 
 
 @dataclass(frozen=True)

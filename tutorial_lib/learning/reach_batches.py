@@ -12,7 +12,6 @@ from tutorial_lib.driving.outcomes import Outcomes
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.batches import Batch, joined, posed
-from tutorial_lib.learning.labels import reach_labels
 from tutorial_lib.learning.networks import Architecture
 
 NEAR_IN_TIME, FAR_IN_TIME = 20, 100
@@ -41,7 +40,6 @@ class OutcomeSource:
     Attributes:
         lessons: of all worlds.
         architecture: of the network that is to learn.
-        drop_collisions: leave them out, as the authors did, instead of counting them as failures.
         mined: share of the targets that are taken from mined errands, in worlds that have any.
         worlds: that a block is made of.
         targets: of each of them, with `STARTS` starts each.
@@ -50,7 +48,6 @@ class OutcomeSource:
 
     lessons: Sequence[Lessons]
     architecture: Architecture
-    drop_collisions: bool = False
     mined: float = 0.5
     worlds: int = 16
     targets: int = 64
@@ -64,7 +61,6 @@ class OutcomeSource:
             "errands": sum(len(lesson.outcomes) for lesson in self.lessons),
             "reached": int(sum(lesson.outcomes.reached.sum() for lesson in self.lessons)),
             "mined": [mined, self.mined],
-            "drop_collisions": self.drop_collisions,
             "block": [self.worlds, self.targets, STARTS],
             "vary": self.vary,
         }
@@ -89,13 +85,13 @@ class OutcomeSource:
     ) -> Batch:
         recorded, errands = lesson.recorded, outcomes.errands
         frames, rows = by_target(errands.targets, targets, rng)
-        label, weight = reach_labels(outcomes, self.drop_collisions)
+        label = outcomes.reached[rows]
         return rendered(
             recorded,
             self.architecture,
             errands.starts[rows].reshape(targets, STARTS, 3),
             frames,
-            {"reached": label[rows], "weight": weight[rows], "overlap": errands.overlap[rows]},
+            {"reached": label, "weight": np.ones(len(rows)), "overlap": errands.overlap[rows]},
             rng if self.vary else None,
         )
 

@@ -46,9 +46,9 @@ class Recipe:
     validation_worlds: int = 12
     cars: int = 16
 
-    def checkpoint(self, work: Path) -> Path:
+    def checkpoints(self, work: Path) -> tuple[Path]:
         """Where the state of its training is kept."""
-        return work / f"{self.name}.pt"
+        return (work / f"{self.name}.pt",)
 
 
 WAYPOINT = {
@@ -86,7 +86,7 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
     prepared = time.monotonic() - begun
     network, progress = train(
-        recipe.architecture, source, validation, recipe.settings, recipe.checkpoint(work)
+        recipe.architecture, source, validation, recipe.settings, recipe.checkpoints(work)[0]
     )
     card = Card(
         recipe.name,

@@ -3,6 +3,7 @@
 import numpy as np
 import pymunk
 import pymunk.batch
+from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.people import EVERYBODY, Crowd
@@ -35,6 +36,7 @@ class Fleet:
         self._space = pymunk.Space()
         self._space.damping = 0.0
         self._space.collision_slop = 0.001
+        self._robots: list[pymunk.Body] = []
         self._add_robots(footprint)
         self._add_things(segments, crowd)
         self._space.on_collision(_ROBOT, _THING, begin=self._begin, separate=self._separate)
@@ -61,6 +63,15 @@ class Fleet:
         state = np.frombuffer(self._state.float_buf(), dtype=np.float64)
         self.poses = state.reshape(-1, 3)[: len(self.poses)].copy()
 
+    def place(self, robots: NDArray[np.intp], poses: Array) -> None:
+        """Put those robots at rest at `poses` (M, 3)."""
+        for number, (x, y, heading) in zip(robots.tolist(), poses.tolist(), strict=True):
+            robot = self._robots[number]
+            robot.position, robot.angle = (x, y), heading
+            robot.velocity, robot.angular_velocity = (0.0, 0.0), 0.0
+            self._space.reindex_shapes_for_body(robot)
+        self.poses[robots] = poses
+
     def _add_robots(self, footprint: Array) -> None:
         among_robots = pymunk.ShapeFilter(group=1)
         corners = [tuple(corner) for corner in footprint.tolist()]
@@ -70,6 +81,7 @@ class Fleet:
             shape = pymunk.Poly(robot, corners)
             shape.filter, shape.collision_type, shape.owner = among_robots, _ROBOT, number
             self._space.add(robot, shape)
+            self._robots.append(robot)
 
     def _add_things(self, segments: Array, crowd: Crowd) -> None:
         for x0, y0, x1, y1 in segments.tolist():

@@ -180,6 +180,37 @@ class Simulation:
             self._fleet.substep(*(moving * rates), STEP / SUBSTEPS)
         self._finish(before, ACTION_SECONDS, actions)
 
+    def place(self, robots: ArrayLike, poses: ArrayLike) -> None:
+        """Somebody picks robots up and puts them down elsewhere, at rest; no odometer notices.
+
+        Args:
+            robots: (M,) their numbers, each once.
+            poses: (M, 3) where to.
+
+        Raises:
+            InputError: when a robot would stand in a wall or on a person; none is moved then.
+        """
+        robots, poses = np.atleast_1d(np.asarray(robots)), _poses(poses)
+        once = robots.dtype.kind in "iu" and robots.shape == np.unique(robots).shape
+        if not once or len(robots) != len(poses):
+            raise InputError(
+                f"place: robots {robots}, {len(poses)} poses; give (M,) whole numbers, each once, "
+                "and (M, 3)"
+            )
+        if not np.isin(robots, np.arange(len(self))).all():
+            raise InputError(f"place: robots {robots}; there are 0 to {len(self) - 1}")
+        check_free(self.scene, self.body, poses)
+        # Nobody is in the way of a robot that is nowhere.
+        alone = np.full_like(self.poses, np.nan)
+        alone[robots] = poses
+        check_apart(self.body, alone, self.crowd.discs)
+        self._fleet.place(robots, poses)
+        placed = self.poses.copy()
+        placed[robots] = poses
+        placed[:, 2] = wrap(placed[:, 2])
+        self.poses = _poses(placed)
+        self.controls[robots], self.speed[robots] = 0.0, 0.0
+
     def observe(self, robots: NDArray[np.intp] | None = None) -> Observation:
         """What the robots' sensors tell now.
 

@@ -1,0 +1,142 @@
+"""Recorded trajectories that are followed again by their anchors (Meng 2020, IV-A, IV-B)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.demonstrations import demonstrate
+from tutorial_lib.driving.metrics import SLOWEST, covered
+from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.rmp import RMPController
+from tutorial_lib.driving.rollouts import drive
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.topology.follower import Follower, Run
+from tutorial_lib.topology.following import Following
+from tutorial_lib.topology.sparsify import sparsify
+from tutorial_lib.topology.trails import Trails
+from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.world.worlds import local_world, scene_of
+
+WEIGHTS = {
+    "k0": ("waypoint_k0", "reach_k0"),
+    "k2": ("waypoint_k2", "reach_k2"),
+    "k5": ("waypoint_k5", "reach_k5"),
+    "laser": ("laser_k2", "reach_laser"),
+}
+"""C_WP and RE by context."""
+CARS = 48
+"""That set out in a world, for trajectories to choose from."""
+LENGTH = 15.0
+"""Metres of the trajectories, on average (Meng 2020, IV-B)."""
+_SHORTEST = 10.0
+_BUDGET = 2.0  # times the time that the slowest drive takes
+
+
+def trajectories(seed: int, count: int, rng: np.random.Generator) -> RecordedWorld:
+    """A world with `count` recorded trajectories of about `LENGTH` metres on average.
+
+    Fewer, where there are not as many of at least 10 m.
+    """
+    name = local_world(seed)
+    scene = scene_of(name)
+    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
+    found = [drive for drive in drives if drive.arc_length[-1] >= _SHORTEST] or drives
+    found = sorted(rng.permutation(np.array(found, dtype=object)), key=_off_average)[:count]
+    return RecordedWorld(scene, found)
+
+
+def _off_average(drive: Any) -> float:  # noqa: ANN401 - a Trajectory
+    return abs(drive.arc_length[-1] - LENGTH)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """C and RE with one context, in one world.
+
+    Attributes:
+        recorded: the trajectories.
+        context: one of `WEIGHTS`.
+    """
+
+    recorded: RecordedWorld
+    context: str
+
+    @cached_property
+    def predictor(self) -> WaypointNetwork:
+        """C_WP."""
+        return WaypointNetwork(WEIGHTS[self.context][0])
+
+    @cached_property
+    def reachability(self) -> ReachabilityNetwork:
+        """RE."""
+        return ReachabilityNetwork(WEIGHTS[self.context][1])
+
+    @property
+    def k(self) -> int:
+        """Pictures of context on either side of an anchor."""
+        return self.predictor.architecture.k
+
+    def pictures(self, frames: NDArray[np.intp]) -> NDArray:
+        """Frames (N,) in their context, (N, 2k+1, H, W, C)."""
+        poses = self.recorded.poses[self.recorded.context(frames, self.k)]
+        return self.predictor.view.render(self.recorded.scene, poses)
+
+    def anchors(self, trajectory: int, threshold: float) -> NDArray[np.intp]:
+        """Frames (A,) of the world that the sparsifier keeps of a trajectory."""
+        frames = frames_of(self.recorded, trajectory)
+        seen = self.recorded.observe(frames, self.predictor.view.camera)
+        prepared = self.reachability.prepare(self.pictures(frames))
+        return frames[sparsify(self.reachability, seen, prepared, threshold)]
+
+    def follow(
+        self,
+        trails: list[NDArray[np.intp]],
+        noise: float = 0.0,
+        rng: np.random.Generator | None = None,
+    ) -> tuple[Array, Array, Following]:
+        """Follow trails, each from its first frame, and say how far each was followed.
+
+        Args:
+            trails: frames (A,) of each robot's anchors, all of one trajectory.
+            noise: sigma of the actuation noise.
+            rng: of the noise.
+
+        Returns:
+            Metres (N,) that were covered, poses (T, N, 3), and what went on.
+        """
+        recorded, frames = self.recorded, np.concatenate(trails)
+        pictures = self.pictures(frames)
+        targets, prepared = self.predictor.prepare(pictures), self.reachability.prepare(pictures)
+        laid = Trails.end_to_end(targets, prepared, [len(trail) for trail in trails])
+        run = Follower(self.predictor, RMPController(), self.reachability).begin(laid)
+        ends = np.array([(trail[0], trail[-1]) for trail in trails])
+        simulation = Simulation(
+            recorded.scene, recorded.poses[ends[:, 0]], control_noise=noise, rng=rng
+        )
+        length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
+        limit = _BUDGET * length / SLOWEST + 10.0
+        drives = drive(simulation, driver(run), recorded.poses[ends[:, 1], :2], limit)
+        metres = []
+        for robot, (first, last) in enumerate(ends):
+            steps = round(drives.seconds[robot] / STEP)
+            touched = steps if drives.collided[robot] else None
+            track = drives.poses[: steps + 1, robot]
+            metres.append(covered(recorded.poses[first : last + 1], track, touched))
+        return np.array(metres), drives.poses, run.record()
+
+
+def driver(run: Run) -> Any:  # noqa: ANN401 - a Driver
+    """Drives the robots of a run; who is lost or done stands still."""
+    return lambda simulation, robots: run.act(simulation.observe(robots), robots)
+
+
+def frames_of(recorded: RecordedWorld, trajectory: int) -> NDArray[np.intp]:
+    """The frames of one trajectory."""
+    first = np.unique(recorded.first)[trajectory]
+    return np.arange(first, recorded.last[first] + 1)

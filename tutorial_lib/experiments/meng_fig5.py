@@ -1,0 +1,82 @@
+"""Fig. 5 of Meng 2020: where three controllers keep anchors, and that tight places get more."""
+
+from __future__ import annotations
+
+import time
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from scipy.stats import rankdata
+from tqdm.auto import tqdm
+
+from tutorial_lib.experiments.courses import WORLDS
+from tutorial_lib.experiments.following import Guide, trajectories
+from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.statistics import measured_over_worlds
+from tutorial_lib.geometry import Array, wrap
+from tutorial_lib.learning.estimators import use_threads
+
+CONTEXTS = ("k2", "k5", "laser")
+THRESHOLD = 0.99
+"""p_sparsify of the figure."""
+_EACH = 8
+
+
+def run(options: Options) -> Report:
+    """Sparsify the same trajectories for every controller.
+
+    The correlations are Spearman's, over all pairs of consecutive anchors: of the metres between
+    them with the least clearance on the way, and with how much the car turned on it.
+    """
+    begun = time.perf_counter()
+    worlds = options.worlds or (WORLDS[:5] if options.quick else WORLDS)
+    run_all = Parallel(n_jobs=-1, return_as="generator")
+    jobs = run_all(delayed(place_anchors)(world, options.seed) for world in worlds)
+    parts = list(tqdm(jobs, total=len(worlds), desc="meng_fig5", disable=None))
+    rows: list[dict[str, Any]] = []
+    for context in CONTEXTS:
+        found = [part[context] for part in parts]
+        gaps = np.concatenate([gap for gap, _ in found])
+        where = np.repeat(np.arange(len(found)), [len(gap) for gap, _ in found])
+        frames = sum(count for _, count in found)
+        row = {"context": context, "threshold": THRESHOLD, "anchors": len(gaps)}
+        row |= {"sparsity": len(gaps) / frames, "metres": gaps[:, 0].mean()}
+        for name, column in (("clearance", 1), ("turn", 2)):
+            key = f"with_{name}"
+            row[key], row[f"{key}_low"], row[f"{key}_high"] = measured_over_worlds(
+                spearman, where, gaps[:, 0], gaps[:, column]
+            )
+        rows.append(row)
+    took = time.perf_counter() - begun
+    return Report("meng_fig5", options.seed, worlds, options.quick, took, rows)
+
+
+def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int]]:
+    """For each context the gaps (M, 3) between consecutive anchors, and how many frames there were.
+
+    A gap is its metres, the least clearance on the way, and the rad that the car turned on it.
+    """
+    use_threads(1)  # the worlds are run side by side
+    recorded = trajectories(world, _EACH, np.random.default_rng([seed, world]))
+    clearance = recorded.scene.clearance.at(recorded.poses[:, :2])
+    turned = np.abs(wrap(np.diff(recorded.poses[:, 2], prepend=recorded.poses[0, 2])))
+    found = {}
+    for context in CONTEXTS:
+        guide, gaps, frames = Guide(recorded, context), [], 0
+        for trajectory in range(len(recorded.trajectories)):
+            anchors = guide.anchors(trajectory, THRESHOLD)
+            frames += int(anchors[-1] - anchors[0] + 1)
+            # The last gap is cut off by the end of the trajectory.
+            for first, last in pairwise(anchors[:-1]):
+                way = slice(first + 1, last + 1)
+                metres = recorded.arc[last] - recorded.arc[first]
+                gaps.append((metres, clearance[way].min(), turned[way].sum()))
+        found[context] = np.array(gaps), frames
+    return found
+
+
+def spearman(first: Array, second: Array) -> float:
+    """Correlation of the ranks of two columns (N,)."""
+    return float(np.corrcoef(rankdata(first), rankdata(second))[0, 1])

@@ -1,0 +1,1 @@
+"""From drives to a map of anchors, and back to driving: sparsify, follow."""

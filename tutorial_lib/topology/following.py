@@ -1,0 +1,101 @@
+"""What went on while trails were followed: kept, saved and read again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path
+from tutorial_lib.geometry import Array
+
+VERSION = 1
+"""Of the file's layout."""
+
+# Array fields: the type, and how much of the shape (T, N, 2) they have.
+_COLUMNS: dict[str, tuple[type, int]] = {
+    "state": (np.int8, 2),
+    "active": (np.int32, 2),
+    "visited": (np.int32, 2),
+    "probability": (np.float64, 2),
+    "overlap": (np.float64, 2),
+    "waypoint": (np.float64, 3),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Following:
+    """T steps of N robots; row t is how things stood when the action of step t was chosen.
+
+    Attributes:
+        state: (T, N) int8, a `State` each.
+        active: (T, N) int32, place along the trail of the anchor driven to, -1 while searching.
+        visited: (T, N) int32, place of the anchor that was last visited, -1 for none.
+        probability: (T, N) RE of the anchor that was active when the step began; not a number
+            where nobody asked.
+        overlap: (T, N) mean predicted overlap with that anchor; not a number outside Follow.
+        waypoint: (T, N, 2) metres in the frame of the robot's odometry; not a number before the
+            first.
+
+    Raises:
+        InputError: when an array has another shape or type.
+    """
+
+    state: NDArray[np.int8]
+    active: NDArray[np.int32]
+    visited: NDArray[np.int32]
+    probability: Array
+    overlap: Array
+    waypoint: Array
+
+    def __post_init__(self) -> None:
+        shape = (*np.shape(self.state)[:2], 2)
+        for name, (kind, axes) in _COLUMNS.items():
+            array = getattr(self, name)
+            if array.shape != shape[:axes] or array.dtype != kind or len(shape) != 3:
+                raise InputError(
+                    f"{name}: {array.dtype} of shape {array.shape} where {np.dtype(kind)} of "
+                    f"{shape[:axes]} belongs"
+                )
+
+    def __len__(self) -> int:
+        return len(self.state)
+
+    @classmethod
+    def of(cls, steps: Sequence[tuple[NDArray[Any], ...]], robots: int) -> Following:
+        """Put T steps of so many robots together, each a tuple of the columns' rows."""
+        columns = []
+        for number, (kind, axes) in enumerate(_COLUMNS.values()):
+            none = np.empty((0, *(robots, 2)[: axes - 1]), dtype=kind)
+            rows = [np.asarray(step[number], dtype=kind)[None] for step in steps]
+            columns.append(np.concatenate([none, *rows]))
+        return cls(*columns)
+
+    def save(self, path: str | Path) -> None:
+        """Write to an `.npz` file, whole or not at all."""
+        columns = {field.name: getattr(self, field.name) for field in fields(self)}
+        with atomic_path(path) as temporary, temporary.open("wb") as file:
+            np.savez_compressed(file, version=np.array(VERSION), **columns)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Following:
+        """Read what `save` wrote.
+
+        Raises:
+            InputError: naming the file, and what is wrong with it.
+        """
+        if not Path(path).is_file():
+            raise InputError(f"{path}: there is no such file; record it")
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                if int(file["version"]) != VERSION:
+                    raise InputError(f"not of version {VERSION}")
+                return cls(*(file[name] for name in _COLUMNS))
+        # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
+        except Exception as error:
+            raise InputError(f"{path}: no record of a run ({error}); record it again") from error

@@ -1,0 +1,35 @@
+"""Plain image similarity, to compare learned reachability with (Meng 2020, IV)."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
+
+
+class ImageSimilarity:
+    """A `Reachability` that learns nothing: how alike two pictures are, pixel by pixel.
+
+    The correlation of two pictures, from -1 to 1, is moved to 0 ... 1. It is no probability, but
+    stands where one is expected, as the similarity of SPTM does.
+    """
+
+    def prepare(self, pictures: NDArray[np.uint8]) -> Array:
+        """Pictures (M, P, H, W, 3) of targets, of which the middle one counts, as rows (M, D)."""
+        if pictures.ndim != 5:
+            raise InputError(f"targets: shape {pictures.shape}; give pictures (M, P, H, W, 3)")
+        return _rows(pictures[:, pictures.shape[1] // 2])
+
+    def probability(self, observations: Observation, prepared: Array) -> Array:
+        """Similarities (N,) in [0, 1]."""
+        if len(prepared) != len(observations):
+            raise InputError(f"targets: {len(prepared)} for {len(observations)}; give as many")
+        return 0.5 + 0.5 * np.clip((_rows(observations.image) * prepared).sum(axis=1), -1.0, 1.0)
+
+
+def _rows(pictures: NDArray[np.uint8]) -> Array:
+    """Pictures (N, H, W, 3) as rows (N, D) of mean zero and length one."""
+    rows = pictures.reshape(len(pictures), -1).astype(np.float32)
+    rows -= rows.mean(axis=1, keepdims=True)
+    return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-6)

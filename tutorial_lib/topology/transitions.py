@@ -1,0 +1,154 @@
+"""The rules by which a trail is followed, as functions of arrays (Meng 2020, III-H).
+
+Each looks at M robots at once and remembers nothing; `follower` keeps what they need.
+"""
+
+from dataclasses import dataclass, fields
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+
+Places = NDArray[np.intp]
+"""Of anchors along a trail, from 0; -1 where none was visited yet."""
+
+
+class State(IntEnum):
+    """What a robot is doing."""
+
+    SEARCH = 0
+    FOLLOW = 1
+    DEAD_RECKONING = 2
+    LOST = 3
+    DONE = 4
+
+
+@dataclass(frozen=True)
+class FollowerSettings:
+    """From when on the follower believes what it is told.
+
+    Overlaps are means of the two that are predicted. Straight ahead, 0.8 is about 0.4 m away, 0.65
+    about 0.9 m and 0.5 about 1.5 m.
+
+    Attributes:
+        p_search: RE of the best anchor from which on the trail is found.
+        p_follow: RE of an anchor from which on it is driven to.
+        p_lose: RE of the active anchor below which it is lost sight of.
+        near: overlap above which an anchor is within proximity.
+        visited: overlap above which the closest anchor was visited.
+        at: metres to the predicted waypoint below which the robot is at the anchor.
+        arrived: overlap with the last anchor that it takes, besides `at`, to have arrived.
+        confirm: steps in a row that it takes to have arrived, or to be back on the trail.
+        patience: seconds without progress after which a robot is lost.
+        calm: seconds of progress in a row after which those before are forgotten.
+        widest: anchors before and after the active one among which a robot finds back.
+    """
+
+    p_search: float = 0.92
+    p_follow: float = 0.92
+    p_lose: float = 0.4
+    near: float = 0.6
+    visited: float = 0.8
+    at: float = 0.25
+    arrived: float = 0.7
+    confirm: int = 3
+    patience: float = 4.0
+    calm: float = 1.0
+    widest: int = 4
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name in ("confirm", "widest"):
+                fits, wanted = isinstance(value, int) and value >= 1, "a whole number, 1 or greater"
+            elif field.name in ("at", "patience", "calm"):
+                fits, wanted = 0.0 <= value < np.inf, "a finite number, 0 or greater"
+            else:
+                fits, wanted = 0.0 < value < 1.0, "a number between 0 and 1"
+            if not fits:
+                raise InputError(f"follower: {field.name} = {value}; give {wanted}")
+        if self.p_lose > self.p_follow:
+            raise InputError(
+                f"follower: p_lose = {self.p_lose}, p_follow = {self.p_follow}; give p_lose that "
+                "is not greater"
+            )
+
+
+def last_visited(
+    visited: Places, active: Places, overlaps: Array, at: NDArray[np.bool_], least: float
+) -> Places:
+    """The anchor last visited: the closest around the active one, and never an earlier one.
+
+    Args:
+        visited: (M,) until now.
+        active: (M,) that are driven to.
+        overlaps: (M, 3) with the anchors before, at and after the active one; not a number where
+            nobody asked.
+        at: (M,) whether the robot is at the active anchor, however it is turned.
+        least: overlap that the closest must have to count as visited.
+
+    >>> overlaps = [[0.7, 0.9, 0.8], [0.7, 0.7, 0.6], [0.3, 0.3, 0.2]]
+    >>> last_visited([4, 4, 4], [5, 5, 5], overlaps, [False, False, True], 0.75).tolist()
+    [5, 4, 5]
+    """
+    visited, active = np.asarray(visited), np.asarray(active)
+    overlaps = np.nan_to_num(np.asarray(overlaps), nan=-1.0)
+    closest = active - 1 + overlaps.argmax(axis=1)
+    found = np.where(overlaps.max(axis=1) > least, closest, -1)
+    return np.maximum.reduce([visited, found, np.where(at, active, -1)])
+
+
+def next_active(
+    active: Places,
+    visited: Places,
+    probability: ArrayLike,
+    overlap: ArrayLike,
+    settings: FollowerSettings,
+) -> Places:
+    """The anchor to drive to, neither too close nor too far away.
+
+    It is the next one, once that can be reached and is within proximity; otherwise the one after
+    the last visited. (The paper lets it fall back to that from farther along; here it stays.)
+
+    Args:
+        active: (M,) until now.
+        visited: (M,) as it is now.
+        probability: (M,) RE of the anchor after the active one; not a number after the last.
+        overlap: (M,) with that anchor.
+        settings: what is enough.
+
+    >>> reach, overlap = [1.0, 1.0, 0.0, 0.0], [0.7, 0.5, 0.7, 0.1]
+    >>> next_active([5, 5, 5, 5], [4, 4, 4, 5], reach, overlap, FollowerSettings()).tolist()
+    [6, 5, 5, 6]
+    """
+    active, probability = np.asarray(active), np.asarray(probability)
+    ready = (probability > settings.p_follow) & (np.asarray(overlap) > settings.near)
+    passed = ~np.isnan(probability) & (np.asarray(visited) >= active)
+    return active + (ready | passed)
+
+
+def found_again(active: Places, probabilities: ArrayLike, least: float) -> Places:
+    """The anchor by which a robot may be back on its trail: the nearest of those reachable.
+
+    Args:
+        active: (M,) place along the trail.
+        probabilities: (M, 2W+1) RE of anchors from W before to W after the active one; not a
+            number where nobody asked.
+        least: p_follow.
+
+    Returns:
+        (M,) places along the trail, -1 where no anchor will do.
+
+    >>> found_again([5, 5, 5], [[0.9, 0.1, 0.9], [0.9, 0.1, 0.1], [0.1, 0.1, 0.1]], 0.5).tolist()
+    [6, 4, -1]
+    """
+    active, probabilities = np.asarray(active), np.asarray(probabilities)
+    count = probabilities.shape[1] // 2
+    offsets = np.arange(-count, count + 1)
+    # Of two that are as near, the one ahead.
+    order = np.argsort(np.abs(offsets) - 0.5 * (offsets > 0), kind="stable")
+    good = probabilities[:, order] > least
+    return np.where(good.any(axis=1), active + offsets[order][good.argmax(axis=1)], -1)
