@@ -7,7 +7,6 @@ from hypothesis import HealthCheck, settings
 from tutorial_lib.driving.demonstrations import demonstrate
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.trajectories import Trajectory
-from tutorial_lib.learning.weights import FOLDER
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.scene import Scene
@@ -104,5 +103,7 @@ def drive_of(poses):
 
 def needs(*weights):
     """Skips a test where these weights were not trained yet."""
+    from tutorial_lib.learning.weights import FOLDER  # not everybody needs torch
+
     missing = [name for name in weights if not (FOLDER / f"{name}.safetensors").is_file()]
     return pytest.mark.skipif(bool(missing), reason=f"not trained yet: {', '.join(missing)}")

@@ -207,7 +207,7 @@ class Run:
         self._told[robots, 1] = overlaps[:, 1]
         # Where RE is low the waypoint means nothing, near as it may be.
         at = np.linalg.norm(waypoints[:, 1], axis=1) < settings.at
-        at &= now > settings.p_follow
+        at &= now > settings.p_lose
         visited = last_visited(visited, active, overlaps, at, settings.visited)
         chosen = next_active(active, visited, after, overlaps[:, 2], settings)
         self.active[robots], self.visited[robots] = chosen, visited
