@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tutorial_lib.driving import episodes as module
+from tutorial_lib.driving import gridpath
 from tutorial_lib.driving.episodes import RADIUS, Episodes, draw_episodes, with_obstacles
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.jitter import PAPER_JITTER, Jitter, jittered
@@ -269,7 +270,7 @@ def test_episodes_may_take_as_long_as_their_geodesics_allow(paths, episodes):
 def test_episodes_are_the_same_however_many_fields_are_made_at_once(
     recorded, paths, episodes, monkeypatch
 ):
-    monkeypatch.setattr(module, "_AT_ONCE", 7)
+    monkeypatch.setattr(gridpath, "_AT_ONCE", 7)
     again = draw_episodes(recorded, paths, 120, np.random.default_rng(0))
     for name in ("starts", "targets", "ahead", "limit"):
         assert (getattr(again, name) == getattr(episodes, name)).all()

@@ -71,8 +71,8 @@ def test_the_clean_course_alone_is_the_same(course):
 def test_a_random_controller_and_an_oracle_bracket_the_others(course):
     clean = course["clean"]
     reached = {
-        name: courses.attempt(clean, prepare(clean.episodes))["reached"].mean()
-        for name, prepare in contenders((0, WORLD)).items()
+        name: courses.attempt(clean, pilot)["reached"].mean()
+        for name, pilot in contenders((0, WORLD)).items()
     }
     assert reached["oracle"] >= 0.9
     assert reached["random"] <= 0.4
