@@ -164,9 +164,10 @@ def test_without_a_camera_there_are_no_pictures(box):
 
 
 def stop_and_go(simulation, robots):
-    """Robot 0 never moves, 1 goes and stops for good, 2 rests for a while, 3 and 4 never rest."""
+    """Robot 0 never moves, 1 goes and stops for good, 2 rests twice, 3 and 4 never rest."""
     now = round(simulation.seconds, 3)
-    speed = [0.0, 0.5 if now < 2.0 else 0.0, 0.0 if 1.0 < now < 1.9 else 0.5, 0.5, 0.004]
+    rests = 1.0 < now < 1.9 or 3.0 < now < 3.9
+    speed = [0.0, 0.5 if now < 2.0 else 0.0, 0.0 if rests else 0.5, 0.5, 0.004]
     return np.column_stack([np.array(speed)[robots], np.zeros(len(robots))])
 
 
@@ -182,7 +183,7 @@ def test_who_stands_still_for_good_is_done_and_who_rests_is_not(box):
     assert drives.seconds[0] == pytest.approx(SETTLED, abs=0.11)
     assert drives.seconds[1] == pytest.approx(2.0 + 0.25 + SETTLED, abs=0.25)
     assert drives.seconds[4] == pytest.approx(16.0, abs=0.11)
-    assert drives.seconds[2] == pytest.approx(drives.seconds[3] + 0.9, abs=0.3)
+    assert drives.seconds[2] == pytest.approx(drives.seconds[3] + 1.8, abs=0.3)
 
 
 def test_unless_asked_nobody_is_given_up_for_standing_still(box):
