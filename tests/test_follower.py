@@ -1,6 +1,5 @@
 """The follower's transitions with fakes in a corridor of numbers; see also test_follower_worlds."""
 
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +17,7 @@ from tutorial_lib.topology.transitions import (
     last_visited,
     next_active,
 )
+from tutorial_lib.topology.turning import Turning
 
 SEARCH, FOLLOW, RECKON, LOST, DONE = State
 
@@ -369,17 +369,155 @@ def test_between_p_lose_and_p_follow_it_drives_on_by_sight():
     assert run.state[0] == RECKON
 
 
-def test_who_is_stuck_is_lost_in_the_end():
-    class Stuck(CorridorController):
-        def act(self, observations, waypoints):
-            return 0.0 * super().act(observations, waypoints)
+class Stuck(CorridorController):
+    """Does not move."""
 
-    corridor, run = make()
-    run.follower = replace(run.follower, controller=Stuck())
-    go(corridor, run, 39)
+    def act(self, observations, waypoints):
+        return 0.0 * super().act(observations, waypoints)
+
+
+def test_an_anchor_that_comes_no_nearer_is_left_as_it_is():
+    corridor, run = make(anchors=[1.0, 1.5, 9.0], effort=2.0)
+    run.controller = Stuck()
+    go(corridor, run, 20)
+    assert run.active[0] == 0
+    go(corridor, run, 3)
+    assert run.active[0] == 1
+
+
+def test_who_is_stuck_is_lost_in_the_end():
+    corridor, run = make(anchors=[1.0], effort=2.0, patience=3.0)
+    run.controller = Stuck()
+    go(corridor, run, 48)
     assert run.state[0] == FOLLOW
-    go(corridor, run, 2)
+    go(corridor, run, 4)
     assert run.lost[0]
+
+
+# Turning.
+
+
+class Turntable(Corridor):
+    """Robots that stand and only turn, at half a rad a second; headings are told as depth."""
+
+    def step(self, actions, robots):
+        self.x[robots] += 0.05 * np.sign(actions[:, 1])
+
+
+class TurntablePredictor:
+    """All anchors are about here, and are seen the less, the more they look another way."""
+
+    def predict(self, observations, targets):
+        off = targets - observations.depth[:, 0]
+        overlap = np.clip(1 - 0.4 * np.abs(off), 0, 1)
+        aside = np.column_stack([np.zeros(len(off)), 0.05 * np.sign(off)])
+        return aside, np.column_stack([overlap, overlap])
+
+
+class TurntableReachability(CorridorReachability):
+    """Whoever is there has reached an anchor; of others it must see something."""
+
+    def __init__(self, hidden=()):
+        super().__init__()
+        self.hidden = hidden
+
+    def probability(self, observations, prepared):
+        off = np.abs(prepared - observations.depth[:, 0])
+        return np.where(np.isin(prepared, self.hidden) & (off > 2.4), 0.01, 0.99)
+
+
+class Steering:
+    """Turns to the side on which the waypoint is."""
+
+    def act(self, observations, waypoints):
+        assert len(observations) == len(waypoints)
+        return np.column_stack([np.zeros(len(waypoints)), waypoints[:, 1]])
+
+
+def make_turntable(anchors, hidden, start=0.0, **settings):
+    anchors = np.array(anchors, dtype=float)
+    follower = Follower(
+        TurntablePredictor(),
+        Steering(),
+        TurntableReachability(hidden),
+        FollowerSettings(**settings),
+    )
+    return Turntable([start]), follower.begin(Trails(anchors, anchors, [range(len(anchors))]), [0])
+
+
+@pytest.mark.parametrize("heading", [1.3, -1.3])
+def test_at_an_anchor_it_turns_to_where_the_next_one_can_be_seen(heading):
+    table, run = make_turntable([0.0, heading, 1.9 * heading], hidden=[1.9 * heading])
+    go(table, run, 80)
+    assert run.done[0]
+    assert table.x[0] == pytest.approx(1.9 * heading, abs=0.9)
+    assert states(run) == [FOLLOW, DONE]
+    assert run.record().waypoint[1, 0].tolist() == [0.0, np.sign(heading)]
+
+
+def test_whoever_sees_the_next_anchor_need_not_turn():
+    table, run = make_turntable([0.0, 1.3, 0.0], hidden=[])
+    go(table, run, 10)
+    assert run.done[0]
+    assert table.x[0] == 0.0
+
+
+def test_at_the_goal_it_turns_to_look_the_right_way():
+    table, run = make_turntable([0.0, 1.4], hidden=[])
+    go(table, run, 60)
+    assert run.done[0]
+    assert table.x[0] == pytest.approx(1.4, abs=0.9)
+
+
+def test_turning_that_does_not_help_comes_to_an_end():
+    table, run = make_turntable([0.0, 1.3, 2.6], hidden=[2.6], effort=1.5)
+    table.step = lambda actions, robots: None  # it cannot
+    go(table, run, 14)
+    assert run.active[0] == 1
+    go(table, run, 4)
+    assert run.active[0] == 2
+
+
+def turn(turning, overlap, at=True, gap=0.0, wants=True, first=1):
+    """One step of one robot; the side to which it turns."""
+    row = [np.array([value]) for value in (wants, at, float(gap), overlap, first)]
+    turning.judge(np.array([0]), *row)
+    return int(turning.side[0])
+
+
+def test_it_turns_back_when_the_overlap_shrinks():
+    turning = Turning(1)
+    assert [turn(turning, overlap) for overlap in (0.5, 0.48, 0.45)] == [1, 1, 1]
+    assert turn(turning, 0.41) == -1
+    assert [turn(turning, overlap) for overlap in (0.36, 0.45, 0.6)] == [-1, -1, -1]
+    assert turn(turning, 0.7, wants=False) == 0
+
+
+def test_it_begins_at_the_anchor_and_goes_on_near_it():
+    turning = Turning(1)
+    assert turn(turning, 0.5, at=False, gap=0.4) == 0
+    assert turn(turning, 0.5, first=-1) == -1
+    assert turn(turning, 0.5, at=False, gap=0.4) == -1
+    assert turn(turning, 0.5, at=False, gap=1.0) == 0
+
+
+def test_only_coming_nearer_is_getting_on():
+    turning = Turning(1)
+    for gap in (1.0, 0.9, 0.8):
+        turn(turning, 0.5, gap=gap, at=False, wants=False)
+    assert turning.tried[0] == 0.0
+    for gap in (0.79, 0.9, 0.79):
+        turn(turning, 0.5, gap=gap, at=False, wants=False)
+    assert turning.tried[0] == pytest.approx(0.3)
+    turning.begin(np.array([0]))
+    assert turning.tried[0] == 0.0
+
+
+def test_who_turns_gets_a_waypoint_beside_it():
+    turning = Turning(3)
+    turning.side[:] = [0, 1, -1]
+    waypoints = turning.waypoints(np.array([2, 0, 1]), np.full((3, 2), 7.0))
+    assert waypoints.tolist() == [[0.0, -1.0], [7.0, 7.0], [0.0, 1.0]]
 
 
 # Fleets.
@@ -451,11 +589,11 @@ def test_nobody_under_way_is_no_trouble():
 def test_a_step_takes_few_questions():
     corridor, run = make(starts=np.zeros(5), anchors=range(40))
     go(corridor, run, 10)
-    follower, before = run.follower, (run.follower.predictor.asked, run.follower.reachability.asked)
+    before = run.predictor.asked, run.reachability.asked
     go(corridor, run, 100)
     assert (run.state == FOLLOW).all()
-    assert (follower.predictor.asked - before[0]) / 500 <= 3
-    assert (follower.reachability.asked - before[1]) / 500 <= 2
+    assert (run.predictor.asked - before[0]) / 500 <= 3
+    assert (run.reachability.asked - before[1]) / 500 <= 2
 
 
 def test_robots_may_share_anchors_and_visit_them_in_any_order():
@@ -538,9 +676,9 @@ def test_trails_that_lead_nowhere_are_refused(targets, prepared, paths, words):
 
 @pytest.mark.parametrize("starts", [[9], [-2], [0, 0], [0.5], [[0]]])
 def test_starts_beyond_the_trail_are_refused(starts):
-    _, run = make()
+    parts = CorridorPredictor(), CorridorController(), CorridorReachability()
     with pytest.raises(InputError, match=r"starts: .*give .N,. anchors of 1 trails"):
-        run.follower.begin(run.trails, starts)
+        Follower(*parts).begin(Trails(np.zeros(9), np.zeros(9), [range(9)]), starts)
 
 
 def test_observations_and_numbers_must_fit():
@@ -574,7 +712,7 @@ class Wrong:
 )
 def test_a_predictor_that_tells_nonsense_is_found_out(predictor, words):
     corridor, run = make()
-    run.follower = replace(run.follower, predictor=predictor)
+    run.predictor = predictor
     with pytest.raises(InputError, match=words):
         go(corridor, run, 1)
 

@@ -176,7 +176,7 @@ def test_a_search_s_outcomes_are_kept_for_these_weights(tmp_path, recorded, netw
     assert len(searched) == 2
     with torch.no_grad():
         network.heads.bias += 0.5
-    once(jobs=1)
+    once(search=Search(pairs=7), jobs=1)
     assert len(searched) == 3
 
 

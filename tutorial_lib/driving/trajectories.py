@@ -3,7 +3,7 @@
 A million frames are 12 GB of pixels but seconds of rays, so pictures are rendered when needed.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
@@ -81,6 +81,19 @@ class Trajectory:
         """(T,) metres driven until each frame, in reverse too."""
         steps = np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1)
         return np.concatenate([[0.0], np.cumsum(steps)])
+
+    def since(self, metres: float) -> "Trajectory":
+        """The rest of the drive, from where so many metres had been driven.
+
+        Raises:
+            InputError: when it is not as long.
+        """
+        if not 0.0 <= metres <= self.arc_length[-1]:
+            raise InputError(
+                f"trajectory: nothing since {metres} m; give 0 to its {self.arc_length[-1]:.1f} m"
+            )
+        first = int(np.searchsorted(self.arc_length, metres))
+        return replace(self, **{name: getattr(self, name)[first:] for name in _COLUMNS})
 
 
 def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:

@@ -34,6 +34,10 @@ CARS = 48
 """That set out in a world, for trajectories to choose from."""
 LENGTH = 15.0
 """Metres of the trajectories, on average (Meng 2020, IV-B)."""
+UNDER_WAY = 2.0
+"""Metres driven before a trajectory begins. Cars set out from where they happen to stand, to and fro
+until they face the way they want to go; anchors so close together, each seen the other way round,
+cannot be told apart by overlap or waypoint, however many are kept."""
 _SHORTEST = 10.0
 _BUDGET = 2.0  # times the time that the slowest drive takes
 
@@ -41,12 +45,13 @@ _BUDGET = 2.0  # times the time that the slowest drive takes
 def trajectories(seed: int, count: int, rng: np.random.Generator) -> RecordedWorld:
     """A world with `count` recorded trajectories of about `LENGTH` metres on average.
 
-    Fewer, where there are not as many of at least 10 m.
+    They begin once the cars are under way. There are fewer, where not as many are 10 m long.
     """
     name = local_world(seed)
     scene = scene_of(name)
     drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
-    found = [drive for drive in drives if drive.arc_length[-1] >= _SHORTEST] or drives
+    long = [drive for drive in drives if drive.arc_length[-1] >= _SHORTEST + UNDER_WAY] or drives
+    found = [drive.since(UNDER_WAY) for drive in long]
     found = sorted(rng.permutation(np.array(found, dtype=object)), key=_off_average)[:count]
     return RecordedWorld(scene, found)
 

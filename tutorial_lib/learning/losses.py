@@ -43,19 +43,23 @@ def action_loss(outputs: Tensor, batch: Batch) -> Tensor:
     return (((outputs - batch.tensor("action")) / scale) ** 2).sum(1)
 
 
+def outcome_loss(outputs: Tensor, batch: Batch) -> Tensor:
+    """(N,) binary cross-entropy of reachability (Meng 2020, III-C)."""
+    return functional.binary_cross_entropy_with_logits(
+        outputs[:, 0], batch.tensor("reached"), reduction="none"
+    )
+
+
 def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
-    """(N,) binary cross-entropy of reachability (Meng 2020, III-C) and, less so, of the overlaps.
+    """(N,) of reachability and, less so, of the overlaps.
 
     The paper's RE tells one probability. What is seen of a target decides on it more than anything
     else, and every pair teaches that, not only those about which an outcome tells something.
     """
-    asked = [outputs[:, :1], outputs[:, 1:]]
-    labels = [batch.tensor("reached")[:, None], batch.tensor("overlap")]
-    reached, shares = (
-        functional.binary_cross_entropy_with_logits(told, label, reduction="none").sum(1)
-        for told, label in zip(asked, labels, strict=True)
+    shares = functional.binary_cross_entropy_with_logits(
+        outputs[:, 1:], batch.tensor("overlap"), reduction="none"
     )
-    return reached + OVERLAP_WEIGHT * shares
+    return outcome_loss(outputs, batch) + OVERLAP_WEIGHT * shares.sum(1)
 
 
 def context_loss(poses: Tensor, batch: Batch) -> Tensor:
@@ -67,4 +71,6 @@ def context_loss(poses: Tensor, batch: Batch) -> Tensor:
 
 
 LOSSES = {"waypoint": waypoint_loss, "action": action_loss, "reachability": reach_loss}
-"""By a network's outputs."""
+"""By a network's outputs, what it learns from."""
+JUDGED_BY = {**LOSSES, "reachability": outcome_loss}
+"""By a network's outputs, what tells the best look at the validation worlds."""

@@ -48,7 +48,7 @@ class OutcomeSource:
 
     lessons: Sequence[Lessons]
     architecture: Architecture
-    mined: float = 0.5
+    mined: float = 0.15
     worlds: int = 16
     targets: int = 64
     vary: bool = True
@@ -75,10 +75,8 @@ class OutcomeSource:
     def _world(self, lesson: Lessons, rng: np.random.Generator) -> Batch:
         has_mined = lesson.mined is not None and len(lesson.mined) > 0
         from_mined = rng.binomial(self.targets, self.mined) if has_mined else 0
-        parts = [self._part(lesson, lesson.outcomes, self.targets - from_mined, rng)]
-        if from_mined:
-            parts.append(self._part(lesson, lesson.mined, from_mined, rng))
-        return joined(parts)
+        shares = ((lesson.outcomes, self.targets - from_mined), (lesson.mined, from_mined))
+        return joined([self._part(lesson, some, count, rng) for some, count in shares if count])
 
     def _part(
         self, lesson: Lessons, outcomes: Outcomes, targets: int, rng: np.random.Generator

@@ -13,7 +13,7 @@ from tqdm.auto import tqdm
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
 from tutorial_lib.learning.batches import Batch, Blocks, batches
-from tutorial_lib.learning.losses import CONTEXT_WEIGHT, LOSSES, context_loss
+from tutorial_lib.learning.losses import CONTEXT_WEIGHT, JUDGED_BY, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 
 
@@ -237,7 +237,7 @@ def validate(network: LocalNetwork, validation: Sequence[Batch]) -> dict[str, fl
     for batch in validation:
         outputs, _ = outputs_of(network, batch)
         kept = batch.tensor("weight") > 0
-        losses.append(LOSSES[told](outputs, batch)[kept])
+        losses.append(JUDGED_BY[told](outputs, batch)[kept])
         if told == "waypoint":
             errors.append((outputs[:, :2] - batch.tensor("waypoint")).norm(dim=1)[kept])
     measured = {"validation": torch.cat(losses).mean().item()}

@@ -40,7 +40,8 @@ class FollowerSettings:
         near: overlap above which an anchor is within proximity.
         visited: overlap above which the closest anchor was visited.
         at: metres to the predicted waypoint below which the robot is at the anchor.
-        arrived: overlap with the last anchor that it takes, besides `at`, to have arrived.
+        facing: overlap above which a robot at an anchor looks the way it should.
+        effort: seconds of coming no nearer after which an anchor is left as it is.
         confirm: steps in a row that it takes to have arrived, or to be back on the trail.
         patience: seconds without progress after which a robot is lost.
         calm: seconds of progress in a row after which those before are forgotten.
@@ -53,7 +54,8 @@ class FollowerSettings:
     near: float = 0.6
     visited: float = 0.8
     at: float = 0.25
-    arrived: float = 0.7
+    facing: float = 0.65
+    effort: float = 5.0
     confirm: int = 3
     patience: float = 4.0
     calm: float = 1.0
@@ -64,7 +66,7 @@ class FollowerSettings:
             value = getattr(self, field.name)
             if field.name in ("confirm", "widest"):
                 fits, wanted = isinstance(value, int) and value >= 1, "a whole number, 1 or greater"
-            elif field.name in ("at", "patience", "calm"):
+            elif field.name in ("at", "effort", "patience", "calm"):
                 fits, wanted = 0.0 <= value < np.inf, "a finite number, 0 or greater"
             else:
                 fits, wanted = 0.0 < value < 1.0, "a number between 0 and 1"
