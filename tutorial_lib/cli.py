@@ -17,6 +17,7 @@ from tutorial_lib.experiments import (
     bench_raycast,
     bench_reachability,
     calibration,
+    disturbances,
     meng_fig5,
     meng_fig6,
     meng_fig7,
@@ -39,6 +40,7 @@ EXPERIMENTS = {
     "meng_fig5": meng_fig5.run,
     "meng_fig6": meng_fig6.run,
     "meng_fig7": meng_fig7.run,
+    "disturbances": disturbances.run,
 }
 WITH_ABLATIONS = {"meng_table1": tuple(ablations.ABLATIONS), "calibration": ("audit",)}
 WITH_MAPS = ("meng_table1", "plans")

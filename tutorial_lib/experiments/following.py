@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -13,13 +14,14 @@ from tutorial_lib.driving.demonstrations import demonstrate
 from tutorial_lib.driving.metrics import SLOWEST, covered
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rmp import RMPController
-from tutorial_lib.driving.rollouts import drive
+from tutorial_lib.driving.rollouts import Driver, Robots, drive
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.topology.follower import Follower, Run
 from tutorial_lib.topology.following import Following
 from tutorial_lib.topology.sparsify import sparsify
 from tutorial_lib.topology.trails import Trails
+from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import STEP, Simulation
 from tutorial_lib.world.worlds import local_world, scene_of
 
@@ -30,14 +32,16 @@ WEIGHTS = {
     "laser": ("laser_k2", "reach_laser"),
 }
 """C_WP and RE by context."""
+Disturb = Callable[[Simulation, Robots], None]
+"""Does something to the robots under way."""
 CARS = 48
 """That set out in a world, for trajectories to choose from."""
 LENGTH = 15.0
 """Metres of the trajectories, on average (Meng 2020, IV-B)."""
 UNDER_WAY = 2.0
-"""Metres driven before a trajectory begins. Cars set out from where they happen to stand, to and fro
-until they face the way they want to go; anchors so close together, each seen the other way round,
-cannot be told apart by overlap or waypoint, however many are kept."""
+"""Metres driven before a trajectory begins. Cars set out from where they happen to stand, to and
+fro until they face the way they want to go; anchors so close together, each seen the other way
+round, cannot be told apart by overlap or waypoint, however many are kept."""
 _SHORTEST = 10.0
 _BUDGET = 2.0  # times the time that the slowest drive takes
 
@@ -104,6 +108,8 @@ class Guide:
         trails: list[NDArray[np.intp]],
         noise: float = 0.0,
         rng: np.random.Generator | None = None,
+        people: Sequence[Person] = (),
+        disturb: Disturb | None = None,
     ) -> tuple[Array, Array, Following]:
         """Follow trails, each from its first frame, and say how far each was followed.
 
@@ -111,6 +117,8 @@ class Guide:
             trails: frames (A,) of each robot's anchors, all of one trajectory.
             noise: sigma of the actuation noise.
             rng: of the noise.
+            people: who walk about.
+            disturb: is called before each step with the simulation and those under way.
 
         Returns:
             Metres (N,) that were covered, poses (T, N, 3), and what went on.
@@ -122,11 +130,15 @@ class Guide:
         run = Follower(self.predictor, RMPController(), self.reachability).begin(laid)
         ends = np.array([(trail[0], trail[-1]) for trail in trails])
         simulation = Simulation(
-            recorded.scene, recorded.poses[ends[:, 0]], control_noise=noise, rng=rng
+            recorded.scene,
+            recorded.poses[ends[:, 0]],
+            people=people,
+            control_noise=noise,
+            rng=rng,
         )
         length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
         limit = _BUDGET * length / SLOWEST + 10.0
-        drives = drive(simulation, driver(run), recorded.poses[ends[:, 1], :2], limit)
+        drives = drive(simulation, driver(run, disturb), recorded.poses[ends[:, 1], :2], limit)
         metres = []
         for robot, (first, last) in enumerate(ends):
             steps = round(drives.seconds[robot] / STEP)
@@ -136,9 +148,15 @@ class Guide:
         return np.array(metres), drives.poses, run.record()
 
 
-def driver(run: Run) -> Any:  # noqa: ANN401 - a Driver
+def driver(run: Run, disturb: Disturb | None = None) -> Driver:
     """Drives the robots of a run; who is lost or done stands still."""
-    return lambda simulation, robots: run.act(simulation.observe(robots), robots)
+
+    def act(simulation: Simulation, robots: Robots) -> Array:
+        if disturb is not None:
+            disturb(simulation, robots)
+        return run.act(simulation.observe(robots), robots)
+
+    return act
 
 
 def frames_of(recorded: RecordedWorld, trajectory: int) -> NDArray[np.intp]:
