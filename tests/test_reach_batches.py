@@ -153,7 +153,6 @@ def test_worlds_without_mined_errands_teach_those_that_they_have(source, lessons
     assert (~office).mean() > 0.2
 
 
-@pytest.mark.xfail(strict=True, reason="no target is left for a part, which cannot be joined")
 @pytest.mark.parametrize("vary", [False, True])
 def test_all_targets_of_a_block_may_be_mined(source, lessons, vary):
     block = replace(source, mined=1.0, vary=vary).block([6])

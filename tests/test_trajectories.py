@@ -76,6 +76,20 @@ def test_arc_length_counts_reversing_too():
     assert make(1).arc_length.tolist() == [0]
 
 
+@pytest.mark.parametrize(("metres", "first"), [(0, 0), (4.9, 1), (5.0, 1), (5.1, 2), (10.0, 2)])
+def test_the_rest_of_a_drive_begins_where_so_much_was_driven(metres, first):
+    poses = np.array([[0, 0, 0], [3, 4, 1], [0, 0, 2.0], [0, 0, 3]])
+    whole = replace(make(4), poses=poses)
+    same(whole.since(metres), replace(whole, **{n: getattr(whole, n)[first:] for n in ARRAYS}))
+
+
+@pytest.mark.parametrize("metres", [-0.1, 10.1, np.nan])
+def test_there_is_no_rest_of_a_drive_that_is_too_short(metres):
+    poses = np.array([[0, 0, 0], [3, 4, 1], [0, 0, 2.0], [0, 0, 3]])
+    with pytest.raises(InputError, match=r"nothing since .* m; give 0 to its 10\.0 m"):
+        replace(make(4), poses=poses).since(metres)
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [

@@ -119,13 +119,13 @@ def load_outcomes(path: str | Path, recipe: str) -> Outcomes:
             raise InputError(f"{path}: outcomes of another recipe; {advice}")
         errands = Errands(*(arrays[field.name] for field in fields(Errands)))
         outcomes = Outcomes(errands, *(arrays[field.name] for field in fields(Outcomes)[1:]))
+        if len({len(column) for column in _columns(outcomes).values()}) > 1:
+            raise InputError(f"{path}: its columns differ in length; {advice}")
     except InputError:
         raise
     # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
     except Exception as error:
         raise InputError(f"{path}: damaged ({error}); {advice}") from error
-    if len({len(column) for column in _columns(outcomes).values()}) > 1:
-        raise InputError(f"{path}: its columns differ in length; {advice}")
     return outcomes
 
 

@@ -43,7 +43,8 @@ def run(options: Options) -> Report:
     rows: list[dict[str, Any]] = []
     for least, most in [*pairwise(METRES), (METRES[0], np.inf)]:
         inside = (geodesic >= least) & (geodesic < most)
-        share, low, high = over_worlds(reached[inside], where[inside])
+        found = over_worlds(reached[inside], where[inside]) if inside.any() else (None,) * 3
+        share, low, high = found
         row = {"from_m": least, "to_m": most if np.isfinite(most) else None}
         rows.append(
             row | {"errands": int(inside.sum()), "reached": share, "low": low, "high": high}

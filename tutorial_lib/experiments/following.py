@@ -54,8 +54,8 @@ def trajectories(seed: int, count: int, rng: np.random.Generator) -> RecordedWor
     name = local_world(seed)
     scene = scene_of(name)
     drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
-    long = [drive for drive in drives if drive.arc_length[-1] >= _SHORTEST + UNDER_WAY] or drives
-    found = [drive.since(UNDER_WAY) for drive in long]
+    moved = [drive.since(UNDER_WAY) for drive in drives if drive.arc_length[-1] > 2 * UNDER_WAY]
+    found = [drive for drive in moved if drive.arc_length[-1] >= _SHORTEST] or moved
     found = sorted(rng.permutation(np.array(found, dtype=object)), key=_off_average)[:count]
     return RecordedWorld(scene, found)
 

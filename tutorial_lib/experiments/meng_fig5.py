@@ -38,11 +38,11 @@ def run(options: Options) -> Report:
     rows: list[dict[str, Any]] = []
     for context in CONTEXTS:
         found = [part[context] for part in parts]
-        gaps = np.concatenate([gap for gap, _ in found])
-        where = np.repeat(np.arange(len(found)), [len(gap) for gap, _ in found])
-        frames = sum(count for _, count in found)
-        row = {"context": context, "threshold": THRESHOLD, "anchors": len(gaps)}
-        row |= {"sparsity": len(gaps) / frames, "metres": gaps[:, 0].mean()}
+        gaps = np.concatenate([some for some, _, _ in found])
+        where = np.repeat(np.arange(len(found)), [len(some) for some, _, _ in found])
+        anchors, frames = (sum(part[i] for part in found) for i in (1, 2))
+        row = {"context": context, "threshold": THRESHOLD, "anchors": anchors}
+        row |= {"sparsity": anchors / frames, "metres": gaps[:, 0].mean()}
         for name, column in (("clearance", 1), ("turn", 2)):
             key = f"with_{name}"
             row[key], row[f"{key}_low"], row[f"{key}_high"] = measured_over_worlds(
@@ -53,10 +53,11 @@ def run(options: Options) -> Report:
     return Report("meng_fig5", options.seed, worlds, options.quick, took, rows)
 
 
-def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int]]:
-    """For each context the gaps (M, 3) between consecutive anchors, and how many frames there were.
+def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int, int]]:
+    """For each context the gaps (M, 3) between consecutive anchors, the anchors and the frames.
 
-    A gap is its metres, the least clearance on the way, and the rad that the car turned on it.
+    A gap is its metres, the least clearance on the way, and the rad that the car turned on it. Of
+    anchors and frames it is told how many there were.
     """
     use_threads(1)  # the worlds are run side by side
     recorded = trajectories(world, _EACH, np.random.default_rng([seed, world]))
@@ -64,16 +65,17 @@ def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int]]:
     turned = np.abs(wrap(np.diff(recorded.poses[:, 2], prepend=recorded.poses[0, 2])))
     found = {}
     for context in CONTEXTS:
-        guide, gaps, frames = Guide(recorded, context), [], 0
+        guide, gaps, kept, frames = Guide(recorded, context), [], 0, 0
         for trajectory in range(len(recorded.trajectories)):
             anchors = guide.anchors(trajectory, THRESHOLD)
+            kept += len(anchors)
             frames += int(anchors[-1] - anchors[0] + 1)
             # The last gap is cut off by the end of the trajectory.
             for first, last in pairwise(anchors[:-1]):
                 way = slice(first + 1, last + 1)
                 metres = recorded.arc[last] - recorded.arc[first]
                 gaps.append((metres, clearance[way].min(), turned[way].sum()))
-        found[context] = np.array(gaps), frames
+        found[context] = np.reshape(gaps, (-1, 3)), kept, frames
     return found
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from tutorial_lib.driving.demonstrations import demonstrate
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.experiments.courses import WORLDS
-from tutorial_lib.experiments.following import CARS, Guide
+from tutorial_lib.experiments.following import CARS, UNDER_WAY, Guide
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.transitions import State
@@ -31,6 +31,7 @@ def run(options: Options) -> Report:
     name = local_world(worlds[0])
     scene = scene_of(name)
     drives = demonstrate(name, scene, CARS, options.seed)
+    drives = [drive.since(UNDER_WAY) for drive in drives if drive.arc_length[-1] > 2 * UNDER_WAY]
     longest = min(drives, key=lambda drive: abs(drive.arc_length[-1] - LENGTH))
     guide = Guide(RecordedWorld(scene, [longest]), CONTEXT)
     anchors = guide.anchors(0, THRESHOLD)

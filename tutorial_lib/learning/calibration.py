@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import isotonic_regression, minimize
+from scipy.special import expit
 from scipy.stats import rankdata
 
 from tutorial_lib.errors import InputError
@@ -15,11 +16,13 @@ from tutorial_lib.geometry import Array
 BINS = 10
 _KNOTS = 20
 _STEEP = 0.05  # least slope of a calibration, so that no two scores become one
+_PLACES = 4  # decimals of its knots; mended ones have two more, for the least slope
+_BOUNDS = ((1e-3, 1e3), (-100.0, 100.0))  # of 1 / temperature and the offset
 
 
 @dataclass(frozen=True)
 class Reliability:
-    """A reliability diagram: B bins of equal mass.
+    """A reliability diagram: B bins of equal mass; fewer and uneven where predictions are equal.
 
     Attributes:
         predicted: (B,) mean probability.
@@ -41,6 +44,8 @@ class Reliability:
 def reliability(predicted: ArrayLike, came_true: ArrayLike, bins: int = BINS) -> Reliability:
     """Sort probabilities (N,) into bins of equal mass, and compare them with what happened (N,).
 
+    Equal probabilities share a bin, so that the order of the rows does not matter.
+
     Raises:
         InputError: when there are fewer predictions than bins, or something is not in [0, 1].
 
@@ -50,8 +55,8 @@ def reliability(predicted: ArrayLike, came_true: ArrayLike, bins: int = BINS) ->
     predicted, came_true = _checked(predicted, came_true)
     if not 1 <= bins <= len(predicted):
         raise InputError(f"reliability: {bins} bins for {len(predicted)} predictions; give fewer")
-    order = np.argsort(predicted, kind="stable")
-    parts = np.array_split(order, bins)
+    dealt = np.array_split(np.arange(len(predicted)), bins)
+    parts = _binned(predicted, [rows[0] for rows in dealt])
     return Reliability(
         np.array([predicted[part].mean() for part in parts]),
         np.array([came_true[part].mean() for part in parts]),
@@ -85,7 +90,7 @@ def auc(scores: ArrayLike, came_true: ArrayLike) -> float:
 
 def sigmoid(logits: ArrayLike) -> Array:
     """Probabilities of logits."""
-    return 1.0 / (1.0 + np.exp(-np.asarray(logits, dtype=float)))
+    return expit(np.asarray(logits, dtype=float))
 
 
 def logit(probability: ArrayLike) -> Array:
@@ -95,15 +100,22 @@ def logit(probability: ArrayLike) -> Array:
 
 
 def fit_temperature(logits: Array, came_true: ArrayLike) -> tuple[float, float]:
-    """The temperature and the offset that make logits (N,) fit best: ``logit / T + offset``."""
+    """The temperature and the offset that make logits (N,) fit best: ``logit / T + offset``.
+
+    The loss is convex in 1 / T and the offset. They are bounded, since what is always right or
+    never is fitted best by infinite ones.
+    """
     label = np.asarray(came_true, dtype=float)
 
-    def loss(x: Array) -> float:
-        z = logits * np.exp(x[0]) + x[1]
-        return float((np.logaddexp(0.0, z) - label * z).mean())
+    def loss(x: Array) -> tuple[float, Array]:
+        z = logits * x[0] + x[1]
+        gap = sigmoid(z) - label
+        gradient = np.array([(gap * logits).mean(), gap.mean()])
+        return float((np.logaddexp(0.0, z) - label * z).mean()), gradient
 
-    found = minimize(loss, np.zeros(2), method="Nelder-Mead").x
-    return float(np.exp(-found[0])), float(found[1])
+    exact = {"ftol": 0.0, "gtol": 1e-9, "maxiter": 1_000}
+    found = minimize(loss, [1.0, 0.0], jac=True, bounds=_BOUNDS, method="L-BFGS-B", options=exact).x
+    return 1.0 / float(found[0]), float(found[1])
 
 
 @dataclass(frozen=True)
@@ -140,21 +152,29 @@ def fit_isotonic(logits: Array, came_true: ArrayLike, knots: int = _KNOTS) -> Ca
     Bins become smaller towards the upper end, where maps and plans ask. Shares are drawn to one
     half a little, as if each bin had one more errand that half succeeded: none is 0 or 1.
     """
-    order = np.argsort(logits, kind="stable")
-    logits, label = logits[order], np.asarray(came_true, dtype=float)[order]
+    # Logits that differ by less share a bin, so that knots can be rounded and still rise.
+    logits, label = np.round(logits, _PLACES), np.asarray(came_true, dtype=float)
     shares = np.linspace(0.0, 1.0, knots - 2)[1:-1]
     tail = 1.0 - 0.5 ** np.arange(1, 4) * (1.0 - shares[-1])
-    parts = np.split(np.arange(len(logits)), (np.append(shares, tail) * len(logits)).astype(int))
-    parts = [part for part in parts if len(part)]
+    parts = _binned(logits, (np.append(shares, tail) * len(logits)).astype(int))
     count = np.array([len(part) for part in parts], dtype=float)
-    raw = np.array([logits[part].mean() for part in parts])
+    raw = np.array([logits[part].mean() for part in parts]).round(_PLACES)
     share = np.array([(label[part].sum() + 0.5) / (len(part) + 1.0) for part in parts])
     mended = logit(isotonic_regression(share, weights=count).x)
-    distinct = np.append(True, np.diff(raw) > 1e-6)
-    raw, mended = raw[distinct], mended[distinct]
     for i in range(1, len(raw)):
         mended[i] = max(mended[i], mended[i - 1] + _STEEP * (raw[i] - raw[i - 1]))
-    return Calibration(tuple(raw.round(4).tolist()), tuple(mended.round(4).tolist()))
+    return Calibration(tuple(raw.tolist()), tuple(mended.round(_PLACES + 2).tolist()))
+
+
+def _binned(values: Array, cuts: ArrayLike) -> list[NDArray[np.intp]]:
+    """Rows of each bin, when sorted values (N,) are cut before the rows `cuts`, rising.
+
+    Equal values all go to the bin in which their middle lies. No bin is empty.
+    """
+    order = np.argsort(values, kind="stable")
+    middle = rankdata(values)[order] - 1.0
+    number = np.searchsorted(cuts, middle, side="right")
+    return np.split(order, np.flatnonzero(np.diff(number)) + 1)
 
 
 def _checked(predicted: ArrayLike, came_true: ArrayLike) -> tuple[Array, Array]:

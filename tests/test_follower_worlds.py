@@ -3,10 +3,13 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.geometry import relative, to_local
+from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
 from tutorial_lib.topology.follower import Follower
 from tutorial_lib.topology.sparsify import sparsify
 from tutorial_lib.topology.trails import Trails
@@ -14,6 +17,7 @@ from tutorial_lib.world.noise import WheelOdometry
 from tutorial_lib.world.simulation import Simulation
 from tutorial_lib.world.visibility import mutual_overlap
 
+use_threads(1)
 FAR, TURNED, SHARED = 2.0, np.deg2rad(60.0), 0.3
 
 
@@ -61,9 +65,9 @@ def with_poses(simulation, robots):
 class Trial:
     """A fleet on recorded drives, each robot on its own, with oracles or the given predictor."""
 
-    def __init__(self, recorded, people=(), seed=0, drives=None):
+    def __init__(self, recorded, seed=0):
         self.recorded, self.scene = recorded, recorded.scene
-        self.first = np.unique(recorded.first)[drives]
+        self.first = np.unique(recorded.first)
         self.reachability = OracleReachability(self.scene)
         self.anchors = [self.sparsified(first) for first in self.first]
         frames = np.concatenate(self.anchors)
@@ -71,7 +75,6 @@ class Trial:
         self.simulation = Simulation(
             self.scene,
             recorded.poses[self.first],
-            people=people,
             odometry_noise=WheelOdometry(),
             rng=np.random.default_rng(seed),
         )
@@ -84,7 +87,7 @@ class Trial:
         seen = replace(self.recorded.observe(frames), depth=poses)
         return first + sparsify(self.reachability, seen, poses, 0.95)
 
-    def begin(self, predictor=None, **settings):
+    def begin(self, predictor=None):
         """Set out, by oracle waypoints or those of a network."""
         if predictor is None:
             predictor, targets = OraclePredictor(self.scene, self.poses), np.arange(len(self.poses))
@@ -109,3 +112,42 @@ class Trial:
             self.simulation.step(actions)
             self.tracks.append(self.simulation.poses)
         return self
+
+
+@pytest.fixture(scope="module")
+def under_way(recorded):
+    """Drives without their first metres, in which cars turn round."""
+    return RecordedWorld(recorded.scene, [drive.since(2.0) for drive in recorded.trajectories])
+
+
+@pytest.fixture(scope="module", params=["oracle", "network"])
+def trial(request, under_way):
+    """All drives are followed to the end; whether by oracle waypoints or by those of k = 2."""
+    predictor = WaypointNetwork("waypoint_k2") if request.param == "network" else None
+    return Trial(under_way).begin(predictor).go(120)
+
+
+def test_most_follow_a_drive_by_its_anchors_to_the_end(trial):
+    assert trial.run.over.all()
+    assert trial.run.done.mean() >= 0.5
+    kept = sum(map(len, trial.anchors))
+    assert kept < 0.1 * len(trial.recorded.poses)
+
+
+def test_who_says_to_have_arrived_has(trial):
+    goals = trial.recorded.poses[trial.recorded.last[trial.first]]
+    here = relative(goals, trial.simulation.poses)[trial.run.done]
+    assert np.linalg.norm(here[:, :2], axis=1).max() < 0.5
+    assert np.abs(here[:, 2]).max() < TURNED
+
+
+def test_nobody_goes_back_along_the_trail(trial):
+    record = trial.run.record()
+    assert (np.diff(record.visited, axis=0) >= 0).all()
+    assert (record.active >= record.visited).all()
+
+
+def test_the_same_seed_makes_the_same_tracks(under_way):
+    one, two, other = (Trial(under_way, seed).begin().go(10).tracks for seed in (0, 0, 1))
+    assert np.array_equal(one, two)
+    assert not np.array_equal(one, other)
