@@ -36,12 +36,14 @@ class Search:
 
     Attributes:
         anchors: frames that are paired with each other.
-        pairs: that are kept at most.
+        pairs: that are kept at most, besides those that are hopeless.
+        hopeless: that are kept at most; nobody need drive to know how they end.
         sure: probability from which on a pair is one to look at.
     """
 
-    anchors: int = 100
-    pairs: int = 150
+    anchors: int = 160
+    pairs: int = 100
+    hopeless: int = 400
     sure: float = 0.5
 
     def find(
@@ -53,7 +55,7 @@ class Search:
     ) -> tuple[Errands, int]:
         """Errands of which the network is sure, by target, and how many it was asked about.
 
-        If there are too many, some are drawn; those with a probability above 0.9 are half of them.
+        If there are too many hopeless ones, the surest are kept; of the others, some are drawn.
         """
         frames = np.sort(rng.choice(len(recorded.poses), self.anchors, replace=False))
         start, target = (pairs.ravel() for pairs in np.meshgrid(frames, frames, indexing="ij"))
@@ -62,14 +64,14 @@ class Search:
         start, target = start[apart], target[apart]
         logits = all_logits(reachability, recorded, recorded.poses[start], target)
         probability = reachability.calibration(logits)
-        sure, very = probability > self.sure, probability > 0.9
-        few, many = np.flatnonzero(sure & ~very), np.flatnonzero(very)
-        half = self.pairs // 2
-        chosen = [rng.permutation(some)[:half] for some in (few, many)]
-        rows = np.concatenate(chosen)
-        rows = rows[np.argsort(target[rows], kind="stable")]
-        errands = errands_of(recorded, paths, recorded.poses[start[rows]], target[rows])
-        return errands, len(start)
+        sure = np.flatnonzero(probability > self.sure)
+        sure = sure[np.argsort(-probability[sure], kind="stable")]
+        found = errands_of(recorded, paths, recorded.poses[start[sure]], target[sure])
+        hopeless = np.flatnonzero(found.hopeless)[: self.hopeless]
+        others = rng.permutation(np.flatnonzero(~found.hopeless))[: self.pairs]
+        rows = np.concatenate([hopeless, others])
+        rows = rows[np.argsort(found.targets[rows], kind="stable")]
+        return found.some(rows), len(start)
 
 
 def all_logits(

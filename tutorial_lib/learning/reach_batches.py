@@ -48,7 +48,7 @@ class OutcomeSource:
 
     lessons: Sequence[Lessons]
     architecture: Architecture
-    mined: float = 0.15
+    mined: float = 0.3
     worlds: int = 16
     targets: int = 64
     vary: bool = True
@@ -60,7 +60,7 @@ class OutcomeSource:
         return {
             "errands": sum(len(lesson.outcomes) for lesson in self.lessons),
             "reached": int(sum(lesson.outcomes.reached.sum() for lesson in self.lessons)),
-            "mined": [mined, self.mined],
+            "mined": [mined, self.mined if mined else 0.0],
             "block": [self.worlds, self.targets, STARTS],
             "vary": self.vary,
         }
