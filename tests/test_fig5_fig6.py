@@ -187,8 +187,10 @@ def test_gaps_are_measured_between_anchors_but_not_to_the_end(recorded, planted)
         way = recorded.poses[frames_of(recorded, number)]
         for first, last in ((0, 12), (12, 30), (30, 31)):
             steps = np.hypot(*np.diff(way[first : last + 1, :2], axis=0).T)
-            room = recorded.scene.clearance.at(way[first + 1 : last + 1, :2])
-            turned = np.abs(wrap(np.diff(way[first : last + 1, 2])))
+            driven = np.cumsum(np.hypot(*np.diff(way[first:, :2], axis=0).T))
+            metre = first + 1 + int(np.searchsorted(driven, meng_fig5.AHEAD - 1e-9))
+            room = recorded.scene.clearance.at(way[first + 1 : metre + 1, :2])
+            turned = np.abs(wrap(np.diff(way[first : metre + 1, 2])))
             wanted.append((steps.sum(), room.min(), turned.sum()))
     assert gaps == pytest.approx(np.array(wanted), abs=1e-9)
 
@@ -258,7 +260,9 @@ def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
     report = meng_fig6.run(Options(worlds=(10_001, 10_002)))
     use_threads(1)
     ((drives, context),) = chosen
-    assert drives == (ways[1],)  # the one that is nearest to 23 m
+    (drive,) = drives  # the one that is nearest to 23 m once it is under way
+    assert drive.arc_length[-1] == pytest.approx(20.0, abs=0.06)
+    assert np.array_equal(drive.poses[-1], ways[1].poses[-1])
     assert context == "k5"
     assert report.worlds == (10_001,)
     assert [row["place"] for row in report.rows] == list(range(1, 10))
@@ -270,7 +274,7 @@ def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
         assert row["x"] == step  # where it was when this was decided
         assert row["active"] == (0 if step < 20 else 1 if step < 40 else 2)
         assert (row["state"], row["anchors"], row["probability"]) == ("follow", 3, 0.9)
-    assert "20.0 of 22.0 m followed by 3 of 441 frames" in report.notes[0]
+    assert "20.0 of 20.0 m followed by 3 of 401 frames" in report.notes[0]
     json.dumps(report.as_dict(), allow_nan=False)
 
 

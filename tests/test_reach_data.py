@@ -11,6 +11,7 @@ from test_reach_batches import made_up
 
 from tutorial_lib import cli
 from tutorial_lib.driving.demonstrations import record_demonstrations
+from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.outcomes import load_outcomes, save_outcomes
 from tutorial_lib.driving.trajectories import load_trajectories
 from tutorial_lib.errors import InputError
@@ -327,7 +328,7 @@ def test_sptm_s_network_is_trained_by_the_same_command(tiny, tmp_path):
 
 
 def test_a_search_is_made_side_by_side_with_the_weights_it_was_given(recorded, network, tmp_path):
-    search = Search(anchors=6, pairs=2, sure=0.0)
+    search = Search(anchors=6, pairs=2, hopeless=0, sure=0.0)
     with joblib.parallel_config(backend="threading"):
         (found,) = mined_outcomes(
             ReachabilityNetwork(network), CONTROLLER, [recorded], tmp_path, search, jobs=1
@@ -337,3 +338,26 @@ def test_a_search_is_made_side_by_side_with_the_weights_it_was_given(recorded, n
         ReachabilityNetwork(network), recorded, found.errands.starts, found.errands.targets
     )
     assert (sigmoid(logits) > 0.0).all()
+
+
+def test_of_hopeless_pairs_the_surest_are_kept_and_none_is_driven(recorded, network):
+    reachability = ReachabilityNetwork(network)
+    paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng
+    every, _ = Search(anchors=40, pairs=0, hopeless=9_999, sure=0.0).find(
+        reachability, recorded, paths, rng(3)
+    )
+    some, asked = Search(anchors=40, pairs=3, hopeless=5, sure=0.0).find(
+        reachability, recorded, paths, rng(3)
+    )
+    assert 5 < len(every) < asked
+    assert every.hopeless.all()
+    assert some.hopeless.sum() == 5
+    assert (~some.hopeless).sum() == 3
+    assert (np.diff(some.targets) >= 0).all()
+
+    def logits(errands):
+        return mining.all_logits(reachability, recorded, errands.starts, errands.targets)
+
+    surest = np.sort(logits(every))[-5:]
+    kept = some.some(some.hopeless)
+    assert np.sort(logits(kept)) == pytest.approx(surest, abs=1e-4)

@@ -21,14 +21,17 @@ from tutorial_lib.learning.estimators import use_threads
 CONTEXTS = ("k2", "k5", "laser")
 THRESHOLD = 0.99
 """p_sparsify of the figure."""
+AHEAD = 1.0
+"""Metres of the way from an anchor on that tell how tight it is there."""
 _EACH = 8
 
 
 def run(options: Options) -> Report:
     """Sparsify the same trajectories for every controller.
 
-    The correlations are Spearman's, over all pairs of consecutive anchors: of the metres between
-    them with the least clearance on the way, and with how much the car turned on it.
+    The correlations are Spearman's, over all anchors: of the metres to the next one with the least
+    clearance on the next metre of the way, and with how much the car turns on it. (On the whole way
+    to the next anchor, a longer one would have more turns and more tight places by its length.)
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:5] if options.quick else WORLDS)
@@ -56,8 +59,8 @@ def run(options: Options) -> Report:
 def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int, int]]:
     """For each context the gaps (M, 3) between consecutive anchors, the anchors and the frames.
 
-    A gap is its metres, the least clearance on the way, and the rad that the car turned on it. Of
-    anchors and frames it is told how many there were.
+    A gap is its metres, and of its first `AHEAD` metres, or of as many as come after it, the least
+    clearance and the rad that the car turned. Of anchors and frames it is told how many there were.
     """
     use_threads(1)  # the worlds are run side by side
     recorded = trajectories(world, _EACH, np.random.default_rng([seed, world]))
@@ -72,7 +75,8 @@ def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int, int]]:
             frames += int(anchors[-1] - anchors[0] + 1)
             # The last gap is cut off by the end of the trajectory.
             for first, last in pairwise(anchors[:-1]):
-                way = slice(first + 1, last + 1)
+                ahead = recorded.frame_at(np.array([first]), np.array([AHEAD]))[0]
+                way = slice(first + 1, max(ahead, first + 1) + 1)
                 metres = recorded.arc[last] - recorded.arc[first]
                 gaps.append((metres, clearance[way].min(), turned[way].sum()))
         found[context] = np.reshape(gaps, (-1, 3)), kept, frames
