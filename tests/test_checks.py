@@ -4,11 +4,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tutorial_lib.checks import local_control, world_and_car
+from tutorial_lib.checks import local_control, reachability, sparsification, world_and_car
 from tutorial_lib.checks.check import Check, WrongAnswer, check, expect_close
 
 ANSWERS = Path(__file__).parent / "wrong_answers"
-MODULES = {"01_world_and_car": world_and_car, "02_local_control": local_control}
+MODULES = {
+    "01_world_and_car": world_and_car,
+    "02_local_control": local_control,
+    "03_reachability": reachability,
+    "04_sparsification": sparsification,
+}
 
 
 def load(name):

@@ -14,7 +14,7 @@ from tutorial_lib.checks.frames import frame_numbers
 from tutorial_lib.driving.recorded import frames_around
 from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.viz import colours
-from tutorial_lib.viz.panels import side_by_side, stacked
+from tutorial_lib.viz.panels import label, side_by_side, stacked
 from tutorial_lib.viz.rules import frames_kept
 
 
@@ -149,15 +149,20 @@ def _seen_from_above(waypoint: object) -> NDArray[np.uint8]:
     picture = np.full((300, 330, 3), 255, np.uint8)
 
     def at(point: Array) -> tuple[int, int]:
-        return round(90 + 110 * (point[0] - 1.0)), round(270 - 110 * (point[1] - 1.7))
+        return round(150 * (point[0] - 0.4)), round(290 - 150 * (point[1] - 1.8))
 
-    for pose, colour in ((_THEN[2], colours.FAINT), (_NOW[2], colours.ROBOT)):
-        ahead = to_world(pose, [0.3, 0.0])
-        cv2.circle(picture, at(pose), 9, colour, cv2.FILLED, cv2.LINE_AA)
+    for name, pose, colour in (
+        ("then", _THEN[2], colours.FAINT),
+        ("now", _NOW[2], colours.ROBOT),
+    ):
+        ahead, (column, row) = to_world(pose, [0.3, 0.0]), at(pose)
+        cv2.circle(picture, (column, row), 9, colour, cv2.FILLED, cv2.LINE_AA)
         cv2.line(picture, at(pose), at(ahead), colour, 4, cv2.LINE_AA)
+        label(picture, name, column + 16, row + 12, 0.5, colour)
     told = to_world(_THEN[2], _TOLD[2])
     cv2.line(picture, at(_THEN[2]), at(told), colours.FAINT, 1, cv2.LINE_AA)
     cv2.circle(picture, at(told), 8, colours.FAINT, 2, cv2.LINE_AA)
+    label(picture, "the place that was meant", at(told)[0] - 100, at(told)[1] - 18, 0.5)
     try:
         point = np.asarray(waypoint, dtype=float)
     except (TypeError, ValueError):

@@ -26,11 +26,11 @@ _PLACES = {
 # From, to, how far the arrow bends, what makes the robot go this way, and where that stands.
 _WAYS = (
     (State.SEARCH, State.FOLLOW, 0.0, "RE(best) > p_search", (0.265, 0.86)),
-    (State.SEARCH, State.LOST, 0.0, "otherwise", (0.18, 0.40)),
-    (State.FOLLOW, State.DEAD_RECKONING, -0.25, "RE(active) too low", (0.62, 0.94)),
-    (State.DEAD_RECKONING, State.FOLLOW, -0.25, "RE(active) > p_follow", (0.62, 0.75)),
-    (State.FOLLOW, State.DONE, 0.0, "at the last anchor", (0.555, 0.56)),
-    (State.DEAD_RECKONING, State.LOST, 0.0, "for too long", (0.72, 0.40)),
+    (State.SEARCH, State.LOST, 0.0, "otherwise", (0.20, 0.42)),
+    (State.FOLLOW, State.DEAD_RECKONING, -0.3, "RE(active) too low", (0.60, 0.97)),
+    (State.DEAD_RECKONING, State.FOLLOW, -0.3, "RE(active) > p_follow", (0.60, 0.61)),
+    (State.FOLLOW, State.DONE, 0.0, "at the last anchor", (0.345, 0.60)),
+    (State.DEAD_RECKONING, State.LOST, 0.0, "for too long", (0.69, 0.38)),
 )
 
 
@@ -60,14 +60,17 @@ def reach_table(reach: ArrayLike, threshold: float, anchors: Sequence[int] = ())
         colour = colours.GOAL if frame in anchors else colours.SOLID
         label(picture, str(frame), (frame + 1) * _CELL + 16, 30, 0.6, colour)
         label(picture, str(frame), 16, (frame + 1) * _CELL + 30, 0.6, colour)
-    label(picture, "from", 2, 14, 0.36, colours.FAINT)
+    label(picture, "from", 4, _CELL + 4, 0.45, colours.SOLID)
+    label(picture, "to", _CELL - 8, 16, 0.45, colours.SOLID)
     return picture
 
 
 def frames_kept(total: int, kept: Sequence[int], anchors: Sequence[int]) -> Picture:
     """Frames 0 to `total` - 1 as a row of boxes: filled where kept, green where an anchor."""
     width = 18
-    row = np.full((26, total * width, 3), colours.PAPER, np.uint8)
+    row = np.full((44, total * width, 3), colours.PAPER, np.uint8)
+    for frame in range(0, total, 6):
+        label(row, str(frame), frame * width + 1, 40, 0.42, colours.SOLID)
     for frame in range(total):
         left = frame * width
         colour = colours.PATH if frame in kept else colours.PAPER
@@ -82,6 +85,12 @@ def follower_machine(width: float = 9.0) -> Picture:
     figure, (axis,) = chart(width, 3.4)
     axis.set(xlim=(0, 1), ylim=(0, 1))
     axis.axis("off")
+    boxes = {}
+    for state, (x, y) in _PLACES.items():
+        box = {"boxstyle": "round,pad=0.5", "color": colours.unit(STATES[state])}
+        words = {"ha": "center", "va": "center", "color": "white", "fontsize": 13, "bbox": box}
+        boxes[state] = axis.text(x, y, state_name(state), **words).get_bbox_patch()
+    figure.draw_without_rendering()  # the boxes are as large as their words only now
     for start, end, bend, words, (x, y) in _WAYS:
         arrow = FancyArrowPatch(
             _PLACES[start],
@@ -89,13 +98,12 @@ def follower_machine(width: float = 9.0) -> Picture:
             connectionstyle=f"arc3,rad={bend}",
             arrowstyle="-|>",
             mutation_scale=16,
-            shrinkA=34,
-            shrinkB=34,
+            patchA=boxes[start],
+            patchB=boxes[end],
+            shrinkA=3,
+            shrinkB=3,
             color=colours.unit(colours.SOLID),
         )
         axis.add_patch(arrow)
         axis.text(x, y, words, ha="center", va="center", fontsize=11)
-    for state, (x, y) in _PLACES.items():
-        box = {"boxstyle": "round,pad=0.5", "color": colours.unit(STATES[state])}
-        axis.text(x, y, state_name(state), ha="center", va="center", color="white", bbox=box)
     return from_figure(figure)

@@ -27,6 +27,7 @@ STATES = {
 CONTEXTS = {"k0": colours.LASER, "k2": colours.GOAL, "k5": colours.ROBOT, "laser": colours.PATH}
 """A colour for each controller, by its context."""
 _BAR = 22  # pixels of a ribbon's height
+_JUMP = 0.25  # metres between two steps that nobody drives
 
 
 def state_name(state: int) -> str:
@@ -85,11 +86,16 @@ def anchors_picture(
 def draw_states(
     view: PlanView, picture: Picture, poses: ArrayLike, states: ArrayLike, width: float = 3.0
 ) -> None:
-    """Draw where a robot was, poses (T, 3), in the colours of its states (T,)."""
+    """Draw where a robot was, poses (T, 3), in the colours of its states (T,).
+
+    The line is broken where the robot was put elsewhere.
+    """
     poses, states = np.asarray(poses, dtype=float), np.asarray(states)
-    changes = np.flatnonzero(np.diff(states)) + 1
+    jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP
+    changes = np.flatnonzero(np.diff(states).astype(bool) | jumps) + 1
     for first, last in zip([0, *changes], [*changes, len(states)], strict=True):
-        places = poses[first : last + 1, :2]
+        joined = last < len(states) and not jumps[last - 1]
+        places = poses[first : last + joined, :2]
         view.polyline(picture, places, STATES[State(states[first])], width)
 
 
@@ -177,6 +183,8 @@ def numbered_views(
 ) -> Picture:
     """A drive on the plan, and what was seen at numbered places of it (Fig. 6).
 
+    The pictures stand beside the plan, or below it where it is wide.
+
     Args:
         view: the plan.
         picture: it, with the drive; the numbers are drawn on it.
@@ -196,8 +204,9 @@ def numbered_views(
         views.append(panel)
     held = poses[:, :2] if points is None else np.concatenate([points, poses[:, :2]])
     rows = [side_by_side(views[i : i + columns], gap=6) for i in range(0, len(views), columns)]
-    plan, beside = around(view, picture, held, margin), stacked(rows, gap=6)
-    return side_by_side([plan, beside], gap=12)
+    plan, seen = around(view, picture, held, margin), stacked(rows, gap=6)
+    arrange = stacked if plan.shape[1] > 1.3 * plan.shape[0] else side_by_side
+    return arrange([plan, seen], gap=12)
 
 
 def cover_chart(
@@ -209,7 +218,7 @@ def cover_chart(
     """How much of the trajectories is followed against how little of them is kept (Fig. 7).
 
     Args:
-        rows: of `experiment meng_fig7` under one condition; those of `meng` have thresholds.
+        rows: of `experiment meng_fig7` under one condition. Thresholds are written beside k = 5.
         against: "sparsity" or "stored".
         width: inches.
         levels: cover rates to compare with, from 0 to 1, as lines with these names.
@@ -217,8 +226,8 @@ def cover_chart(
     figure, (axis,) = chart(width, 4.4)
     for name, level in (levels or {}).items():
         axis.axhline(100 * level, color=colours.unit(colours.FAINT), linewidth=1.0, linestyle=":")
-        words = {"fontsize": 9, "color": colours.unit(colours.SOLID), "va": "bottom", "ha": "right"}
-        axis.text(1.0, 100 * level, name, transform=axis.get_yaxis_transform(), **words)
+        words = {"fontsize": 9, "color": colours.unit(colours.SOLID), "va": "center", "ha": "left"}
+        axis.text(1.01, 100 * level, name, transform=axis.get_yaxis_transform(), **words)
     for method, context in dict.fromkeys((row["method"], str(row["context"])) for row in rows):
         own = [r for r in rows if (r["method"], str(r["context"])) == (method, context)]
         own.sort(key=lambda row: row[against])
@@ -230,7 +239,7 @@ def cover_chart(
         mark = "o" if method == "meng" else "s"
         axis.errorbar(x, y, off, marker=mark, elinewidth=1, label=f"{method} {name}", **style)
         for row, *at in zip(own, x, y, strict=True):
-            if method == "meng" and row["threshold"] is not None and name in ("k2", "k5"):
+            if method == "meng" and against == "sparsity" and name == "k5":
                 words = {"xytext": (3, 5), "textcoords": "offset points", "fontsize": 9}
                 axis.annotate(f"{row['threshold']:g}", at, color=colour, **words)
     kept = "anchors" if against == "sparsity" else "frames kept with their context"
