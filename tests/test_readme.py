@@ -78,6 +78,64 @@ def test_success_on_real_maps_is_that_of_the_results(name):
     assert told in README
 
 
+ESTIMATORS = {
+    "RE, k = 0": "k0",
+    "RE, k = 2": "k2",
+    "RE, k = 5": "k5",
+    "RE, laser, k = 2": "laser",
+    "SPTM's network": "sptm",
+    "image similarity": "image",
+    "geometry, told by the map": "geometry",
+}
+
+
+def share(value, digits=1):
+    return "" if value is None else f"{value:.{digits}%}"
+
+
+@pytest.mark.parametrize(("label", "estimator"), ESTIMATORS.items())
+def test_the_table_of_estimators_is_that_of_the_results(label, estimator):
+    row = next(row for row in rows_of("calibration") if row["estimator"] == estimator)
+    keys = ("precision_mix", "precision_consecutive", "precision_map")
+    expected = [f"{row['auc']:.3f}", f"{row['ece']:.3f}", *(share(row[key]) for key in keys)]
+    assert cells_of(label) == [*expected, share(row["far_above_09"], 2)]
+
+
+@pytest.mark.parametrize(
+    ("label", "method", "chosen"),
+    [(f"RE above {p:g}", "meng", p) for p in (0.9, 0.95, 0.97, 0.99)]
+    + [(f"every {n}th frame", "sptm", n) for n in (10, 20, 30, 40)],
+)
+def test_the_table_of_anchors_is_that_of_the_results(label, method, chosen):
+    rows = {
+        (row["context"], row["condition"]): row
+        for row in rows_of("meng_fig7")
+        if (row["method"], row["threshold"]) == (method, chosen)
+    }
+    keys = [("k0", "clean"), ("k2", "clean"), ("k2", "noise"), ("k5", "clean")]
+    expected = [
+        f"{rows[key]['cover_rate']:.1%} of the way at {rows[key]['sparsity']:.3f}"
+        if key in rows
+        else ""
+        for key in keys
+    ]
+    assert cells_of(label) == expected
+
+
+def test_what_is_said_of_disturbances_is_that_of_the_results():
+    rows = {row["disturbance"]: row for row in rows_of("disturbances")}
+    for kind in ("none", "pushed", "turned", "person"):
+        assert f"{rows[kind]['finished']:.1%}" in README
+    assert f"{rows['carried']['soon']:.1%} say within 5 s that they are lost" in README
+
+
+def test_the_speed_of_reachability_is_that_of_the_results():
+    rows = {row["what"]: row for row in rows_of("reachability")}
+    assert f"drive {rows['rollouts']['per_s']:,.0f} errands a second" in README
+    assert f"{rows['cached']['per_s']:,.0f} questions a second" in README
+    assert f"{rows['cached']['over_plain']:.1f} times as many" in README
+
+
 def test_the_speed_of_control_is_that_of_the_results():
     rows = {r["stage"]: r for r in rows_of("control") if r["cars"] == 256}
     assert f"{rows['all']['car_steps_per_s']:,.0f} car-steps a second" in README

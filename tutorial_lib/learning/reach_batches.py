@@ -48,7 +48,7 @@ class OutcomeSource:
 
     lessons: Sequence[Lessons]
     architecture: Architecture
-    mined: float = 0.3
+    mined: float = 0.1
     worlds: int = 16
     targets: int = 64
     vary: bool = True

@@ -70,7 +70,7 @@ def _recipe(
 ) -> ReachRecipe:
     name = f"reach_{which if which == 'laser' else 'k' + which}"
     first = Settings(steps=steps[0])
-    second = Settings(steps=steps[1], rate=7e-4, seed=1)
+    second = Settings(steps=steps[1], rate=7e-4, seed=1, patience=steps[1])
     told = replace(architecture, outputs="reachability")
     command = f"train reachability --k {which}"
     return ReachRecipe(name, command, controller, targets, told, first, second)
