@@ -369,6 +369,21 @@ def test_between_p_lose_and_p_follow_it_drives_on_by_sight():
     assert run.state[0] == RECKON
 
 
+@pytest.mark.parametrize(("probability", "place"), [(0.3, 2.0), (0.1, 1.2)])
+def test_at_the_end_of_dead_reckoning_it_tries_what_may_be_reached(probability, place):
+    reachability = CorridorReachability()
+    settings = {"p_lose": 0.4, "p_try": 0.2, "patience": 7.0}
+    corridor, run = make([2.0, 6.0], reachability=reachability, **settings)
+    go(corridor, run, 10)
+    reachability.arranged = lambda p, t: np.full_like(p, probability)
+    go(corridor, run, 1)
+    assert run.state[0] == RECKON
+    corridor.x -= 0.8  # pushed back, which no odometer notices
+    go(corridor, run, 80)
+    assert run.lost[0]  # all the same
+    assert corridor.x[0] == pytest.approx(place, abs=0.06)
+
+
 class Stuck(CorridorController):
     """Does not move."""
 

@@ -26,7 +26,7 @@ from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.simulation import STEP, Simulation
 
-CONTEXT, THRESHOLD = "k2", 0.97
+CONTEXT, THRESHOLD = "k2", 0.99
 ASIDE, TURNED = 0.5, np.deg2rad(40.0)
 """Metres and rad by which cars are moved."""
 SOON = 5.0

@@ -111,7 +111,7 @@ class Run:
         seen, under_way = observations[going], robots[going]
         probabilities = self._look_out(seen, under_way)
         follow = self.state[under_way] == State.FOLLOW
-        self._find_back(under_way[~follow], probabilities[~follow])
+        self._find_back(seen[~follow], under_way[~follow], probabilities[~follow])
         self._follow(seen[follow], under_way[follow], probabilities[follow])
         actions = np.zeros((len(robots), 2))
         actions[going] = self._drive(seen, under_way)
@@ -155,9 +155,10 @@ class Run:
         self._told[robots, 0] = probabilities[:, widest]
         return probabilities
 
-    def _find_back(self, robots: Robots, probabilities: Array) -> None:
+    def _find_back(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
         """Dead reckoning: back to the trail once an anchor was sighted some steps in a row."""
         settings = self.settings
+        self._try(observations, robots, probabilities[:, settings.widest] > settings.p_try)
         sighted = found_again(self.active[robots], probabilities, settings.p_follow)
         same = np.abs(sighted - self._sighted[robots]) <= 1
         streak = np.where(same, self._streak[robots], 0) + 1
@@ -172,6 +173,19 @@ class Run:
         self._turning.begin(robots[back & (sighted != self.active[robots])])
         self.active[robots[back]] = sighted[back]
         self.visited[robots[back]] = np.maximum(self.visited[robots], sighted - 1)[back]
+
+    def _try(self, observations: Observation, robots: Robots, worth: NDArray[np.bool_]) -> None:
+        """Who has come to the last waypoint tries one to the active anchor, where that is worth it.
+
+        The doubt remains: who does not get to see more that way is lost as soon as without it.
+        """
+        left = to_local(observations.odometry, self._waypoints[robots])
+        stranded = np.flatnonzero(worth & (np.linalg.norm(left, axis=1) < 2 * self.settings.at))
+        seen, robots = observations[stranded], robots[stranded]
+        places = self.active[robots, None]
+        ask = np.ones(places.shape, dtype=bool)
+        waypoints, _ = self.trails.waypoints(self.predictor, seen, robots, places, ask)
+        self._waypoints[robots] = to_world(seen.odometry, waypoints[:, 0])
 
     def _follow(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
         """Follow: localize, choose the active anchor, and drive to its waypoint."""

@@ -37,6 +37,7 @@ class FollowerSettings:
         p_search: RE of the best anchor from which on the trail is found.
         p_follow: RE of an anchor from which on it is driven to.
         p_lose: RE of the active anchor below which it is lost sight of.
+        p_try: RE of the active anchor above which it is tried at the end of dead reckoning.
         near: overlap above which an anchor is within proximity.
         visited: overlap above which the closest anchor was visited.
         at: metres to the predicted waypoint below which the robot is at the anchor.
@@ -51,12 +52,13 @@ class FollowerSettings:
     p_search: float = 0.92
     p_follow: float = 0.92
     p_lose: float = 0.4
+    p_try: float = 0.2
     near: float = 0.6
     visited: float = 0.8
     at: float = 0.25
     facing: float = 0.65
     effort: float = 5.0
-    confirm: int = 3
+    confirm: int = 5
     patience: float = 4.0
     calm: float = 1.0
     widest: int = 4
