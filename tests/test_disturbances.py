@@ -1,12 +1,16 @@
 """Disturbances do what they say, and are counted as they should be."""
 
+import json
+
+import joblib
 import numpy as np
 import pytest
 
 from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.experiments import disturbances
+from tutorial_lib.experiments import disturbances, following
 from tutorial_lib.experiments.disturbances import Disturbance, carried, in_the_way, pushed, turned
 from tutorial_lib.experiments.following import UNDER_WAY, trajectories
+from tutorial_lib.experiments.report import Options
 from tutorial_lib.geometry import relative
 from tutorial_lib.topology.transitions import State
 from tutorial_lib.world.bodies import BicycleCar
@@ -103,3 +107,20 @@ def test_trajectories_begin_under_way():
     for drive in found.trajectories:
         assert drive.arc_length[-1] >= 10.0 - 0.1
         assert drive.timestamps[0] > UNDER_WAY / 0.9
+
+
+def test_disturbances_run_on_a_validation_world(monkeypatch):
+    monkeypatch.setattr(following, "CARS", 8)
+    monkeypatch.setattr(disturbances, "_EACH", 2)
+    with joblib.parallel_config(backend="sequential"):
+        report = disturbances.run(Options(worlds=(10_001,)))
+    rows = {row["disturbance"]: row for row in report.rows}
+    assert list(rows) == ["none", "pushed", "turned", "carried", "person"]
+    assert rows["none"]["trajectories"] == 2
+    for row in rows.values():
+        assert row["trajectories"] <= 2
+        if row["trajectories"]:
+            assert row["finished"] + row["lost"] <= 1.0
+    assert rows["carried"]["finished"] in (0.0, None)
+    assert rows["none"]["finished"] is not None
+    json.dumps(report.as_dict(), allow_nan=False)

@@ -204,8 +204,14 @@ def _row(kind: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
     lost = joined["lost"] > 0
     row: dict[str, Any] = {"disturbance": kind, "trajectories": len(where)}
     for name in ("finished", "soon"):
-        shares = measured_over_worlds(lambda column: float(column.mean()), where, joined[name])
+        shares = (None, None, None)  # where there was no place to put anybody
+        if len(where):
+            shares = measured_over_worlds(_mean, where, joined[name])
         row |= dict(zip((name, f"{name}_low", f"{name}_high"), shares, strict=True))
-    row["lost"] = float(lost.mean())
+    row["lost"] = _mean(joined["lost"]) if len(where) else None
     row["seconds"] = float(np.median(joined["seconds"][lost])) if lost.any() else None
     return row
+
+
+def _mean(column: Array) -> float:
+    return float(column.mean())
