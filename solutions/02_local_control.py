@@ -1115,7 +1115,7 @@ for name in order:
 # the two worlds compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
-# One picture is enough for nine targets in ten; each step of context takes away a third to a half of what is left, and with k = 5 about two points are missing to the oracle. Context pays most where views are blocked: look at the column of the obstacles. Under <i>shifted</i> colours the random
+# One picture is enough for nine targets in ten; each step of context takes away a third to a half of what is left, and with k = 5 only one or two points are missing to the oracle. Context pays most where views are blocked: look at the column of the obstacles. Under <i>shifted</i> colours the random
 # controller, the laser and the oracle do exactly the same as before, since none of them sees colours. On the real maps every network loses, and the oracle does not: their walls and rooms have other shapes than those of any training world.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and then closes its eyes?</summary>
