@@ -44,7 +44,7 @@ def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
         raise InputError("geometry: needs scikit-learn; pip install -e '.[test]'") from error
     worlds, weights = [training_world(seed) for seed in WORLDS], CONTROLLERS[controller]
     files = record_outcomes(worlds, weights, _TARGETS, _CARS, WORK)
-    known = recipe_of(weights, _TARGETS)
+    known = recipe_of(weights, _TARGETS, _CARS)
     outcomes: list[Outcomes] = [load_outcomes(file, known) for file in files]
     drives = recorded_drives(worlds, _CARS, WORK)
     given = [features(world, o.errands) for world, o in zip(drives, outcomes, strict=True)]

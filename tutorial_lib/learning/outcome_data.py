@@ -51,7 +51,7 @@ def record_outcomes(
         The files, in the order of `worlds`.
     """
     drives = record_demonstrations(worlds, cars, 0, work / "demonstrations", jobs)
-    recipe = recipe_of(controller, targets)
+    recipe = recipe_of(controller, targets, cars)
     folder = work / "outcomes" / controller
     folder.mkdir(parents=True, exist_ok=True)
     run_all = Parallel(n_jobs=jobs, return_as="generator")
@@ -62,9 +62,9 @@ def record_outcomes(
     return list(tqdm(files, total=len(worlds), desc=f"outcomes of {controller}", disable=None))
 
 
-def recipe_of(controller: str, targets: int) -> str:
-    """What outcomes depend on besides the world and its demonstrations."""
-    return f"{controller} {load_card(controller).sha256[:16]} {targets} {SEED}"
+def recipe_of(controller: str, targets: int, cars: int) -> str:
+    """What outcomes depend on besides the world."""
+    return f"{controller} {load_card(controller).sha256[:16]} {targets} {cars} {SEED}"
 
 
 def _record(

@@ -155,7 +155,7 @@ def lessons_of(recipe: ReachRecipe, worlds: list[str], work: Path, jobs: int) ->
     """Errands in `worlds` and how they ended, recorded where they are missing."""
     targets = recipe.targets if worlds[0] == training_world(FIRST_WORLD) else VALIDATION_TARGETS
     files = record_outcomes(worlds, recipe.controller, targets, CARS, work, jobs)
-    known = recipe_of(recipe.controller, targets)
+    known = recipe_of(recipe.controller, targets, CARS)
     drives = recorded_drives(worlds, CARS, work)
     return [
         Lessons(recorded, load_outcomes(file, known))
