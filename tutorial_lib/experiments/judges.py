@@ -57,13 +57,13 @@ class Judge:
 
 def judges(names: tuple[str, ...]) -> dict[str, Judge]:
     """The estimators of those names; SPTM's and plain similarity are held against k = 2."""
-    every = {name: (f"reach_{name}", name, 2) for name in CONTROLLERS}
-    every |= {"k0": ("reach_k0", "k0", 0), "k5": ("reach_k5", "k5", 5), "sptm": ("sptm", "k2", 0)}
+    every = {name: (f"reach_{name}", name) for name in CONTROLLERS} | {"sptm": ("sptm", "k2")}
     found = {}
     for name in names:
         if name == "image":
             found[name] = Judge(ImageSimilarity(), "k2", 0)
         else:
-            weights, controller, k = every[name]
-            found[name] = Judge(ReachabilityNetwork(weights), controller, k)
+            weights, controller = every[name]
+            network = ReachabilityNetwork(weights)
+            found[name] = Judge(network, controller, network.architecture.k)
     return found

@@ -16,6 +16,7 @@ from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.transitions import State
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import STEP
 from tutorial_lib.world.worlds import local_world, scene_of
 
 LENGTH = 23.0
@@ -26,22 +27,22 @@ PLACES = 9
 
 
 def run(options: Options) -> Report:
-    """Follow the longest recorded trajectory of up to 23 m in the first world."""
+    """Follow the recorded trajectory that is nearest to 23 m long, in the first world."""
     begun = time.perf_counter()
     worlds = options.worlds[:1] or WORLDS[:1]
     use_threads(2)
     name = local_world(worlds[0])
     scene = scene_of(name)
-    longest = chosen_drive(name, scene, options.seed)
-    guide = Guide(RecordedWorld(scene, [longest]), CONTEXT)
+    chosen = chosen_drive(name, scene, options.seed)
+    guide = Guide(RecordedWorld(scene, [chosen]), CONTEXT)
     anchors = guide.anchors(0, THRESHOLD)
     metres, tracks, following = guide.follow([anchors])
-    steps = np.flatnonzero(following.active[:, 0] >= 0)
+    steps = np.flatnonzero(np.isfinite(following.probability[:, 0]))
     numbered = steps[np.linspace(0, len(steps) - 1, PLACES).astype(int)]
     rows: list[dict[str, Any]] = [
         {
             "place": number,
-            "seconds": 0.1 * step,
+            "seconds": STEP * step,
             "x": tracks[step, 0, 0],
             "y": tracks[step, 0, 1],
             "heading": tracks[step, 0, 2],
@@ -52,8 +53,8 @@ def run(options: Options) -> Report:
         }
         for number, step in enumerate(numbered, start=1)
     ]
-    length = longest.arc_length[-1]
-    note = f"{metres[0]:.1f} of {length:.1f} m followed by {len(anchors)} of {len(longest)} frames"
+    length = chosen.arc_length[-1]
+    note = f"{metres[0]:.1f} of {length:.1f} m followed by {len(anchors)} of {len(chosen)} frames"
     took = time.perf_counter() - begun
     return Report("meng_fig6", options.seed, worlds, options.quick, took, rows, (note,))
 

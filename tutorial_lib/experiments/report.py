@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -52,8 +53,10 @@ class Report:
     map: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON."""
-        return asdict(self)
+        """For JSON, which has no word for what is not a number: that is None."""
+        told = asdict(self)
+        told["rows"] = [{key: _finite(value) for key, value in row.items()} for row in self.rows]
+        return told
 
     def as_text(self) -> str:
         """A table that a person can read; lists are for the JSON only."""
@@ -74,6 +77,10 @@ def parse_worlds(text: str) -> tuple[int, ...]:
     if not 0 <= first < last:
         raise argparse.ArgumentTypeError(f"{text!r}: give A:B with 0 <= A < B, as in 20000:20020")
     return tuple(range(first, last))
+
+
+def _finite(value: Any) -> Any:  # noqa: ANN401 - whatever stands in a row
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _shown(value: object) -> str:

@@ -22,7 +22,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
 from tutorial_lib.learning.outcome_data import kept_outcomes
 from tutorial_lib.learning.pilots import by_waypoints, encoded
-from tutorial_lib.learning.weights import digest_of
+from tutorial_lib.learning.weights import digest_of, load_card
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 OWN = 3.0
@@ -118,7 +118,8 @@ def mined_outcomes(
     search = Search() if search is None else search
     folder = work / "mined" / controller
     folder.mkdir(parents=True, exist_ok=True)
-    recipe = f"{digest_of(reachability.network)} {search}"
+    calibrated = digest_of(reachability.network), reachability.calibration
+    recipe = f"{calibrated} {load_card(controller).sha256[:16]} {search}"
     run_all = Parallel(n_jobs=jobs, return_as="generator")
     names = [recorded.trajectories[0].world for recorded in drives]
     found = run_all(

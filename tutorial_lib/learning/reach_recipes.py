@@ -131,9 +131,11 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
             begun = time.monotonic()
             source = replace(source, lessons=with_mined(lessons, network, recipe, work, jobs))
             spent += time.monotonic() - begun
-    minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
+    begun = time.monotonic()
     calibrating = lessons_of(recipe, [local_world(seed) for seed in CALIBRATING], work, jobs)
     calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
+    spent += time.monotonic() - begun
+    minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
     card = Card(
         recipe.name,
         recipe.command,
@@ -178,10 +180,11 @@ def with_mined(
 def calibrate(
     network: ReachabilityNetwork, lessons: list[Lessons]
 ) -> tuple[Calibration, dict[str, float]]:
-    """Fit a calibration on validation worlds, and say how far off the network was without it.
+    """Fit a calibration on validation worlds, and say how far off the network is there.
 
-    Only errands of which the outcome can be seen are taken: among as sure ones, others fail more
-    often, and a map never asks about them unless they look like these.
+    What is left with it is measured on the same pairs; `experiment calibration` has others. Only
+    errands of which the outcome can be seen are taken: among as sure ones, others fail more often,
+    and a map never asks about them unless they look like these.
     """
     logits, label = [], []
     for lesson in lessons:

@@ -15,6 +15,7 @@ from tutorial_lib.files import atomic_path
 from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, JUDGED_BY, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.weights import digest_of
 
 
 @dataclass(frozen=True)
@@ -104,7 +105,8 @@ def train(
     fresh = LocalNetwork(architecture)
     if begin_with is not None:
         take_over(fresh, begin_with)
-    state = _State(fresh, settings, source)
+    begun_with = "" if begin_with is None else digest_of(begin_with)
+    state = _State(fresh, settings, source, begun_with)
     if checkpoint is not None and checkpoint.exists():
         state.load(checkpoint)
     network, progress = state.network, state.progress
@@ -140,9 +142,16 @@ def take_over(network: LocalNetwork, trained: LocalNetwork) -> None:
 class _State:
     """All that changes while a network learns."""
 
-    def __init__(self, network: LocalNetwork, settings: Settings, source: Blocks) -> None:
+    def __init__(
+        self, network: LocalNetwork, settings: Settings, source: Blocks, begun_with: str
+    ) -> None:
         self.network, self.settings, self.progress = network, settings, Progress()
-        self.recipe = {**asdict(network.architecture), **asdict(settings), "source": source.recipe}
+        self.recipe = {
+            **asdict(network.architecture),
+            **asdict(settings),
+            "begun_with": begun_with,
+            "source": source.recipe,
+        }
         self.optimizer = torch.optim.Adam(network.parameters(), settings.rate)
         self.best = _copy(network)
         self.punished: list[float] = []

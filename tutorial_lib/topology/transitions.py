@@ -1,6 +1,6 @@
 """The rules by which a trail is followed, as functions of arrays (Meng 2020, III-H).
 
-Each looks at M robots at once and remembers nothing; `follower` keeps what they need.
+Each looks at M robots at once and remembers nothing; `run` keeps what they need.
 """
 
 from dataclasses import dataclass, fields
@@ -114,8 +114,8 @@ def next_active(
 ) -> Places:
     """The anchor to drive to, neither too close nor too far away.
 
-    It is the next one, once that can be reached and is within proximity; otherwise the one after
-    the last visited. (The paper lets it fall back to that from farther along; here it stays.)
+    It is the next one, once that can be reached and is within proximity, or the active one was
+    visited. (The paper lets it fall back to the one after the last visited; here it stays.)
 
     Args:
         active: (M,) until now.
