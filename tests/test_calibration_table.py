@@ -21,6 +21,7 @@ from tutorial_lib.experiments.reach_world import Asker, Sizes, examine, far_pair
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.geometry import to_local, wrap
 from tutorial_lib.learning.calibration import auc, brier, reliability
+from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.topology.similarity import ImageSimilarity
 from tutorial_lib.world.visibility import mutual_overlap
 
@@ -37,10 +38,14 @@ def paths(recorded):
 
 
 def test_each_judge_has_its_weights_its_controller_and_its_context(monkeypatch):
-    monkeypatch.setattr(judges, "ReachabilityNetwork", lambda name: name)
+    def named(name):
+        k = {"reach_k0": 0, "reach_k5": 5, "sptm": 0}.get(name, 2)
+        return SimpleNamespace(name=name, architecture=Architecture(k, outputs="reachability"))
+
+    monkeypatch.setattr(judges, "ReachabilityNetwork", named)
     found = judges.judges(calibration.ALL)
     assert isinstance(found.pop("image").reachability, ImageSimilarity)
-    assert {name: (j.reachability, j.controller, j.k) for name, j in found.items()} == {
+    assert {name: (j.reachability.name, j.controller, j.k) for name, j in found.items()} == {
         "k0": ("reach_k0", "k0", 0),
         "k2": ("reach_k2", "k2", 2),
         "k5": ("reach_k5", "k5", 5),

@@ -336,6 +336,62 @@ def move_on__has_numbers_of_its_own(active, visited, reach, overlap, at, rules):
     return active + int(ready), visited
 
 
+def move_on__asks_for_exactly_the_active_one(active, visited, reach, overlap, at, rules):
+    """who has visited the next anchor has left the active one behind"""
+    visited = _seen(active, visited, overlap, at, rules)
+    if active < len(reach) - 1:
+        ready = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
+        active += int(ready or visited == active)
+    return active, visited
+
+
+def move_on__leaps_over_the_next(active, visited, reach, overlap, at, rules):
+    """not to visited + 1"""
+    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
+    if active == last:
+        return active, visited
+    if visited >= active:
+        return min(visited + 1, last), visited
+    return active + _ready(active, visited, reach, overlap, rules), visited
+
+
+def move_on__compares_one_too_many(active, visited, reach, overlap, at, rules):
+    """active + 2 is too far"""
+    first = max(active - 1, 0)
+    few = overlap[first : active + 3]
+    if few.max() > rules.visited:
+        visited = max(visited, first + int(few.argmax()))
+    visited = max(visited, active if at else -1)
+    return active + _ready(active, visited, reach, overlap, rules), visited
+
+
+def move_on__takes_the_farthest(active, visited, reach, overlap, at, rules):
+    """only the closest counts, not the farthest"""
+    for place in range(max(active - 1, 0), min(active + 2, len(reach))):
+        if overlap[place] > rules.visited:
+            visited = max(visited, place)
+    visited = max(visited, active if at else -1)
+    return active + _ready(active, visited, reach, overlap, rules), visited
+
+
+def move_on__stands_at_the_closest(active, visited, reach, overlap, at, rules):
+    """that one was visited, not the closest"""
+    closest = _closest(active, overlap)
+    if at or overlap[closest] > rules.visited:
+        visited = max(visited, closest)
+    return active + _ready(active, visited, reach, overlap, rules), visited
+
+
+def move_on__asks_for_one_of_two(active, visited, reach, overlap, at, rules):
+    """if, not elif"""
+    closest = _closest(active, overlap)
+    if overlap[closest] > rules.visited:
+        visited = max(visited, closest)
+    elif at:
+        visited = max(visited, active)
+    return active + _ready(active, visited, reach, overlap, rules), visited
+
+
 def move_on__gives_only_one(active, visited, reach, overlap, at, rules):
     """return active, visited"""
     return active + 1
@@ -444,6 +500,33 @@ def transition__is_done_too_soon(state, active, visited, reach, overlap, at, wai
     """is not being there"""
     if state == State.FOLLOW and active == len(reach) - 1:
         return State.DONE, active, visited
+    return _right(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def transition__stops_one_anchor_early(state, active, visited, reach, overlap, at, waited, rules):
+    """ask for DONE before move_on"""
+    if state == State.FOLLOW:
+        active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
+        if at and active == len(reach) - 1:
+            return State.DONE, active, visited
+        here = State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING
+        return here, active, visited
+    return _right(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def transition__is_impatient(state, active, visited, reach, overlap, at, waited, rules):
+    """after exactly rules.patience seconds the robot is not lost yet"""
+    if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
+        return State.LOST if waited >= rules.patience else state, active, visited
+    return _right(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def transition__has_a_patience_of_its_own(
+    state, active, visited, reach, overlap, at, waited, rules
+):
+    """Dead reckoning for long, other rules"""
+    if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
+        return State.LOST if waited > 4.0 else state, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
