@@ -61,6 +61,7 @@ _SURE, _FADES = (0.99, 0.99, 0.98, 0.97, 0.95), (0.9, 0.99, 0.6, 0.2, 0.1)
 _SEEN, _ENDS = (0.5, 0.6, 0.3, 0.2, 0.85), (0.0, 0.0, 0.0, 0.9, 0.99)
 _NEAR, _ASIDE = (0.5, 0.7, 0.65, 0.3, 0.1), (0.3, 0.5, 0.2, 0.1, 0.1)
 _ONLY, _ONE = (0.9, 0.5, 0.97, 0.2), (0.4, 0.5, 0.65, 0.1)
+_BEHIND = ((0.1, 0.9, 0.6, 0.2, 0.1), (0.1, 0.9, 0.85, 0.2, 0.1))
 LOOKS = {
     key: look(*case)
     for key, case in {
@@ -71,9 +72,15 @@ LOOKS = {
         "only": ("only the next one reachable", 1, 0, _ONLY, _ONE),
         "close": ("close to the active anchor", 1, 0, _FADES, (0.4, 0.85, 0.5, 0.1, 0.1)),
         "at": ("at the active anchor, turned aside", 1, 0, _FADES, _ASIDE, True),
+        "beside": ("at it, the next one closer", 1, 0, _FADES[:4], _ONE, True),
+        "both": ("at it, the one before close", 1, 0, _FADES[:3], (0.85, 0.7, 0.2), True),
+        "second": ("the second next one looks close", 1, 0, _FADES, (0.3, 0.5, 0.7, 0.85, 0.1)),
+        "amid": ("three close ones", 1, 0, _FADES, (0.85, 0.9, 0.84, 0.3, 0.1)),
+        "behind": ("the one before closer than the active one", 2, 1, *_BEHIND),
         "again": ("the active one visited earlier", 1, 1, _FADES, _NEAR),
         "passed": ("the active one visited, the next one far", 1, 1, _SURE, _SEEN),
         "leap": ("well ahead of the one visited", 2, 0, _FADES[1:], (0.1, 0.5, 0.7, 0.3)),
+        "beyond": ("the next one is the closest", 1, 0, _FADES, (0.2, 0.6, 0.85, 0.5, 0.1)),
         "back": ("an earlier one is closer", 2, 2, (0.0, 0.9, 0.97, 0.5), (0.0, 0.9, 0.7, 0.3)),
         "start": ("at the start", 0, -1, (0.97, 0.5, 0.4, 0.98), (0.85, 0.3, 0.2, 0.9)),
         "end": ("at the last anchor", 4, 3, _ENDS, (0.0, 0.0, 0.0, 0.5, 0.9), True),
@@ -94,16 +101,7 @@ def _moved(
 ) -> tuple[int, int]:
     """The rule with a `fault`."""
     last, before = len(reach) - 1, visited
-    places = range(max(active - 1, 0), min(active + 1, last) + 1)
-    if fault == "whole trail":
-        places = range(last + 1)
-    if fault == "wraps":
-        places = range(active - 1, min(active + 1, last) + 1)
-    closest = max(places, key=lambda place: overlap[place])
-    if overlap[closest] > rules.visited or fault == "always":
-        visited = closest if fault == "back" else max(visited, closest)
-    if at and fault != "no at":
-        visited = max(visited, active)
+    visited = _visited(active, visited, overlap, at, rules, fault)
     kept = before if at and fault == "at forgotten" else visited
     if active == last:
         return active, kept
@@ -111,10 +109,13 @@ def _moved(
     near, been = bool(overlap[active + 1] > rules.near), visited >= active
     if fault == "paper":
         return active + 1 if sure and near else visited + 1, visited
+    if fault == "leaps" and been:
+        return visited + 1, visited
     go = {
         "no overlap": been or sure,
         "no reach": been or near,
         "no visit": sure and near,
+        "equal": visited == active or (sure and near),
         "visit needs reach": sure and (near or been),
         "old": before >= active or (sure and near),
         "never": False,
@@ -122,17 +123,49 @@ def _moved(
     return active + int(go), kept
 
 
+def _visited(
+    active: int, visited: int, overlap: Array, at: bool, rules: FollowerSettings, fault: str
+) -> int:
+    """The last visited anchor, with the `fault`."""
+    last = len(overlap) - 1
+    first, end = max(active - 1, 0), min(active + 1, last) + 1
+    first, end = {
+        "whole trail": (0, last + 1),
+        "wraps": (active - 1, end),
+        "wide": (first, min(active + 2, last) + 1),
+    }.get(fault, (first, end))
+    closest = max(range(first, end), key=lambda place: overlap[place])
+    found = overlap[closest] > rules.visited
+    if fault == "farthest" and found:
+        closest = max(place for place in range(first, end) if overlap[place] > rules.visited)
+    if found or fault == "always":
+        visited = closest if fault == "back" else max(visited, closest)
+    if not at or fault == "no at" or (fault == "either" and found):
+        return visited
+    return max(visited, closest if fault == "at closest" else active)
+
+
 _UNMOVED = {
     "the last visited anchor never goes back to an earlier one: max": "back",
     "the closest anchor counts as visited only if its overlap is above rules.visited": "always",
     "look only at the anchors before, at and after the active one; one far along the trail may "
     "look alike": "whole trail",
+    "compare no overlaps beyond that of the next anchor, active + 1; active + 2 is too far": "wide",
+    "of several neighbours above rules.visited only the closest counts, not the farthest": (
+        "farthest"
+    ),
     "before the first anchor there is none; overlap[-1] is the last one of the trail": "wraps",
     "the next anchor must be near, too: its overlap above rules.near": "no overlap",
     "the next anchor must be reachable, too: its RE above rules.p_follow": "no reach",
     "who is at the active anchor has visited it, whatever the overlap": "no at",
+    "at means at the active anchor: that one was visited, not the closest": "at closest",
+    "ask for at whether or not the closest anchor was visited: if, not elif": "either",
     "keep that the active anchor was visited: at": "at forgotten",
     "once the active anchor was visited, the robot must get on": "no visit",
+    "who has visited the next anchor has left the active one behind, too: visited >= active": (
+        "equal"
+    ),
+    "go on by one anchor at a time, to active + 1, not to visited + 1": "leaps",
     "once the active anchor was visited, the robot must get on, whatever the RE of the next one": (
         "visit needs reach"
     ),
@@ -146,7 +179,7 @@ _UNMOVED = {
 
 @check(move_on, LOOKS["next"][1])
 def check_move_on(student: Callable[..., Any]) -> None:
-    """Fifteen looks: under way, near, at an anchor, at both ends, and with other rules."""
+    """Twenty-one looks: under way, near, at an anchor, at both ends, and with other rules."""
     faults = {words: partial(_moved, fault=fault) for words, fault in _UNMOVED.items()}
     compare("move_on", student, list(LOOKS.values()), move_on, faults)
 

@@ -64,6 +64,7 @@ def _changed(
         if fault == "moves on blindly":
             active, visited = move_on(active, visited, reach, overlap, at, rules)
         late = waited > rules.patience and fault != "never lost"
+        late |= waited == rules.patience and fault == "impatient"
         back = reach[active] > follow and not (late and fault == "lost first")
         here = State.LOST if late else State.DEAD_RECKONING
         return State.FOLLOW if back else here, active, visited
@@ -71,6 +72,8 @@ def _changed(
     if {"any anchor": at, "last is enough": last, "never done": False}.get(fault, at and last):
         return State.DONE, active, visited
     ahead, seen = move_on(active, visited, reach, overlap, at, rules)
+    if fault == "done after" and at and ahead == len(reach) - 1:
+        return State.DONE, ahead, seen
     if fault == "stands":
         ahead, seen = active, visited
     trusted = reach[active if fault == "old reach" else ahead] > lose
@@ -92,8 +95,11 @@ _UNCHANGED = {
     "dead reckoning is left above rules.p_follow, not above rules.p_lose": "soon back",
     "in dead reckoning the active anchor stays; do not call move_on": "moves on blindly",
     "after more than rules.patience seconds of dead reckoning the robot is LOST": "never lost",
+    "after exactly rules.patience seconds the robot is not lost yet; it takes more": "impatient",
     "who can reach the active anchor again is not lost, however long it took": "lost first",
     "at an anchor that is not the last one the robot is not done": "any anchor",
+    "ask for DONE before move_on; at belongs to the anchor that was active before it, and yours "
+    "stops one anchor early": "done after",
     "driving to the last anchor is not being there: at": "last is enough",
     "at the last anchor the robot is DONE": "never done",
     "in Follow the active anchor must move on: move_on": "stands",
@@ -116,6 +122,7 @@ def _sought(reach: Sequence[float], rules: FollowerSettings = RULES) -> Case:
 
 _LOW, _HALF, _HIGH = (0.3, 0.35, 0.97, 0.4), (0.3, 0.7, 0.5, 0.2), (0.3, 0.96, 0.5, 0.2)
 _BESIDE, _CLOSE = (0.3, 0.7, 0.65, 0.1), (0.3, 0.85, 0.65, 0.1)
+_SURE, _ARRIVED = (0.3, 0.9, 0.99, 0.95), (0.1, 0.4, 0.85, 0.65)
 _S, _F, _D = State.SEARCH, State.FOLLOW, State.DEAD_RECKONING
 _STEPS = [
     _step("Search, two anchors reachable", _S, _sought((0.6, 0.93, 0.97, 0.4))),
@@ -124,6 +131,7 @@ _STEPS = [
     _step("Follow, under way", _F, LOOKS["way"]),
     _step("Follow, the next anchor reachable and near", _F, LOOKS["next"]),
     _step("Follow, at an anchor", _F, LOOKS["at"]),
+    _step("Follow, at the last anchor but one", _F, look("", 2, 1, _SURE, _ARRIVED, True)),
     _step("Follow, only the next one high", _F, look("", 1, 0, (0.9, 0.3, 0.97), (0.4, 0.5, 0.7))),
     _step("Follow, RE(active) middling", _F, look("", 1, 0, _HALF, _BESIDE)),
     _step("Follow, RE(active) low", _F, look("", 1, 0, (0.3, 0.35, 0.5, 0.4), _BESIDE)),
@@ -136,13 +144,20 @@ _STEPS = [
     _step("Dead reckoning, RE(active) low", _D, look("", 1, 0, _LOW, _BESIDE), 1.0),
     _step("Dead reckoning, RE(active) middling", _D, look("", 1, 0, _HALF, _BESIDE), 1.0),
     _step("Dead reckoning, RE(active) high", _D, look("", 1, 0, _HIGH, _BESIDE), 1.0),
+    _step("Dead reckoning for exactly the patience", _D, look("", 1, 0, _LOW, _BESIDE), 4.0),
     _step("Dead reckoning for long, RE(active) low", _D, look("", 1, 0, _LOW, _BESIDE), 4.1),
     _step("Dead reckoning for long, RE(active) high", _D, look("", 1, 0, _HIGH, _BESIDE), 4.1),
+    _step(
+        "Dead reckoning for long, other rules",
+        _D,
+        look("", 1, 0, _LOW, _BESIDE, rules=OTHER_RULES),
+        2.1,
+    ),
 ]
 
 
 @check(transition, _STEPS[4][1])
 def check_transition(student: Callable[..., Any]) -> None:
-    """Eighteen steps: searching, following, dead reckoning, and their ends."""
+    """Twenty-one steps: searching, following, dead reckoning, and their ends."""
     faults = {words: partial(_changed, fault=fault) for words, fault in _UNCHANGED.items()}
     compare("transition", student, _STEPS, transition, faults)
