@@ -603,7 +603,7 @@ show(from_figure(figure))
 # And mind the last line: even somebody whose probabilities are exactly right would not lie on the diagonal with so few drives. Smaller differences mean nothing here. The results page at the end has many more.
 # </details>
 # <details><summary>The library's raw network is wrong in another way. In which, and where does it come from?</summary>
-# Compare its mean claim with the share that arrived: it says too little nearly everywhere. It is not too sure but too <i>gloomy</i>. Its school was harder than life: in the second half of its training every fourth target was one where it had been fooled before (section 5 tells why that is needed), and there many more drives fail. A temperature does not help: it changes how far the claims are
+# Compare its mean claim with the share that arrived: it says too little nearly everywhere. It is not too sure but too <i>gloomy</i>. Its school was harder than life: in the last part of its training about every seventh target was one where it had been fooled before (section 5 tells why that is needed), and there many more drives fail. A temperature does not help: it changes how far the claims are
 # spread, and not their level. A shift of the logits would, and the isotonic line contains one. Diagnose before you mend: look at the diagram first.
 # </details>
 # <details><summary>Why must a calibration be fitted on drives that the network did not learn from?</summary>
@@ -659,8 +659,8 @@ show(side_by_side(panels, titles))
 # know this from tests for rare diseases. A map of 1,000 vertices needs one mistake in 100,000 before it has fewer than ten wormholes.
 # </details>
 # <details><summary>Then how can a network ever learn it? In a random draw of pairs, mistakes of this kind hardly occur.</summary>
-# By searching for them. After the first half of its training, the network was asked about all pairs of 100 frames in 48 training worlds, and cars were sent on the errands of which it was most sure. Those that failed are its own worst mistakes, <b>hard negatives</b>, and in the second half of the training every fourth target came from them. (Many of these cars did arrive: such pairs are
-# kept too, or the network would learn to distrust everything of which it was once sure.)
+# By searching for them. After most of its training, the network was asked about all pairs of 160 frames in 48 training worlds. Of those of which it was sure, the hopeless ones are its own worst mistakes, <b>hard negatives</b>: up to 400 in each world, the surest, and nobody has to drive to know how they end. On 100 others cars were sent. (Many of these did arrive: such pairs are
+# kept too, or the network would learn to distrust everything of which it was once sure.) In the rest of the training about every seventh target came from both.
 # </details>
 
 # %%
@@ -828,7 +828,7 @@ print(
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
 # Of the three where RE was too sure, look first at the maps. Where the car has not moved at all, its body touches a wall or nearly so at the side or behind, where no camera looks: what holds it fast is not in the pictures. The other one stops just outside the circle of 0.30 m, where the pictures are as good as the same. Those where RE was too modest have one thing in common: the car is to arrive with quite another heading than
-# it starts with, so that the two pictures share little. The way was plain all the same.
+# it starts with, so that the two pictures share little. The way was plain all the same, and the label asks for the place only.
 #
 # In the table RE's mean claim follows the share that arrives from line to line: it has understood that targets beside the car, with little overlap or turned away are harder. (Differences of five points, or ten where there are few errands, mean nothing.) A tight place is too seldom a trouble to show in the mean. Only where a wall stands between car and target it is far too hopeful: the two views share something round a corner, the way is longer than it seems, and such pairs are rare among those that it learnt from.
 # </details>
