@@ -251,7 +251,8 @@ def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
             tracks[:, 0, 0] = np.arange(steps + 1)
             active = np.repeat([-1, 0, 1, 2], [4, 16, 20, 20])[:, None]
             state = np.where(active < 0, State.SEARCH, State.FOLLOW)
-            record = SimpleNamespace(active=active, state=state, probability=np.full((60, 1), 0.9))
+            told = np.where(active < 0, np.nan, 0.9)  # nobody asks who searches, or is lost
+            record = SimpleNamespace(active=active, state=state, probability=told)
             return np.array([20.0]), tracks, record
 
     monkeypatch.setattr(meng_fig6, "demonstrate", lambda *arguments: ways)

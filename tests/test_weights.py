@@ -275,7 +275,7 @@ def test_shipped_weights_fit_their_cards(name):
     assert card.parameters == sum(value.numel() for value in network.parameters())
     assert card.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert all(value.isfinite().all() for value in network.parameters())
-    assert 0 < card.minutes <= 30
+    assert 0 < card.minutes * card.cores <= 30 * 2  # half an hour on two cores
     assert np.isfinite(card.validation["validation"])
     assert cli._parser().parse_args(card.command.split()).command == "train"
     assert asked(network).isfinite().all()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -149,6 +150,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
         validation={**stages[-1].history[stages[-1].best], **measured},
         calibration=asdict(calibration),
         minutes=minutes,
+        cores=len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
     )
     return network, card
 

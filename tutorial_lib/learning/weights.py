@@ -30,6 +30,7 @@ class Card:
         validation: what was measured on validation worlds.
         calibration: what turns the logit of reachability into a probability, see `Calibration`.
         minutes: it took, and the recording of drives too if they were not there yet.
+        cores: that it was trained on; the reference machine has two.
         parameters: how many numbers it has.
         sha256: of the weights' file.
     """
@@ -41,6 +42,7 @@ class Card:
     validation: dict[str, float] = field(default_factory=dict)
     calibration: dict[str, Any] = field(default_factory=dict)
     minutes: float = 0.0
+    cores: int = 2
     parameters: int = 0
     sha256: str = ""
 
