@@ -1,15 +1,17 @@
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from conftest import make_box
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import distance_transform_edt
 
 from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.world.floorplan import Furniture, Room
 from tutorial_lib.world.generators import FAMILIES, generate
-from tutorial_lib.world.occupancy import ClearanceGrid, clearance_grid
+from tutorial_lib.world.occupancy import ClearanceGrid, cells_to_blocked, clearance_grid
 
 every_plan = pytest.mark.parametrize("family", FAMILIES)
 
@@ -154,3 +156,17 @@ def test_a_point_off_the_grid_gets_the_nearest_cell(x, y):
             assert column == (0 if x < 0 else 49)
         if abs(y - nearest[1]) > 0.02:
             assert row == (0 if y < 3 else 29)
+
+
+def test_the_number_of_threads_changes_nothing():
+    cells = (np.random.default_rng(0).random((300, 400)) > 0.01).astype(np.uint8)
+    before, found = cv2.getNumThreads(), []
+    try:
+        for threads in (1, 2, 7):
+            cv2.setNumThreads(threads)
+            found.append(cells_to_blocked(cells))
+    finally:
+        cv2.setNumThreads(before)
+    assert (found[0] == found[1]).all()
+    assert (found[0] == found[2]).all()
+    assert found[0] == pytest.approx(distance_transform_edt(cells), abs=1e-5)

@@ -49,7 +49,7 @@ def test_what_is_kept_for_tests_is_not_trained_on(seed):
     ("name", "words"),
     [
         ("apartment/17", "give family/seed/palette"),
-        ("apartment/17/standard/more", "give family/seed/palette"),
+        ("apartment/17/standard/more", "size .more. is unknown"),
         ("", "give family/seed/palette"),
         ("castle/17/standard", "family 'castle'"),
         ("maze/-1/standard", "seed '-1'"),

@@ -6,6 +6,7 @@ batches, so the first axis of every array counts robots, images or pairs.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -48,6 +49,15 @@ class Observation:
             self.speed[index],
             self.steering[index],
         )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Observation]) -> Observation:
+        """The robots of all parts, as one batch; depth only where all have it."""
+        depths = [part.depth for part in parts]
+        depth = None if any(d is None for d in depths) else np.concatenate(depths)
+        names = ("image", "laser", "odometry", "speed", "steering")
+        whole = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+        return cls(depth=depth, **whole)
 
 
 Targets = Any

@@ -16,7 +16,7 @@ from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.metrics import time_limit
 from tutorial_lib.driving.rmp import RMPController
-from tutorial_lib.driving.rollouts import Robots, drive
+from tutorial_lib.driving.rollouts import Robots, drive, geodesic_limit
 from tutorial_lib.driving.trajectories import (
     CONTEXT_INTERVAL,
     Trajectory,
@@ -70,14 +70,34 @@ def demonstrate(
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
     starts, goals, limit = _errands(scene, paths, count, rng)
-    # Pictures are rendered on load; the controllers need only the laser.
-    sensors = Sensors(camera=None)
-    simulation = Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
-    controller = DRIVER if controller is None else controller
-    courier, recorder = OracleCourier(paths, goals, controller), _Recorder()
-    drives = drive(simulation, courier.act, goals, limit, record=recorder)
-    found = (recorder.trajectory(world, seed, robot) for robot in np.flatnonzero(drives.reached))
-    return [trajectory for trajectory in found if len(trajectory) >= SHORTEST]
+    simulation = _fleet(scene, starts, control_noise, rng)
+    courier = OracleCourier(paths, goals, DRIVER if controller is None else controller)
+    found = _recorded(world, seed, simulation, courier, limit)
+    return [drive for drive in found if drive is not None and len(drive) >= SHORTEST]
+
+
+def demonstrate_between(
+    world: str, scene: Scene, paths: GridPaths, starts: Array, goals: Array, seed: int
+) -> list[Trajectory | None]:
+    """Drive from given poses to given places, and record it.
+
+    Args:
+        world: name to put on the trajectories.
+        scene: that world.
+        paths: its geodesics.
+        starts: (N, 3) poses.
+        goals: (N, 2) metres.
+        seed: to put on the trajectories; nothing here is random.
+
+    Returns:
+        N trajectories as from `demonstrate`, None for a car that did not arrive.
+
+    Raises:
+        InputError: when no way leads from a start to its goal.
+    """
+    simulation = _fleet(scene, starts, 0.0, None)
+    limit = geodesic_limit(paths, starts, goals)
+    return _recorded(world, seed, simulation, OracleCourier(paths, goals, DRIVER), limit)
 
 
 def record_demonstrations(
@@ -148,6 +168,26 @@ def _is_recorded(path: Path, world: str, seed: int) -> bool:
     except InputError:
         return False
     return {(drive.world, drive.seed) for drive in found} == {(world, seed)}
+
+
+def _fleet(
+    scene: Scene, starts: Array, control_noise: float, rng: np.random.Generator | None
+) -> Simulation:
+    """Pictures are rendered on load; the controllers need only the laser."""
+    sensors = Sensors(camera=None)
+    return Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
+
+
+def _recorded(
+    world: str, seed: int, simulation: Simulation, courier: OracleCourier, limit: Array
+) -> list[Trajectory | None]:
+    """What each robot sensed on its way, None for one that did not arrive."""
+    recorder = _Recorder()
+    drives = drive(simulation, courier.act, courier.goals, limit, record=recorder)
+    return [
+        recorder.trajectory(world, seed, robot) if reached else None
+        for robot, reached in enumerate(drives.reached)
+    ]
 
 
 def _errands(

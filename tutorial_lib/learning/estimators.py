@@ -36,6 +36,11 @@ class EncodedTargets:
         index = [index] if isinstance(index, int | np.integer) else index
         return replace(self, encoded=self.encoded[index])
 
+    @classmethod
+    def joined(cls, parts: list["EncodedTargets"]) -> "EncodedTargets":
+        """Targets of one network end to end."""
+        return replace(parts[0], encoded=torch.cat([part.encoded for part in parts]))
+
 
 _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cache
 
@@ -73,8 +78,16 @@ class _Estimator:
                 f"targets: shape {contexts.shape}; this network has k = {self.architecture.k}: "
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
-        encoded = self.network.encode_targets(self.view.numbers(contexts))
-        return EncodedTargets(encoded, self.network)
+        if self.network.stacked:
+            encoded = self.network.encode_targets(self.view.numbers(contexts))
+            return EncodedTargets(encoded, self.network)
+        # Neighbours on a trajectory have most pictures in common: each is encoded once.
+        pictures = contexts.reshape(-1, *contexts.shape[2:])
+        number: dict[bytes, int] = {}
+        which = [number.setdefault(picture.tobytes(), len(number)) for picture in pictures]
+        fresh = pictures[np.unique(which, return_index=True)[1]]
+        encoded = self.network.encode_targets(self.view.numbers(fresh[:, None]))[:, 0]
+        return EncodedTargets(encoded[np.reshape(which, contexts.shape[:2])], self.network)
 
     @torch.inference_mode()
     def ask(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
@@ -166,6 +179,11 @@ class ReachabilityNetwork(_Estimator):
     def logits(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
         """Logits (N,) before calibration."""
         return self.ask(observations, prepared)[:, 0]
+
+    @torch.inference_mode()
+    def embed(self, observations: Observation) -> NDArray[np.float32]:
+        """Directions (N, R, D) of what N robots see, alike where they see the same thing."""
+        return self.network.embed(self.encode(observations)).numpy()
 
 
 def _joined(parts: list[Tensor]) -> Array:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning.encoders import (
@@ -89,6 +90,17 @@ class LocalNetwork(nn.Module):
             return self.encoder.target(contexts.flatten(1, 2))[:, None]
         encoded = self.encoder.target(contexts.flatten(0, 1))
         return encoded.unflatten(0, contexts.shape[:2])
+
+    def embed(self, current: Tensor) -> Tensor:
+        """Directions (N, R, D) of unit length, from `encode_current`; a map is searched by them.
+
+        A matching encoder has one for each column of the picture, others one for all of it.
+        """
+        if isinstance(self.encoder, MatchingEncoder):
+            current = current[..., : self.encoder.sizes[0]]
+        else:
+            current = current.flatten(1)[:, None]
+        return functional.normalize(current, dim=-1)
 
     def compare(self, current: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
         """Tell about pairs of what was kept.

@@ -70,8 +70,18 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
     inside[0] = False
     open_cells = (inside[labels] & (free > 0)).astype(np.uint8)
     # The line through a blocked cell runs, on average, through its middle.
-    distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    distance = cells_to_blocked(open_cells)
     return ClearanceGrid(distance * np.float32(resolution), origin, resolution)
+
+
+def cells_to_blocked(open_cells: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """(H, W) how many cells the nearest cell that is 0 is away from each.
+
+    OpenCV rounds otherwise with another number of threads. Squares of distances are whole numbers,
+    so that everybody gets the same bytes.
+    """
+    distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.sqrt(np.rint(distance.astype(np.float64) ** 2)).astype(np.float32)
 
 
 def check_closed(plan: FloorPlan, resolution: float = 0.05) -> None:

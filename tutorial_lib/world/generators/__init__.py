@@ -30,33 +30,37 @@ _DRAW: dict[str, Callable[[np.random.Generator, float], Layout]] = {
 }
 FAMILIES = tuple(_DRAW)
 """Kinds of world. A family's place in this list is part of its seed."""
-AREA = (100.0, 500.0)
-"""Least and greatest square metres of all rooms together."""
-SIZE = (110.0, 470.0)
-"""Range of the square metres that a draw aims at."""
+AREAS = {"any": (100.0, 500.0), "large": (200.0, 460.0)}
+"""Least and greatest square metres of all rooms together, by size."""
+_WITHIN = (10.0, -30.0)
+"""What a draw aims at is by so much within the least and the greatest."""
 
 
-def generate(family: str, seed: int, palette: str = "standard") -> FloorPlan:
+def generate(family: str, seed: int, palette: str = "standard", size: str = "any") -> FloorPlan:
     """Draw a floor plan.
 
     Args:
         family: one of `FAMILIES`.
         seed: 0 or greater; it names a world in every family.
         palette: "standard", or "shifted" for the same rooms in colours that no standard world has.
+        size: "any", or "large" for those in which maps are built (Meng 2020, Table II); it is
+            another plan, even where the area would have fitted.
 
     Raises:
         InputError: if an argument is none of these.
     """
     _check("family", family, FAMILIES)
     _check("palette", palette, PALETTES)
+    _check("size", size, tuple(AREAS))
     seed = _whole(seed)
     stream = [FAMILIES.index(family), seed]
     rng = np.random.default_rng(stream)
-    size = rng.uniform(*SIZE)
+    least, most = AREAS[size]
+    aim = rng.uniform(least + _WITHIN[0], most + _WITHIN[1])
     while True:
         try:
-            layout = _DRAW[family](rng, size * rng.uniform(0.9, 1.1))
-            if not AREA[0] <= sum(room.area for room in layout.rooms) <= AREA[1]:
+            layout = _DRAW[family](rng, aim * rng.uniform(0.9, 1.1))
+            if not least <= sum(room.area for room in layout.rooms) <= most:
                 continue
             if not layout.furniture:  # rooms that are to look alike have theirs already
                 furnish(rng, layout, range(len(layout.rooms)))

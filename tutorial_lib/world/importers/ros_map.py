@@ -20,6 +20,7 @@ from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.importers.contours import free_loops, signed_area
 from tutorial_lib.world.importers.surfaces import check_choice, dress_loops, imported_look
+from tutorial_lib.world.occupancy import cells_to_blocked
 
 MIN_AREA = 1.0
 """Square metres that the car must be able to cover in a free region, or it is left out."""
@@ -201,9 +202,9 @@ def _large_regions(free: NDArray[np.bool_], resolution: float) -> NDArray[np.boo
     """The free cells joined by their edges to enough room for the car."""
     grid = np.pad(free, 1).astype(np.uint8)
     count, labels = cv2.connectedComponents(grid, connectivity=4)
-    inner = cv2.distanceTransform(grid, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * resolution
+    inner = cells_to_blocked(grid) * resolution
     outer = (inner <= _CAR_RADIUS).astype(np.uint8)
-    opened = cv2.distanceTransform(outer, cv2.DIST_L2, cv2.DIST_MASK_PRECISE) * resolution
+    opened = cells_to_blocked(outer) * resolution
     covered = (opened <= _CAR_RADIUS) & (grid > 0)
     cells = np.bincount(labels[covered], minlength=count)
     cells[0] = 0

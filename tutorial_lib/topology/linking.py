@@ -1,0 +1,122 @@
+"""The rules by which a map grows, as functions of arrays (Meng 2020, III-E, III-G)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+
+Trail = tuple[list[int], int]
+"""Vertices in the order in which a trajectory came by, and a place among them."""
+_NEVER = 1e-12  # a probability that no logarithm minds
+
+
+@dataclass(frozen=True)
+class MapSettings:
+    """From when on a map believes RE.
+
+    Attributes:
+        p_edge: RE from which on two vertices are joined.
+        p_reuse: RE to a vertex, and from it on, from which on it takes the place of an anchor; 1
+            for never.
+        sequence: anchors before and after both ends of an edge that must be reachable, too.
+        candidates: vertices, most alike, that a new anchor is compared with.
+        p_outdated: RE below which an old vertex is taken to look different by now.
+    """
+
+    p_edge: float = 0.99
+    p_reuse: float = 0.99
+    sequence: int = 2
+    candidates: int = 32
+    p_outdated: float = 0.1
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name.startswith("p_"):
+                fits, wanted = 0.0 <= value <= 1.0, "a probability, 0 to 1"
+            else:
+                least = 1 if field.name == "candidates" else 0
+                fits = isinstance(value, int) and value >= least
+                wanted = f"a whole number, {least} or greater"
+            if not fits:
+                raise InputError(f"map: {field.name} = {value}; give {wanted}")
+
+
+def reusable(into: ArrayLike, onward: ArrayLike, allowed: ArrayLike, p_reuse: float) -> int:
+    """The vertex that takes the place of an anchor: -1 for none (Meng 2020, III-E).
+
+    Of those that are reached from the anchor before and reach the anchor after, each with more than
+    `p_reuse`, the one by which both together are most probable.
+
+    Args:
+        into: (V,) RE from the anchor before to each vertex.
+        onward: (V,) RE from each vertex to the anchor after.
+        allowed: (V,) which may be taken.
+        p_reuse: the least.
+
+    >>> reusable([0.99, 0.98, 0.5, 1.0], [0.98, 0.995, 1.0, 1.0], [True] * 3 + [False], 0.97)
+    1
+    """
+    into, onward = np.asarray(into, dtype=float), np.asarray(onward, dtype=float)
+    fits = (into > p_reuse) & (onward > p_reuse) & np.asarray(allowed, dtype=bool)
+    if not fits.any():
+        return -1
+    return int(np.where(fits, into * onward, -1.0).argmax())
+
+
+def ahead_of(
+    trajectory: NDArray[np.intp], place: NDArray[np.intp], reused: list[int]
+) -> NDArray[np.bool_]:
+    """(V,) which vertices may follow those `reused`: never backwards along their trajectory.
+
+    Args:
+        trajectory: (V,) that each vertex is from.
+        place: (V,) of each along it.
+        reused: numbers of vertices, in order.
+
+    >>> ahead_of(np.array([0, 0, 0, 1]), np.array([0, 1, 2, 0]), [1]).tolist()
+    [False, False, True, True]
+    """
+    allowed = np.ones(len(place), dtype=bool)
+    for vertex in reused:
+        allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])
+    return allowed
+
+
+def aligned(source: Trail, target: Trail, reach: int) -> tuple[list[int], list[int]]:
+    """Vertices as far before or after the ends of an edge on their trajectories (Meng 2020, III-G).
+
+    An edge between two places that only look alike has neighbours that do not.
+
+    Args:
+        source: vertices of the first end's trajectory, and the place of that end among them.
+        target: the same of the second end.
+        reach: how far at most.
+
+    Returns:
+        Sources and targets of pairs; the ends themselves are left out.
+
+    >>> aligned(([7, 8, 9], 1), ([3, 4, 5, 6], 0), 2)
+    ([9], [4])
+    """
+    sources, targets = [], []
+    for step in [*range(-reach, 0), *range(1, reach + 1)]:
+        first, second = source[1] + step, target[1] + step
+        if 0 <= first < len(source[0]) and 0 <= second < len(target[0]):
+            sources.append(source[0][first])
+            targets.append(target[0][second])
+    return sources, targets
+
+
+def weight(probability: ArrayLike) -> Array:
+    """-log RE, so that the shortest path is the most probable one (Meng 2020, III-F).
+
+    >>> weight([1.0, 0.5]).round(2).tolist()
+    [0.0, 0.69]
+    """
+    return -np.log(np.maximum(probability, _NEVER))
