@@ -185,6 +185,16 @@ class ReachabilityNetwork(_Estimator):
         """Directions (N, R, D) of what N robots see, alike where they see the same thing."""
         return self.network.embed(self.encode(observations)).numpy()
 
+    @torch.inference_mode()
+    def embed_targets(self, prepared: EncodedTargets) -> NDArray[np.float32]:
+        """Directions (N, P, R, D) of N targets: of their first picture and of the middle one.
+
+        The first was taken about where a robot is that can just reach the target.
+        """
+        count = prepared.encoded.shape[1]
+        some = prepared.encoded[:, sorted({0, count // 2})]
+        return self.network.embed(some.flatten(0, 1)).unflatten(0, some.shape[:2]).numpy()
+
 
 def _joined(parts: list[Tensor]) -> Array:
     """The outputs of all robots."""

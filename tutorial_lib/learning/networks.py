@@ -91,16 +91,18 @@ class LocalNetwork(nn.Module):
         encoded = self.encoder.target(contexts.flatten(0, 1))
         return encoded.unflatten(0, contexts.shape[:2])
 
-    def embed(self, current: Tensor) -> Tensor:
-        """Directions (N, R, D) of unit length, from `encode_current`; a map is searched by them.
+    def embed(self, encoded: Tensor) -> Tensor:
+        """Directions (N, R, D) of unit length; a map is searched by them.
 
-        A matching encoder has one for each column of the picture, others one for all of it.
+        A matching encoder has one for every two columns of a picture, others one for all of it.
+
+        Args:
+            encoded: (N, ...) from `encode_current`, or of single pictures from `encode_targets`.
         """
-        if isinstance(self.encoder, MatchingEncoder):
-            current = current[..., : self.encoder.sizes[0]]
-        else:
-            current = current.flatten(1)[:, None]
-        return functional.normalize(current, dim=-1)
+        if not isinstance(self.encoder, MatchingEncoder):
+            return functional.normalize(encoded.flatten(1)[:, None], dim=-1)
+        columns = functional.normalize(encoded[..., : self.encoder.sizes[0]], dim=-1)
+        return functional.normalize(columns.unflatten(1, (-1, 2)).mean(dim=2), dim=-1)
 
     def compare(self, current: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
         """Tell about pairs of what was kept.

@@ -24,14 +24,15 @@ class MapSettings:
         p_reuse: RE to a vertex, and from it on, from which on it takes the place of an anchor; 1
             for never.
         sequence: anchors before and after both ends of an edge that must be reachable, too.
-        candidates: vertices, most alike, that a new anchor is compared with.
+        candidates: vertices, most alike, that a new anchor is compared with to begin with.
         p_outdated: RE below which an old vertex is taken to look different by now.
     """
 
     p_edge: float = 0.99
     p_reuse: float = 0.99
     sequence: int = 2
-    candidates: int = 32
+    reuse_sequence: int = 0
+    candidates: int = 12
     p_outdated: float = 0.1
 
     def __post_init__(self) -> None:
@@ -86,31 +87,6 @@ def ahead_of(
     for vertex in reused:
         allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])
     return allowed
-
-
-def aligned(source: Trail, target: Trail, reach: int) -> tuple[list[int], list[int]]:
-    """Vertices as far before or after the ends of an edge on their trajectories (Meng 2020, III-G).
-
-    An edge between two places that only look alike has neighbours that do not.
-
-    Args:
-        source: vertices of the first end's trajectory, and the place of that end among them.
-        target: the same of the second end.
-        reach: how far at most.
-
-    Returns:
-        Sources and targets of pairs; the ends themselves are left out.
-
-    >>> aligned(([7, 8, 9], 1), ([3, 4, 5, 6], 0), 2)
-    ([9], [4])
-    """
-    sources, targets = [], []
-    for step in [*range(-reach, 0), *range(1, reach + 1)]:
-        first, second = source[1] + step, target[1] + step
-        if 0 <= first < len(source[0]) and 0 <= second < len(target[0]):
-            sources.append(source[0][first])
-            targets.append(target[0][second])
-    return sources, targets
 
 
 def weight(probability: ArrayLike) -> Array:

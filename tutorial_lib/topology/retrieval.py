@@ -1,73 +1,91 @@
 """Which vertices are worth asking RE about: those that look alike, by cheap comparison.
 
 RE compares two pictures in a network. An embedding is computed from each picture alone, so those of
-all vertices are kept, and all of them are compared with a new one by products of matrices.
+all vertices are kept, and all of them are compared with a new one by a product of matrices.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
+
+Embedding = NDArray[np.float32]
+"""(N, R, D) directions of what is seen in R parts of a picture, or (N, P, R, D) for P pictures."""
+_AT_ONCE = 8  # pictures; their products with those of a large map fill the memory
+
+
+def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
+    """How much N pictures look like one of the pictures of each of M targets.
+
+    Two pictures are alike when each part of either has a counterpart in the other: the sum of the
+    means of the best cosines (late interaction). Of a target's pictures the one most alike counts.
+
+    Args:
+        seen: (N, R, D).
+        shown: (M, P, R, D), the pictures of targets in their context.
+
+    Returns:
+        (N, M), from -2 to 2.
+    """
+    seen, shown = _checked(seen, 3), _checked(shown, 4)
+    if seen.shape[-1] != shown.shape[-1]:
+        raise InputError(
+            f"embeddings: {seen.shape[-1]} and {shown.shape[-1]} numbers for a direction; embed "
+            "all with the same network"
+        )
+    count, pictures, parts, size = shown.shape
+    laid = np.ascontiguousarray(shown.transpose(3, 1, 2, 0)).reshape(size, -1)
+    found = np.empty((len(seen), count), dtype=np.float32)
+    for first in range(0, len(seen), _AT_ONCE):
+        some = seen[first : first + _AT_ONCE]
+        cosines = some.reshape(-1, size) @ laid
+        cosines = cosines.reshape(len(some), -1, pictures, parts, count)
+        both = cosines.max(axis=3).mean(axis=1) + cosines.max(axis=1).mean(axis=2)
+        found[first : first + _AT_ONCE] = both.max(axis=1)
+    return found
+
+
+def most_alike(alike: ArrayLike, count: int) -> NDArray[np.intp]:
+    """(N, min(count, M)) numbers of the targets most alike, of (N, M); in no order."""
+    alike = np.asarray(alike)
+    count = min(count, alike.shape[1])
+    return np.argpartition(-alike, max(count - 1, 0), axis=1)[:, :count]
 
 
 class Index:
-    """Embeddings (V, R, D) of vertices: R directions of what is seen in parts of the picture.
-
-    Two pictures are alike when each part of either has a counterpart in the other: the mean over
-    its parts of the best cosine (late interaction).
-    """
+    """What V vertices look like, as seen from them and as shown to who looks for them."""
 
     def __init__(self) -> None:
         """No vertices yet."""
-        self._parts = np.empty((0, 0, 0), dtype=np.float32)
-        self._used = 0
+        self._seen: list[Embedding] = []
+        self._shown: list[Embedding] = []
 
-    def __len__(self) -> int:
-        return self._used
+    def append(self, seen: Embedding, shown: Embedding) -> None:
+        """Add N vertices: what was seen there (N, R, D), and their pictures (N, P, R, D)."""
+        self._seen.append(_checked(seen, 3))
+        self._shown.append(_checked(shown, 4))
 
-    def append(self, embeddings: NDArray) -> None:
-        """Add those (N, R, D) of new vertices.
+    @property
+    def seen(self) -> Embedding:
+        """(V, R, D)."""
+        return self._as_one(self._seen)
 
-        Raises:
-            InputError: when they have another size than those before, or are not finite.
-        """
-        embeddings = _checked(embeddings)
-        if self._used and embeddings.shape[1:] != self._parts.shape[1:]:
-            raise InputError(
-                f"embeddings: {embeddings.shape[1:]} where the map has {self._parts.shape[1:]}; "
-                "embed all with the same network"
-            )
-        needed = self._used + len(embeddings)
-        if needed > len(self._parts):
-            grown = np.empty((max(needed, 2 * len(self._parts)), *embeddings.shape[1:]), np.float32)
-            grown[: self._used] = self._parts[: self._used]
-            self._parts = grown
-        self._parts[self._used : needed] = embeddings
-        self._used = needed
+    @property
+    def shown(self) -> Embedding:
+        """(V, P, R, D)."""
+        return self._as_one(self._shown)
 
-    def likeness(self, embeddings: NDArray) -> Array:
-        """(N, V) how much N pictures, embedded as (N, R, D), look like the vertices."""
-        asked, kept = _checked(embeddings), self._parts[: self._used]
-        flat = kept.reshape(-1, kept.shape[-1])
-        found = np.empty((len(asked), self._used))
-        for row, one in enumerate(asked):
-            cosine = (one @ flat.T).reshape(len(one), self._used, -1)  # (R, V, R)
-            found[row] = cosine.max(axis=2).mean(axis=0) + cosine.max(axis=0).mean(axis=1)
-        return found / 2
-
-    def propose(self, embeddings: NDArray, count: int) -> NDArray[np.intp]:
-        """(N, min(count, V)) numbers of the vertices that look most alike."""
-        count = min(count, self._used)
-        likeness = self.likeness(embeddings)
-        return np.argpartition(-likeness, max(count - 1, 0), axis=1)[:, :count]
+    @staticmethod
+    def _as_one(parts: list[Embedding]) -> Embedding:
+        parts[:] = [np.concatenate(parts)] if len(parts) > 1 else parts
+        return parts[0]
 
 
-def _checked(embeddings: NDArray) -> NDArray[np.float32]:
+def _checked(embeddings: ArrayLike, axes: int) -> Embedding:
     embeddings = np.asarray(embeddings, dtype=np.float32)
-    embeddings = embeddings[:, None] if embeddings.ndim == 2 else embeddings
-    if embeddings.ndim != 3 or not np.isfinite(embeddings).all():
-        raise InputError(f"embeddings: {embeddings.shape}; give finite (N, R, D) or (N, D)")
+    if embeddings.ndim != axes or not np.isfinite(embeddings).all():
+        wanted = "(N, R, D)" if axes == 3 else "(N, P, R, D)"
+        raise InputError(f"embeddings: {embeddings.shape}; give finite {wanted}")
     return embeddings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.linking import MapSettings, Trail, weight
-from tutorial_lib.topology.retrieval import Index
+from tutorial_lib.topology.retrieval import Embedding, Index, likeness, most_alike
 from tutorial_lib.topology.vertices import Numbers, Vertices
 
 
@@ -24,6 +25,7 @@ class TopoMap:
         settings: when RE is believed.
         trails: for each trajectory its vertices, in order.
         trajectory, place: (V,) the trajectory that each vertex was made for, and its place there.
+        index: what the vertices look like, where `reachability` can embed.
     """
 
     def __init__(self, reachability: Reachability, settings: MapSettings | None = None) -> None:
@@ -33,8 +35,7 @@ class TopoMap:
         self.settings = MapSettings() if settings is None else settings
         self.trails: list[list[int]] = []
         self.trajectory = self.place = np.empty(0, dtype=np.intp)
-        self._embed = getattr(reachability, "embed", None)
-        self._index = Index()
+        self.index = Index()
 
     def __len__(self) -> int:
         return len(self.graph)
@@ -44,12 +45,37 @@ class TopoMap:
         """(len,) numbers of the vertices that were not removed."""
         return np.array(sorted(self.graph), dtype=np.intp)
 
-    def candidates(self, observations: Observation, count: int) -> Numbers:
-        """(N, C) numbers of the vertices that look most like each of N observations, C <= count."""
+    @property
+    def embeds(self) -> bool:
+        """Whether `embed` can be asked."""
+        return hasattr(self.vertices.reachability, "embed")
+
+    def embed(self, observations: Observation, prepared: Any) -> tuple[Embedding, Embedding]:  # noqa: ANN401
+        """What is seen (N, R, D) and shown (N, P, R, D) at N anchors.
+
+        Where the estimator embeds no targets, what is seen there stands for what is shown.
+        """
+        reachability = self.vertices.reachability
+        seen = reachability.embed(observations)
+        if hasattr(reachability, "embed_targets"):
+            return seen, reachability.embed_targets(prepared)
+        return seen, np.asarray(seen)[:, None]
+
+    def nearby(self, observations: Observation, count: int) -> Numbers:
+        """(N, C) numbers of vertices that may be reached from N observations, C <= count."""
         alive = self.alive
-        if self._embed is None or len(alive) <= count:
+        if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
-        return self._index.propose(self._embed(observations), count, alive)
+        seen = self.vertices.reachability.embed(observations)
+        return alive[most_alike(likeness(seen, self.index.shown[alive]), count)]
+
+    def around(self, observations: Observation, prepared: Any, count: int) -> Numbers:  # noqa: ANN401
+        """(N, C) numbers of vertices from which N targets may be reached, C <= count."""
+        alive = self.alive
+        if not self.embeds or len(alive) <= count:
+            return np.tile(alive, (len(observations), 1))
+        _, shown = self.embed(observations, prepared)
+        return alive[most_alike(likeness(self.index.seen[alive], shown).T, count)]
 
     def connect(self, source: int, target: int, probability: float, driven: int = 0) -> None:
         """Put an edge between vertices, or make it more probable."""
@@ -74,7 +100,7 @@ class TopoMap:
         timestamps: NDArray,
         trajectory: NDArray[np.intp],
         place: NDArray[np.intp],
-        prepared: object = None,
+        prepared: Any = None,  # noqa: ANN401
     ) -> Numbers:
         """Make N vertices without an edge, and tell their numbers.
 
@@ -86,11 +112,13 @@ class TopoMap:
             place: (N,) along that.
             prepared: the contexts as `Reachability.prepare` made them, where that was done.
         """
+        if prepared is None:
+            prepared = self.vertices.reachability.prepare(contexts)
         numbers = self.vertices.append(observations, contexts, timestamps, prepared)
         self.trajectory = np.append(self.trajectory, trajectory)
         self.place = np.append(self.place, place)
-        if self._embed is not None and len(numbers):
-            self._index.append(self._embed(observations))
+        if self.embeds and len(numbers):
+            self.index.append(*self.embed(observations, prepared))
         self.graph.add_nodes_from(numbers.tolist())
         return numbers
 

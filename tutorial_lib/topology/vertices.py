@@ -43,13 +43,13 @@ class Vertices:
         observations: Observation,
         contexts: NDArray,
         timestamps: Array,
-        prepared: Any = None,  # noqa: ANN401 - whatever the estimator made
+        prepared: Any,  # noqa: ANN401 - whatever the estimator made
     ) -> Numbers:
-        """Add vertices, whose numbers are given back; `prepared` saves preparing them again."""
+        """Add vertices, and tell their numbers; `prepared` are the contexts as RE wants them."""
         first = len(self)
         self.observations.append(observations)
         self.contexts.append(contexts)
-        self._prepared.append(self.reachability.prepare(contexts) if prepared is None else prepared)
+        self._prepared.append(prepared)
         self.timestamps = np.append(self.timestamps, timestamps)
         return np.arange(first, len(self))
 
