@@ -10,6 +10,8 @@ Nothing here ever sees a pose.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -118,6 +120,24 @@ class Run:
         state, active, visited = self.state.copy(), self.active.copy(), self.visited.copy()
         self._steps.append((state, active, visited, *self._told.T.copy(), self._waypoints.copy()))
         return actions
+
+    def set_out(self, robot: int, path: ArrayLike) -> None:
+        """Put a robot on another trail, from whose first anchor on it follows.
+
+        Args:
+            robot: its number.
+            path: (L,) numbers of anchors, as for `Trails`.
+
+        Raises:
+            InputError: when the path leads beyond the anchors.
+        """
+        paths = list(self.trails.paths)
+        paths[robot] = path
+        self.trails = replace(self.trails, paths=paths)
+        self._enter(np.array([robot]), State.FOLLOW)
+        self.active[robot], self.visited[robot] = 0, -1
+        self._doubt[robot], self._waypoints[robot] = 0.0, np.nan
+        self._turning.begin(np.array([robot]))
 
     def record(self) -> Following:
         """All that went on until now."""

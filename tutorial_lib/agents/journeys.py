@@ -1,0 +1,99 @@
+"""A fleet that plans over a map, follows its plans by sight, and plans anew when it is lost."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from tutorial_lib.agents.agent import Robots
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.topology.follower import Follower
+from tutorial_lib.topology.planner import Goals, Plan
+from tutorial_lib.topology.topomap import TopoMap
+from tutorial_lib.topology.trails import Trails
+
+FindWay = Callable[[Observation, Goals, set[int]], Plan]
+"""Plans from what one robot sees to a goal, past some vertices."""
+
+
+class MapJourney:
+    """N robots on their ways, each to its own goal.
+
+    Attributes:
+        plans: the last plan of each robot; none before it looked around for the first time.
+        history: all plans of each robot.
+        arrived: (N,) who declares to have arrived.
+        given_up: (N,) who does not know a way, or lost it too often.
+        run: how the plans are followed.
+    """
+
+    def __init__(
+        self,
+        find_way: FindWay,
+        follower: Follower,
+        topomap: TopoMap,
+        goals: Sequence[Goals],
+        replans: int,
+    ) -> None:
+        """Robots plan when they act for the first time.
+
+        Args:
+            find_way: plans.
+            follower: drives.
+            topomap: the map; it must not grow on the way.
+            goals: one for each robot.
+            replans: how often a robot that was lost plans anew before it gives up.
+        """
+        self._find_way, self._topomap, self._replans = find_way, topomap, replans
+        count, self._goals = len(goals), list(goals)
+        self.plans: list[Plan | None] = [None] * count
+        self.history: list[list[Plan]] = [[] for _ in goals]
+        self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
+        self._shunned: list[set[int]] = [set() for _ in goals]
+        contexts = [goal.contexts for goal in goals]
+        if len(topomap):
+            contexts.insert(0, topomap.vertices.contexts[np.arange(len(topomap.vertices))])
+        self._first = np.cumsum([len(topomap.vertices), *(len(goal) for goal in goals)])
+        laid = np.concatenate(contexts)
+        trails = Trails(
+            follower.predictor.prepare(laid),
+            follower.reachability.prepare(laid),
+            [[first] for first in self._first[:-1]],
+        )
+        self.run = follower.begin(trails, np.zeros(count, dtype=int))
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Plan where there is no plan, and follow: actions (M, 2)."""
+        robots = np.asarray(robots)
+        for row, robot in enumerate(robots):
+            if self.plans[robot] is None:
+                self._plan(observations[row], int(robot))
+        actions = np.zeros((len(robots), 2))
+        going = np.flatnonzero(~(self.arrived | self.given_up)[robots])
+        actions[going] = self.run.act(observations[going], robots[going])
+        self.arrived[robots[going]] = self.run.done[robots[going]]
+        for robot in robots[going][self.run.lost[robots[going]]]:
+            self._lose(int(robot))
+        return actions
+
+    def _plan(self, observation: Observation, robot: int) -> None:
+        """Plan, and set out, or give up."""
+        plan = self._find_way(observation, self._goals[robot], self._shunned[robot])
+        self.plans[robot] = plan
+        self.history[robot].append(plan)
+        if plan.refusal:
+            self.given_up[robot] = True
+            return
+        self.run.set_out(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
+
+    def _lose(self, robot: int) -> None:
+        """Plan anew in the next step; what could not be reached is shunned from now on."""
+        plan, ahead = self.plans[robot], int(self.run.active[robot])
+        if plan is not None and 0 <= ahead < len(plan.vertices):
+            self._shunned[robot].add(plan.vertices[ahead])
+        if len(self.history[robot]) > self._replans:
+            self.given_up[robot] = True
+        else:
+            self.plans[robot] = None
