@@ -7,6 +7,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import fields
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
@@ -22,6 +23,7 @@ from tutorial_lib.experiments import (
     meng_fig6,
     meng_fig7,
     meng_table1,
+    meng_table2,
     plans,
 )
 from tutorial_lib.experiments.demo import run_demo
@@ -31,11 +33,13 @@ from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
 from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.generators.palette import PALETTES
 from tutorial_lib.world.importers import import_map
 
 EXPERIMENTS = {
     "plans": plans.run,
     "meng_table1": meng_table1.run,
+    "meng_table2": meng_table2.run,
     "calibration": calibration.run,
     "meng_fig5": meng_fig5.run,
     "meng_fig6": meng_fig6.run,
@@ -43,7 +47,8 @@ EXPERIMENTS = {
     "disturbances": disturbances.run,
 }
 WITH_ABLATIONS = {"meng_table1": tuple(ablations.ABLATIONS), "calibration": ("audit",)}
-WITH_MAPS = ("meng_table1", "plans")
+WITH_MAPS = ("meng_table1", "meng_table2", "plans")
+WITH_PALETTES = WITH_AGENTS = ("meng_table2",)
 BENCHES = {
     "raycast": bench_raycast.run,
     "fleet": bench_fleet.run,
@@ -113,7 +118,10 @@ def _parser() -> argparse.ArgumentParser:
             command.add_argument("--map", type=Path, help="a map's file, in place of worlds")
             known = [name for names in WITH_ABLATIONS.values() for name in names]
             command.add_argument("--ablation", choices=known, default="")
-        command.set_defaults(run=_report, table=table, map=None, ablation="")
+            command.add_argument("--palette", choices=PALETTES, default="standard")
+            command.add_argument("--agent", default="", metavar="FILE.py:CLASS")
+        none = {"map": None, "ablation": "", "palette": "standard", "agent": ""}
+        command.set_defaults(run=_report, table=table, **none)
     return parser
 
 
@@ -194,13 +202,18 @@ def _report(options: argparse.Namespace) -> int:
         raise InputError(f"--ablation {options.ablation}: {options.name} {which}")
     if options.map is not None and options.name not in WITH_MAPS:
         raise InputError(f"--map: {options.name} runs on generated worlds; leave it out")
+    if options.palette != "standard" and (options.name not in WITH_PALETTES or options.map):
+        raise InputError(f"--palette: only for generated worlds of {', '.join(WITH_PALETTES)}")
+    if options.agent and options.name not in WITH_AGENTS:
+        raise InputError(f"--agent: {options.name} has no agents; use {', '.join(WITH_AGENTS)}")
     if options.map is not None and (options.worlds or options.ablation):
         raise InputError("--map: stands in place of worlds; give no --worlds and no --ablation")
     if options.seed < 0:
         raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
     if options.json is not None:
         check_writable(options.json)
-    asked = Options(options.worlds, options.seed, options.quick, options.map, options.ablation)
+    names = [field.name for field in fields(Options)]
+    asked = Options(**{name: getattr(options, name) for name in names})
     report: Report = options.table[options.name](asked)
     print(report.as_text())
     if options.json is not None:

@@ -19,6 +19,8 @@ class Options:
         quick: fewer episodes, same code.
         map: a file to run on instead of generated worlds.
         ablation: which one to run instead of the whole experiment.
+        palette: of generated worlds.
+        agent: FILE.py:CLASS of a system, or a piece of one, to race with the others.
     """
 
     worlds: tuple[int, ...] = ()
@@ -26,6 +28,8 @@ class Options:
     quick: bool = False
     map: Path | None = None
     ablation: str = ""
+    palette: str = "standard"
+    agent: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,37 @@
+"""An oracle to compare with: it knows the map, its pose, and where the goals are."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tutorial_lib.agents.agent import Robots
+from tutorial_lib.driving.courier import OracleCourier
+from tutorial_lib.driving.demonstrations import DRIVER
+from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.simulation import Simulation
+
+
+class OracleJourney:
+    """A `Journey` of robots that follow geodesics.
+
+    Attributes:
+        arrived: (N,) who is there.
+        given_up: (N,) nobody.
+    """
+
+    def __init__(self, simulation: Simulation, paths: GridPaths, goals: Array) -> None:
+        """Send the robots of a simulation to `goals` (N, 2 or 3), metres."""
+        self._simulation = simulation
+        self._courier = OracleCourier(paths, goals[:, :2], DRIVER)
+        self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2); who is there stands still."""
+        del observations
+        gap = self._simulation.poses[robots, :2] - self._courier.goals[robots]
+        self.arrived[robots] = np.linalg.norm(gap, axis=1) < REACHED
+        actions = self._courier.act(self._simulation, robots)
+        return np.where(self.arrived[robots, None], 0.0, actions)

@@ -1,0 +1,161 @@
+"""Table II of Meng 2020: how often a robot finds from place to place, and with how large a map."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from tutorial_lib.agents.agent import Agent
+from tutorial_lib.agents.oracle import OracleJourney
+from tutorial_lib.experiments import systems
+from tutorial_lib.experiments.buildings import PLACES, Building, Trials, building, trials
+from tutorial_lib.experiments.navigation import (
+    ENDINGS,
+    WORMHOLE,
+    Outcome,
+    edge_lengths,
+    experiences,
+    goals_of,
+    navigate,
+)
+from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.statistics import difference, in_points, over_worlds, wilson
+from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.views import VIEWS
+
+WORLDS = tuple(range(20_000, 20_005))
+TRIALS, QUICK_PLACES, QUICK_TRIALS = 200, 6, 40
+PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
+"""Success in the least and the most successful of the paper's five worlds."""
+K = 5
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one method made of one world.
+
+    Attributes:
+        outcome: of every trial.
+        vertices: of its map; None where it has none.
+        edges: of its map.
+        wormholes: edges longer than `WORMHOLE`.
+    """
+
+    outcome: Outcome
+    vertices: int | None = None
+    edges: int | None = None
+    wormholes: int | None = None
+
+
+def run(options: Options) -> Report:
+    """Let every method learn every world, and send it on the same trials."""
+    begun = time.perf_counter()
+    worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
+    places: list[Any] = list(worlds)
+    if options.map is not None:
+        worlds, places = (), [options.map]
+    if options.agent:  # before anything is driven
+        systems.custom(options.agent)
+    run_all = Parallel(n_jobs=-1, return_as="generator")
+    jobs = run_all(delayed(race)(place, options) for place in places)
+    parts = list(tqdm(jobs, total=len(places), desc="meng_table2", disable=None))
+    rows = [
+        _row(place, house, method, found)
+        for place, (house, results) in zip(places, parts, strict=True)
+        for method, found in results.items()
+    ]
+    took = time.perf_counter() - begun
+    where = "" if options.map is None else options.map.name
+    notes = _notes([results for _, results in parts])
+    return Report("meng_table2", options.seed, worlds, options.quick, took, rows, notes, where)
+
+
+def race(place: Any, options: Options) -> tuple[dict[str, Any], dict[str, Result]]:  # noqa: ANN401
+    """All methods in one world: what the world is like, and their results.
+
+    Args:
+        place: seed of a large generated world, or a map's file.
+        options: what was asked for.
+    """
+    use_threads(1)  # the worlds are run side by side
+    count = QUICK_PLACES if options.quick else PLACES
+    house = building(place, options.seed, count, options.palette)
+    seeds = [options.seed, place if isinstance(place, int) else 0, 1]
+    asked = trials(house, QUICK_TRIALS if options.quick else TRIALS, np.random.default_rng(seeds))
+    agents: dict[str, Agent] = {
+        "meng": systems.meng(),
+        "sptm": systems.sptm(),
+        "random": systems.wanderer(np.random.default_rng(seeds)),
+    }
+    found = {name: attempt(house, asked, agent) for name, agent in agents.items()}
+    found["oracle"] = Result(
+        navigate(house, asked, lambda sim: OracleJourney(sim, house.paths, asked.goal_poses))
+    )
+    if options.agent:
+        own = systems.custom(options.agent)
+        found["custom"] = systems.guarded(options.agent, attempt, house, asked, own)
+    plan = house.scene.plan
+    world = {
+        "family": plan.family,
+        "area": round(plan.area),
+        "images": len(house.recorded.poses),
+    }
+    return world, found
+
+
+def attempt(house: Building, asked: Trials, agent: Agent) -> Result:
+    """One agent learns a building and is sent on its trials."""
+    agent.learn(list(experiences(house)))
+    goals = goals_of(asked, VIEWS["camera16"], K)
+    outcome = navigate(house, asked, lambda _: agent.set_out(goals))
+    topomap = getattr(agent, "topomap", None)
+    if topomap is None:
+        return Result(outcome)
+    long = edge_lengths(house, topomap) > WORMHOLE
+    return Result(outcome, len(topomap), len(long), int(long.sum()))
+
+
+def _row(place: Any, world: dict[str, Any], method: str, found: Result) -> dict[str, Any]:  # noqa: ANN401
+    outcome = found.outcome
+    success, low, high = wilson(outcome.success.astype(float))
+    row: dict[str, Any] = {
+        "world": place if isinstance(place, int) else place.name,
+        **world,
+        "method": method,
+        "vertices": found.vertices,
+        "edges": found.edges,
+        "wormholes": found.wormholes,
+        "trials": len(outcome.success),
+        "success": success,
+        "low": low,
+        "high": high,
+        "wrong_place": float(outcome.wrong.mean()),
+    }
+    return row | {name: float((outcome.ending == name).mean()) for name in ENDINGS[1:]}
+
+
+def _notes(parts: list[dict[str, Result]]) -> tuple[str, ...]:
+    """Success in all worlds together, and paired differences."""
+    where = np.repeat(np.arange(len(parts)), [len(part["meng"].outcome.success) for part in parts])
+    success = {
+        name: np.concatenate([part[name].outcome.success for part in parts]).astype(float)
+        for name in parts[0]
+    }
+    notes = []
+    for name, values in success.items():
+        share, low, high = over_worlds(values, where)
+        notes.append(f"{name}, all worlds: {share:.1%} ({low:.1%} to {high:.1%})")
+    for name in [other for other in success if other != "meng"]:
+        found = difference(success["meng"], success[name], where)
+        notes.append(f"meng - {name}: {in_points(found)}")
+    for name in ("meng", "sptm"):
+        edges, holes = (
+            sum(getattr(part[name], what) for part in parts) for what in ("edges", "wormholes")
+        )
+        notes.append(f"{name}: {1 - holes / max(edges, 1):.2%} of {edges} edges are no wormholes")
+    return tuple(notes)
