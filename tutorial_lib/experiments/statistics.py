@@ -89,4 +89,5 @@ def wilson(values: Array) -> tuple[float, float, float]:
     middle = share + _Z**2 / (2 * count)
     half = _Z * np.sqrt(max(share * (1 - share), 0.0) / count + _Z**2 / (4 * count**2))
     scale = 1 + _Z**2 / count
-    return share, float((middle - half) / scale), float((middle + half) / scale)
+    low, high = (middle - half) / scale, (middle + half) / scale
+    return share, max(float(low), 0.0), min(float(high), 1.0)

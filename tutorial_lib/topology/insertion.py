@@ -9,10 +9,13 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.anchors import Anchors
 from tutorial_lib.topology.comparison import Ask, searched, weakest_aligned
-from tutorial_lib.topology.linking import ahead_of, reusable
+from tutorial_lib.topology.linking import ahead_of, outdated, reusable
 from tutorial_lib.topology.retrieval import likeness, most_alike
 from tutorial_lib.topology.topomap import Added, TopoMap
 from tutorial_lib.topology.vertices import Numbers
+
+_PASSING = 2
+"""Anchors from one that sees what is before a vertex, to one that sees what is after it."""
 
 
 def add_trajectory(topomap: TopoMap, anchors: Anchors) -> Added:
@@ -65,8 +68,9 @@ class _Insertion:
         topomap.trails.append(trail.tolist())
         self._join(trail, fresh)
         self._follow(trail)
-        queries = topomap.vertices.queries - self.queries
-        return Added(trail, reused, queries=queries)
+        gone = self._outdated(trail)
+        topomap.remove(gone)
+        return Added(trail, reused, gone, topomap.vertices.queries - self.queries)
 
     def _neighbours(self) -> tuple[Numbers, Numbers]:
         """(V + A,) the column before and after each on its trajectory, -1 for none."""
@@ -102,9 +106,6 @@ class _Insertion:
         least = min(self.settings.p_edge, self.settings.p_reuse)
         return searched(ask, seeds, self.before, self.after, least)
 
-    def _weakest(self, told: Array, reach: int) -> Array:
-        return weakest_aligned(told, self.before, self.after, reach)
-
     def _ask_out(self, anchors: Numbers, columns: Numbers) -> Array:
         """RE from anchors to columns."""
         vertices, told = self.map.vertices, np.empty(len(anchors))
@@ -131,8 +132,7 @@ class _Insertion:
         """
         last = len(self.anchors) - 1
         taken = np.full(last + 1, -1)
-        reach = self.settings.reuse_sequence
-        out, back = self._weakest(self.out, reach), self._weakest(self.back, reach)
+        out, back = np.nan_to_num(self.out), np.nan_to_num(self.back)
         chosen: list[int] = []
         for anchor in range(last + 1):
             before = max(anchor - 1, 0)
@@ -155,8 +155,11 @@ class _Insertion:
 
     def _join(self, trail: Numbers, fresh: Numbers) -> None:
         """Edges between new vertices and all others, scored by aligned sequences."""
-        reach, least = self.settings.sequence, self.settings.p_edge
-        out, back = self._weakest(self.out, reach), self._weakest(self.back, reach)
+        least = self.settings.p_edge
+        out, back = (
+            weakest_aligned(told, self.before, self.after, self.settings.sequence)
+            for told in (self.out, self.back)
+        )
         column = np.concatenate([np.arange(self.count), trail])
         new = np.isin(np.arange(len(trail)), fresh)
         # An anchor that was given up for a vertex is no end of an edge.
@@ -174,6 +177,19 @@ class _Insertion:
         for source, target, probability in zip(trail[:-1], trail[1:], told, strict=True):
             if source != target:
                 self.map.connect(int(source), int(target), probability, driven=1)
+
+    def _outdated(self, trail: Numbers) -> Numbers:
+        """Vertices that look different by now: those around them were seen again, they were not."""
+        before, after, out = self.before[: self.count], self.after[: self.count], self.out.copy()
+        seen = out[:, : self.count] > self.settings.p_edge
+        near = outdated(seen, ~seen, before, after, _PASSING)
+        near = near[~np.isin(near, trail)]
+        rows, columns = np.nonzero(np.isnan(out[:, near]))
+        out[rows, near[columns]] = self._ask_out(rows, near[columns])
+        gone = outdated(
+            seen, out[:, : self.count] < self.settings.p_outdated, before, after, _PASSING
+        )
+        return np.intersect1d(gone, near)
 
 
 def _best(alike: Array, pairs: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:

@@ -25,13 +25,12 @@ class MapSettings:
             for never.
         sequence: anchors before and after both ends of an edge that must be reachable, too.
         candidates: vertices, most alike, that a new anchor is compared with to begin with.
-        p_outdated: RE below which an old vertex is taken to look different by now.
+        p_outdated: RE below which a vertex between two that are seen again looks different by now.
     """
 
     p_edge: float = 0.99
     p_reuse: float = 0.99
     sequence: int = 2
-    reuse_sequence: int = 0
     candidates: int = 12
     p_outdated: float = 0.1
 
@@ -87,6 +86,34 @@ def ahead_of(
     for vertex in reused:
         allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])
     return allowed
+
+
+def outdated(
+    seen: NDArray[np.bool_], unseen: NDArray[np.bool_], before: NDArray, after: NDArray, reach: int
+) -> NDArray[np.intp]:
+    """Vertices that a trajectory came by and did not see again (future work in Meng 2020, III-E).
+
+    What lies before and after such a vertex on its own trajectory was seen again, in this order,
+    but all the way between the vertex itself was not.
+
+    Args:
+        seen: (A, V) whether a vertex can be reached from an anchor.
+        unseen: (A, V) whether it surely cannot.
+        before: (V,) the vertex before each on its trajectory, -1 for none.
+        after: (V,) the vertex after each.
+        reach: anchors that may lie between those that see what is before and what is after.
+
+    >>> seen = np.array([[True, False, False], [False, False, True]])
+    >>> outdated(seen, ~seen, np.array([-1, 0, 1]), np.array([1, 2, -1]), 2).tolist()
+    [1]
+    """
+    gone = np.zeros(len(before), dtype=bool)
+    inner = np.flatnonzero((before >= 0) & (after >= 0))
+    for first in range(len(seen)):
+        for last in range(first, min(first + reach, len(seen) - 1) + 1):
+            met = seen[first, before[inner]] & seen[last, after[inner]]
+            gone[inner] |= met & unseen[first : last + 1, inner].all(axis=0)
+    return np.flatnonzero(gone)
 
 
 def weight(probability: ArrayLike) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -121,6 +122,18 @@ class TopoMap:
             self.index.append(*self.embed(observations, prepared))
         self.graph.add_nodes_from(numbers.tolist())
         return numbers
+
+    def remove(self, vertices: Iterable[int]) -> None:
+        """Take vertices off the map; the others keep their numbers."""
+        gone = {int(vertex) for vertex in vertices}
+        if not gone:
+            return
+        self.graph.remove_nodes_from(gone)
+        for number, trail in enumerate(self.trails):
+            self.trails[number] = left = [vertex for vertex in trail if vertex not in gone]
+            for place, vertex in enumerate(left):
+                if self.trajectory[vertex] == number:
+                    self.place[vertex] = place
 
 
 @dataclass(frozen=True)
