@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -18,6 +19,8 @@ from tutorial_lib.topology.topomap import TopoMap
 from tutorial_lib.topology.vertices import Numbers
 
 _HERE, _GOAL = "here", "goal"
+Edge = tuple[Any, Any, float]
+"""From where to where, and how probably."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,13 +78,16 @@ class DijkstraPlanner:
     Attributes:
         least: probability of the way below which it is refused.
         p_query: RE from here, or to the goal, from which on there is an edge.
+        p_goal: RE from somewhere on the map to the goal that it takes to set out. It is higher, for
+            of hundreds of vertices the most hopeful one is asked: some look a little like anything.
         candidates: vertices that RE is asked about at either end, those most alike.
         localizer: tells where the robot may be, in place of RE; none unless given.
     """
 
-    least: float = 0.1
+    least: float = 0.5
     p_query: float = 0.5
-    candidates: int = 100
+    p_goal: float = 0.985
+    candidates: int = 64
     localizer: Localizer | None = None
 
     def plan(
@@ -92,6 +98,8 @@ class DijkstraPlanner:
         shunned: Collection[int] = (),
     ) -> Plan:
         """Plan from one observation to the goal that is reached most probably.
+
+        A plan that is refused tells the best way all the same, and its probability.
 
         Args:
             observation: of one robot.
@@ -104,43 +112,39 @@ class DijkstraPlanner:
         """
         if len(observation) != 1:
             raise InputError(f"plan: {len(observation)} observations; give one")
-        graph = self._with_ends(topomap, observation, goals, shunned)
-        try:
-            way = nx.dijkstra_path(graph, _HERE, _GOAL)
-        except nx.NetworkXNoPath:
-            return Plan(refusal="no way leads from what is seen here to the goal")
-        told = tuple(graph.edges[step]["probability"] for step in pairwise(way[:-1]))
-        found = Plan(tuple(way[1:-2]), way[-2][1], told)
-        if found.probability < self.least:
+        graph = topomap.graph.copy()
+        graph.remove_nodes_from(shunned)
+        here, told = self._from_here(topomap, observation)
+        starts = [(_HERE, int(v), p) for v, p in zip(here, told, strict=True) if int(v) in graph]
+        _add(graph, starts, self.p_query)
+        finishes = self._finishes(topomap, observation, goals)
+        finishes = [edge for edge in finishes if edge[0] in graph]
+        _add(graph, finishes, self.p_goal)
+        found = _most_probable(graph)
+        if found is not None:
+            sure = found.probability >= self.least
             words = f"the best way has probability {found.probability:.3f}, below {self.least}"
-            return replace(found, refusal=words)
-        return found
+            return found if sure else replace(found, refusal=words)
+        _add(graph, finishes, self.p_query)
+        found = _most_probable(graph)
+        if found is None:
+            return Plan(refusal="no way leads from what is seen here to the goal")
+        words = f"the goal's place is reached with {found.probabilities[-1]:.3f} at best"
+        return replace(found, refusal=f"{words}, not above {self.p_goal}; it may not be on the map")
 
-    def _with_ends(
-        self,
-        topomap: TopoMap,
-        observation: Observation,
-        goals: Goals,
-        shunned: Collection[int],
-    ) -> nx.DiGraph:
-        """The graph with where the robot is and every goal, without what is shunned."""
+    def _finishes(self, topomap: TopoMap, observation: Observation, goals: Goals) -> list[Edge]:
+        """Edges to every goal, from vertices and from here."""
         prepared = topomap.vertices.reachability.prepare(goals.contexts)
         count = np.arange(len(goals))
-        direct = topomap.vertices.ask(observation, np.zeros_like(count), prepared, count)
-        edges = [(_HERE, (_GOAL, int(g)), p) for g, p in zip(count, direct, strict=True)]
-        here, told = self._from_here(topomap, observation)
-        edges += [(_HERE, int(v), p) for v, p in zip(here, told, strict=True)]
-        there, goal, told = self._to_goals(topomap, goals, prepared)
-        edges += [(int(v), (_GOAL, int(g)), p) for v, g, p in zip(there, goal, told, strict=True)]
-        graph = topomap.graph.copy()
-        graph.add_nodes_from([_HERE, _GOAL])
-        for source, target, probability in edges:
-            if probability > self.p_query:
-                told_so = {"probability": float(probability), "weight": float(weight(probability))}
-                graph.add_edge(source, target, **told_so)
-        graph.add_edges_from(((_GOAL, int(g)), _GOAL, {"weight": 0.0}) for g in count)
-        graph.remove_nodes_from(shunned)
-        return graph
+        told = topomap.vertices.ask(observation, np.zeros_like(count), prepared, count)
+        direct = [(_HERE, (_GOAL, int(g)), p) for g, p in zip(count, told, strict=True)]
+        if not len(topomap):
+            return direct
+        there = topomap.around(goals.observations, prepared, self.candidates)
+        rows, there = np.repeat(np.arange(len(there)), there.shape[1]), there.ravel()
+        told = topomap.vertices.onward(there, prepared, rows)
+        ends = zip(there, rows, told, strict=True)
+        return [*direct, *((int(v), (_GOAL, int(g)), p) for v, g, p in ends)]
 
     def _from_here(self, topomap: TopoMap, observation: Observation) -> tuple[Numbers, Array]:
         """Vertices (C,) that may be reached from here, and how probably."""
@@ -157,15 +161,23 @@ class DijkstraPlanner:
         near = topomap.nearby(observation, self.candidates)[0]
         return near, topomap.vertices.into(observation, np.zeros_like(near), near)
 
-    def _to_goals(
-        self,
-        topomap: TopoMap,
-        goals: Goals,
-        prepared: object,
-    ) -> tuple[Numbers, Numbers, Array]:
-        """Vertices (C,) from which goals (C,) may be reached, and how probably."""
-        if not len(topomap):
-            return np.empty(0, dtype=np.intp), np.empty(0, dtype=np.intp), np.empty(0)
-        there = topomap.around(goals.observations, prepared, self.candidates)
-        goal = np.repeat(np.arange(len(there)), there.shape[1])
-        return there.ravel(), goal, topomap.vertices.onward(there.ravel(), prepared, goal)
+
+def _add(graph: nx.DiGraph, edges: list[Edge], least: float) -> None:
+    """Add edges of more than that probability."""
+    graph.add_nodes_from([_HERE, _GOAL])
+    for source, target, probability in edges:
+        if probability > least:
+            told = {"probability": float(probability), "weight": float(weight(probability))}
+            graph.add_edge(source, target, **told)
+            if isinstance(target, tuple):
+                graph.add_edge(target, _GOAL, weight=0.0)
+
+
+def _most_probable(graph: nx.DiGraph) -> Plan | None:
+    """The most probable way from here to a goal, if there is one."""
+    try:
+        way = nx.dijkstra_path(graph, _HERE, _GOAL)
+    except nx.NetworkXNoPath:
+        return None
+    told = tuple(graph.edges[step]["probability"] for step in pairwise(way[:-1]))
+    return Plan(tuple(way[1:-2]), way[-2][1], told)

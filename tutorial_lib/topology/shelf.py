@@ -14,32 +14,37 @@ class Shelf:
     """Batches laid end to end; numbers select from all of them.
 
     A batch is an array, or anything that an array of numbers selects from and whose class has a
-    method `joined` that makes one of a list, as observations and encoded targets do. Batches stay
-    where they are, so that adding one costs nothing for those before.
+    method `joined` that makes one of a list, as observations and encoded targets do. Batches are
+    merged with those before once they are as long, so that there are few and adding one is cheap.
     """
 
     def __init__(self) -> None:
         """Nothing yet."""
         self._batches: list[Any] = []
-        self._batch = self._row = np.empty(0, dtype=np.intp)
+        self._first = [0]
 
     def __len__(self) -> int:
-        return len(self._batch)
+        return self._first[-1]
 
     def append(self, batch: Any) -> None:  # noqa: ANN401
         """Put a batch behind the others."""
-        count = len(batch)
-        self._batch = np.append(self._batch, np.full(count, len(self._batches)))
-        self._row = np.append(self._row, np.arange(count))
         self._batches.append(batch)
+        self._first.append(len(self) + len(batch))
+        while len(self._batches) > 1 and len(self._batches[-1]) >= len(self._batches[-2]):
+            last = self._batches.pop()
+            self._batches[-1] = joined([self._batches[-1], last])
+            del self._first[-2]
 
     def __getitem__(self, numbers: ArrayLike) -> Any:  # noqa: ANN401
         """What has those numbers (N,), N > 0, as one batch."""
         numbers = np.asarray(numbers)
-        which, rows = self._batch[numbers], self._row[numbers]
+        which = np.searchsorted(self._first, numbers, side="right") - 1
         order = np.argsort(which, kind="stable")
         bounds = np.flatnonzero(np.diff(which[order])) + 1
-        parts = [self._batches[which[some[0]]][rows[some]] for some in np.split(order, bounds)]
+        parts = []
+        for some in np.split(order, bounds):
+            batch = which[some[0]]
+            parts.append(self._batches[batch][numbers[some] - self._first[batch]])
         return parts[0] if len(parts) == 1 else joined(parts)[np.argsort(order)]
 
 
