@@ -19,6 +19,7 @@ from tutorial_lib.experiments import (
     bench_reachability,
     calibration,
     disturbances,
+    faults,
     meng_fig5,
     meng_fig6,
     meng_fig7,
@@ -45,8 +46,13 @@ EXPERIMENTS = {
     "meng_fig6": meng_fig6.run,
     "meng_fig7": meng_fig7.run,
     "disturbances": disturbances.run,
+    "faults": faults.run,
 }
-WITH_ABLATIONS = {"meng_table1": tuple(ablations.ABLATIONS), "calibration": ("audit",)}
+WITH_ABLATIONS = {
+    "meng_table1": tuple(ablations.ABLATIONS),
+    "meng_table2": ("thresholds",),
+    "calibration": ("audit",),
+}
 WITH_MAPS = ("meng_table1", "meng_table2", "plans")
 WITH_PALETTES = WITH_AGENTS = ("meng_table2",)
 BENCHES = {

@@ -1,4 +1,7 @@
-"""A fleet that plans over a map, follows its plans by sight, and plans anew when it is lost."""
+"""A fleet that plans over a map, follows its plans by sight, and plans anew when it is lost.
+
+Who knows no way from where it stands turns around to look for one.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,12 @@ from tutorial_lib.topology.follower import Follower
 from tutorial_lib.topology.planner import Goals, Plan
 from tutorial_lib.topology.topomap import TopoMap
 from tutorial_lib.topology.trails import Trails
+from tutorial_lib.topology.turning import ASIDE
+from tutorial_lib.world.simulation import STEP
 
+LOOK_AROUND = 20.0
+"""Seconds of turning around after which a robot that knows no way gives up."""
+_GLANCE = 10  # steps from one attempt to plan to the next, while turning
 FindWay = Callable[[Observation, Goals, set[int]], Plan]
 """Plans from what one robot sees to a goal, past some vertices."""
 
@@ -52,6 +60,8 @@ class MapJourney:
         self.history: list[list[Plan]] = [[] for _ in goals]
         self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
         self._shunned: list[set[int]] = [set() for _ in goals]
+        # How often it was lost, and steps of looking around since.
+        self._lost, self._looked = np.zeros((2, count), dtype=int)
         contexts = [goal.contexts for goal in goals]
         if len(topomap):
             contexts.insert(0, topomap.vertices.contexts[np.arange(len(topomap.vertices))])
@@ -68,32 +78,52 @@ class MapJourney:
         """Plan where there is no plan, and follow: actions (M, 2)."""
         robots = np.asarray(robots)
         for row, robot in enumerate(robots):
-            if self.plans[robot] is None:
+            if self.plans[robot] is None and self._looked[robot] % _GLANCE == 0:
                 self._plan(observations[row], int(robot))
         actions = np.zeros((len(robots), 2))
-        going = np.flatnonzero(~(self.arrived | self.given_up)[robots])
+        under_way = np.array([self.plans[robot] is not None for robot in robots], dtype=bool)
+        going = np.flatnonzero(under_way & ~(self.arrived | self.given_up)[robots])
         actions[going] = self.run.act(observations[going], robots[going])
         self.arrived[robots[going]] = self.run.done[robots[going]]
+        looking = np.flatnonzero(~under_way)
+        actions[looking] = self._look_around(observations[looking], robots[looking])
         for robot in robots[going][self.run.lost[robots[going]]]:
             self._lose(int(robot))
         return actions
 
+    def _look_around(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2) by which robots turn."""
+        self._looked[robots] += 1
+        self.given_up[robots] |= self._looked[robots] > LOOK_AROUND / STEP
+        beside = np.tile([0.0, ASIDE], (len(robots), 1))
+        return self.run.controller.act(observations, beside)
+
     def _plan(self, observation: Observation, robot: int) -> None:
-        """Plan, and set out, or give up."""
+        """Plan and set out, or look around for a way, or give up."""
         plan = self._find_way(observation, self._goals[robot], self._shunned[robot])
-        self.plans[robot] = plan
         self.history[robot].append(plan)
-        if plan.refusal:
-            self.given_up[robot] = True
-            return
-        self.run.set_out(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
+        # Who was under way takes any way rather than none.
+        if not plan.refusal or (plan.probability > 0 and self._lost[robot]):
+            self._looked[robot], self.plans[robot] = 0, plan
+            self.run.set_out(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
+        elif plan.probability > 0:
+            # It knows a way, and does not trust it: to look elsewhere will not help.
+            self.plans[robot], self.given_up[robot] = plan, True
 
     def _lose(self, robot: int) -> None:
         """Plan anew in the next step; what could not be reached is shunned from now on."""
         plan, ahead = self.plans[robot], int(self.run.active[robot])
         if plan is not None and 0 <= ahead < len(plan.vertices):
-            self._shunned[robot].add(plan.vertices[ahead])
-        if len(self.history[robot]) > self._replans:
+            self._shunned[robot] |= self._beside(plan.vertices[ahead])
+        self._lost[robot] += 1
+        if self._lost[robot] > self._replans:
             self.given_up[robot] = True
         else:
             self.plans[robot] = None
+
+    def _beside(self, vertex: int) -> set[int]:
+        """A vertex, and those from which one gets to it and back: they are where it is."""
+        graph = self._topomap.graph
+        return {vertex} | {
+            other for other in graph.successors(vertex) if graph.has_edge(other, vertex)
+        }

@@ -40,7 +40,7 @@ class MengAgent:
     settings: MapSettings = field(default_factory=MapSettings)
     follower: FollowerSettings = field(default_factory=FollowerSettings)
     p_sparsify: float = 0.99
-    replans: int = 5
+    replans: int = 8
 
     def __post_init__(self) -> None:
         self.topomap = TopoMap(self.reachability, self.settings)

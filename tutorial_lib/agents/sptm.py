@@ -70,17 +70,26 @@ class SPTMAgent:
     s_shortcut: float = 0.99
     window: int = 2
     follower: FollowerSettings = field(default_factory=FollowerSettings)
-    replans: int = 5
+    replans: int = 8
 
     def __post_init__(self) -> None:
         self.topomap = TopoMap(self.similarity)
+        self._alike = np.empty((0, 0), dtype=np.float32)
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Keep pictures of each drive, and join all that are alike."""
         for experience in experiences:
             self._keep(experience)
-        alike = self._alike()
-        for source, target in np.argwhere(alike > self.s_shortcut):
+        self._alike = self._compared()
+        self.join(self.s_shortcut)
+
+    def join(self, s_shortcut: float) -> None:
+        """Join vertices that are alike; shortcuts that were there before are dropped."""
+        self.s_shortcut, graph = s_shortcut, self.topomap.graph
+        driven = nx.get_edge_attributes(graph, "driven")
+        graph.remove_edges_from([edge for edge, times in driven.items() if not times])
+        alike = self._alike
+        for source, target in np.argwhere(alike > s_shortcut):
             # Neighbours on a trajectory are joined only as they were driven (dT = 1).
             if abs(source - target) > 1 or not self._on_one(source, target):
                 self.topomap.connect(int(source), int(target), alike[source, target])
@@ -108,7 +117,7 @@ class SPTMAgent:
         for source, target, similarity in zip(trail[:-1], trail[1:], told, strict=True):
             topomap.connect(int(source), int(target), similarity, driven=1)
 
-    def _alike(self) -> NDArray[np.float32]:
+    def _compared(self) -> NDArray[np.float32]:
         """(V, V) the median similarity of each pair and its neighbours on their trajectories."""
         count = len(self.topomap)
         alike = np.empty((count, count), dtype=np.float32)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,48 +11,28 @@ from tqdm.auto import tqdm
 
 from tutorial_lib.agents.agent import Agent
 from tutorial_lib.agents.oracle import OracleJourney
-from tutorial_lib.experiments import systems
-from tutorial_lib.experiments.buildings import PLACES, Building, Trials, building, trials
+from tutorial_lib.experiments import systems, thresholds
+from tutorial_lib.experiments.buildings import PLACES, building, trials
 from tutorial_lib.experiments.navigation import (
     ENDINGS,
-    WORMHOLE,
-    Outcome,
-    edge_lengths,
-    experiences,
-    goals_of,
+    Result,
+    attempt,
     navigate,
 )
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.learning.estimators import use_threads
-from tutorial_lib.learning.views import VIEWS
 
 WORLDS = tuple(range(20_000, 20_005))
 TRIALS, QUICK_PLACES, QUICK_TRIALS = 200, 6, 40
 PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
 """Success in the least and the most successful of the paper's five worlds."""
-K = 5
-
-
-@dataclass(frozen=True)
-class Result:
-    """What one method made of one world.
-
-    Attributes:
-        outcome: of every trial.
-        vertices: of its map; None where it has none.
-        edges: of its map.
-        wormholes: edges longer than `WORMHOLE`.
-    """
-
-    outcome: Outcome
-    vertices: int | None = None
-    edges: int | None = None
-    wormholes: int | None = None
 
 
 def run(options: Options) -> Report:
     """Let every method learn every world, and send it on the same trials."""
+    if options.ablation:
+        return thresholds.run(options)
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
     places: list[Any] = list(worlds)
@@ -106,18 +85,6 @@ def race(place: Any, options: Options) -> tuple[dict[str, Any], dict[str, Result
         "images": len(house.recorded.poses),
     }
     return world, found
-
-
-def attempt(house: Building, asked: Trials, agent: Agent) -> Result:
-    """One agent learns a building and is sent on its trials."""
-    agent.learn(list(experiences(house)))
-    goals = goals_of(asked, VIEWS["camera16"], K)
-    outcome = navigate(house, asked, lambda _: agent.set_out(goals))
-    topomap = getattr(agent, "topomap", None)
-    if topomap is None:
-        return Result(outcome)
-    long = edge_lengths(house, topomap) > WORMHOLE
-    return Result(outcome, len(topomap), len(long), int(long.sum()))
 
 
 def _row(place: Any, world: dict[str, Any], method: str, found: Result) -> dict[str, Any]:  # noqa: ANN401

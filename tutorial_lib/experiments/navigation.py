@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.agent import Experience, Journey
+from tutorial_lib.agents.agent import Agent, Experience, Journey
 from tutorial_lib.experiments.buildings import Building, Trials
 from tutorial_lib.experiments.following import frames_of
 from tutorial_lib.geometry import Array, wrap
-from tutorial_lib.learning.views import View
+from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.topology.planner import Goals
 from tutorial_lib.topology.topomap import TopoMap
 from tutorial_lib.world.people import Person
@@ -26,6 +26,8 @@ TIMES, GRACE = 2.0, 30.0
 """A trial may take so many times as long as the oracle, and so many seconds more."""
 WORMHOLE = 5.0
 """Metres of geodesic from which on an edge is a wormhole."""
+K = 5
+"""Pictures of context on either side of a goal's."""
 _BETWEEN = 60.0  # seconds from one recorded drive to the next
 ENDINGS = ("arrived", "gave_up", "stuck", "late")
 
@@ -52,9 +54,31 @@ class Outcome:
     poses: Array
 
     @property
+    def there(self) -> NDArray[np.bool_]:
+        """(N,) who declared to have arrived at the goal's place, whichever way they faced."""
+        return (self.ending == "arrived") & (self.gap <= NEAR)
+
+    @property
     def wrong(self) -> NDArray[np.bool_]:
         """(N,) who declared to have arrived, but elsewhere."""
         return (self.ending == "arrived") & ~self.success
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one method made of one world.
+
+    Attributes:
+        outcome: of every trial.
+        vertices: of its map; None where it has none.
+        edges: of its map.
+        wormholes: edges longer than `WORMHOLE`.
+    """
+
+    outcome: Outcome
+    vertices: int | None = None
+    edges: int | None = None
+    wormholes: int | None = None
 
 
 def navigate(
@@ -131,3 +155,20 @@ def edge_lengths(house: Building, topomap: TopoMap) -> Array:
     poses = vertex_poses(house, topomap)
     edges = np.array(list(topomap.graph.edges), dtype=np.intp).reshape(-1, 2)
     return house.paths.between(poses[edges[:, 0], :2], poses[edges[:, 1], :2])
+
+
+def attempt(house: Building, asked: Trials, agent: Agent) -> Result:
+    """One agent learns a building and is sent on its trials."""
+    agent.learn(list(experiences(house)))
+    return measured(house, asked, agent)
+
+
+def measured(house: Building, asked: Trials, agent: Agent) -> Result:
+    """What an agent that knows the building makes of the trials."""
+    goals = goals_of(asked, VIEWS["camera16"], K)
+    outcome = navigate(house, asked, lambda _: agent.set_out(goals))
+    topomap = getattr(agent, "topomap", None)
+    if topomap is None:
+        return Result(outcome)
+    long = edge_lengths(house, topomap) > WORMHOLE
+    return Result(outcome, len(topomap), len(long), int(long.sum()))

@@ -84,7 +84,7 @@ class DijkstraPlanner:
         localizer: tells where the robot may be, in place of RE; none unless given.
     """
 
-    least: float = 0.5
+    least: float = 0.2
     p_query: float = 0.5
     p_goal: float = 0.985
     candidates: int = 64
