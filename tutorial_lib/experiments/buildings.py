@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.demonstrations import SHORTEST, demonstrate_between
 from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.jitter import PAPER_JITTER, jittered
+from tutorial_lib.driving.jitter import PAPER_JITTER, Jitter, jittered
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.trajectories import Trajectory
 from tutorial_lib.errors import InputError
@@ -26,7 +26,10 @@ PLACES = 10
 """That are joined pairwise: 90 trajectories (Meng 2020, IV-C)."""
 ROOMY = 0.45
 """Metres of clearance that a place has."""
-_SPARE = 1.1  # times as many trials, since some have no room to start in
+ANYWHERE_JITTER = Jitter(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
+"""Of starts that lie on a drive, but do not look along it."""
+_FAR = 3.0  # metres from a start to its goal at least
+_SPARE, _SPARE_ANYWHERE = 1.1, 1.5  # times as many trials are drawn, since some have no room
 _LOOK = 1.0  # metres of the way by which a car is placed that sets out on it
 _TURNS = np.array([0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2, np.pi])
 
@@ -105,7 +108,7 @@ def building(
     pairs = np.array(list(permutations(range(count), 2)))
     starts = facing(scene, paths, places, pairs)
     drives = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], seed)
-    kept = [number for number, drive in enumerate(drives) if _long_enough(drive)]
+    kept = [number for number, drive in enumerate(drives) if long_enough(drive)]
     if not kept:
         raise InputError(f"{name}: no drive between any two of {count} places; give a larger map")
     recorded = RecordedWorld(scene, [drives[number] for number in kept])
@@ -120,10 +123,28 @@ def trials(house: Building, count: int, rng: np.random.Generator) -> Trials:
     drives = np.resize(rng.permutation(len(house.pairs)), round(_SPARE * count) + 1)
     first = np.unique(house.recorded.first)[drives]
     starts, found = jittered(house.scene, house.recorded.poses[first], PAPER_JITTER, rng)
-    starts, pairs = starts[found], house.pairs[drives[found]]
+    return _shown(house, starts[found], house.pairs[drives[found]], count)
+
+
+def trials_from_anywhere(house: Building, count: int, rng: np.random.Generator) -> Trials:
+    """Draw trials from somewhere on the recorded drives to any of the places (Fig. 9).
+
+    Many starts look far aside. The first place of their pair is that of the drive.
+    """
+    size = round(_SPARE_ANYWHERE * count)
+    frames = rng.integers(len(house.recorded.poses), size=size)
+    starts, found = jittered(house.scene, house.recorded.poses[frames], ANYWHERE_JITTER, rng)
+    drive = np.searchsorted(np.unique(house.recorded.first), frames, side="right") - 1
+    pairs = np.stack([house.pairs[drive, 0], rng.integers(len(house.places), size=len(frames))], 1)
+    far = np.linalg.norm(starts[:, :2] - house.places[pairs[:, 1]], axis=1) > _FAR
+    return _shown(house, starts[found & far], pairs[found & far], count)
+
+
+def _shown(house: Building, starts: Array, pairs: NDArray[np.intp], count: int) -> Trials:
+    """At most `count` trials, each with the picture that an oracle took at its end."""
     places = house.places[pairs[:, 1]]
     shown = demonstrate_between(house.name, house.scene, house.paths, starts, places, 0)
-    kept = [number for number, drive in enumerate(shown) if _long_enough(drive)][:count]
+    kept = [number for number, drive in enumerate(shown) if long_enough(drive)][:count]
     oracle = RecordedWorld(house.scene, [shown[number] for number in kept])
     goals = np.unique(oracle.last)
     seconds = np.array([drive.timestamps[-1] for drive in oracle.trajectories])
@@ -166,5 +187,6 @@ def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp
     return poses
 
 
-def _long_enough(drive: Trajectory | None) -> bool:
+def long_enough(drive: Trajectory | None) -> bool:
+    """Whether a drive arrived, and has frames enough for a context."""
     return drive is not None and len(drive) >= SHORTEST

@@ -14,8 +14,8 @@ from tqdm.auto import tqdm
 from tutorial_lib.driving.gridpath import CLEARANCE, GridPaths
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, Building, Trials, building, trials
-from tutorial_lib.experiments.meng_table2 import WORLDS, K
-from tutorial_lib.experiments.navigation import experiences, goals_of, navigate
+from tutorial_lib.experiments.meng_table2 import WORLDS
+from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array
