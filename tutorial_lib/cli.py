@@ -15,6 +15,7 @@ from tutorial_lib.experiments import (
     ablations,
     bench_control,
     bench_fleet,
+    bench_map,
     bench_raycast,
     bench_reachability,
     calibration,
@@ -72,6 +73,7 @@ BENCHES = {
     "fleet": bench_fleet.run,
     "control": bench_control.run,
     "reachability": bench_reachability.run,
+    "map": bench_map.run,
 }
 NETWORKS = {
     "waypoint": recipes.WAYPOINT,

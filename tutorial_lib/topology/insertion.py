@@ -28,18 +28,30 @@ def add_trajectory(topomap: TopoMap, anchors: Anchors) -> Added:
     Raises:
         InputError: when RE tells no probabilities, or its targets cannot be put on a map.
     """
-    return _Insertion(topomap, anchors).insert()
+    return Insertion(topomap, anchors).insert()
 
 
-class _Insertion:
+class Insertion:
     """One trajectory on its way into a map; V vertices are there, A anchors come.
 
     The columns of the matrices are the vertices and, behind them, the anchors themselves, so that a
     trajectory that comes by the same place twice is joined to itself.
+
+    Attributes:
+        out: (A, V + A) RE from anchors to columns, not a number where nobody asked.
+        back: (A, V + A) RE from columns to anchors.
     """
 
-    def __init__(self, topomap: TopoMap, anchors: Anchors) -> None:
+    def __init__(self, topomap: TopoMap, anchors: Anchors, candidates: int | None = None) -> None:
+        """Compare a trajectory with a map, which stays as it is until `insert`.
+
+        Args:
+            topomap: the map.
+            anchors: of the trajectory.
+            candidates: vertices to begin with, in place of those of the map's settings.
+        """
         self.map, self.anchors, self.settings = topomap, anchors, topomap.settings
+        self.candidates = topomap.settings.candidates if candidates is None else candidates
         vertices = topomap.vertices
         self.queries = vertices.queries
         self.prepared = vertices.reachability.prepare(anchors.contexts)
@@ -49,10 +61,10 @@ class _Insertion:
             )
         self.count = len(vertices)
         self.before, self.after = self._neighbours()
-        # RE from anchors to columns, and from columns to anchors.
         onward, back = self._seeds()
         self.out = self._searched(self._ask_out, onward)
         self.back = self._searched(self._ask_back, back)
+        self._complete()
 
     def insert(self) -> Added:
         """Reuse, make vertices, and join them."""
@@ -91,20 +103,30 @@ class _Insertion:
         pairs = np.tile(worth, (len(own), 1))
         # Consecutive anchors are joined anyway.
         pairs[:, self.count :] &= np.abs(own[:, None] - own) > 1
-        if self.settings.candidates >= worth.sum() or not self.map.embeds:
+        if self.candidates >= worth.sum() or not self.map.embeds:
             return pairs, pairs.copy()
         seen, shown = self.map.embed(self.anchors.observations, self.prepared)
         index = self.map.index
         all_seen = np.concatenate([index.seen, seen]) if self.count else seen
         all_shown = np.concatenate([index.shown, shown]) if self.count else shown
         return (
-            _best(likeness(seen, all_shown), pairs, self.settings.candidates),
-            _best(likeness(all_seen, shown).T, pairs, self.settings.candidates),
+            _best(likeness(seen, all_shown), pairs, self.candidates),
+            _best(likeness(all_seen, shown).T, pairs, self.candidates),
         )
 
     def _searched(self, ask: Ask, seeds: NDArray[np.bool_]) -> Array:
         least = min(self.settings.p_edge, self.settings.p_reuse)
         return searched(ask, seeds, self.before, self.after, least)
+
+    def _complete(self) -> None:
+        """Ask what is missing about vertices that can be got to, or from, in place of an anchor."""
+        least, vertices = self.settings.p_reuse, slice(0, self.count)
+        before, after = neighbours(len(self.anchors))
+        into, onward = self.out[before, vertices] > least, self.back[after, vertices] > least
+        anchors, columns = np.nonzero(onward & np.isnan(self.out[before, vertices]))
+        self.out[before[anchors], columns] = self._ask_out(before[anchors], columns)
+        anchors, columns = np.nonzero(into & np.isnan(self.back[after, vertices]))
+        self.back[after[anchors], columns] = self._ask_back(after[anchors], columns)
 
     def _ask_out(self, anchors: Numbers, columns: Numbers) -> Array:
         """RE from anchors to columns."""
@@ -130,13 +152,10 @@ class _Insertion:
         Before the first anchor comes the first, and after the last the last: who stood there can go
         on from the vertex, or come near by it.
         """
-        last = len(self.anchors) - 1
-        taken = np.full(last + 1, -1)
+        taken, chosen = np.full(len(self.anchors), -1), list[int]()
         out, back = np.nan_to_num(self.out), np.nan_to_num(self.back)
-        chosen: list[int] = []
-        for anchor in range(last + 1):
-            before = max(anchor - 1, 0)
-            into, onward = (out[before, : self.count], back[min(anchor + 1, last), : self.count])
+        for anchor, (before, after) in enumerate(zip(*neighbours(len(taken)), strict=True)):
+            into, onward = out[before, : self.count], back[after, : self.count]
             into = self._from_before(int(taken[before]) if anchor else -1, into, onward)
             allowed = ahead_of(self.map.trajectory, self.map.place, chosen)
             taken[anchor] = reusable(into, onward, allowed, self.settings.p_reuse)
@@ -190,6 +209,12 @@ class _Insertion:
             seen, out[:, : self.count] < self.settings.p_outdated, before, after, _PASSING
         )
         return np.intersect1d(gone, near)
+
+
+def neighbours(anchors: int) -> tuple[Numbers, Numbers]:
+    """(A,) the anchor before and the one after each; at the ends it is the anchor itself."""
+    own = np.arange(anchors)
+    return np.maximum(own - 1, 0), np.minimum(own + 1, anchors - 1)
 
 
 def _best(alike: Array, pairs: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:

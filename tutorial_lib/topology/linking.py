@@ -29,7 +29,7 @@ class MapSettings:
     """
 
     p_edge: float = 0.99
-    p_reuse: float = 0.99
+    p_reuse: float = 0.95
     sequence: int = 2
     candidates: int = 12
     p_outdated: float = 0.1
