@@ -4,7 +4,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tutorial_lib.checks import local_control, reachability, sparsification, world_and_car
+from tutorial_lib.checks import (
+    local_control,
+    map_building,
+    planning,
+    reachability,
+    sparsification,
+    world_and_car,
+)
 from tutorial_lib.checks.check import Check, WrongAnswer, check, expect_close
 
 ANSWERS = Path(__file__).parent / "wrong_answers"
@@ -13,6 +20,8 @@ MODULES = {
     "02_local_control": local_control,
     "03_reachability": reachability,
     "04_sparsification": sparsification,
+    "05_map_building": map_building,
+    "06_probabilistic_planning": planning,
 }
 
 

@@ -10,6 +10,7 @@ from tutorial_lib.driving.demonstrations import (
     NEAREST,
     SHORTEST,
     demonstrate,
+    demonstrate_between,
     record_demonstrations,
     world_seed,
 )
@@ -219,3 +220,67 @@ def test_a_wrong_name_is_told_before_anything_is_recorded(tmp_path):
     with pytest.raises(InputError, match="castle"):
         record_demonstrations([WORLDS[0], "castle/1/standard"], 4, 7, tmp_path, jobs=1)
     assert list(tmp_path.iterdir()) == []
+
+
+# From given poses to given places.
+
+
+@pytest.fixture(scope="module")
+def asked(shown):
+    """Starts and goals of recorded drives, and one start from which a car cannot arrive."""
+    starts = np.array([drive.poses[0] for drive in shown[:4]])
+    goals = np.array([drive.poses[-1, :2] for drive in shown[:4]])
+    return starts, goals
+
+
+def test_drives_lead_from_where_to_where_they_are_asked(scene, shown, asked):
+    starts, goals = asked
+    paths = GridPaths(scene.clearance)
+    found = demonstrate_between(WORLD, scene, paths, starts, goals, 77)
+    assert len(found) == 4
+    for drive, start, goal in zip(found, starts, goals, strict=True):
+        assert (drive.world, drive.seed) == (WORLD, 77)
+        assert (drive.poses[0] == start).all()
+        gap = np.linalg.norm(drive.poses[-1, :2] - goal)
+        assert REACHED <= gap < REACHED + 0.1  # a step before it is reached
+        assert is_free(scene, BicycleCar(), drive.poses).all()
+    assert {drive.seed for drive in found} == {77}
+
+
+def test_nothing_about_them_is_random(scene, asked):
+    paths = GridPaths(scene.clearance)
+    one, two = (demonstrate_between(WORLD, scene, paths, *asked, seed) for seed in (1, 2))
+    assert content(one) == content(two)
+    for robot in range(2):
+        starts, goals = (column[[robot]] for column in asked)
+        (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1)
+        assert content([alone]) == content([one[robot]])
+
+
+def test_who_does_not_arrive_leaves_a_gap(monkeypatch):
+    scene = Scene(make_box())
+    starts = np.array([[2.0, 2.0, 0.0], [2.0, 8.0, 0.0], [5.0, 5.0, 0.0]])
+    goals = np.array([[8.0, 2.0], [8.0, 5.0], [5.1, 5.0]])
+    paths = GridPaths(scene.clearance)
+
+    class Half:
+        """The usual driver, but for those in the upper half, who drive straight at a wall."""
+
+        def act(self, observations, waypoints):
+            actions = DRIVER.act(observations, waypoints)
+            upper = observations.laser[:, 72] < 3.0  # to the left
+            return np.where(upper[:, None], [0.5, 0.0], actions)
+
+    monkeypatch.setattr("tutorial_lib.driving.demonstrations.DRIVER", Half())
+    found = demonstrate_between("box", scene, paths, starts, goals, 0)
+    assert found[0] is not None
+    assert found[1] is None
+    # Who was there before the first step has not driven.
+    assert found[2] is None or len(found[2]) <= 1
+
+
+def test_a_goal_beyond_all_ways_is_refused(scene, asked):
+    starts, goals = asked
+    paths = GridPaths(scene.clearance)
+    with pytest.raises(InputError, match="goal"):
+        demonstrate_between(WORLD, scene, paths, starts, goals + 1_000.0, 0)

@@ -8,7 +8,12 @@ from tutorial_lib.driving.arcs import ArcController
 from tutorial_lib.driving.local import ComposedController, RandomWaypoints
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import LocalController, Observation, WaypointPredictor
-from tutorial_lib.learning.estimators import DirectNetwork, EncodedTargets, WaypointNetwork
+from tutorial_lib.learning.estimators import (
+    DirectNetwork,
+    EncodedTargets,
+    ReachabilityNetwork,
+    WaypointNetwork,
+)
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.world.sensors import Camera
@@ -278,3 +283,104 @@ def test_random_waypoints_are_drawn_by_their_seed_and_do_not_look(seen):
     assert (first == two.predict(many(6), "anything")[0]).all()
     assert (first != other.predict(seen, None)[0]).all()
     assert (first != one.predict(seen, None)[0]).all()
+
+
+# Maps: targets that share pictures, targets end to end, and what looks alike.
+
+
+def reachability_of(encoder="matching", k=1, seed=0):
+    return ReachabilityNetwork(network_of(Architecture(k, encoder, outputs="reachability"), seed))
+
+
+def neighbours_of(recorded, predictor, count=9):
+    """Contexts of frames that lie three apart on one drive, so that they share pictures."""
+    frames = 30 + 3 * np.arange(count)
+    poses = recorded.poses[recorded.context(frames, predictor.architecture.k)]
+    return predictor.view.render(recorded.scene, poses)
+
+
+@pytest.mark.parametrize("encoder", ENCODERS)
+def test_targets_that_share_pictures_are_encoded_as_if_alone(recorded, seen, encoder):
+    predictor = predictor_of(encoder, k=2)
+    contexts = neighbours_of(recorded, predictor)
+    kept = predictor.prepare(contexts)
+    assert len(kept) == 9
+    for number in range(9):
+        alone = predictor.prepare(contexts[number : number + 1])
+        assert kept[number].encoded.numpy() == pytest.approx(alone.encoded.numpy(), **CLOSE)
+    wanted = predictor.network.encode_targets(predictor.view.numbers(contexts)).detach()
+    assert kept.encoded.numpy() == pytest.approx(wanted.numpy(), **CLOSE)
+
+
+@pytest.mark.parametrize(("encoder", "wanted"), [("matching", 13), ("pair", 13), ("stacked", 9)])
+def test_each_picture_is_encoded_once(recorded, monkeypatch, encoder, wanted):
+    predictor = predictor_of(encoder, k=2)
+    contexts = neighbours_of(recorded, predictor)
+    whole, encoded = predictor.network.encode_targets, []
+
+    def noting(pictures):
+        encoded.append(len(pictures))
+        return whole(pictures)
+
+    monkeypatch.setattr(predictor.network, "encode_targets", noting)
+    predictor.prepare(contexts)
+    # Of 45 pictures, 13 differ; stacked ones are not encoded one by one.
+    assert len(np.unique(contexts.reshape(45, -1), axis=0)) == 13
+    assert encoded == [wanted]
+
+
+@pytest.mark.parametrize("encoder", ENCODERS)
+def test_encoded_targets_are_put_end_to_end(recorded, seen, encoder):
+    reachability = reachability_of(encoder)
+    contexts = targets_of(recorded, reachability)
+    parts = [
+        reachability.prepare(contexts[some]) for some in (slice(0, 2), slice(2, 3), slice(3, 6))
+    ]
+    whole = EncodedTargets.joined(parts)
+    assert len(whole) == 6
+    assert whole.network is reachability.network
+    assert reachability.logits(seen, whole) == pytest.approx(
+        reachability.logits(seen, reachability.prepare(contexts)), **CLOSE
+    )
+    assert len(EncodedTargets.joined([parts[0][[]], parts[2]])) == 3
+
+
+@pytest.mark.parametrize("encoder", ENCODERS)
+@pytest.mark.parametrize("k", [0, 2])
+def test_embeddings_are_directions_of_what_is_seen(recorded, seen, encoder, k):
+    reachability = reachability_of(encoder, k)
+    embedded = reachability.embed(seen)
+    assert embedded.shape[0] == 6
+    assert embedded.shape[1] == (16 if encoder == "matching" else 1)
+    assert embedded.dtype == np.float32
+    assert np.linalg.norm(embedded, axis=-1) == pytest.approx(1.0, abs=1e-4)
+    order = np.array([3, 0, 3])
+    assert reachability.embed(seen[order]) == pytest.approx(embedded[order], **CLOSE)
+    prepared = reachability.prepare(targets_of(recorded, reachability))
+    shown = reachability.embed_targets(prepared)
+    pictures = 1 if k == 0 or encoder == "stacked" else 2
+    assert shown.shape == (6, pictures, *embedded.shape[1:])
+    assert np.linalg.norm(shown, axis=-1) == pytest.approx(1.0, abs=1e-4)
+    assert reachability.embed_targets(prepared[order]) == pytest.approx(shown[order], **CLOSE)
+
+
+def test_a_target_shows_its_first_picture_and_the_middle_one(recorded):
+    reachability = reachability_of(k=2)
+    contexts = targets_of(recorded, reachability)
+    shown = reachability.embed_targets(reachability.prepare(contexts))
+    for place, picture in enumerate((0, 2)):
+        alike = np.repeat(contexts[:, picture : picture + 1], 5, axis=1)
+        alone = reachability.embed_targets(reachability.prepare(alike))
+        assert shown[:, place] == pytest.approx(alone[:, 0], **CLOSE)
+        assert shown[:, 1 - place] != pytest.approx(alone[:, 0], abs=1e-3)
+
+
+def test_what_is_seen_where_a_target_was_taken_looks_most_like_it(recorded, seen, starts):
+    reachability = reachability_of(k=0)
+    contexts = reachability.view.render(recorded.scene, starts[:, None])
+    shown = reachability.embed_targets(reachability.prepare(contexts))[:, 0]
+    embedded = reachability.embed(seen)
+    cosines = np.einsum("nrd,msd->nmrs", embedded, shown)
+    alike = cosines.max(axis=3).mean(axis=2) + cosines.max(axis=2).mean(axis=2)
+    assert (alike.argmax(axis=1) == np.arange(6)).all()
+    assert np.diag(alike) == pytest.approx(2.0, abs=1e-4)

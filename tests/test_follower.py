@@ -626,6 +626,92 @@ def test_trails_lie_end_to_end():
     assert len(trails) == 3
 
 
+# Setting out anew.
+
+
+def test_who_was_lost_sets_out_on_another_trail():
+    reachability = CorridorReachability()
+    corridor, run = make(reachability=reachability, patience=2.0)
+    go(corridor, run, 15)
+    blind(reachability)
+    go(corridor, run, 25)
+    assert run.lost[0]
+    reachability.arranged = lambda p, t: p
+    run.set_out(0, [1, 0])
+    assert (run.state[0], run.active[0], run.visited[0]) == (FOLLOW, 0, -1)
+    go(corridor, run, 100)
+    assert run.done[0]
+    assert corridor.x[0] == pytest.approx(0.0, abs=0.25)
+    assert states(run) == [FOLLOW, RECKON, LOST, FOLLOW, DONE]
+
+
+def test_who_has_arrived_sets_out_again():
+    corridor, run = make(anchors=range(5), paths=[[1, 2]])
+    go(corridor, run, 60)
+    assert run.done[0]
+    run.set_out(0, np.array([3, 4]))
+    assert not run.over[0]
+    go(corridor, run, 100)
+    assert run.done[0]
+    assert corridor.x[0] == pytest.approx(4.0, abs=0.25)
+
+
+def test_only_the_one_that_sets_out_is_concerned():
+    (together, run), (alone, other) = (make(starts=[0.0, 0.0, 0.0]) for _ in range(2))
+    for corridor, some in ((together, run), (alone, other)):
+        go(corridor, some, 20)
+    run.set_out(1, [4, 3, 2, 1, 0])
+    for corridor, some in ((together, run), (alone, other)):
+        go(corridor, some, 150)
+    assert together.x[[0, 2]].tolist() == alone.x[[0, 2]].tolist()
+    assert together.x[1] == pytest.approx(0.0, abs=0.25)
+    assert run.trails.lengths.tolist() == [9, 5, 9]
+    one, two = run.record(), other.record()
+    assert (one.active[:, [0, 2]] == two.active[:, [0, 2]]).all()
+    assert np.array_equal(one.waypoint[:, [0, 2]], two.waypoint[:, [0, 2]], equal_nan=True)
+
+
+def test_doubts_are_left_behind_when_one_sets_out_anew():
+    reachability = CorridorReachability()
+    corridor, run = make(anchors=range(30), reachability=reachability, patience=2.0)
+    for _ in range(4):  # each time all but lost
+        go(corridor, run, 10)
+        blind(reachability)
+        go(corridor, run, 16)
+        assert run.state[0] == RECKON
+        reachability.arranged = lambda p, t: p
+        run.set_out(0, np.arange(round(corridor.x[0]), 30))
+        assert run.state[0] == FOLLOW
+    go(corridor, run, 10)
+    assert not run.lost[0]
+
+
+def test_the_old_waypoint_is_forgotten():
+    # Dead reckoning begins at once; what it drives to must belong to the new trail.
+    reachability = CorridorReachability()
+    corridor, run = make(anchors=[0.0, 1.5, -1.5], paths=[[1]], reachability=reachability)
+    go(corridor, run, 8)
+    assert corridor.x[0] > 0.2
+    run.set_out(0, [2])
+    blind(reachability)
+    go(corridor, run, 10)
+    assert run.record().waypoint[-1, 0, 0] == pytest.approx(-1.5)
+    assert corridor.speed[0] < 0
+
+
+@pytest.mark.parametrize("path", [[9], [-1], [], [0.5], [[0]]])
+def test_a_trail_beyond_the_anchors_is_refused_and_changes_nothing(path):
+    corridor, run = make(starts=[0.0, 0.0])
+    go(corridor, run, 10)
+    before = run.active.copy(), run.trails
+    with pytest.raises(InputError, match="trails: path 1 is"):
+        run.set_out(1, path)
+    assert (run.active == before[0]).all()
+    assert run.trails is before[1]
+    go(corridor, run, 200)
+    assert run.done.all()
+
+
 # The rules one by one.
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import distance_to_segments, to_local
-from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.generators import AREAS, FAMILIES, generate
 from tutorial_lib.world.generators.furniture import FURNISHING, SIZES
 from tutorial_lib.world.generators.palette import COLOURS, FEATURES, FURNITURE, WALLS
 from tutorial_lib.world.generators.rectilinear import DoesNotFit, inset, outline_of
@@ -399,3 +399,37 @@ def test_outline_of_rectangles():
 def test_outline_refuses_holes_and_pieces(rects):
     with pytest.raises(DoesNotFit):
         outline_of(rects)
+
+
+# Large ones.
+
+
+@pytest.mark.parametrize("family", ["apartment", "office", "loop_corridor"])
+@pytest.mark.parametrize("seed", [7])
+def test_large_plans_are_large_and_as_good(family, seed):
+    plan = generate(family, seed, size="large")
+    least, most = AREAS["large"]
+    assert least <= plan.area <= most
+    check_closed(plan)
+    assert_drivable(plan)
+    assert not properly_cross(plan.segments).any()
+    assert (plan.family, plan.seed) == (family, seed)
+    assert plan_to_json(plan) == plan_to_json(generate(family, seed, size="large"))
+    assert plan_to_json(plan) != plan_to_json(cached(family, seed))
+
+
+def test_the_usual_size_is_any_of_them():
+    assert plan_to_json(generate("office", 40, size="any")) == plan_to_json(cached("office", 40))
+    areas = [cached("office", seed).area for seed in SEEDS]
+    assert max(areas) > AREAS["large"][1]
+
+
+def test_large_plans_differ_in_area():
+    areas = [generate("office", seed, size="large").area for seed in range(5)]
+    assert np.ptp(areas) > 40
+
+
+@pytest.mark.parametrize("size", ["huge", "", 3, "Large"])
+def test_a_size_that_does_not_exist_is_refused(size):
+    with pytest.raises(InputError, match=f"size: {size!r} is unknown; use one of any, large"):
+        generate("office", 1, size=size)

@@ -4,7 +4,14 @@ import pytest
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import plan_to_json
-from tutorial_lib.world.worlds import local_world, scene_of, training_world, world_name
+from tutorial_lib.world.worlds import (
+    local_world,
+    map_world,
+    parse_world,
+    scene_of,
+    training_world,
+    world_name,
+)
 
 
 def test_a_name_gives_the_world_it_names():
@@ -69,3 +76,52 @@ def test_a_wrong_name_says_what_is_wrong(name, words):
 def test_a_name_is_made_of_what_exists(parts):
     with pytest.raises(InputError, match="world"):
         world_name(*parts)
+
+
+# Large worlds.
+
+
+def test_maps_are_made_in_large_worlds_of_three_families():
+    assert [map_world(seed) for seed in range(20_000, 20_004)] == [
+        "loop_corridor/20000/standard/large",
+        "apartment/20001/standard/large",
+        "office/20002/standard/large",
+        "loop_corridor/20003/standard/large",
+    ]
+    assert map_world(np.int64(3), "shifted") == "apartment/3/shifted/large"
+    with pytest.raises(InputError, match="seed '-1'"):
+        map_world(-1)
+
+
+def test_each_world_has_one_name():
+    for size in ("any", "large"):
+        for palette in ("standard", "shifted"):
+            name = world_name("office", 7, palette, size)
+            assert parse_world(name) == ("office", 7, palette, size)
+    assert world_name("office", 7) == "office/7/standard"
+    assert world_name("office", 7, size="large") == "office/7/standard/large"
+
+
+def test_the_name_of_a_large_world_gives_the_large_one():
+    scene = scene_of("office/12/standard/large")
+    assert plan_to_json(scene.plan) == plan_to_json(generate("office", 12, size="large"))
+    assert plan_to_json(scene.plan) != plan_to_json(generate("office", 12))
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("office/12/standard/any", "give family/seed/palette"),  # or it would have two names
+        ("office/12/standard/huge", "size 'huge' is unknown; use one of any, large"),
+        ("office/12/standard/large/", "give family/seed/palette.* and /large behind it"),
+        ("office/12/large", "palette 'large'"),
+    ],
+)
+def test_a_wrong_size_is_named(name, words):
+    with pytest.raises(InputError, match=f"world: .*{words}"):
+        parse_world(name)
+
+
+def test_a_size_is_one_that_exists():
+    with pytest.raises(InputError, match="size 'huge'"):
+        world_name("office", 12, size="huge")

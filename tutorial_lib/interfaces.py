@@ -6,7 +6,7 @@ batches, so the first axis of every array counts robots, images or pairs.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
@@ -126,8 +126,9 @@ class Planner(Protocol):
         observation: Observation,
         goals: Targets,
         topomap: Any,  # noqa: ANN401
+        shunned: Collection[int] = (),
     ) -> Any:  # noqa: ANN401
-        """A path over the map with its probability, or a refusal."""
+        """A path over the map with its probability, or a refusal; not over what is shunned."""
 
 
 @runtime_checkable

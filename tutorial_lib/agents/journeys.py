@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.agents.agent import Robots
 from tutorial_lib.geometry import Array
@@ -77,16 +78,27 @@ class MapJourney:
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Plan where there is no plan, and follow: actions (M, 2)."""
         robots = np.asarray(robots)
+        actions, rows = np.zeros((len(robots), 2)), np.flatnonzero(~self._over[robots])
+        actions[rows] = self._act(observations[rows], robots[rows])
+        return actions
+
+    @property
+    def _over(self) -> NDArray[np.bool_]:
+        return self.arrived | self.given_up
+
+    def _act(self, observations: Observation, robots: Robots) -> Array:
+        """The same for robots that are neither there nor gave up."""
         for row, robot in enumerate(robots):
             if self.plans[robot] is None and self._looked[robot] % _GLANCE == 0:
                 self._plan(observations[row], int(robot))
         actions = np.zeros((len(robots), 2))
         under_way = np.array([self.plans[robot] is not None for robot in robots], dtype=bool)
-        going = np.flatnonzero(under_way & ~(self.arrived | self.given_up)[robots])
+        going = np.flatnonzero(under_way & ~self._over[robots])
         actions[going] = self.run.act(observations[going], robots[going])
         self.arrived[robots[going]] = self.run.done[robots[going]]
         looking = np.flatnonzero(~under_way)
-        actions[looking] = self._look_around(observations[looking], robots[looking])
+        if looking.size:
+            actions[looking] = self._look_around(observations[looking], robots[looking])
         for robot in robots[going][self.run.lost[robots[going]]]:
             self._lose(int(robot))
         return actions

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tutorial_lib.checks.check import WrongAnswer, check
+from tutorial_lib.checks.graphs import Graph, Vertex, most_probable_way, random_graph
 from tutorial_lib.checks.joining import GOAL, HERE, SMALL_MAP, join_ends, untouched
-from tutorial_lib.checks.ways import Graph, Vertex, most_probable_way, random_graph
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 Decision = tuple[list[Vertex], float, str]
@@ -70,7 +70,7 @@ def _decided(
     return ([], 0.0, reason) if fault == "empty" else (way, probability, reason)
 
 
-_RULES = DijkstraPlanner()
+_RULES = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
 _OTHER_RULES = DijkstraPlanner(least=0.8, p_query=0.6, p_goal=0.9)
 _LONG: Graph = {v: {v + 1: 0.9} for v in range(8)} | {8: {}}
 _FORK: Graph = {0: {1: 0.99, 2: 0.9}, 1: {}, 2: {}}

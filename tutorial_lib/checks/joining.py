@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tutorial_lib.checks.check import WrongAnswer, check
-from tutorial_lib.checks.ways import Graph, Vertex, random_graph
+from tutorial_lib.checks.graphs import Graph, Vertex, random_graph
 
 HERE, GOAL = -1, -2
 """Vertices that are on no map: what is seen now, and what is to be seen."""
@@ -101,9 +101,7 @@ _MISJOINED = {
     ),
     "the edges from HERE have a threshold of their own, p_here": "p_goal only",
     "the edges to GOAL have a threshold of their own, p_goal": "p_here only",
-    "one picture of the goal is enough; of several take the one most surely reached, not the last": (
-        "last"
-    ),
+    "one picture of the goal is enough: of several take the surest, not the last": ("last"),
     "one picture of the goal is enough; yours demands all of them": "least",
     "one picture of the goal is enough; do not average over them": "mean",
     "one picture of the goal is enough; do not multiply": "product",
@@ -136,11 +134,12 @@ def untouched(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]
     given = copy.deepcopy(arguments)
     got = student(*given)
     for number, (old, new) in enumerate(zip(arguments, given, strict=True), 1):
-        if old != new:
-            raise WrongAnswer(
-                f"{what}: your function changes its argument {number}. The map is needed again for "
-                "the next plan; make a new one, with new dictionaries in it"
-            )
+        if old == new:
+            continue
+        inner = isinstance(old, dict) and old.keys() == new.keys()
+        words = "the copy shares its inner dictionaries with the map; copy those, too"
+        words = words if inner else "it is needed again for the next plan; make a new one"
+        raise WrongAnswer(f"{what}: your function changes its argument {number}; {words}")
     if got is None:
         raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
     return got

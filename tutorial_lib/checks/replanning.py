@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.check import WrongAnswer, check
+from tutorial_lib.checks.graphs import Vertex
 from tutorial_lib.checks.joining import GOAL, HERE
-from tutorial_lib.checks.ways import Vertex
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans past some vertices; no vertices where it refuses."""

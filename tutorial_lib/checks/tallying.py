@@ -6,14 +6,37 @@ from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
-from tutorial_lib.checks.check import WrongAnswer, check
-from tutorial_lib.checks.joining import GOAL, HERE, untouched
-from tutorial_lib.checks.ways import Vertex
+import numpy as np
 
+from tutorial_lib.checks.check import WrongAnswer, check
+from tutorial_lib.checks.graphs import Graph, Vertex
+from tutorial_lib.checks.joining import GOAL, HERE, untouched
+from tutorial_lib.geometry import Array, relative
+
+_FALSE_FROM, _FALSE_TO = (-0.7, 12.9, -1.5), (-13.3, 10.0, -1.5)
+"""Poses in the notebook's building that look alike and are far apart."""
 Trip = tuple[list[Vertex], int | None]
 """A way, and the place of it that could not be reached."""
 Tally = dict[tuple[Vertex, Vertex], tuple[int, int]]
 """For each edge, how often it was tried and how often it was passed."""
+
+
+def with_false_edge(graph: Graph, poses: Array, probability: float) -> Graph:
+    """A graph with an edge between two vertices that only look alike: the bug of the bug hunt.
+
+    Args:
+        graph: of the map of the notebook's building.
+        poses: (V, 3) of its vertices.
+        probability: of the false edge.
+    """
+    vertices = np.array(sorted(graph))
+    joined = {v: dict(out) for v, out in graph.items()}
+    ends = []
+    for pose in (_FALSE_FROM, _FALSE_TO):
+        off = relative(np.asarray(pose), poses[vertices])
+        ends.append(int(vertices[np.hypot(np.hypot(off[:, 0], off[:, 1]), off[:, 2]).argmin()]))
+    joined[ends[0]][ends[1]] = probability
+    return joined
 
 
 def tally(trips: Sequence[Trip]) -> Tally:

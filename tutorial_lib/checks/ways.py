@@ -2,99 +2,28 @@
 
 from __future__ import annotations
 
-import heapq
 import math
-from collections.abc import Callable, Hashable
-from functools import partial
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.check import WrongAnswer, check
-from tutorial_lib.topology.linking import weight
+from tutorial_lib.checks.graphs import (
+    BY_HAND,
+    Graph,
+    PatientGraph,
+    Vertex,
+    Way,
+    most_probable_way,
+    probability_of,
+    random_graph,
+)
+from tutorial_lib.checks.way_faults import MISTAKES
 from tutorial_lib.viz.panels import side_by_side
 from tutorial_lib.viz.ways import graph_picture
-
-Vertex = Any
-Graph = dict[Vertex, dict[Vertex, float]]
-"""For each vertex, those that an edge leads to, with RE."""
-Way = tuple[list[Vertex], float]
-"""Vertices from start to goal, and how probably all steps come true."""
-
-BY_HAND: Graph = {
-    "here": {"A": 0.70, "B": 0.90, "D": 0.95, "E": 0.72},
-    "A": {"goal": 0.80, "B": 0.99},
-    "B": {"C": 0.90, "A": 0.75, "D": 0.85},
-    "C": {"goal": 0.90},
-    "D": {"C": 0.80, "B": 0.91},
-    "E": {"goal": 0.995},
-    "goal": {},
-}
-"""A small graph, to plan on with a pencil."""
-
-
-def most_probable_way(graph: Graph, start: Vertex, goal: Vertex) -> Way:
-    """The most probable way over a graph, and its probability; [] and 0 where there is none.
-
-    Args:
-        graph: for each vertex, those that an edge leads to, with RE.
-        start: a vertex.
-        goal: a vertex.
-    """
-    drawn = nx.DiGraph()
-    drawn.add_nodes_from(graph)
-    edges = ((v, w, float(weight(p))) for v, out in graph.items() for w, p in out.items())
-    drawn.add_weighted_edges_from(edges)
-    try:
-        way = nx.dijkstra_path(drawn, start, goal)
-    except nx.NetworkXNoPath:
-        return [], 0.0
-    return way, probability_of(graph, way)
-
-
-def probability_of(graph: Graph, way: list[Vertex]) -> float:
-    """The product of RE along a way."""
-    return math.prod(graph[v][w] for v, w in pairwise(way))
-
-
-class PatientGraph(dict):
-    """A graph that loses patience with whoever reads it again and again."""
-
-    def __init__(self, graph: Graph, left: int) -> None:
-        super().__init__(graph)
-        self.left = left
-
-    def __getitem__(self, vertex: Hashable) -> dict[Vertex, float]:
-        self._read()
-        return super().__getitem__(vertex)
-
-    def get(self, vertex: Hashable, otherwise: Any = None) -> Any:  # noqa: ANN401 - as dict's
-        """As dict's."""
-        self._read()
-        return super().get(vertex, otherwise)
-
-    def _read(self) -> None:
-        self.left -= 1
-        if self.left < 0:
-            raise WrongAnswer(
-                "most_probable_way: your function never ends. Each vertex is dealt with once, when "
-                "it is taken from the heap for the first time; and no cost may be below 0"
-            )
-
-
-def random_graph(count: int, degree: int, seed: int) -> Graph:
-    """A graph of `count` numbered vertices, each with an edge to `degree` others."""
-    rng = np.random.default_rng(seed)
-    graph: Graph = {vertex: {} for vertex in range(count)}
-    for vertex in graph:
-        others = rng.choice(count - 1, degree, replace=False)
-        for other in (int(o) + (o >= vertex) for o in others):
-            graph[vertex][int(other)] = round(float(rng.uniform(0.4, 0.999)), 3)
-    return graph
-
 
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
@@ -124,7 +53,7 @@ def check_most_probable_way(student: Callable[..., Any]) -> NDArray[np.uint8]:
         if _same(case[1], got, want):
             continue
         what = f"most_probable_way, {case[0]}"
-        for words, mistake in _MISTAKES.items():
+        for words, mistake in MISTAKES.items():
             wrong = [mistake(*c[1:]) for c in _CASES]
             if all(_same(c[1], a, w) for c, a, w in zip(_CASES, answers, wrong, strict=True)):
                 raise WrongAnswer(f"{what}: {words}", picture)
@@ -190,109 +119,3 @@ def _apart(graph: Graph, got: Way, want: Way) -> str:
 
 def _spoken(way: list[Vertex]) -> str:
     return " > ".join(map(str, way))
-
-
-def _searched(
-    graph: Graph, start: Vertex, goal: Vertex, cost: Callable[[float], float], fault: str = ""
-) -> Way:
-    """Dijkstra by any cost, with a `fault` if one is named."""
-    count, heap, before, done = 0, [(0.0, 0, start)], {start: start}, set()
-    least = {start: 0.0}
-    while heap:
-        reached, _, vertex = heapq.heappop(heap)
-        if vertex in done:
-            continue
-        done.add(vertex)
-        if vertex == goal:
-            break
-        for other, probability in graph[vertex].items():
-            if fault == "weakest":
-                through = max(reached, cost(probability))
-            else:
-                through = cost(probability) if fault == "greedy" else reached + cost(probability)
-            known = other in least if fault == "pushed" else through >= least.get(other, math.inf)
-            if other in done or (known and fault != "overwrites"):
-                continue
-            count += 1
-            least[other], before[other] = through, vertex
-            heapq.heappush(heap, (through, count, other))
-        if fault == "first sight" and goal in before:
-            break
-    return _back(graph, before, start, goal)
-
-
-def _back(graph: Graph, before: dict[Vertex, Vertex], start: Vertex, goal: Vertex) -> Way:
-    """The way back from the goal, turned round."""
-    if goal not in before:
-        return [], 0.0
-    way = [goal]
-    while way[-1] != start:
-        way.append(before[way[-1]])
-    return way[::-1], probability_of(graph, way[::-1])
-
-
-def _cost(probability: float) -> float:
-    return -math.log(probability)
-
-
-def _told(change: Callable[..., Way]) -> Callable[..., Way]:
-    """The right way, told in another form."""
-
-    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Way:
-        way, probability = most_probable_way(graph, start, goal)
-        if not way:
-            return way, probability
-        return change(way, probability, [graph[v][w] for v, w in pairwise(way)])
-
-    return answer
-
-
-_MISTAKES: dict[str, Callable[..., Way]] = {
-    "that is the way of the fewest steps; a longer one may be more probable": partial(
-        _searched, cost=lambda p: 1.0
-    ),
-    "1 - RE only resembles -log RE, and only near 1; take the logarithm": partial(
-        _searched, cost=lambda p: 1.0 - p
-    ),
-    "RE is no cost: the smaller it is, the worse; take -log RE": partial(
-        _searched, cost=lambda p: p
-    ),
-    "-RE is below 0, so that each further step makes a way cheaper; take -log RE": partial(
-        _searched, cost=lambda p: -p
-    ),
-    "1 / RE is no sum of logarithms; take -log RE": partial(_searched, cost=lambda p: 1.0 / p),
-    "that is the way whose weakest edge is strongest; all edges must hold, so costs add up": (
-        partial(_searched, cost=_cost, fault="weakest")
-    ),
-    "the cost of a vertex is that of the whole way to it, not only of the last step": partial(
-        _searched, cost=_cost, fault="greedy"
-    ),
-    "yours stops when it first sees the goal; go on until the goal is taken from the heap": (
-        partial(_searched, cost=_cost, fault="first sight")
-    ),
-    "a vertex is settled when it is taken from the heap, not when it is put there; a better way "
-    "may be found in between": partial(_searched, cost=_cost, fault="pushed"),
-    "a worse way, found later, overwrites where a vertex was reached from; compare costs first": (
-        partial(_searched, cost=_cost, fault="overwrites")
-    ),
-    "the way leads backwards, from goal to start; turn it round": _told(
-        lambda way, p, steps: (way[::-1], p)
-    ),
-    "the start is missing from the way": _told(lambda way, p, steps: (way[1:], p)),
-    "the goal is missing from the way": _told(lambda way, p, steps: (way[:-1], p)),
-    "that is the cost, -log of the probability; turn it back: exp(-cost)": _told(
-        lambda way, p, steps: (way, -math.log(p))
-    ),
-    "the way is right, but that is the sum of RE; multiply": _told(
-        lambda way, p, steps: (way, math.fsum(steps))
-    ),
-    "the way is right, but that is the mean of RE; multiply": _told(
-        lambda way, p, steps: (way, math.fsum(steps) / max(len(steps), 1))
-    ),
-    "the way is right, but that is the least RE on it; multiply": _told(
-        lambda way, p, steps: (way, min(steps, default=1.0))
-    ),
-    "the way is right, but that is the exponential of the cost; the probability is exp(-cost)": (
-        _told(lambda way, p, steps: (way, 1.0 / p))
-    ),
-}

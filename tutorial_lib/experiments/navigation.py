@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.agents.agent import Agent, Experience, Journey
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.buildings import Building, Trials
 from tutorial_lib.experiments.following import frames_of
 from tutorial_lib.geometry import Array, wrap
@@ -93,7 +94,7 @@ def navigate(
     last, track = asked.starts.copy(), [simulation.poses]
     while not over.all():
         robots, actions = np.flatnonzero(~over), np.zeros((count, 2))
-        actions[robots] = journey.act(simulation.observe(robots), robots)
+        actions[robots] = _checked(journey.act(simulation.observe(robots), robots), len(robots))
         simulation.step(actions)
         track.append(simulation.poses)
         seconds[robots] += STEP
@@ -111,6 +112,14 @@ def navigate(
     faces = np.abs(wrap(last[:, 2] - goals[:, 2])) <= FACING
     success = (ending == "arrived") & (gap <= NEAR) & faces
     return Outcome(success, ending, seconds, gap, np.stack(track))
+
+
+def _checked(actions: ArrayLike, robots: int) -> Array:
+    """Actions (M, 2), one for each robot that is under way."""
+    actions = np.asarray(actions, dtype=float)
+    if actions.shape != (robots, 2) or not np.isfinite(actions).all():
+        raise InputError(f"actions: {actions.shape}; give finite (M, 2) for {robots} robots")
+    return actions
 
 
 def experiences(house: Building, numbers: Sequence[int] | None = None) -> Iterator[Experience]:

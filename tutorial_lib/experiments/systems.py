@@ -91,7 +91,7 @@ def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noq
         return run(*arguments)
     except InputError as error:
         raise InputError(f"--agent {where}: {error}") from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"--agent {where}: {_told(where, error)}") from error
 
 
@@ -115,11 +115,11 @@ def _made(where: str) -> Any:  # noqa: ANN401
         return known()
     except InputError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise InputError(f"--agent {where}: {_told(where, error)}") from error
 
 
-def _told(where: str, error: Exception) -> str:
+def _told(where: str, error: BaseException) -> str:
     """What went wrong, and in which line of their file."""
     file = Path(where.rpartition(":")[0]).resolve()
     lines = [

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.anchors import Anchors
-from tutorial_lib.topology.comparison import Ask, searched, weakest_aligned
+from tutorial_lib.topology.comparison import laid_out, searched, weakest_aligned
 from tutorial_lib.topology.linking import ahead_of, outdated, reusable
 from tutorial_lib.topology.retrieval import likeness, most_alike
 from tutorial_lib.topology.topomap import Added, TopoMap
@@ -39,7 +38,7 @@ class Insertion:
 
     Attributes:
         out: (A, V + A) RE from anchors to columns, not a number where nobody asked.
-        back: (A, V + A) RE from columns to anchors.
+        back: (A, V + A) RE from vertices to anchors, likewise.
     """
 
     def __init__(self, topomap: TopoMap, anchors: Anchors, candidates: int | None = None) -> None:
@@ -54,16 +53,14 @@ class Insertion:
         self.candidates = topomap.settings.candidates if candidates is None else candidates
         vertices = topomap.vertices
         self.queries = vertices.queries
-        self.prepared = vertices.reachability.prepare(anchors.contexts)
-        if len(self.prepared) != len(anchors):
-            raise InputError(
-                f"reachability: prepared {len(self.prepared)} of {len(anchors)} anchors; give all"
-            )
+        self.prepared = vertices.prepare(anchors.contexts)
         self.count = len(vertices)
-        self.before, self.after = self._neighbours()
-        onward, back = self._seeds()
-        self.out = self._searched(self._ask_out, onward)
-        self.back = self._searched(self._ask_back, back)
+        self.along = self._along(max(self.settings.sequence, 1))
+        worth, worth_back = self._worth()
+        onward, back = self._seeds(worth, worth_back)
+        least = min(self.settings.p_edge, self.settings.p_reuse)
+        self.out = searched(self._ask_out, onward, worth, self.along, least)
+        self.back = searched(self._ask_back, back, worth_back, self.along, least)
         self._complete()
 
     def insert(self) -> Added:
@@ -84,39 +81,37 @@ class Insertion:
         topomap.remove(gone)
         return Added(trail, reused, gone, topomap.vertices.queries - self.queries)
 
-    def _neighbours(self) -> tuple[Numbers, Numbers]:
-        """(V + A,) the column before and after each on its trajectory, -1 for none."""
-        before, after = np.full((2, self.count + len(self.anchors)), -1)
-        for vertex in self.map.alive:
-            trail, place = self.map.trail_of(int(vertex))
-            before[vertex] = trail[place - 1] if place else -1
-            after[vertex] = trail[place + 1] if place + 1 < len(trail) else -1
-        own = np.arange(self.count, len(before))
-        before[own[1:]], after[own[:-1]] = own[:-1], own[1:]
-        return before, after
+    def _along(self, reach: int) -> Numbers:
+        """(V + A, 2R+1) the columns around each on its trajectory, -1 beyond its ends."""
+        topomap, own = self.map, np.arange(len(self.anchors))
+        there = laid_out(topomap.trails, topomap.trajectory, topomap.place, reach)
+        here = laid_out([own.tolist()], np.zeros_like(own), own, reach)
+        return np.concatenate([there, np.where(here < 0, -1, here + self.count)])
 
-    def _seeds(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """(A, V + A) pairs to ask about first, from and to the anchors."""
-        worth = np.zeros(self.count + len(self.anchors), dtype=bool)
-        worth[self.map.alive] = worth[self.count :] = True
+    def _worth(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(A, V + A) pairs that may be asked about, from and to the anchors."""
         own = np.arange(len(self.anchors))
-        pairs = np.tile(worth, (len(own), 1))
-        # Consecutive anchors are joined anyway.
-        pairs[:, self.count :] &= np.abs(own[:, None] - own) > 1
-        if self.candidates >= worth.sum() or not self.map.embeds:
-            return pairs, pairs.copy()
+        worth = np.zeros((len(own), self.count + len(own)), dtype=bool)
+        worth[:, self.map.alive] = True
+        back = worth.copy()  # pairs of anchors are in the other matrix
+        # From an anchor to the next one was driven.
+        worth[:, self.count :] = ~np.isin(own - own[:, None], (0, 1))
+        return worth, back
+
+    def _seeds(
+        self, worth: NDArray[np.bool_], back: NDArray[np.bool_]
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """(A, V + A) pairs to ask about first: those that look most alike."""
+        if self.candidates >= worth.shape[1] or not self.map.embeds:
+            return worth, back
         seen, shown = self.map.embed(self.anchors.observations, self.prepared)
         index = self.map.index
         all_seen = np.concatenate([index.seen, seen]) if self.count else seen
         all_shown = np.concatenate([index.shown, shown]) if self.count else shown
         return (
-            _best(likeness(seen, all_shown), pairs, self.candidates),
-            _best(likeness(all_seen, shown).T, pairs, self.candidates),
+            _best(likeness(seen, all_shown), worth, self.candidates),
+            _best(likeness(all_seen, shown).T, back, self.candidates),
         )
-
-    def _searched(self, ask: Ask, seeds: NDArray[np.bool_]) -> Array:
-        least = min(self.settings.p_edge, self.settings.p_reuse)
-        return searched(ask, seeds, self.before, self.after, least)
 
     def _complete(self) -> None:
         """Ask what is missing about vertices that can be got to, or from, in place of an anchor."""
@@ -138,13 +133,8 @@ class Insertion:
         return told
 
     def _ask_back(self, anchors: Numbers, columns: Numbers) -> Array:
-        """RE from columns to anchors."""
-        vertices, told = self.map.vertices, np.empty(len(anchors))
-        own = columns >= self.count
-        told[~own] = vertices.onward(columns[~own], self.prepared, anchors[~own])
-        seen = self.anchors.observations
-        told[own] = vertices.ask(seen, columns[own] - self.count, self.prepared, anchors[own])
-        return told
+        """RE from vertices to anchors."""
+        return self.map.vertices.onward(columns, self.prepared, anchors)
 
     def _reuse(self) -> tuple[Numbers, NDArray[np.bool_]]:
         """(A,) the vertex that takes the place of each anchor, -1 for none, and whether there is.
@@ -167,27 +157,23 @@ class Insertion:
         """RE (V,) to vertices from what the anchor before is now."""
         if before < 0:
             return into
-        worth = np.flatnonzero((onward > self.settings.p_reuse) & (into > self.settings.p_reuse))
+        worth = np.flatnonzero(onward > self.settings.p_reuse)
         told = np.zeros(self.count)
         told[worth] = self.map.vertices.between(np.full(len(worth), before), worth)
         return told
 
     def _join(self, trail: Numbers, fresh: Numbers) -> None:
         """Edges between new vertices and all others, scored by aligned sequences."""
-        least = self.settings.p_edge
-        out, back = (
-            weakest_aligned(told, self.before, self.after, self.settings.sequence)
-            for told in (self.out, self.back)
-        )
+        least, reach = self.settings.p_edge, self.settings.sequence
+        out = weakest_aligned(self._ask_out, self.out, self.along, reach, least)
+        back = weakest_aligned(self._ask_back, self.back, self.along, reach, least)
         column = np.concatenate([np.arange(self.count), trail])
         new = np.isin(np.arange(len(trail)), fresh)
         # An anchor that was given up for a vertex is no end of an edge.
         there = np.concatenate([np.ones(self.count, dtype=bool), new])
         for anchor, other in np.argwhere((out > least) & there & new[:, None]):
             self.map.connect(int(trail[anchor]), int(column[other]), out[anchor, other])
-        # Pairs of anchors are in both matrices.
-        old = np.arange(len(column)) < self.count
-        for anchor, other in np.argwhere((back > least) & old & new[:, None]):
+        for anchor, other in np.argwhere((back > least) & new[:, None]):
             self.map.connect(int(column[other]), int(trail[anchor]), back[anchor, other])
 
     def _follow(self, trail: Numbers) -> None:
@@ -199,7 +185,8 @@ class Insertion:
 
     def _outdated(self, trail: Numbers) -> Numbers:
         """Vertices that look different by now: those around them were seen again, they were not."""
-        before, after, out = self.before[: self.count], self.after[: self.count], self.out.copy()
+        middle, out = self.along.shape[1] // 2, self.out.copy()
+        before, after = self.along[: self.count, [middle - 1, middle + 1]].T
         seen = out[:, : self.count] > self.settings.p_edge
         near = outdated(seen, ~seen, before, after, _PASSING)
         near = near[~np.isin(near, trail)]

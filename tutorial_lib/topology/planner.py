@@ -134,7 +134,7 @@ class DijkstraPlanner:
 
     def _finishes(self, topomap: TopoMap, observation: Observation, goals: Goals) -> list[Edge]:
         """Edges to every goal, from vertices and from here."""
-        prepared = topomap.vertices.reachability.prepare(goals.contexts)
+        prepared = topomap.vertices.prepare(goals.contexts)
         count = np.arange(len(goals))
         told = topomap.vertices.ask(observation, np.zeros_like(count), prepared, count)
         direct = [(_HERE, (_GOAL, int(g)), p) for g, p in zip(count, told, strict=True)]

@@ -131,6 +131,9 @@ def _graph(path: Path) -> dict[str, Any]:
     missing = {"arrays", "digest", "settings", "edges", "trails"} - set(graph)
     if missing:
         raise InputError(f"{', '.join(sorted(missing))}: missing")
+    name = graph["arrays"]
+    if not isinstance(name, str) or not name or Path(name).name != name:
+        raise InputError(f"arrays: {name!r} is not the name of a file beside it")
     return graph
 
 
@@ -157,9 +160,15 @@ def _topomap(
             seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
         )
         found.trails = [[int(vertex) for vertex in trail] for trail in graph["trails"]]
+        for vertex in found.alive:
+            trail, place = found.trail_of(int(vertex))
+            if place < 0 or trail[place] != vertex or not {*trail} <= {*found.graph}:
+                raise InputError(f"vertex {vertex} is not where its trajectory has it")
         for source, target, probability, driven in graph["edges"]:
             if source not in found.graph or target not in found.graph:
                 raise InputError(f"edge {source} to {target}; the map has {len(found)} vertices")
+            if not 0.0 <= probability <= 1.0:
+                raise InputError(f"edge {source} to {target}: probability {probability}")
             found.connect(source, target, probability, driven)
     except (TypeError, ValueError, KeyError, IndexError) as error:
         raise InputError(f"damaged ({error!r})") from error

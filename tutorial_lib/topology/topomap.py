@@ -114,7 +114,7 @@ class TopoMap:
             prepared: the contexts as `Reachability.prepare` made them, where that was done.
         """
         if prepared is None:
-            prepared = self.vertices.reachability.prepare(contexts)
+            prepared = self.vertices.prepare(contexts)
         numbers = self.vertices.append(observations, contexts, timestamps, prepared)
         self.trajectory = np.append(self.trajectory, trajectory)
         self.place = np.append(self.place, place)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.asking import ask
@@ -52,6 +53,26 @@ class Vertices:
         self._prepared.append(prepared)
         self.timestamps = np.append(self.timestamps, timestamps)
         return np.arange(first, len(self))
+
+    def prepare(self, contexts: NDArray) -> Any:  # noqa: ANN401
+        """Targets (N,) as RE wants them, checked: numbers select from them.
+
+        Raises:
+            InputError: when the estimator makes something else of them.
+        """
+        prepared = self.reachability.prepare(contexts)
+        try:
+            count = len(prepared[np.arange(len(contexts))])
+        except (TypeError, IndexError, KeyError) as error:
+            raise InputError(
+                f"reachability: prepared a {type(prepared).__name__} of {len(contexts)} targets, "
+                "from which an array of numbers cannot select; give an array"
+            ) from error
+        if not count == len(prepared) == len(contexts):
+            raise InputError(
+                f"reachability: prepared {len(prepared)} of {len(contexts)} targets; give all"
+            )
+        return prepared
 
     def between(self, sources: ArrayLike, targets: ArrayLike) -> Array:
         """RE (N,) from vertices to vertices."""

@@ -1,4 +1,4 @@
-"""Small graphs with their probabilities, to plan on with a pencil, and bars with intervals."""
+"""Small graphs with their probabilities, to plan on with a pencil."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -56,34 +56,14 @@ def graph_picture(
                 color=colour,
             )
             axis.add_patch(arrow)
-            axis.text(
-                *_beside(places[source], places[target], both), f"{probability:g}", **_words(9)
-            )
+            beside = _beside(places[source], places[target], both)
+            under = {"boxstyle": "round,pad=0.1", "color": "white", "alpha": 0.8}
+            axis.text(*beside, f"{probability:g}", bbox=under, **_words(10))
     for vertex, (x, y) in places.items():
         if vertex in graph:
             on = vertex in way
             box = {"boxstyle": "round,pad=0.35", "color": colours.unit(_tone(vertex, on))}
             axis.text(x, y, str(vertex), **_words(12), color="white", bbox=box)
-    return from_figure(figure)
-
-
-def interval_bars(
-    rows: Sequence[Mapping[str, Any]], names: Sequence[str], low: float = 0.0, width: float = 7.0
-) -> Picture:
-    """Success with its interval, a bar for each of `rows` (`success`, `low`, `high`).
-
-    Args:
-        rows: of an experiment.
-        names: under the bars.
-        low: success at which the axis begins.
-        width: inches.
-    """
-    figure, (axis,) = chart(width, 3.4)
-    for place, row in enumerate(rows):
-        axis.bar(place, row["success"] - low, bottom=low, color=colours.unit(colours.ROBOT))
-        axis.plot([place, place], [row["low"], row["high"]], color=colours.unit(colours.INK))
-    axis.set_xticks(range(len(rows)), names)
-    axis.set(ylim=(low, 1.0), ylabel="success")
     return from_figure(figure)
 
 

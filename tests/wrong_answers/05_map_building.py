@@ -1,0 +1,480 @@
+"""Answers to notebook 05: the docstring of a wrong one is what the check must say of it."""
+
+import numpy as np
+
+
+def edge_weights__forgets_the_minus(reach, driven, p_edge):
+    """a weight is never negative"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__takes_the_threshold_itself(reach, driven, p_edge):
+    """greater than p_edge, not equal to it"""
+    kept = (reach >= p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__prunes_what_was_driven(reach, driven, p_edge):
+    """edges that were driven stay"""
+    kept = reach > p_edge
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__keeps_only_what_was_driven(reach, driven, p_edge):
+    """only what is driven is an edge in yours"""
+    return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__driven_costs_nothing(reach, driven, p_edge):
+    """a driven edge has a weight like any other one"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    sure = np.where(driven, 1.0, reach)
+    return np.where(kept, -np.log(np.maximum(sure, 1e-12)), np.inf)
+
+
+def edge_weights__infinite_where_driven(reach, driven, p_edge):
+    """a driven edge stays where RE is 0, too"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    with np.errstate(divide="ignore"):
+        return np.where(kept, -np.log(reach), np.inf)
+
+
+def edge_weights__joins_each_to_itself(reach, driven, p_edge):
+    """no vertex is joined to itself"""
+    return np.where((reach > p_edge) | driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__both_ways(reach, driven, p_edge):
+    """the map is directed"""
+    reach, driven = np.maximum(reach, reach.T), driven | driven.T
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__from_column_to_row(reach, driven, p_edge):
+    """row and column are exchanged"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf).T
+
+
+def edge_weights__no_logarithm(reach, driven, p_edge):
+    """that is 1 - RE"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, 1 - reach, np.inf)
+
+
+def edge_weights__probabilities(reach, driven, p_edge):
+    """that is RE itself"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, reach, np.inf)
+
+
+def edge_weights__zero_for_none(reach, driven, p_edge):
+    """where there is no edge the weight is inf, not 0"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 0.0)
+
+
+def edge_weights__lists_the_edges(reach, driven, p_edge):
+    """but (6, 6) is needed"""
+    return np.argwhere((reach > p_edge) | driven)
+
+
+def edge_weights__writes_into_the_table(reach, driven, p_edge):
+    """your function changes its argument 1"""
+    reach[~((reach > p_edge) | driven)] = 0.0
+    np.fill_diagonal(reach, 0.0)
+    with np.errstate(divide="ignore"):
+        return -np.log(reach)
+
+
+def edge_weights__right_with_loops(reach, driven, p_edge):
+    weights = np.full(reach.shape, np.inf)
+    for i in range(len(reach)):
+        for j in range(len(reach)):
+            if i != j and (reach[i, j] > p_edge or driven[i, j]):
+                weights[i, j] = -np.log(max(reach[i, j], 1e-12))
+    return weights
+
+
+def edge_weights__right_with_an_index(reach, driven, p_edge):
+    weights = np.full_like(reach, np.inf)
+    some = ((reach > p_edge) | driven) & ~np.eye(len(reach), dtype=bool)
+    weights[some] = np.log(1 / np.clip(reach[some], 1e-12, None))
+    return weights
+
+
+def reusable__only_the_way_in(into, onward, allowed, p_reuse):
+    """whoever gets to the vertex must get on from it, too"""
+    fits = (into > p_reuse) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__only_the_way_out(into, onward, allowed, p_reuse):
+    """whoever stands before it must get to the vertex, too"""
+    fits = (onward > p_reuse) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__one_is_enough(into, onward, allowed, p_reuse):
+    """both must be above p_reuse"""
+    fits = ((into > p_reuse) | (onward > p_reuse)) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__the_product_is_enough(into, onward, allowed, p_reuse):
+    """each of the two must be above p_reuse, not their product"""
+    way = np.where(allowed, into * onward, -1.0)
+    return int(way.argmax()) if (way > p_reuse).any() else -1
+
+
+def reusable__the_first(into, onward, allowed, p_reuse):
+    """take the most probable way, into * onward, not the first"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int(fits.argmax()) if fits.any() else -1
+
+
+def reusable__adds(into, onward, allowed, p_reuse):
+    """are multiplied, not added"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int(np.where(fits, into + onward, -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__the_weaker_one(into, onward, allowed, p_reuse):
+    """not the greatest minimum"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int(np.where(fits, np.minimum(into, onward), -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__takes_any(into, onward, allowed, p_reuse):
+    """only vertices that are allowed may be taken"""
+    fits = (into > p_reuse) & (onward > p_reuse)
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__counts_those_that_fit(into, onward, allowed, p_reuse):
+    """not its number in the map"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int((into * onward)[fits].argmax()) if fits.any() else -1
+
+
+def reusable__always_one(into, onward, allowed, p_reuse):
+    """is there a vertex that fits?"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax())
+
+
+def reusable__vertex_0_for_none(into, onward, allowed, p_reuse):
+    """-1, not vertex 0"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else 0
+
+
+def reusable__none(into, onward, allowed, p_reuse):
+    """return -1 where no vertex fits"""
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else None
+
+
+def reusable__takes_the_threshold_itself(into, onward, allowed, p_reuse):
+    """greater than p_reuse, not equal to it"""
+    fits = (into >= p_reuse) & (onward >= p_reuse) & allowed
+    return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
+
+
+def reusable__right_with_a_loop(into, onward, allowed, p_reuse):
+    best, most = -1, 0.0
+    for vertex in range(len(into)):
+        if not allowed[vertex] or min(into[vertex], onward[vertex]) <= p_reuse:
+            continue
+        if into[vertex] * onward[vertex] > most:
+            best, most = vertex, into[vertex] * onward[vertex]
+    return best
+
+
+def reusable__right_with_max(into, onward, allowed, p_reuse):
+    fits = np.flatnonzero(allowed & (np.minimum(into, onward) > p_reuse))
+    return max(fits, key=lambda vertex: into[vertex] * onward[vertex], default=-1)
+
+
+def ahead_of__may_stand_still(trajectory, place, reused):
+    """the vertex itself may not follow itself"""
+    allowed = np.ones(len(place), dtype=bool)
+    for vertex in reused:
+        allowed &= (trajectory != trajectory[vertex]) | (place >= place[vertex])
+    return allowed
+
+
+def ahead_of__mixes_trajectories(trajectory, place, reused):
+    """vertices of other trajectories may be taken"""
+    allowed = np.ones(len(place), dtype=bool)
+    for vertex in reused:
+        allowed &= place > place[vertex]
+    return allowed
+
+
+def ahead_of__one_of_each_trajectory(trajectory, place, reused):
+    """those that lie ahead may be taken"""
+    return ~np.isin(trajectory, trajectory[reused]) if reused else np.ones(len(place), dtype=bool)
+
+
+def ahead_of__backwards(trajectory, place, reused):
+    """yours goes backwards"""
+    allowed = np.ones(len(place), dtype=bool)
+    for vertex in reused:
+        allowed &= (trajectory != trajectory[vertex]) | (place < place[vertex])
+    return allowed
+
+
+def ahead_of__forgets_the_earlier_ones(trajectory, place, reused):
+    """not only the last one"""
+    if not reused:
+        return np.ones(len(place), dtype=bool)
+    vertex = reused[-1]
+    return (trajectory != trajectory[vertex]) | (place > place[vertex])
+
+
+def ahead_of__compares_numbers(trajectory, place, reused):
+    """a vertex's number says nothing of its place"""
+    allowed = np.ones(len(place), dtype=bool)
+    for vertex in reused:
+        allowed &= (trajectory != trajectory[vertex]) | (np.arange(len(place)) > vertex)
+    return allowed
+
+
+def ahead_of__lists_them(trajectory, place, reused):
+    """return True or False for each"""
+    allowed = np.ones(len(place), dtype=bool)
+    for vertex in reused:
+        allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])
+    return np.flatnonzero(allowed)
+
+
+def ahead_of__forbidden(trajectory, place, reused):
+    """the other way round"""
+    behind = np.zeros(len(place), dtype=bool)
+    for vertex in reused:
+        behind |= (trajectory == trajectory[vertex]) & (place <= place[vertex])
+    return behind
+
+
+def ahead_of__right_with_the_farthest(trajectory, place, reused):
+    farthest = {}
+    for vertex in reused:
+        drive = int(trajectory[vertex])
+        farthest[drive] = max(farthest.get(drive, -1), int(place[vertex]))
+    return place > np.array([farthest.get(int(drive), -1) for drive in trajectory])
+
+
+def ahead_of__right_with_a_comprehension(trajectory, place, reused):
+    return np.array(
+        [
+            all(trajectory[u] != trajectory[v] or place[u] < place[v] for u in reused)
+            for v in range(len(place))
+        ]
+    )
+
+
+def _pair_by_pair(reach, before, after, steps, fold=min, ways=(-1, 1), missing=()):
+    """Aligned sequences; `ways` are the directions, `missing` what stands for what is not there."""
+    found = np.empty_like(reach)
+    for row, column in np.ndindex(*reach.shape):
+        values = [reach[row, column]]
+        for way in ways:
+            i, v = row, column
+            for _ in range(steps):
+                i, v = i + way, (after if way > 0 else before)[v]
+                if not 0 <= i < len(reach) or v < 0:
+                    values.extend(missing)
+                    break
+                values.append(reach[i, v])
+        found[row, column] = fold(values)
+    return found
+
+
+def weakest_aligned__mean(reach, before, after, steps):
+    """the least of them counts, not their mean"""
+    return _pair_by_pair(reach, before, after, steps, np.mean)
+
+
+def weakest_aligned__product(reach, before, after, steps):
+    """the least of them counts, not their product"""
+    return _pair_by_pair(reach, before, after, steps, np.prod)
+
+
+def weakest_aligned__only_back(reach, before, after, steps):
+    """the anchors after count, too"""
+    return _pair_by_pair(reach, before, after, steps, ways=(-1,))
+
+
+def weakest_aligned__only_ahead(reach, before, after, steps):
+    """the anchors before count, too"""
+    return _pair_by_pair(reach, before, after, steps, ways=(1,))
+
+
+def weakest_aligned__ends_are_0(reach, before, after, steps):
+    """what does not exist is not 0"""
+    return _pair_by_pair(reach, before, after, steps, missing=(0.0,))
+
+
+def weakest_aligned__one_step(reach, before, after, steps):
+    """only one anchor on either side counts in yours"""
+    return _pair_by_pair(reach, before, after, min(steps, 1))
+
+
+def weakest_aligned__alone(reach, before, after, steps):
+    """the neighbours on either side count as well"""
+    return reach.copy()
+
+
+def weakest_aligned__crossed(reach, before, after, steps):
+    """both move the same way"""
+    return _pair_by_pair(reach, after, before, steps)
+
+
+def weakest_aligned__by_number(reach, before, after, steps):
+    """the next vertex along a trajectory is after[v], not v + 1"""
+    numbers = np.arange(reach.shape[1])
+    return _pair_by_pair(reach, numbers - 1, np.append(numbers[1:], -1), steps)
+
+
+def weakest_aligned__the_vertex_stays(reach, before, after, steps):
+    """the vertex moves along its trajectory, too"""
+    numbers = np.arange(reach.shape[1])
+    return _pair_by_pair(reach, numbers, numbers, steps)
+
+
+def weakest_aligned__leaves_the_table(reach, before, after, steps):
+    """IndexError"""
+    found = reach.copy()
+    for row, column in np.ndindex(*reach.shape):
+        v = column
+        for step in range(1, steps + 1):
+            v = after[v]
+            found[row, column] = min(found[row, column], reach[row + step, v])
+    return found
+
+
+def weakest_aligned__a_list(reach, before, after, steps):
+    """return a numpy array"""
+    return _pair_by_pair(reach, before, after, steps).tolist()
+
+
+def weakest_aligned__right_pair_by_pair(reach, before, after, steps):
+    return _pair_by_pair(reach, before, after, steps)
+
+
+def weakest_aligned__right_shifted(reach, before, after, steps):
+    found = reach.copy()
+    for way, beside in ((-1, before), (1, after)):
+        shifted = reach
+        for _ in range(steps):
+            grown = np.pad(shifted, ((1, 1), (0, 1)), constant_values=1.0)
+            shifted = grown[1 + way : 1 + way + len(reach)][:, beside]
+            found = np.minimum(found, shifted)
+    return found
+
+
+_FOUR = ((1, 1), (-1, -1), (0, 1), (0, -1))
+
+
+def _search(told, before, after, sure, steps=_FOUR, again=False):
+    """Pairs beside those that are sure."""
+    found = np.zeros(told.shape, dtype=bool)
+    for row, column in np.argwhere(sure):
+        for along, across in steps:
+            i, v = row + along, {0: column, 1: after[column], -1: before[column]}[across]
+            if 0 <= i < len(told) and v >= 0:
+                found[i, v] = again or np.isnan(told[i, v])
+    return found
+
+
+def ask_next__asks_again(told, before, after, p_edge):
+    """ask about no pair twice"""
+    return _search(told, before, after, told > p_edge, again=True)
+
+
+def ask_next__beside_all(told, before, after, p_edge):
+    """only neighbours of pairs that are sure are worth it"""
+    return _search(told, before, after, ~np.isnan(told))
+
+
+def ask_next__takes_the_threshold_itself(told, before, after, p_edge):
+    """greater than p_edge, not equal to it"""
+    return _search(told, before, after, told >= p_edge)
+
+
+def ask_next__only_both(told, before, after, p_edge):
+    """for the same anchor, are worth it, too"""
+    return _search(told, before, after, told > p_edge, _FOUR[:2])
+
+
+def ask_next__only_the_vertex(told, before, after, p_edge):
+    """when both move on by one they look alike again"""
+    return _search(told, before, after, told > p_edge, _FOUR[2:])
+
+
+def ask_next__only_ahead(told, before, after, p_edge):
+    """look in both directions"""
+    return _search(told, before, after, told > p_edge, _FOUR[::2])
+
+
+def ask_next__crossed(told, before, after, p_edge):
+    """both move the same way"""
+    steps = ((1, -1), (-1, 1), *_FOUR[2:])
+    return _search(told, before, after, told > p_edge, steps)
+
+
+def ask_next__by_number(told, before, after, p_edge):
+    """the next vertex along a trajectory is after[v], not v + 1"""
+    numbers = np.arange(told.shape[1])
+    return _search(told, numbers - 1, np.append(numbers[1:], -1), told > p_edge)
+
+
+def ask_next__wraps(told, before, after, p_edge):
+    """beyond an end there is nothing to ask"""
+    found = np.zeros(told.shape, dtype=bool)
+    for row, column in np.argwhere(told > p_edge):
+        for along, across in _FOUR:
+            v = {0: column, 1: after[column], -1: before[column]}[across]
+            if row + along < len(told):
+                found[row + along, v] = True
+    return found & np.isnan(told)
+
+
+def ask_next__leaves_the_table(told, before, after, p_edge):
+    """IndexError"""
+    found = np.zeros(told.shape, dtype=bool)
+    for row, column in np.argwhere(told > p_edge):
+        for along, across in _FOUR:
+            v = {0: column, 1: after[column], -1: before[column]}[across]
+            found[row + along, v] = True
+    return found & np.isnan(told)
+
+
+def ask_next__lists_them(told, before, after, p_edge):
+    """return True or False for each"""
+    return np.argwhere(_search(told, before, after, told > p_edge))
+
+
+def ask_next__right_with_loops(told, before, after, p_edge):
+    return _search(told, before, after, told > p_edge)
+
+
+def ask_next__right_with_padding(told, before, after, p_edge):
+    sure = np.pad(told > p_edge, ((1, 1), (0, 1)))
+    # Who is beside v: those whose next one v is, and those whose one before it is.
+    ahead, back = sure[:, before], sure[:, after]
+    near = ahead[:-2] | back[2:] | ahead[1:-1] | back[1:-1]
+    return near & np.isnan(told)

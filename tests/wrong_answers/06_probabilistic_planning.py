@@ -1,0 +1,778 @@
+"""Answers to notebook 06: the docstring of a wrong one is what the check must say of it."""
+
+import heapq
+import math
+from collections import Counter, defaultdict
+from itertools import pairwise
+
+HERE, GOAL = -1, -2
+
+
+def most_probable_way__takes_the_fewest_steps(graph, start, goal):
+    """that is the way of the fewest steps"""
+    ways, seen = [[start]], {start}
+    while ways:
+        way = ways.pop(0)
+        if way[-1] == goal:
+            return way, _product(graph, way)
+        for other in graph[way[-1]]:
+            if other not in seen:
+                seen.add(other)
+                ways.append([*way, other])
+    return [], 0.0
+
+
+def most_probable_way__adds_what_is_missing(graph, start, goal):
+    """1 - RE only resembles -log RE"""
+    return _dijkstra(graph, start, goal, lambda p: 1 - p)
+
+
+def most_probable_way__minimises_re(graph, start, goal):
+    """the smaller it is, the worse"""
+    return _dijkstra(graph, start, goal, lambda p: p)
+
+
+def most_probable_way__takes_negative_costs(graph, start, goal):
+    """-RE is below 0"""
+    return _dijkstra(graph, start, goal, lambda p: -p)
+
+
+def most_probable_way__takes_the_inverse(graph, start, goal):
+    """1 / RE is no sum of logarithms"""
+    return _dijkstra(graph, start, goal, lambda p: 1 / p)
+
+
+def most_probable_way__maximises_without_end(graph, start, goal):
+    """your function never ends"""
+    best, heap = {start: 0.0}, [(0.0, start)]
+    before = {}
+    while heap:
+        cost, vertex = heapq.heappop(heap)
+        for other, p in graph[vertex].items():
+            if cost - p < best.get(other, math.inf):
+                best[other], before[other] = cost - p, vertex
+                heapq.heappush(heap, (cost - p, other))
+    return _back(graph, before, start, goal)
+
+
+def most_probable_way__minds_only_the_weakest_edge(graph, start, goal):
+    """the way whose weakest edge is strongest"""
+    best, before, heap, done = {start: 1.0}, {start: start}, [(-1.0, 0, start)], set()
+    count = 0
+    while heap:
+        weakest, _, vertex = heapq.heappop(heap)
+        if vertex in done:
+            continue
+        done.add(vertex)
+        for other, p in graph[vertex].items():
+            through = min(-weakest, p)
+            if other not in done and through > best.get(other, 0.0):
+                count += 1
+                best[other], before[other] = through, vertex
+                heapq.heappush(heap, (-through, count, other))
+    return _back(graph, before, start, goal)
+
+
+def most_probable_way__counts_the_last_step_only(graph, start, goal):
+    """that of the whole way to it"""
+    least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
+    while heap:
+        _, _, vertex = heapq.heappop(heap)
+        if vertex in done:
+            continue
+        done.add(vertex)
+        for other, p in graph[vertex].items():
+            if other not in done and -math.log(p) < least.get(other, math.inf):
+                count += 1
+                least[other], before[other] = -math.log(p), vertex
+                heapq.heappush(heap, (-math.log(p), count, other))
+    return _back(graph, before, start, goal)
+
+
+def most_probable_way__stops_at_first_sight(graph, start, goal):
+    """stops when it first sees the goal"""
+    if start == goal:
+        return [start], 1.0
+    least, before, heap = {start: 0.0}, {start: start}, [(0.0, start)]
+    while heap:
+        cost, vertex = heapq.heappop(heap)
+        if cost > least[vertex]:
+            continue
+        for other, p in graph[vertex].items():
+            through = cost - math.log(p)
+            if through < least.get(other, math.inf):
+                least[other], before[other] = through, vertex
+                heapq.heappush(heap, (through, other))
+        if goal in before:
+            return _back(graph, before, start, goal)
+    return [], 0.0
+
+
+def most_probable_way__settles_too_early(graph, start, goal):
+    """not when it is put there"""
+    before, heap = {start: start}, [(0.0, start)]
+    while heap:
+        cost, vertex = heapq.heappop(heap)
+        for other, p in graph[vertex].items():
+            if other not in before:
+                before[other] = vertex
+                heapq.heappush(heap, (cost - math.log(p), other))
+    return _back(graph, before, start, goal)
+
+
+def most_probable_way__overwrites_better_ways(graph, start, goal):
+    """overwrites where a vertex was reached from"""
+    before, heap, done = {start: start}, [(0.0, start)], set()
+    while heap:
+        cost, vertex = heapq.heappop(heap)
+        if vertex in done:
+            continue
+        done.add(vertex)
+        if vertex == goal:
+            break
+        for other, p in graph[vertex].items():
+            if other not in done:
+                before[other] = vertex
+                heapq.heappush(heap, (cost - math.log(p), other))
+    return _back(graph, before, start, goal)
+
+
+def most_probable_way__returns_it_backwards(graph, start, goal):
+    """turn it round"""
+    way, p = _best(graph, start, goal)
+    return way[::-1], p
+
+
+def most_probable_way__forgets_the_start(graph, start, goal):
+    """the start is missing"""
+    way, p = _best(graph, start, goal)
+    return way[1:], p
+
+
+def most_probable_way__forgets_the_goal(graph, start, goal):
+    """the goal is missing"""
+    way, p = _best(graph, start, goal)
+    return way[:-1], p
+
+
+def most_probable_way__tells_the_cost(graph, start, goal):
+    """turn it back: exp(-cost)"""
+    way, p = _best(graph, start, goal)
+    return way, -math.log(p) if way else 0.0
+
+
+def most_probable_way__sums_probabilities(graph, start, goal):
+    """that is the sum of RE"""
+    way, _ = _best(graph, start, goal)
+    return way, sum(graph[v][w] for v, w in pairwise(way))
+
+
+def most_probable_way__averages(graph, start, goal):
+    """that is the mean of RE"""
+    way, _ = _best(graph, start, goal)
+    return way, sum(graph[v][w] for v, w in pairwise(way)) / max(len(way) - 1, 1)
+
+
+def most_probable_way__tells_the_weakest(graph, start, goal):
+    """that is the least RE on it"""
+    way, _ = _best(graph, start, goal)
+    return way, min([graph[v][w] for v, w in pairwise(way)], default=1.0 if way else 0.0)
+
+
+def most_probable_way__forgets_the_sign(graph, start, goal):
+    """the probability is exp(-cost)"""
+    way, p = _best(graph, start, goal)
+    return way, 1 / p if way else 0.0
+
+
+def most_probable_way__finds_no_way_back(graph, start, goal):
+    """where the goal cannot be reached there is no way back"""
+    if start == goal:
+        return [start], 1.0
+    way, p = _best(graph, start, goal)
+    return way, {True: p}[bool(way)]
+
+
+def most_probable_way__removes_what_is_settled(graph, start, goal):
+    """your function changes the graph"""
+    answer = _best(graph, start, goal)
+    graph.pop(start)
+    return answer
+
+
+def most_probable_way__gives_only_the_way(graph, start, goal):
+    """return the way and its probability"""
+    return _best(graph, start, goal)[0]
+
+
+def most_probable_way__right_by_products(graph, start, goal):
+    best, before, left = {start: 1.0}, {start: start}, set(graph)
+    while left:
+        vertex = max(left, key=lambda v: best.get(v, 0.0))
+        left.remove(vertex)
+        if vertex not in best:
+            break
+        for other, p in graph[vertex].items():
+            if other in left and best[vertex] * p > best.get(other, 0.0):
+                best[other], before[other] = best[vertex] * p, vertex
+    return _back(graph, before, start, goal)
+
+
+def most_probable_way__right_by_bellman_and_ford(graph, start, goal):
+    least, before = {start: 0.0}, {start: start}
+    for _ in graph:
+        for v in list(graph):
+            for w, p in graph[v].items():
+                if v in least and least[v] - math.log(p) < least.get(w, math.inf) - 1e-12:
+                    least[w], before[w] = least[v] - math.log(p), v
+    way, _ = _back(graph, before, start, goal)
+    return way, math.exp(-least[goal]) if way else 0.0
+
+
+def join_ends__changes_the_map(graph, from_here, to_goals, p_here, p_goal):
+    """your function changes its argument 1"""
+    graph[HERE] = {v: p for v, p in from_here.items() if p > p_here}
+    graph[GOAL] = {}
+    return graph
+
+
+def join_ends__copies_only_the_outside(graph, from_here, to_goals, p_here, p_goal):
+    """the copy shares its inner dictionaries with the map"""
+    joined = dict(graph)
+    joined[HERE], joined[GOAL] = {v: p for v, p in from_here.items() if p > p_here}, {}
+    for picture in to_goals:
+        for v, p in picture.items():
+            if p > p_goal and v in joined:
+                joined[v][GOAL] = p
+    return joined
+
+
+def join_ends__joins_backwards(graph, from_here, to_goals, p_here, p_goal):
+    """from a vertex to GOAL, not back"""
+    joined = _copied(graph)
+    for v, p in from_here.items():
+        if p > p_here and v in graph:
+            joined[v][HERE] = p
+    for picture in to_goals:
+        for v, p in picture.items():
+            if v in joined and p > max(p_goal, joined[GOAL].get(v, 0)):
+                joined[GOAL][v] = p
+    return joined
+
+
+def join_ends__takes_the_threshold_itself(graph, from_here, to_goals, p_here, p_goal):
+    """greater than the threshold, not equal to it"""
+    return _joined(graph, from_here, to_goals, p_here - 1e-12, p_goal - 1e-12)
+
+
+def join_ends__takes_all(graph, from_here, to_goals, p_here, p_goal):
+    """what is below the threshold is no edge"""
+    return _joined(graph, from_here, to_goals, 0.0, 0.0)
+
+
+def join_ends__exchanges_the_thresholds(graph, from_here, to_goals, p_here, p_goal):
+    """yours exchanges them"""
+    return _joined(graph, from_here, to_goals, p_goal, p_here)
+
+
+def join_ends__knows_one_threshold(graph, from_here, to_goals, p_here, p_goal):
+    """a threshold of their own, p_goal"""
+    return _joined(graph, from_here, to_goals, p_here, p_here)
+
+
+def join_ends__is_strict_on_both_sides(graph, from_here, to_goals, p_here, p_goal):
+    """a threshold of their own, p_here"""
+    return _joined(graph, from_here, to_goals, p_goal, p_goal)
+
+
+def join_ends__overwrites(graph, from_here, to_goals, p_here, p_goal):
+    """not the last"""
+    last = {v: p for picture in to_goals for v, p in picture.items()}
+    return _joined(graph, from_here, [last], p_here, p_goal)
+
+
+def join_ends__demands_all_pictures(graph, from_here, to_goals, p_here, p_goal):
+    """yours demands all of them"""
+    common = set.intersection(*(set(picture) for picture in to_goals))
+    least = {v: min(picture[v] for picture in to_goals) for v in common}
+    return _joined(graph, from_here, [least], p_here, p_goal)
+
+
+def join_ends__averages(graph, from_here, to_goals, p_here, p_goal):
+    """do not average"""
+    told = defaultdict(list)
+    for picture in to_goals:
+        for v, p in picture.items():
+            told[v].append(p)
+    mean = {v: sum(p) / len(p) for v, p in told.items()}
+    return _joined(graph, from_here, [mean], p_here, p_goal)
+
+
+def join_ends__multiplies(graph, from_here, to_goals, p_here, p_goal):
+    """do not multiply"""
+    product = defaultdict(lambda: 1.0)
+    for picture in to_goals:
+        for v, p in picture.items():
+            product[v] *= p
+    return _joined(graph, from_here, [product], p_here, p_goal)
+
+
+def join_ends__looks_at_one_picture(graph, from_here, to_goals, p_here, p_goal):
+    """not only the first one"""
+    return _joined(graph, from_here, to_goals[:1], p_here, p_goal)
+
+
+def join_ends__needs_the_map(graph, from_here, to_goals, p_here, p_goal):
+    """a goal in sight needs no map"""
+    seen = [{v: p for v, p in picture.items() if v in graph} for picture in to_goals]
+    return _joined(graph, from_here, seen, p_here, p_goal)
+
+
+def join_ends__brings_back_the_dead(graph, from_here, to_goals, p_here, p_goal):
+    """must not come back"""
+    joined = defaultdict(dict, _joined(graph, from_here, to_goals, p_here, p_goal))
+    for v, p in from_here.items():
+        if p > p_here:
+            joined[HERE][v] = p
+    for picture in to_goals:
+        for v, p in picture.items():
+            if p > max(p_goal, joined[v].get(GOAL, 0.0)):
+                joined[v][GOAL] = p
+    return dict(joined)
+
+
+def join_ends__forgets_the_goal(graph, from_here, to_goals, p_here, p_goal):
+    """GOAL is missing"""
+    joined = _joined(graph, from_here, to_goals, p_here, p_goal)
+    del joined[GOAL]
+    return joined
+
+
+def join_ends__gives_edges(graph, from_here, to_goals, p_here, p_goal):
+    """return a dictionary of dictionaries"""
+    joined = _joined(graph, from_here, to_goals, p_here, p_goal)
+    return [(v, w, p) for v, out in joined.items() for w, p in out.items()]
+
+
+def join_ends__right_with_comprehensions(graph, from_here, to_goals, p_here, p_goal):
+    ends = {v: max(t.get(v, 0.0) for t in to_goals) for t in to_goals for v in t}
+    starts = {v: p for v, p in from_here.items() if p > p_here and v in graph}
+    joined = {**graph, HERE: starts, GOAL: {}}
+    return {
+        v: {**out, GOAL: ends[v]} if ends.get(v, 0.0) > p_goal else dict(out)
+        for v, out in joined.items()
+    }
+
+
+def join_ends__right_step_by_step(graph, from_here, to_goals, p_here, p_goal):
+    return _joined(graph, from_here, to_goals, p_here, p_goal)
+
+
+def decide__trusts_every_goal(graph, from_here, to_goals, rules):
+    """yours sets out to a goal that is nowhere reached with more than rules.p_goal"""
+    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    return way, p, "no way" if not way else "" if p >= rules.least else "too improbable"
+
+
+def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
+    """plan with edges to the goal above rules.p_goal first"""
+    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    if not way:
+        return way, p, "no way"
+    if len(way) > 1 and max(t.get(way[-2], 0.0) for t in to_goals) <= rules.p_goal:
+        return way, p, "not on the map"
+    return way, p, "" if p >= rules.least else "too improbable"
+
+
+def decide__is_as_strict_about_here(graph, from_here, to_goals, rules):
+    """from here rules.p_query is enough"""
+    way, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_goal)
+    if way:
+        return way, p, "" if p >= rules.least else "too improbable"
+    way, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_query)
+    return way, p, "not on the map" if way else "no way"
+
+
+def decide__dares_everything(graph, from_here, to_goals, rules):
+    """a way that is less probable than rules.least"""
+    way, p, reason = _decided(graph, from_here, to_goals, rules)
+    return way, p, "" if reason == "too improbable" else reason
+
+
+def decide__demands_more_than_enough(graph, from_here, to_goals, rules):
+    """exactly rules.least is enough"""
+    way, p, reason = _decided(graph, from_here, to_goals, rules)
+    return way, p, "too improbable" if not reason and p <= rules.least else reason
+
+
+def decide__demands_too_much_of_the_way(graph, from_here, to_goals, rules):
+    """the whole way must have rules.least"""
+    way, p, reason = _decided(graph, from_here, to_goals, rules)
+    if reason in ("", "too improbable"):
+        reason = "" if p > rules.p_goal else "too improbable"
+    return way, p, reason
+
+
+def decide__never_says_why(graph, from_here, to_goals, rules):
+    """say so: not on the map"""
+    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    return way, p, "no way" if not way else "" if p >= rules.least else "too improbable"
+
+
+def decide__blames_the_goal(graph, from_here, to_goals, rules):
+    """the reason is no way"""
+    way, p, reason = _decided(graph, from_here, to_goals, rules)
+    return way, p, "not on the map" if reason == "no way" else reason
+
+
+def decide__keeps_the_way_to_itself(graph, from_here, to_goals, rules):
+    """tells the way and its probability all the same"""
+    way, p, reason = _decided(graph, from_here, to_goals, rules)
+    return ([], 0.0, reason) if reason else (way, p, reason)
+
+
+def decide__says_yes_or_no(graph, from_here, to_goals, rules):
+    """give one of"""
+    way, p, reason = _decided(graph, from_here, to_goals, rules)
+    return way, p, not reason
+
+
+def decide__has_rules_of_its_own(graph, from_here, to_goals, rules):
+    """other rules"""
+    way, p = _planned(graph, from_here, to_goals, 0.5, 0.985)
+    if way:
+        return way, p, "" if p >= 0.5 else "too improbable"
+    way, p = _planned(graph, from_here, to_goals, 0.5, 0.5)
+    return way, p, "not on the map" if way else "no way"
+
+
+def decide__right_in_a_loop(graph, from_here, to_goals, rules):
+    for least, reason in ((rules.p_goal, ""), (rules.p_query, "not on the map")):
+        way, p = _planned(graph, from_here, to_goals, rules.p_query, least)
+        if way:
+            return way, p, reason or ("too improbable" if p < rules.least else "")
+    return way, p, "no way"
+
+
+def travel__shuns_what_it_left(plan, drive, replans):
+    """not the one before it"""
+    shunned = set()
+    for _ in range(replans + 1):
+        way = plan(shunned)
+        if not way:
+            return False, shunned
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        if way[stopped - 1] != HERE:
+            shunned.add(way[stopped - 1])
+    return False, shunned
+
+
+def travel__forgets_the_first(plan, drive, replans):
+    """not only the last one"""
+    shunned = set()
+    for _ in range(replans + 1):
+        way = plan(shunned)
+        if not way:
+            return False, shunned
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        shunned = {way[stopped]} - {GOAL}
+    return False, shunned
+
+
+def travel__shuns_the_whole_way(plan, drive, replans):
+    """who shuns the whole way leaves no other"""
+    return _travelled(plan, drive, replans, lambda way, stopped: set(way) - {HERE, GOAL})
+
+
+def travel__shuns_what_was_not_tried(plan, drive, replans):
+    """only way[stopped] was tried in vain"""
+    return _travelled(plan, drive, replans, lambda way, stopped: set(way[stopped:]) - {GOAL})
+
+
+def travel__shuns_nothing(plan, drive, replans):
+    """or the next plan is the same"""
+    return _travelled(plan, drive, replans, lambda way, stopped: set())
+
+
+def travel__shuns_the_place(plan, drive, replans):
+    """shun the vertex there"""
+    return _travelled(
+        plan, drive, replans, lambda way, stopped: {stopped} if way[stopped] != GOAL else set()
+    )
+
+
+def travel__shuns_the_goal(plan, drive, replans):
+    """the goal is no vertex of the map"""
+    return _travelled(plan, drive, replans, lambda way, stopped: {way[stopped]})
+
+
+def travel__drives_the_old_way(plan, drive, replans):
+    """yours drives along the old one"""
+    shunned = set()
+    way = plan(shunned)
+    if not way:
+        return False, shunned
+    for _ in range(replans + 1):
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        if way[stopped] != GOAL:
+            shunned.add(way[stopped])
+    return False, shunned
+
+
+def travel__gives_up_too_soon(plan, drive, replans):
+    """yours makes one too few"""
+    return _travelled(plan, drive, replans - 1)
+
+
+def travel__gives_up_too_late(plan, drive, replans):
+    """yours makes one too many"""
+    return _travelled(plan, drive, replans + 1)
+
+
+def travel__tries_once(plan, drive, replans):
+    """yours plans only once"""
+    return _travelled(plan, drive, 0)
+
+
+def travel__drives_on_nothing(plan, drive, replans):
+    """a refusal, and yours drives all the same"""
+    shunned = set()
+    for _ in range(replans + 1):
+        way = plan(shunned)
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        shunned.add(way[stopped])
+    return False, shunned
+
+
+def travel__never_ends(plan, drive, replans):
+    """your function never ends"""
+    while True:
+        way = plan(set())
+        if way and drive(way) is None:
+            return True, set()
+
+
+def travel__tells_only_the_end(plan, drive, replans):
+    """return whether it arrived, and the set"""
+    return _travelled(plan, drive, replans)[0]
+
+
+def travel__right_by_recursion(plan, drive, replans):
+    def go(shunned, left):
+        way = plan(shunned)
+        if not way:
+            return False, shunned
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        more = shunned | ({way[stopped]} if way[stopped] >= 0 else set())
+        return go(more, left - 1) if left else (False, more)
+
+    return go(frozenset(), replans)
+
+
+def travel__right_while_plans_are_left(plan, drive, replans):
+    shunned, made = set(), 0
+    while made <= replans and (way := plan(set(shunned))):
+        made, stopped = made + 1, drive(way)
+        if stopped is None:
+            return True, shunned
+        if way[stopped] not in (HERE, GOAL):
+            shunned.add(way[stopped])
+    return False, shunned
+
+
+def tally__blames_all(trips):
+    """do not blame them"""
+    return _counted(trips, lambda place, stopped: (True, stopped is None))
+
+
+def tally__blames_what_was_not_tried(trips):
+    """was never tried"""
+    return _counted(trips, lambda place, stopped: (True, stopped is None or place < stopped))
+
+
+def tally__passes_the_last(trips):
+    """was tried, but not passed"""
+    return _counted(trips, lambda place, stopped: (stopped is None or place <= stopped, True))
+
+
+def tally__blames_the_edge_after(trips):
+    """not on the one after it"""
+
+    def judged(place, stopped):
+        arrived = stopped is None
+        return arrived or place <= stopped + 1, arrived or place <= stopped
+
+    return _counted(trips, judged)
+
+
+def tally__blames_the_edge_before(trips):
+    """not on the one before it"""
+
+    def judged(place, stopped):
+        arrived = stopped is None
+        return arrived or place < stopped, arrived or place < stopped - 1
+
+    return _counted(trips, judged)
+
+
+def tally__counts_arrivals_only(trips):
+    """trips that failed count, too"""
+    return _counted([trip for trip in trips if trip[1] is None], _judged)
+
+
+def tally__counts_failures_only(trips):
+    """trips that arrived count, too"""
+    return _counted([trip for trip in trips if trip[1] is not None], _judged)
+
+
+def tally__forgets_the_direction(trips):
+    """edges have a direction"""
+    found = Counter()
+    tried = Counter()
+    for way, stopped in trips:
+        for place, edge in enumerate(pairwise(way), 1):
+            was, passed = _judged(place, stopped)
+            tried[tuple(sorted(edge))] += was
+            found[tuple(sorted(edge))] += passed
+    return {edge: (count, found[edge]) for edge, count in tried.items() if count}
+
+
+def tally__remembers_the_last_trip(trips):
+    """yours forgets those before"""
+    counts = {}
+    for trip in trips:
+        counts |= _counted([trip], _judged)
+    return counts
+
+
+def tally__exchanges_the_numbers(trips):
+    """first how often it was tried"""
+    return {edge: numbers[::-1] for edge, numbers in _counted(trips, _judged).items()}
+
+
+def tally__counts_what_failed(trips):
+    """not how often it failed"""
+    return {edge: (a, a - b) for edge, (a, b) in _counted(trips, _judged).items()}
+
+
+def tally__gives_a_list(trips):
+    """return a dictionary with edges as keys"""
+    return list(_counted(trips, _judged).items())
+
+
+def tally__gives_shares(trips):
+    """give (tried, passed)"""
+    return {edge: b / a for edge, (a, b) in _counted(trips, _judged).items()}
+
+
+def tally__right_with_counters(trips):
+    tried, passed = Counter(), Counter()
+    for way, stopped in trips:
+        edges = list(pairwise(way))
+        end = len(edges) if stopped is None else stopped
+        tried.update(edges[:end])
+        passed.update(edges if stopped is None else edges[: stopped - 1])
+    return {edge: (count, passed[edge]) for edge, count in tried.items()}
+
+
+def tally__right_step_by_step(trips):
+    return _counted(trips, _judged)
+
+
+def _judged(place, stopped):
+    return stopped is None or place <= stopped, stopped is None or place < stopped
+
+
+def _counted(trips, judged):
+    counts = {}
+    for way, stopped in trips:
+        for place, edge in enumerate(pairwise(way), 1):
+            tried, passed = judged(place, stopped)
+            if tried:
+                before = counts.get(edge, (0, 0))
+                counts[edge] = (before[0] + 1, before[1] + int(passed))
+    return counts
+
+
+def _travelled(plan, drive, replans, shun=None):
+    shunned = set()
+    for _ in range(replans + 1):
+        way = plan(shunned)
+        if not way:
+            return False, shunned
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        shunned |= shun(way, stopped) if shun else {way[stopped]} - {GOAL}
+    return False, shunned
+
+
+def _copied(graph):
+    return {**{v: dict(out) for v, out in graph.items()}, HERE: {}, GOAL: {}}
+
+
+def _joined(graph, from_here, to_goals, p_here, p_goal):
+    joined = _copied(graph)
+    for v, p in from_here.items():
+        if p > p_here and v in graph:
+            joined[HERE][v] = p
+    for picture in to_goals:
+        for v, p in picture.items():
+            if v in joined and p > max(p_goal, joined[v].get(GOAL, 0.0)):
+                joined[v][GOAL] = p
+    return joined
+
+
+def _planned(graph, from_here, to_goals, p_here, p_goal):
+    return _best(_joined(graph, from_here, to_goals, p_here, p_goal), HERE, GOAL)
+
+
+def _decided(graph, from_here, to_goals, rules):
+    return decide__right_in_a_loop(graph, from_here, to_goals, rules)
+
+
+def _best(graph, start, goal):
+    return _dijkstra(graph, start, goal, lambda p: -math.log(p))
+
+
+def _dijkstra(graph, start, goal, cost):
+    least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
+    while heap:
+        reached, _, vertex = heapq.heappop(heap)
+        if vertex in done:
+            continue
+        done.add(vertex)
+        if vertex == goal:
+            break
+        for other, p in graph[vertex].items():
+            through = reached + cost(p)
+            if other not in done and through < least.get(other, math.inf):
+                count += 1
+                least[other], before[other] = through, vertex
+                heapq.heappush(heap, (through, count, other))
+    return _back(graph, before, start, goal)
+
+
+def _back(graph, before, start, goal):
+    if start == goal:
+        return [start], 1.0
+    if goal not in before:
+        return [], 0.0
+    way = [goal]
+    while way[-1] != start:
+        way.append(before[way[-1]])
+    return way[::-1], _product(graph, way[::-1])
+
+
+def _product(graph, way):
+    return math.prod(graph[v][w] for v, w in pairwise(way))
