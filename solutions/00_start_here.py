@@ -33,6 +33,7 @@ import numpy as np
 from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.experiments.demo import choose_places, place_people
+from tutorial_lib.experiments.demo_map import navigate_once
 from tutorial_lib.geometry import compose
 from tutorial_lib.viz import colours
 from tutorial_lib.viz.charts import chart, from_figure
@@ -335,6 +336,28 @@ show(
 #
 # Each piece is yours: what you write is used by the cells that follow. Each has a reference beside
 # it, so you can go on wherever you get stuck.
+
+# %% [markdown]
+# ## Watch what you will build
+#
+# This is all of it at once, with networks that come with the course. A car has been driven from place to place in this apartment, and a map was made from
+# what its camera saw: the coloured arrowheads are the pictures that were kept, the thin lines say what can be reached from where. Now the car is shown
+# **one picture** and is to go where it was taken. It has its camera and its laser, and **neither floor plan nor position**.
+#
+# It plans a way over the map and says how likely the way is to work, before it sets out. Then it drives from picture to picture, past two people who were not
+# there when the map was made.
+#
+# **Before you run the cell:** what will it do when it meets somebody, and its camera sees something that is in none of its pictures?
+
+# %%
+film, told = navigate_once(home, seed=2, places=4)
+print(f"a map of {told.vertices} pictures and {told.edges} edges")
+print(f"from {told.rooms[0]} to {told.rooms[1]}, {told.rooms_away} doors away, {told.geodesic:.0f} m")
+print(f"it gave itself {told.probability:.0%}; reached: {told.reached}, after {told.seconds:.0f} s")
+play([cv2.resize(film[i], (630, 380)) for i in range(0, len(film), 10)], 5, count=3)
+
+# %% [markdown]
+# Another one from the command line: `python3 start.py demo --seed 7`. It leaves a film, a strip of pictures and the figures.
 
 # %% [markdown]
 # ## In short

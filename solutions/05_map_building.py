@@ -155,7 +155,7 @@ for name, weight in (("fewest edges", None), ("most probable", "weight")):
 
 # %%
 house = building(10_020, seed=0, count=4)
-view = PlanView(house.scene, 820, 620)
+view = PlanView(house.scene, 700, 530)
 people_camera = Camera(rows=64)  # the same picture as the network's 16 rows, for people
 
 picture = view.base.copy()
@@ -288,7 +288,7 @@ drive_of = np.repeat(np.arange(len(home.drives)), [len(drive) for drive in home.
 among = np.isin(np.arange(count), both)
 ours = among[:, None] & among
 driven = driven_by([first, second], count)
-half = PlanView(house.scene, 560, 440)
+half = PlanView(house.scene, 440, 340)
 panels, titles = [], []
 for name, p_edge in (("dense", 0.0), ("pruned", 0.99)):
     weights = np.where(ours, edge_weights(home.reach, driven, p_edge), np.inf)
@@ -372,7 +372,7 @@ ahead_of = check_ahead_of.use(ahead_of)
 # %% [markdown]
 # ### The whole insertion
 #
-# Here is map building by your functions, in three steps for each drive: **reuse** what is there, **join** what is new with everything that is there, and **follow**: mark where the drive went. One detail is in `through`: if the anchor before was itself replaced, then the robot will come from the vertex that replaced it. So both must get on.
+# Here is map building by your functions, in three steps for each drive: **reuse** what is there, **join** what is new with everything that is there, and **follow**: mark where the drive went. One detail is in `through`: if the anchor before was itself replaced, the robot will stand on the vertex that replaced it. So that vertex is asked, not the anchor that was thrown away.
 #
 # (The lines with `weakest_aligned` are asleep as long as `sequence` is 0. They wait for section 5.)
 
@@ -410,18 +410,17 @@ class Grown:
         return edge_weights(self.told, self.driven, p_edge)
 
 
-def through(grown, own, trail, i, p_reuse):
+def through(grown, own, trail, i):
     """RE (V,) to each vertex from what comes before anchor i, and from each to the anchor after."""
-    here, vertices = max(i - 1, 0), grown.vertices
-    into = grown.reach[trail[here], vertices] * (grown.reach[own[here], vertices] > p_reuse)
-    return into, grown.reach[vertices, own[min(i + 1, len(own) - 1)]]
+    before, after, vertices = trail[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
+    return grown.reach[before, vertices], grown.reach[vertices, after]
 
 
 def replace(grown, own, p_reuse, through=through):
     """The vertex that each anchor of a drive is from now on; those that stay are vertices themselves."""
     trail, reused = own.copy(), []
     for i in range(len(own)):
-        into, onward = through(grown, own, trail, i, p_reuse)
+        into, onward = through(grown, own, trail, i)
         allowed = ahead_of(grown.trajectory, grown.place, reused)[grown.vertices]
         found = reusable(into, onward, allowed, p_reuse)
         if found >= 0:
@@ -502,14 +501,14 @@ show(side_by_side(panels, titles, gap=10))
 # **Predict:** what does $p_\text{reuse} = 0.9$ do to the step in which the ways part? And 0.998?
 
 # %%
-step_view = PlanView(house.scene, 620, 480)
+step_view = PlanView(house.scene, 560, 430)
 
 
 def insertion(step, p_reuse, p_edge):
     """The map of the first drive while the second one is inserted."""
     grown = grow(home.reach, [first], p_reuse)
     trail = replace(grown, second, p_reuse)
-    into, onward = through(grown, second, trail, step, p_reuse)
+    into, onward = through(grown, second, trail, step)
     earlier = [int(v) for v, a in zip(trail[:step], second[:step], strict=True) if v != a]
     allowed = ahead_of(grown.trajectory, grown.place, earlier)[grown.vertices]
     will_do = grown.vertices[(into > p_reuse) & (onward > p_reuse) & allowed]
@@ -540,7 +539,7 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# A vertex that will do need not lie beside the anchor: on a straight corridor any of several may stand in, and the most probable one wins. Where the ways part, the anchor after is on the new way, and no old vertex gets there: reuse ends by itself, one or two anchors before the fork can be seen on the plan. With a lower threshold it ends later, and the map trusts longer jumps. With one near 1 even good stand-ins are refused, and the corridor is stored twice: the estimator never says 1.
+# A vertex that will do need not lie beside the anchor: on a straight corridor any of several may stand in, and the most probable one wins. Where the ways part, the anchor after is on the new way, and no old vertex gets there: reuse ends by itself, shortly before the fork. With a lower threshold it ends later, and the map trusts longer jumps. With one near 1 even good stand-ins are refused, and the corridor is stored twice: the estimator never says 1.
 # </details>
 #
 # ### Yours and the library's
@@ -599,19 +598,16 @@ def compare(sequence):
 compare(sequence=0)
 
 # %% [markdown]
-# (A few edges that lead from an anchor *back* to the one before it may be missing from the library's: it does not ask about neighbours on the same drive unless it comes across them.)
-#
 # ### Find the bug
 #
 # A colleague has rewritten `through`. Nothing crashes, all edges of her map are above 0.99, and all of its ways can be driven. Only: "Reuse does not help much." Here is her function, and her map beside yours. What is wrong?
 
 
 # %%
-def colleagues(grown, own, trail, i, p_reuse):
+def colleagues(grown, own, trail, i):
     """Into and onward, by the colleague."""
-    here, vertices = max(i - 1, 0), grown.vertices
-    into = grown.reach[trail[here], vertices] * (grown.reach[own[here], vertices] > p_reuse)
-    return into, grown.reach[own[min(i + 1, len(own) - 1)], vertices]
+    before, after, vertices = trail[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
+    return grown.reach[before, vertices], grown.reach[after, vertices]
 
 
 for name, way in (("yours", through), ("hers", colleagues)):
@@ -623,7 +619,7 @@ for name, way in (("yours", through), ("hers", colleagues)):
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[own[i + 1], vertices]</code> leads from the anchor after <i>to</i> the vertex: it asks for the way back. Ahead of the vertex, hardly ever can somebody get back to it, and so hardly any vertex will do; those that do stand so close to the next anchor that both ways are open. The map is larger than it need be, and no number looks suspicious. Only who knows how much reuse to expect will find it. In a table of RE the row is always where the robot stands.
+# <code>reach[after, vertices]</code> leads from the anchor after <i>to</i> the vertex: it asks for the way back. From ahead of a vertex one seldom gets back to it, and so few vertices will do: those so close to the next anchor that both ways are open. The map is larger than it need be, and no number looks suspicious. Only who knows how much reuse to expect will find it. In a table of RE the row is always where the robot stands.
 # </details>
 #
 # ## 4 · The map of a building
@@ -650,6 +646,7 @@ for name, p_edge, p_reuse in (
     ("all pairs, none pruned", 0.0, 1.0),
     ("pruned", 0.99, 1.0),
     ("pruned, with reuse", 0.99, 0.99),
+    ("driven, with reuse", 1.0, 0.99),
 ):
     grown = grow(home.reach, home.drives, p_reuse)
     edges, found = np.isfinite(grown.weights(p_edge)).sum(), ways(grown, p_edge, house)
@@ -659,7 +656,7 @@ for name, p_edge, p_reuse in (
 
 # %% [markdown]
 # <details><summary>What does the map know that nobody showed it?</summary>
-# Driven edges alone know the twelve drives. With edges between drives a robot may begin on one drive and end on another, and nearly every way exists, though nobody drove it as a whole. Reuse ties the drives together for good: it halves the vertices, keeps a fraction of the edges, and has the same ways. The dense graph has them too, at an edge count that grows with the square of the anchors. (The paper finds the same in IV-C.3: drives are combined to new tasks.)
+# Driven edges alone know the twelve drives. With edges between drives a robot may begin on one drive and end on another, and nearly every way exists, though nobody drove it as a whole. Reuse ties the drives together for good: it nearly halves the vertices, keeps a fraction of the edges, and has the same ways, even if nothing but what was driven is an edge. The dense graph has them too, at an edge count that grows with the square of the anchors. (The paper finds the same in IV-C.3: drives are combined to new tasks.)
 # </details>
 #
 # <details><summary>A robot has arrived at A. Why can it not go on to B on this map?</summary>
@@ -669,7 +666,7 @@ for name, p_edge, p_reuse in (
 # Here is the map, each drive's vertices in its colour: the twin of the paper's Fig. 8. With the sliders, **predict** first: which of the two thresholds changes the number of vertices, and what happens to the ways at $p_\text{edge} = 0.999$?
 
 # %%
-map_view = PlanView(house.scene, 760, 560)
+map_view = PlanView(house.scene, 620, 460)
 
 
 def whole_map(p_edge, p_reuse):
@@ -721,8 +718,9 @@ office = ask_everything(building_of(world_name("symmetric_office", 10_004), 3))
 office_view = PlanView(office.house.scene, 900, 600)
 office_grown = grow(office.reach, office.drives, p_reuse=1.0)
 edges, far = lengths_of(office, office_grown.weights(0.99))
-alike = likeness(office.seen, office.shown)[tuple(edges.T)]
-chosen = np.where(far > WORMHOLE, alike, -np.inf).argmax()
+images = np.concatenate([anchors.observations.image for anchors in office.kept]).astype(float)
+differ = np.abs(images[edges[:, 0]] - images[edges[:, 1]]).mean(axis=(1, 2, 3))
+chosen = np.where(far > WORMHOLE, differ, np.inf).argmin()
 (source, target), told = edges[chosen], office.reach[tuple(edges[chosen])]
 print(f"{len(office.reach)} anchors, {len(edges)} edges, {(far > WORMHOLE).sum()} wormholes")
 title = f"RE = {told:.3f}, and {far[chosen]:.0f} m from blue to red"
@@ -802,7 +800,7 @@ compare(sequence=2)
 
 # %% [markdown]
 # <details><summary>What do sequences cost?</summary>
-# Good edges: near a fork the anchors before agree and those after do not, so true edges there are lost, and the longer the sequence, the more. That is a good bargain, since good edges are many and help each other, while each wormhole does harm alone. The apartment has few wormholes in the first place: its rooms have different colours. It is the symmetric office that needs sequences, and at a low threshold everybody does.
+# Good edges. Near a fork the anchors before agree and those after do not; and where two drives keep their anchors at other distances, aligned sequences drift apart. The longer the sequence, the more true edges are lost. That is a good bargain, since good edges are many and help each other, while each wormhole does harm alone. The apartment has hardly any wormholes at 0.99: its rooms have different colours. It is the symmetric office that needs sequences, and at a low threshold everybody does.
 # </details>
 #
 # Now the same with reuse. **Predict:** does reuse add wormholes, or take some away?
@@ -1011,12 +1009,12 @@ figure, (axis,) = chart(8.0, 4.4)
 worlds = list(dict.fromkeys(row["world"] for row in growth.rows))
 for number, world in enumerate(worlds):
     rows = sorted((r for r in growth.rows if r["world"] == world), key=lambda r: r["frames"])
-    taken = [row["frames"] for row in rows]
-    sizes = [row["vertices"] for row in rows]
+    taken = [0, *(row["frames"] for row in rows)]
+    sizes = [0, *(row["vertices"] for row in rows)]
     axis.plot(taken, sizes, color=colours.unit(hue(number)), label=str(world))
 rows = sorted((r for r in growth.rows if r["world"] == worlds[0]), key=lambda r: r["frames"])
 for key, name in (("every_10th", "every 10th"), ("every_20th", "every 20th")):
-    line = [row["frames"] for row in rows], [row[key] for row in rows]
+    line = [0, *(row["frames"] for row in rows)], [0, *(row[key] for row in rows)]
     axis.plot(*line, ":", color=colours.unit(colours.INK), label=name)
 most = max(row["vertices"] for row in growth.rows)
 axis.set(xlabel="pictures", ylabel="vertices", xlim=(0, None), ylim=(0, 2.5 * most))

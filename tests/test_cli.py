@@ -26,7 +26,7 @@ def _in_a_folder_of_its_own(tmp_path, monkeypatch):
 
 
 def test_the_demo_reaches_its_goal_and_leaves_film_strip_and_figures(tmp_path, capsys):
-    assert main(["demo", "--seed", "3"]) == 0
+    assert main(["demo", "--oracle", "--seed", "3"]) == 0
     told = json.loads((tmp_path / "demo.json").read_text())
     assert told["reached"]
     assert not told["collided"]
@@ -41,12 +41,16 @@ def test_the_demo_reaches_its_goal_and_leaves_film_strip_and_figures(tmp_path, c
     assert "reached the goal" in capsys.readouterr().out
 
 
-def test_the_demo_by_sight_reaches_the_next_room(tmp_path, capsys):
-    assert main(["demo", "--sight", "--seed", "3"]) == 0
+def test_the_demo_finds_its_way_by_sight(tmp_path, capsys):
+    assert main(["demo", "--seed", "3"]) == 0
     told = json.loads((tmp_path / "demo.json").read_text())
     assert told["reached"]
-    assert not told["collided"]
-    assert told["geodesic"] > 1.0
+    assert told["rooms_away"] == demo.ROOMS_AWAY
+    assert told["people"] == 2
+    assert told["driven"] > 0.8 * told["geodesic"] > 4.0
+    assert 0.5 < told["probability"] < 1.0
+    assert told["edges"] > told["vertices"] > 20
+    assert cv2.VideoCapture(str(tmp_path / "demo.webm")).read()[1].shape[2] == 3
     assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
     assert "reached the goal" in capsys.readouterr().out
 
@@ -58,7 +62,7 @@ def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
     cv2.imwrite(str(tmp_path / "hall.png"), image)
     text = "image: hall.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
     (tmp_path / "hall.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
-    assert main(["demo", "--map", "hall.yaml"]) == 0
+    assert main(["demo", "--oracle", "--map", "hall.yaml"]) == 0
     assert json.loads((tmp_path / "demo.json").read_text())["reached"]
 
 
@@ -69,7 +73,7 @@ def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
 
     monkeypatch.setattr(demo, "OracleCourier", Asleep)
     save_plan(make_box(6.0, 6.0), "box.json")
-    assert main(["demo", "--map", "box.json"]) == 1
+    assert main(["demo", "--oracle", "--map", "box.json"]) == 1
     assert not json.loads(Path("demo.json").read_text())["reached"]
 
 

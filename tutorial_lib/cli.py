@@ -35,7 +35,7 @@ from tutorial_lib.experiments import (
     plans,
 )
 from tutorial_lib.experiments.demo import run_demo
-from tutorial_lib.experiments.demo_sight import drive_by_sight
+from tutorial_lib.experiments.demo_map import run_map_demo
 from tutorial_lib.experiments.report import Options, Report, parse_worlds
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
@@ -106,14 +106,16 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m tutorial_lib", description=__doc__)
     commands = parser.add_subparsers(dest="command", required=True)
     commands.add_parser("lab", help="open JupyterLab on the first notebook; arguments go to it")
-    demo = commands.add_parser("demo", help="drive once; leaves demo.webm, demo.png, demo.json")
+    demo = commands.add_parser(
+        "demo", help="navigate once by sight; leaves demo.webm, demo.png, demo.json"
+    )
     demo.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
     demo.add_argument("--family", choices=FAMILIES, default="apartment")
     demo.add_argument("--seed", type=int, default=0)
     demo.add_argument(
-        "--sight",
+        "--oracle",
         action="store_true",
-        help="no map and no pose: to a picture of the next room",
+        help="by a driver that knows the floor plan and its pose, not by sight",
     )
     demo.set_defaults(run=_demo)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
@@ -173,8 +175,8 @@ def _demo(options: argparse.Namespace) -> int:
         plan = import_map(options.map, seed=options.seed)
     else:
         plan = generate(options.family, options.seed)
-    drive = drive_by_sight if options.sight else run_demo
-    outcome = drive(plan, options.seed, Path.cwd())
+    run = run_demo if options.oracle else run_map_demo
+    outcome = run(plan, options.seed, Path.cwd())
     verdict = "reached the goal" if outcome.reached else "MISSED the goal"
     print(
         f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}: {verdict} after "

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.check import call, check, expect_close
 from tutorial_lib.checks.map_reuse import check_ahead_of, check_reusable
-from tutorial_lib.checks.map_sequences import check_ask_next, check_weakest_aligned
+from tutorial_lib.checks.map_search import check_ask_next
+from tutorial_lib.checks.map_sequences import check_weakest_aligned
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology import linking
 from tutorial_lib.viz.map_rules import table

@@ -1,4 +1,4 @@
-"""Checks of notebook 05: aligned sequences, and the search along trajectories."""
+"""The check of aligned sequences, in notebook 05."""
 
 from __future__ import annotations
 
@@ -9,17 +9,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.answers import called, explained, mask
+from tutorial_lib.checks.answers import called
 from tutorial_lib.checks.check import WrongAnswer, check, expect_close
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.vertices import Numbers
 from tutorial_lib.viz.map_rules import table
 from tutorial_lib.viz.panels import side_by_side
 
-_BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
 
-
-def _neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
+def neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
     """(V,) the vertex before and after each, -1 for none."""
     before, after = np.full((2, sum(map(len, trails))), -1)
     for trail in trails:
@@ -27,7 +25,8 @@ def _neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
     return before, after
 
 
-def _reach(anchors: int, vertices: int, seed: int) -> Array:
+def random_reach(anchors: int, vertices: int, seed: int) -> Array:
+    """RE (A, V), drawn."""
     return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
 
 
@@ -45,7 +44,7 @@ def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -
     for way in (-1, 1):
         columns = np.arange(least.shape[1])
         for step in range(way, way * (steps + 1), way):
-            columns = _stepped(columns, way, before, after)
+            columns = stepped(columns, way, before, after)
             rows = np.arange(max(0, -step), min(count, count - step))
             beside = np.asarray(reach)[np.ix_(rows + step, columns)]
             there = np.where(columns >= 0, beside, 1.0)
@@ -53,26 +52,26 @@ def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -
     return least
 
 
-def _stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Numbers:
+def stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Numbers:
     """The column one `step` of -1, 0 or 1 on along its trajectory; -1 beyond an end."""
     if not step:
         return columns
     return np.where(columns >= 0, (after if step > 0 else before)[columns], -1)
 
 
-_ONE, _TWO = _neighbours([0, 1, 2, 3, 4]), _neighbours([0, 1, 2], [3, 4, 5])
-_MIXED = _neighbours([4, 0, 6, 2], [1, 5, 3])
+_ONE, TWO = neighbours([0, 1, 2, 3, 4]), neighbours([0, 1, 2], [3, 4, 5])
+MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
 _ALIGNED = {
-    "one drive beside another": (_reach(5, 5, 1), *_ONE, 2),
-    "one anchor before and after": (_reach(5, 5, 2), *_ONE, 1),
-    "no neighbours": (_reach(4, 6, 3), *_TWO, 0),
-    "two drives on the map": (_reach(6, 6, 4), *_TWO, 2),
-    "vertices numbered in no order": (_reach(5, 7, 5), *_MIXED, 2),
-    "one anchor": (_reach(1, 7, 6), *_MIXED, 2),
+    "one drive beside another": (random_reach(5, 5, 1), *_ONE, 2),
+    "one anchor before and after": (random_reach(5, 5, 2), *_ONE, 1),
+    "no neighbours": (random_reach(4, 6, 3), *TWO, 0),
+    "two drives on the map": (random_reach(6, 6, 4), *TWO, 2),
+    "vertices numbered in no order": (random_reach(5, 7, 5), *MIXED, 2),
+    "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
 }
 
 
-@check(weakest_aligned, (_reach(4, 6, 7), *_TWO, 2))
+@check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
 def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """Six tables: longer and shorter sequences, several drives, numbers in no order."""
     answers = []
@@ -163,99 +162,3 @@ def _tables(got: object) -> NDArray[np.uint8]:
             pictures.append(table(least, least > 0.5, names=("a", "v")))
             titles.append(title)
     return side_by_side(pictures, titles, gap=24)
-
-
-def ask_next(told: Array, before: Numbers, after: Numbers, p_edge: float) -> NDArray[np.bool_]:
-    """(A, V) pairs that nobody asked about, beside one along their trajectories that is sure.
-
-    Args:
-        told: (A, V) RE, not a number where nobody asked.
-        before: (V,) the vertex before each on its trajectory, -1 for none.
-        after: (V,) the vertex after each.
-        p_edge: RE from which on a pair is sure.
-    """
-    return _asked(told, before, after, p_edge)
-
-
-def _asked(
-    told: Array, before: Numbers, after: Numbers, p_edge: float, fault: str = ""
-) -> NDArray[np.bool_]:
-    """The rule with a `fault`, if one is named."""
-    found = np.zeros(told.shape, dtype=bool)
-    sure = {"equal": told >= p_edge, "all": ~np.isnan(told), "unsure": told <= p_edge}.get(
-        fault, told > p_edge
-    )
-    pairs = {"diagonal": _BESIDE[:2], "across": _BESIDE[2:], "one way": _BESIDE[::2]}
-    steps = pairs.get(fault, _BESIDE)
-    if fault == "rows":
-        steps = (*_BESIDE, (1, 0), (-1, 0))
-    if fault == "crossed":
-        steps = ((1, -1), (-1, 1), *_BESIDE[2:])
-    rows, columns = np.nonzero(sure)
-    for along, across in steps:
-        beside = _stepped(columns, across, before, after)
-        if fault == "by number":
-            beside = columns + across
-        ahead = rows + along
-        exist = (ahead >= 0) & (ahead < len(told)) & (beside < told.shape[1])
-        if fault == "wraps":
-            exist = ahead < len(told)
-        else:
-            exist &= beside >= 0
-        found[ahead[exist], beside[exist]] = True
-    return found if fault == "again" else found & np.isnan(told)
-
-
-def _holes(reach: Array, share: float, seed: int) -> Array:
-    """RE of which a share was never asked about."""
-    rng = np.random.default_rng(seed)
-    return np.where(rng.random(reach.shape) < share, np.nan, reach)
-
-
-_FEW = np.full((5, 6), np.nan)
-_FEW[2, 1], _FEW[0, 4], _FEW[4, 5] = 0.95, 0.4, 0.9
-_SEARCHES = {
-    "three pairs known": (_FEW, *_TWO, 0.8),
-    "nothing known": (np.full((3, 6), np.nan), *_TWO, 0.8),
-    "everything known": (_reach(4, 6, 8), *_TWO, 0.5),
-    "RE equals p_edge": (np.where(_FEW == 0.95, 0.8, _FEW), *_TWO, 0.8),
-    "vertices numbered in no order": (_holes(_reach(6, 7, 9), 0.7, 10), *_MIXED, 0.6),
-    "a larger one": (_holes(_reach(9, 7, 11), 0.8, 12), *_MIXED, 0.5),
-}
-_MISSED = {
-    "ask about no pair twice: only where told is not a number": "again",
-    "only neighbours of pairs that are sure are worth it: told > p_edge": "all",
-    "the neighbours of pairs that are sure are worth it, not of the others": "unsure",
-    "greater than p_edge, not equal to it": "equal",
-    "the vertices before and after the same vertex, for the same anchor, are worth it, too": (
-        "diagonal"
-    ),
-    "when both move on by one they look alike again: ask about anchor +- 1 and the vertex after "
-    "or before": "across",
-    "look in both directions along the trajectories": "one way",
-    "the same vertex for the next anchor is none of the four neighbours": "rows",
-    "both move the same way: the next anchor and the vertex after": "crossed",
-    "the next vertex along a trajectory is after[v], not v + 1": "by number",
-    "-1 is no vertex, and no anchor; beyond an end there is nothing to ask": "wraps",
-}
-
-
-@check(ask_next, (_holes(_reach(6, 7, 13), 0.7, 14), *_MIXED, 0.6))
-def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Six tables: little known, nothing, everything, numbers in no order."""
-    answers = []
-    for name, case in _SEARCHES.items():
-        what = f"ask_next, {name}"
-        try:
-            got = called(student, *case)
-        except IndexError as error:
-            words = f"IndexError, {error}; beyond an end of a trajectory there is nothing to ask"
-            raise WrongAnswer(f"{what}: {words}") from None
-        answers.append(mask(what, got, case[0].shape))
-    right = [ask_next(*case) for case in _SEARCHES.values()]
-    titles = ("target", "yours")
-    both = [table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (right[0], answers[0])]
-    picture = side_by_side(both, titles, gap=30)
-    faults = {words: partial(_asked, fault=fault) for words, fault in _MISSED.items()}
-    explained("ask_next", _SEARCHES, answers, ask_next, faults, picture)
-    return picture

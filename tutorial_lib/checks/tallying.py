@@ -13,8 +13,8 @@ from tutorial_lib.checks.graphs import Graph, Vertex
 from tutorial_lib.checks.joining import GOAL, HERE, untouched
 from tutorial_lib.geometry import Array, relative
 
-_FALSE_FROM, _FALSE_TO = (-0.7, 12.9, -1.5), (-13.3, 10.0, -1.5)
-"""Poses in the notebook's building that look alike and are far apart."""
+_FALSE_FROM, _FALSE_TO = (-0.9, 7.3, -1.7), (-6.0, 1.0, 3.0)
+"""Poses in the notebook's building, with a corner and some vertices between them."""
 Trip = tuple[list[Vertex], int | None]
 """A way, and the place of it that could not be reached."""
 Tally = dict[tuple[Vertex, Vertex], tuple[int, int]]
@@ -22,7 +22,7 @@ Tally = dict[tuple[Vertex, Vertex], tuple[int, int]]
 
 
 def with_false_edge(graph: Graph, poses: Array, probability: float) -> Graph:
-    """A graph with an edge between two vertices that only look alike: the bug of the bug hunt.
+    """A graph with an edge that nobody can follow: the bug of the bug hunt.
 
     Args:
         graph: of the map of the notebook's building.

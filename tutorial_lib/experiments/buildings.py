@@ -102,12 +102,20 @@ def building(
     generated = not isinstance(place, Path)
     name = map_world(place, palette) if generated else place.name
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
+    return explored(name, scene, np.random.default_rng([seed, place if generated else 0]), count)
+
+
+def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLACES) -> Building:
+    """Choose places that cover a scene, and record a drive for each ordered pair of them.
+
+    Raises:
+        InputError: when the world is too small for so many places.
+    """
     paths = GridPaths(scene.clearance)
-    rng = np.random.default_rng([seed, place if generated else 0])
     places = spread_places(paths, count, rng)
     pairs = np.array(list(permutations(range(count), 2)))
     starts = facing(scene, paths, places, pairs)
-    drives = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], seed)
+    drives = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], 0)
     kept = [number for number, drive in enumerate(drives) if long_enough(drive)]
     if not kept:
         raise InputError(f"{name}: no drive between any two of {count} places; give a larger map")

@@ -1,4 +1,4 @@
-"""The demo: from one room to another past two people, on film."""
+"""The demo by an oracle: from one room to another past two people, on film."""
 
 from __future__ import annotations
 
@@ -42,7 +42,11 @@ _STANDING = 0.05  # m/s
 
 @dataclass(frozen=True)
 class Outcome:
-    """What `demo.json` holds; lengths in metres, times in seconds."""
+    """What `demo.json` holds; lengths in metres, times in seconds.
+
+    Of who has a map it tells the probability of the first plan, how often was planned, and how
+    large the map is.
+    """
 
     name: str
     plan: str
@@ -55,6 +59,10 @@ class Outcome:
     driven: float
     geodesic: float
     people: int
+    probability: float | None = None
+    plans: int | None = None
+    vertices: int | None = None
+    edges: int | None = None
     film: str = FILM
     strip: str = STRIP
 
@@ -119,7 +127,7 @@ def choose_places(
         InputError: when no two places are at least 3 m apart.
     """
     plan = scene.plan
-    doors = _doors_between(plan)
+    doors = doors_between(plan)
     away = min(ROOMS_AWAY, int(doors[np.isfinite(doors)].max()))
     pairs = np.argwhere(doors == away)
     best, best_length = None, _SHORTEST
@@ -196,7 +204,7 @@ def _title(plan: FloorPlan, rooms: tuple[str, str]) -> str:
     return f"{plan.family} map, {plan.area:.0f} square metres"
 
 
-def _doors_between(plan: FloorPlan) -> Array:
+def doors_between(plan: FloorPlan) -> Array:
     """(R, R) the least number of doors between every two rooms; inf where there is no way."""
     count = len(plan.rooms)
     doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
