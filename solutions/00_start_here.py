@@ -352,7 +352,7 @@ show(
 # %%
 film, told = navigate_once(home, seed=2, places=4)
 print(f"a map of {told.vertices} pictures and {told.edges} edges")
-print(f"from {told.rooms[0]} to {told.rooms[1]}, {told.rooms_away} doors away, {told.geodesic:.0f} m")
+print(f"{told.geodesic:.0f} m, {told.rooms_away} doors: from {told.rooms[0]} to {told.rooms[1]}")
 print(f"it gave itself {told.probability:.0%}; reached: {told.reached}, after {told.seconds:.0f} s")
 play([cv2.resize(film[i], (630, 380)) for i in range(0, len(film), 10)], 5, count=3)
 

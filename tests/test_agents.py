@@ -253,7 +253,6 @@ def test_who_knows_no_way_looks_around_for_one():
     assert not journey.given_up[0]
 
 
-@pytest.mark.xfail(strict=True, reason="who gave up looking around is turned on, and plans on")
 def test_who_has_given_up_stands_still():
     ways = Ways(Plan(refusal="no way leads from what is seen here to the goal"))
     journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])

@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.topology.comparison import searched, stepped, weakest_aligned
+from tutorial_lib.topology.comparison import laid_out, searched, weakest_aligned
 from tutorial_lib.topology.linking import MapSettings, ahead_of, outdated, reusable, weight
 from tutorial_lib.topology.retrieval import Index, likeness, most_alike
 from tutorial_lib.topology.shelf import Shelf, joined
@@ -191,14 +191,17 @@ def test_an_index_is_what_was_put_into_it():
 # Comparison: trajectories are columns in a row, and the row below counts anchors.
 
 
-def chains(lengths):
-    """The column before and after each, for trajectories of those lengths end to end."""
-    before, after = [], []
-    for length in lengths:
-        first = len(before)
-        before += [-1, *range(first, first + length - 1)] if length else []
-        after += [*range(first + 1, first + length), -1] if length else []
-    return np.array(before, dtype=int), np.array(after, dtype=int)
+def chains(lengths, reach=1):
+    """The columns around each, for trajectories of those lengths end to end."""
+    bounds = np.cumsum([0, *lengths])
+    trails = [list(range(*ends)) for ends in pairwise(bounds.tolist())]
+    owner = np.repeat(np.arange(len(lengths)), lengths)
+    return laid_out(trails, owner, np.arange(bounds[-1]) - bounds[owner], reach)
+
+
+def ends_of(lengths):
+    """The column before and after each."""
+    return chains(lengths)[:, [0, 2]].T
 
 
 @st.composite
@@ -207,94 +210,150 @@ def comparisons(draw):
     lengths = draw(st.lists(st.integers(1, 5), min_size=1, max_size=3))
     rows, rng = draw(st.integers(1, 6)), np.random.default_rng(draw(seeds))
     table = rng.random((rows, sum(lengths))) ** draw(st.sampled_from([0.05, 0.3, 1.0]))
-    return table, *chains(lengths)
+    return table, lengths, chains(lengths, draw(st.integers(1, 4)))
 
 
-def walk(column, step, before, after):
+@given(st.lists(st.integers(0, 6), max_size=4), st.integers(0, 4), seeds)
+def test_vertices_are_laid_out_along_the_trajectories_they_were_made_for(lengths, reach, seed):
+    # Of each trail, some vertices are its own and some are reused.
+    rng, trails, made = np.random.default_rng(seed), [], []
+    for number, length in enumerate(lengths):
+        trail = []
+        for place in range(length):
+            if made and rng.random() < 0.4:
+                trail.append(int(rng.integers(len(made))))
+            else:
+                trail.append(len(made))
+                made.append((number, place))
+        trails.append(trail)
+    trajectory, place = np.array(made, dtype=int).reshape(-1, 2).T
+    found = laid_out(trails, trajectory, place, reach)
+    assert found.shape == (len(made), 2 * reach + 1)
+    for v, (number, at) in enumerate(made):
+        for step in range(-reach, reach + 1):
+            exists = 0 <= at + step < len(trails[number])
+            wanted = trails[number][at + step] if exists else -1
+            assert found[v, reach + step] == wanted
+    assert (found[:, reach] == np.arange(len(made))).all()
+
+
+def walk(column, step, along):
     """The column `step` on along its trajectory, or None."""
-    for _ in range(abs(step)):
-        column = (after if step > 0 else before)[column]
-        if column < 0:
-            return None
-    return column
+    other = along[column, along.shape[1] // 2 + step]
+    return None if other < 0 else int(other)
 
 
-@given(comparisons(), st.integers(0, 3))
-def test_the_weakest_of_aligned_pairs_counts(drawn, reach):
-    table, before, after = drawn
-    found = weakest_aligned(table, before, after, reach)
-    for row in range(table.shape[0]):
-        for column in range(table.shape[1]):
-            aligned = [
-                table[row + step, other]
-                for step in range(-reach, reach + 1)
-                if 0 <= row + step < len(table)
-                and (other := walk(column, step, before, after)) is not None
-            ]
-            assert found[row, column] == min(aligned)
+def aligned(table, along, row, column, reach):
+    """Pairs around a pair, along both."""
+    return [
+        (row + step, other)
+        for step in range(-reach, reach + 1)
+        if 0 <= row + step < len(table) and (other := walk(column, step, along)) is not None
+    ]
 
 
-def test_who_was_not_asked_about_is_out_of_reach():
-    before, after = chains([3])
-    told = np.full((3, 3), 0.9)
-    told[0, 0] = np.nan
-    weakest = weakest_aligned(told, before, after, 1)
-    assert weakest[0, 0] == 0.0
-    assert weakest[1, 1] == 0.0
-    assert weakest[2, 2] == 0.9
-    assert np.isnan(told[0, 0])
+class Asked:
+    """Tells RE from a table, and nothing twice."""
+
+    def __init__(self, table):
+        self.table, self.pairs = table, set()
+
+    def __call__(self, rows, columns):
+        pairs = set(zip(rows.tolist(), columns.tolist(), strict=True))
+        assert len(pairs) == len(rows)
+        assert not pairs & self.pairs
+        self.pairs |= pairs
+        return self.table[rows, columns]
+
+
+@given(comparisons(), st.data(), st.sampled_from([0.0, 0.3, 1.0]), seeds)
+def test_the_weakest_of_aligned_pairs_counts(drawn, data, known, seed):
+    table, _, along = drawn
+    reach = data.draw(st.integers(0, along.shape[1] // 2))
+    least = data.draw(st.sampled_from([0.2, 0.8]))
+    told = np.where(np.random.default_rng(seed).random(table.shape) < known, table, np.nan)
+    before, ask = told.copy(), Asked(table)
+    found = weakest_aligned(ask, told, along, reach, least)
+    worth = set()
+    for row, column in np.ndindex(table.shape):
+        pairs = aligned(table, along, row, column, reach)
+        most = min(table[pair] for pair in pairs)
+        if np.isnan(before[row, column]):
+            assert found[row, column] == 0.0
+        elif most > least:
+            assert found[row, column] == most
+        else:
+            assert most <= found[row, column] <= min(least, table[row, column])
+        if before[row, column] > least:
+            worth.update(pairs)
+            if most > least:
+                assert not np.isnan([told[pair] for pair in pairs]).any()
+    # What is missing around what is good enough is asked, and put in; all else stays.
+    assert {pair for pair in ask.pairs if not np.isnan(before[pair])} == set()
+    assert ask.pairs <= worth
+    wanted = before.copy()
+    for pair in ask.pairs:
+        wanted[pair] = table[pair]
+    assert np.array_equal(told, wanted, equal_nan=True)
+
+
+def test_aligned_pairs_that_nobody_asked_about_are_asked():
+    told, ask = np.full((3, 3), np.nan), Asked(np.full((3, 3), 0.8))
+    told[1, 1] = 0.9
+    weakest = weakest_aligned(ask, told, chains([3]), 1, 0.7)
+    assert ask.pairs == {(0, 0), (2, 2)}
+    assert told[0, 0] == told[2, 2] == weakest[1, 1] == 0.8
+    # These were no pairs to begin with.
+    assert weakest[0, 0] == weakest[2, 2] == 0.0
+    assert np.isnan(told).sum() == 6
+
+
+def test_a_sequence_that_is_broken_already_is_not_asked_about():
+    told, ask = np.full((5, 5), np.nan), Asked(np.full((5, 5), 0.1))
+    told[2, 2] = 0.9
+    assert weakest_aligned(ask, told, chains([5], 2), 2, 0.7)[2, 2] == pytest.approx(0.1)
+    assert len(ask.pairs) == 1
+    assert max(abs(row - 2) for row, _ in ask.pairs) == 1
+    told = np.full((5, 5), 0.7)  # not more
+    assert (weakest_aligned(None, told, chains([5], 2), 0, 0.7) == 0.7).all()
 
 
 @given(comparisons(), seeds)
 def test_a_search_asks_about_what_is_beside_a_yes_and_nothing_else(drawn, seed):
-    table, before, after = drawn
-    begin = np.random.default_rng(seed).random(table.shape) < 0.3
-    asked = []
-
-    def ask(rows, columns):
-        asked.extend(zip(rows.tolist(), columns.tolist(), strict=True))
-        return table[rows, columns]
-
-    told = searched(ask, begin.copy(), before, after, 0.8)
-    assert len(asked) == len(set(asked))  # nothing twice
+    table, _, along = drawn
+    rng = np.random.default_rng(seed)
+    begin, worth = rng.random(table.shape) < 0.3, rng.random(table.shape) < 0.8
+    ask = Asked(table)
+    told = searched(ask, begin.copy(), worth, along, 0.8)
     wanted, todo = set(), list(zip(*np.nonzero(begin), strict=True))
     while todo:
         row, column = todo.pop()
-        if (row, column) in wanted:
+        if (row, column) in wanted or not worth[row, column]:
             continue
         wanted.add((row, column))
         if table[row, column] > 0.8:
-            for along, across in ((1, 1), (-1, -1), (0, 1), (0, -1)):
-                other = walk(column, across, before, after)
-                if other is not None and 0 <= row + along < len(table):
-                    todo.append((row + along, other))
-    assert set(asked) == {(int(row), int(column)) for row, column in wanted}
+            for step, across in ((1, 1), (-1, -1), (0, 1), (0, -1)):
+                other = walk(column, across, along)
+                if other is not None and 0 <= row + step < len(table):
+                    todo.append((row + step, other))
+    assert ask.pairs == {(int(row), int(column)) for row, column in wanted}
     known = ~np.isnan(told)
     assert known.sum() == len(wanted)
     assert (told[known] == table[known]).all()
 
 
 def test_a_search_does_not_cross_the_end_of_a_trajectory():
-    before, after = chains([2, 2])
-    begin = np.zeros((4, 4), dtype=bool)
+    begin, worth = np.zeros((4, 4), dtype=bool), np.ones((4, 4), dtype=bool)
     begin[1, 1] = True
-    told = searched(lambda rows, columns: np.ones(len(rows)), begin, before, after, 0.5)
+    told = searched(lambda rows, columns: np.ones(len(rows)), begin, worth, chains([2, 2]), 0.5)
     assert np.isnan(told[:, 2:]).all()
     assert not np.isnan(told[:3, :2]).all()
 
 
 def test_a_search_without_seeds_asks_nothing():
-    before, after = chains([3])
-    told = searched(None, np.zeros((2, 3), dtype=bool), before, after, 0.5)
-    assert np.isnan(told).all()
-
-
-def test_steps_end_where_trajectories_do():
-    before, after = chains([2, 1])
-    columns = np.array([0, 1, 2, -1])
-    assert stepped(columns, 1, before, after).tolist() == [1, -1, -1, -1]
-    assert stepped(columns, -1, before, after).tolist() == [-1, 0, -1, -1]
-    assert stepped(columns, 0, before, after).tolist() == [0, 1, 2, -1]
+    pairs = np.zeros((2, 3), dtype=bool)
+    assert np.isnan(searched(None, pairs, ~pairs, chains([3]), 0.5)).all()
+    assert np.isnan(searched(None, ~pairs, pairs, chains([3]), 0.5)).all()
 
 
 # Linking.
@@ -347,14 +406,15 @@ def gone_by_the_book(seen, unseen, before, after, reach):
 
 @given(comparisons(), st.integers(0, 3))
 def test_what_was_passed_and_not_seen_is_outdated(drawn, reach):
-    table, before, after = drawn
+    table, lengths, _ = drawn
+    before, after = ends_of(lengths)
     seen, unseen = table > 0.7, table < 0.4
     found = outdated(seen, unseen, before, after, reach).tolist()
     assert found == gone_by_the_book(seen, unseen, before, after, reach)
 
 
 def test_outdated_takes_what_is_before_first():
-    before, after = chains([3])
+    before, after = ends_of([3])
     forwards = np.array([[True, False, False], [False, False, True]])
     backwards = forwards[::-1]
     assert outdated(forwards, ~forwards, before, after, 2).tolist() == [1]
@@ -393,3 +453,7 @@ def test_what_never_happens_has_a_finite_weight():
 def test_settings_that_make_no_sense_are_refused(values, words):
     with pytest.raises(InputError, match=f"map: {words}"):
         MapSettings(**values)
+
+
+def test_the_defaults_are_those_of_the_map():
+    assert MapSettings() == MapSettings(0.99, 0.95, 2, 12, 0.1)

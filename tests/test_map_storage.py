@@ -289,31 +289,50 @@ def test_a_graph_that_makes_no_sense_is_named(path, name, value, words):
     assert refused(path, words)
 
 
-@pytest.mark.xfail(strict=True, reason="only a graph's edges are checked, and not how probable")
 @pytest.mark.parametrize(
-    ("name", "value"),
+    ("name", "value", "words"),
     [
-        ("trails", []),
-        ("trails", [[0, 1, 99]]),
-        ("trails", [[0, 1, 2]]),
-        ("edges", [[0, 1, 7.5, 1]]),
-        ("edges", [[0, 1, float("nan"), 1]]),
+        ("trails", [], "damaged"),
+        ("trails", [[0, 1, 99]], "vertex 0 is not where its trajectory has it"),
+        ("trails", [[0, 1, 2]], "damaged"),
+        ("edges", [[0, 1, 7.5, 1]], "edge 0 to 1: probability 7.5"),
+        ("edges", [[0, 1, -0.1, 1]], "edge 0 to 1: probability -0.1"),
+        ("edges", [[0, 1, float("nan"), 1]], "edge 0 to 1: probability nan"),
     ],
 )
-def test_a_graph_that_does_not_fit_its_arrays_is_named(path, name, value):
+def test_a_graph_that_does_not_fit_its_arrays_is_named(path, name, value, words):
     graph, _ = saved(path)
     path.write_text(json.dumps({**graph, name: value}))
-    assert refused(path, "")
+    assert refused(path, words)
 
 
-@pytest.mark.xfail(
-    strict=True, raises=(TypeError, ValueError), reason="the name of the arrays is not checked"
-)
-@pytest.mark.parametrize("name", [5, "", None, "../flat.npz"])
+@pytest.mark.parametrize("turned", [0, 1])
+def test_a_trail_in_another_order_is_named(path, turned):
+    graph, _ = saved(path)
+    graph["trails"][turned].reverse()
+    path.write_text(json.dumps(graph))
+    assert refused(path, "is not where its trajectory has it")
+
+
+@pytest.mark.xfail(strict=True, reason="only trails for which a vertex was made are checked")
+def test_a_trail_of_reused_vertices_only_is_checked_too(path):
+    graph, _ = saved(path)
+    path.write_text(json.dumps({**graph, "trails": [*graph["trails"], [99]]}))
+    assert refused(path, "99")
+
+
+@pytest.mark.parametrize("name", [5, "", None, [], ".", "../flat.npz", "/flat.npz"])
 def test_arrays_with_an_impossible_name_are_named(path, name):
     graph, _ = saved(path)
     path.write_text(json.dumps({**graph, "arrays": name}))
-    assert str(path) in outcome(path)
+    assert refused(path, f"arrays: {name!r} is not the name of a file beside it")
+
+
+@pytest.mark.parametrize("name", ["..", "flat.json", "a\0b", "elsewhere.npz"])
+def test_a_name_of_no_arrays_is_named(path, name):
+    graph, _ = saved(path)
+    path.write_text(json.dumps({**graph, "arrays": name}))
+    assert refused(path, "missing or damaged")
 
 
 def test_a_reachability_that_cannot_prepare_the_pictures_is_no_damage(path):

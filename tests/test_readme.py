@@ -1,8 +1,12 @@
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+
+from tutorial_lib.experiments.systems import custom
+from tutorial_lib.topology.planner import Plan
 
 HERE = Path(__file__).parent.parent
 README = (HERE / "README.md").read_text(encoding="utf-8")
@@ -143,12 +147,25 @@ def test_the_speed_of_control_is_that_of_the_results():
 
 
 def test_the_examples_run(capsys):
-    first, second = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    first, second, _ = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     names = {}
     exec(first, names)
     assert "[ True]" in capsys.readouterr().out
     exec(second, names)
     assert "m from the target" in capsys.readouterr().out
+
+
+def test_the_planner_of_ones_own_is_raced(tmp_path):
+    *_, planner = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    assert planner.count("\n") < 30
+    (tmp_path / "my_planner.py").write_text(planner)
+    agent = custom(f"{tmp_path / 'my_planner.py'}:Doubtful")
+    usual = Plan((1, 2), 0, (0.99, 0.99, 0.8))
+    agent.planner.usual = SimpleNamespace(plan=lambda *arguments: usual)
+    assert agent.planner.plan(None, None, None).refusal
+    agent.planner.usual = SimpleNamespace(plan=lambda *arguments: Plan((), 0, (0.95,)))
+    assert not agent.planner.plan(None, None, None).refusal
+    assert "--agent my_planner.py:Doubtful" in README
 
 
 def test_every_picture_and_page_that_is_linked_is_there():

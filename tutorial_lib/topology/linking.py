@@ -122,4 +122,4 @@ def weight(probability: ArrayLike) -> Array:
     >>> weight([1.0, 0.5]).round(2).tolist()
     [0.0, 0.69]
     """
-    return -np.log(np.maximum(probability, _NEVER))
+    return 0.0 - np.log(np.maximum(probability, _NEVER))
