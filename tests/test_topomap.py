@@ -23,7 +23,7 @@ from made_up_maps import (
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Reachability
 from tutorial_lib.topology.anchors import Anchors, anchors_of
-from tutorial_lib.topology.insertion import Insertion, add_trajectory
+from tutorial_lib.topology.insertion import add_trajectory
 from tutorial_lib.topology.linking import MapSettings
 from tutorial_lib.topology.planner import DijkstraPlanner, Goals
 from tutorial_lib.topology.topomap import TopoMap
@@ -254,39 +254,38 @@ def beside(known, *good):
         table[a, b] = YES
     topomap = TopoMap(Table(table), MapSettings(p_edge=1.0, sequence=0))
     add_trajectory(topomap, anchors(range(known)))
-    return topomap, table
+    return topomap
 
 
 def test_the_first_and_the_last_anchor_are_reused_too():
     # From 6 to 1 and on to 7; from 7 to 3 and on to 8; from 3 to 4 and on to 8.
-    topomap, _ = beside(5, (6, 1), (1, 7), (1, 3), (3, 8), (4, 8))
+    topomap = beside(5, (6, 1), (1, 7), (1, 3), (3, 8), (4, 8))
     added = add_trajectory(topomap, anchors([6, 7, 8]))
     assert added.trail.tolist() == [1, 3, 4]
     assert added.reused.all()
     assert topomap.trails == [[0, 1, 2, 3, 4], [1, 3, 4]]
 
 
-@pytest.mark.parametrize("missing", [(6, 1), (1, 7)])
-def test_the_first_anchor_comes_before_itself(missing):
-    topomap, _ = beside(5, (6, 1), (1, 7))
-    table = topomap.vertices.reachability.table
-    assert Insertion(topomap, anchors([6, 7, 8]))._reuse()[0].tolist() == [1, -1, -1]
-    table[missing] = 0.9  # p_reuse is 0.95
-    assert not Insertion(topomap, anchors([6, 7, 8]))._reuse()[1].any()
-
-
-@pytest.mark.parametrize("missing", [(7, 1), (1, 8)])
-def test_the_last_anchor_comes_after_itself(missing):
-    topomap, _ = beside(5, (7, 1), (1, 8))
-    table = topomap.vertices.reachability.table
-    assert Insertion(topomap, anchors([6, 7, 8]))._reuse()[0].tolist() == [-1, -1, 1]
-    table[missing] = 0.9
-    assert not Insertion(topomap, anchors([6, 7, 8]))._reuse()[1].any()
+@pytest.mark.parametrize(
+    ("good", "trail"),
+    [
+        # The first anchor comes before itself, and the last after itself.
+        (((6, 1), (1, 7)), [1, -1, -1]),
+        (((6, 1),), [-1, -1, -1]),
+        (((1, 7),), [-1, -1, -1]),
+        (((7, 1), (1, 8)), [-1, -1, 1]),
+        (((7, 1),), [-1, -1, -1]),
+        (((1, 8),), [-1, -1, -1]),
+    ],
+)
+def test_one_end_alone_is_reused_if_it_is_met_both_ways(good, trail):
+    added = add_trajectory(beside(5, *good), anchors([6, 7, 8]))
+    assert np.where(added.reused, added.trail, -1).tolist() == trail
 
 
 def test_what_was_reused_before_counts_and_not_what_the_anchor_could_reach():
     # Anchor 6 is vertex 1 by now, from which 2 is reached; anchor 6 itself reached 3 only.
-    topomap, _ = beside(5, (6, 1), (1, 7), (2, 8), (6, 3), (3, 8))
+    topomap = beside(5, (6, 1), (1, 7), (2, 8), (6, 3), (3, 8))
     added = add_trajectory(topomap, anchors([6, 7, 8, 9]))
     assert added.trail[:2].tolist() == [1, 2]
 

@@ -160,9 +160,12 @@ def _topomap(
             seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
         )
         found.trails = [[int(vertex) for vertex in trail] for trail in graph["trails"]]
+        for number, trail in enumerate(found.trails):
+            if not {*trail} <= {*found.graph}:
+                raise InputError(f"trajectory {number} leads over vertices that are not there")
         for vertex in found.alive:
             trail, place = found.trail_of(int(vertex))
-            if place < 0 or trail[place] != vertex or not {*trail} <= {*found.graph}:
+            if place < 0 or trail[place] != vertex:
                 raise InputError(f"vertex {vertex} is not where its trajectory has it")
         for source, target, probability, driven in graph["edges"]:
             if source not in found.graph or target not in found.graph:

@@ -61,17 +61,18 @@ class Vertices:
             InputError: when the estimator makes something else of them.
         """
         prepared = self.reachability.prepare(contexts)
+        kind, count = type(prepared).__name__, len(contexts)
         try:
-            count = len(prepared[np.arange(len(contexts))])
+            made = len(prepared)
+            if made == count:
+                prepared[np.arange(count)]
         except (TypeError, IndexError, KeyError) as error:
             raise InputError(
-                f"reachability: prepared a {type(prepared).__name__} of {len(contexts)} targets, "
-                "from which an array of numbers cannot select; give an array"
+                f"reachability: prepared a {kind} of {count} targets, from which an array of "
+                "numbers cannot select; give an array"
             ) from error
-        if not count == len(prepared) == len(contexts):
-            raise InputError(
-                f"reachability: prepared {len(prepared)} of {len(contexts)} targets; give all"
-            )
+        if made != count:
+            raise InputError(f"reachability: prepared {made} of {count} targets; give all")
         return prepared
 
     def between(self, sources: ArrayLike, targets: ArrayLike) -> Array:
