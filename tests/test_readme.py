@@ -173,3 +173,24 @@ def test_every_picture_and_page_that_is_linked_is_there():
     assert links
     for link in links:
         assert (HERE / link).exists(), link
+
+
+@pytest.mark.parametrize("world", range(20_000, 20_005))
+def test_the_table_of_navigation_is_that_of_the_results(world):
+    found = {row["method"]: row for row in rows_of("meng_table2") if row["world"] == world}
+    label = f"{found['meng']['family']} {world}, {found['meng']['area']} m²"
+    expected = []
+    for name in ("meng", "sptm"):
+        row = found[name]
+        expected += [f"{row['success']:.1%}", f"{row['vertices']:,} / {row['edges']:,}"]
+    expected += [f"{found[name]['success']:.1%}" for name in ("random", "oracle")]
+    assert cells_of(label) == expected
+
+
+def test_what_is_said_of_navigation_is_that_of_the_results():
+    notes = json.loads((RESULTS / "meng_table2.json").read_text())["notes"]
+    told = dict(note.split(": ", 1) for note in notes)
+    for name, words in (("meng", "Meng"), ("sptm", "SPTM")):
+        assert f"{told[f'{name}, all worlds'].split()[0]} for {words}" in README
+    assert f"a difference of {told['meng - sptm']}" in README
+    assert f"{told['meng'].split()[0]} of Meng's edges are no wormholes" in README

@@ -161,8 +161,9 @@ def _topomap(
         )
         found.trails = [[int(vertex) for vertex in trail] for trail in graph["trails"]]
         for number, trail in enumerate(found.trails):
-            if not {*trail} <= {*found.graph}:
-                raise InputError(f"trajectory {number} leads over vertices that are not there")
+            gone = sorted({*trail} - {*found.graph})
+            if gone:
+                raise InputError(f"trajectory {number} leads over {gone}, which are not there")
         for vertex in found.alive:
             trail, place = found.trail_of(int(vertex))
             if place < 0 or trail[place] != vertex:
@@ -173,6 +174,8 @@ def _topomap(
             if not 0.0 <= probability <= 1.0:
                 raise InputError(f"edge {source} to {target}: probability {probability}")
             found.connect(source, target, probability, driven)
+    except InputError:
+        raise
     except (TypeError, ValueError, KeyError, IndexError) as error:
         raise InputError(f"damaged ({error!r})") from error
     return found
