@@ -272,7 +272,7 @@ def test_arrays_that_would_run_something_are_not_read(path):
         ("edges", [[-1, 0, 0.9, 0]], "edge -1 to 0; the map has"),
         ("edges", [[0, 1, 0.9]], "damaged"),
         ("edges", [[0, 1, "likely", 1]], "damaged"),
-        ("edges", [[[0], 1, 0.9, 1]], "damaged"),
+        ("edges", [[[0], 1, 0.9, 1]], "edge [0] to 1; the map has"),
         ("edges", 5, "damaged"),
         ("trails", 5, "damaged"),
         ("trails", [["a"]], "damaged"),
