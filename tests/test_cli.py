@@ -99,6 +99,11 @@ def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
         (["experiment", "meng_fig6", "--map", "small.json"], "--map: meng_fig6 runs on"),
         (["experiment", "meng_fig7", "--map", "small.json"], "--map: meng_fig7 runs on"),
         (["bench", "reachability", "--seed", "-1"], "--seed"),
+        (["experiment", "plans", "--palette", "shifted"], "--palette: only for"),
+        (["experiment", "meng_fig9", "--agent", "x.py:A"], "meng_fig9 has no agents"),
+        (["experiment", "meng_table2", "--agent", "x.py:A"], "there is no file x.py"),
+        (["experiment", "meng_table2", "--agent", "x.py"], "give FILE.py:CLASS"),
+        (["experiment", "meng_table2", "--ablation", "rows"], "meng_table2 has thresholds"),
     ],
 )
 def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
@@ -127,7 +132,7 @@ def test_worlds_that_are_no_range_are_refused(capsys, text):
         (["train", "reachability", "--k", "7"], "--k"),
         (["train", "reachability"], "--k"),
         (["train", "wisdom", "--k", "2"], "wisdom"),
-        (["experiment", "meng_fig8"], "meng_fig7"),
+        (["experiment", "meng_fig99"], "meng_fig7"),
         (["experiment", "calibration", "--ablation", "temperature"], "audit"),
         (["bench", "reachability", "--map", "small.json"], "--map"),
         (["bench", "reachability", "--ablation", "audit"], "--ablation"),

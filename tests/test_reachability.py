@@ -167,7 +167,7 @@ def test_recorded_frames_are_encoded_once_each(recorded, monkeypatch):
     assert encoded(estimator, recorded, frames).encoded.numpy() == pytest.approx(
         alone.numpy(), **CLOSE
     )
-    assert counts["targets"] == [3]
+    assert counts["targets"] == [3 * 5]  # pictures
 
 
 # Shipped with a calibration.
@@ -233,7 +233,8 @@ def test_each_view_and_each_target_is_encoded_once_for_all_pairs(recorded, monke
     counts = counted(estimator, monkeypatch)
     rows, columns = (pairs.ravel() for pairs in np.indices((6, 6)))
     all_logits(estimator, recorded, recorded.poses[FRAMES[rows]], SHOWN[columns])
-    assert sum(counts["current"]) == sum(counts["targets"]) == 6
+    assert sum(counts["current"]) == 6
+    assert sum(counts["targets"]) == 6 * (2 * estimator.architecture.k + 1)  # pictures
 
 
 @pytest.fixture(scope="module")
