@@ -79,6 +79,12 @@ class Trials:
     def __len__(self) -> int:
         return len(self.starts)
 
+    def some(self, numbers: NDArray[np.intp]) -> Trials:
+        """The trials of those numbers (M,)."""
+        parts = (self.pairs, self.starts, self.goals, self.seconds)
+        pairs, starts, goals, seconds = (part[numbers] for part in parts)
+        return Trials(pairs, starts, self.recorded, goals, seconds)
+
     @property
     def goal_poses(self) -> Array:
         """(N, 3) where the goals' pictures were taken."""

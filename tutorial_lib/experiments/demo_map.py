@@ -116,15 +116,8 @@ def farthest(house: Building, asked: Trials) -> tuple[Trials, tuple[str, str], i
     if not len(asked):
         raise InputError(f"demo: no way between places of {plan.family}; give a larger map")
     best = int(np.lexsort((-asked.seconds, np.abs(doors - ROOMS_AWAY)))[0])
-    some = Trials(
-        asked.pairs[[best]],
-        asked.starts[[best]],
-        asked.recorded,
-        asked.goals[[best]],
-        asked.seconds[[best]],
-    )
     kinds = tuple(plan.rooms[int(number)].kind for number in room[:, best])
-    return some, (kinds[0], kinds[1]), int(doors[best])
+    return asked.some(np.array([best])), (kinds[0], kinds[1]), int(doors[best])
 
 
 def view_of(house: Building, topomap: TopoMap, poses: Array) -> PlanView:

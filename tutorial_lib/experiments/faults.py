@@ -54,7 +54,7 @@ def suffer(world: int, options: Options) -> dict[str, dict[str, Array]]:
     asked = trials(house, 3 * count, np.random.default_rng([options.seed, world, 2]))
     view = VIEWS["camera16"]
     people, kept, detours = blockades(house, asked, count)
-    blocked = some(asked, kept, 2 * detours)
+    blocked = replace(asked.some(kept), seconds=2 * detours)
     journey = agent.set_out(goals_of(blocked, view, K))
     outcome = navigate(house, blocked, lambda _: journey, people)
     free = navigate(house, blocked, lambda _: agent.set_out(goals_of(blocked, view, K)))
@@ -62,7 +62,7 @@ def suffer(world: int, options: Options) -> dict[str, dict[str, Array]]:
     strange = goals_of(
         trials(there, count, np.random.default_rng([options.seed, world, 3])), view, K
     )
-    own = some(asked, np.arange(min(count, len(asked))), asked.seconds)
+    own = asked.some(np.arange(min(count, len(asked))))
     seen = Simulation(house.scene, own.starts).observe()
     found = {
         "none": {"reached": free.there, "plans": np.ones(len(kept))},
@@ -134,18 +134,6 @@ def _across(house: Building, track: Array) -> Array | None:
     row = np.concatenate(places)
     order = np.argsort((row - [x, y]) @ side)
     return row[order][::2] if len(row) > 2 else row
-
-
-def some(asked: Trials, numbers: NDArray[np.intp], seconds: Array) -> Trials:
-    """Some of the trials, with other times that the oracle is taken to need, (M,) or (N,)."""
-    seconds = seconds if len(seconds) == len(numbers) else seconds[numbers]
-    return Trials(
-        asked.pairs[numbers],
-        asked.starts[numbers],
-        asked.recorded,
-        asked.goals[numbers],
-        seconds,
-    )
 
 
 def _row(fault: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
