@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import make_box, needs
+from conftest import in_turn, make_box, needs
 
 from tutorial_lib.agents.agent import Agent, Experience, Journey
 from tutorial_lib.agents.meng import MengAgent
@@ -558,11 +558,11 @@ def test_what_is_guarded_is_told_and_what_works_is_returned(own):
 
 
 def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsys):
-    def never(*_):
+    def never(*_, **__):
         raise AssertionError("it was driven")
 
     monkeypatch.setattr(meng_table2, "building", never)
-    monkeypatch.setattr(meng_table2, "Parallel", never)
+    monkeypatch.setattr(meng_table2, "side_by_side", never)
     for where in ("nowhere.py:Mine", own("class Mine\n")):
         assert main(["experiment", "meng_table2", "--quick", "--agent", where]) == 2
         told = capsys.readouterr().err
@@ -580,9 +580,7 @@ def test_a_race_is_run_by_all_on_the_same_trials(plan, own, monkeypatch):
     monkeypatch.setattr(meng_table2, "QUICK_PLACES", 3)
     monkeypatch.setattr(meng_table2, "QUICK_TRIALS", 4)
     monkeypatch.setattr(navigation, "GRACE", 1.0)
-    monkeypatch.setattr(
-        meng_table2, "Parallel", lambda **_: lambda jobs: (f(*a, **k) for f, a, k in jobs)
-    )
+    monkeypatch.setattr(meng_table2, "side_by_side", in_turn)
     report = meng_table2.run(Options(quick=True, map=plan, agent=own(WHOLE)))
     rows = {row["method"]: row for row in report.rows}
     assert list(rows) == ["meng", "sptm", "random", "oracle", "custom"]

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments.courses import attempt, clean_course, worlds_of
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.pilots import by_waypoints
 from tutorial_lib.learning.recipes import WORK, Recipe, record_for, train_local
@@ -67,11 +67,8 @@ def run(options: Options) -> Report:
         variants = [_quickly(recipe) for recipe in variants]
     record_for(max(variants, key=lambda recipe: recipe.worlds), WORK)
     trained = Parallel(n_jobs=2)(delayed(_train)(recipe) for recipe in variants)
-    jobs = Parallel(n_jobs=-1, return_as="generator")(
-        delayed(_race)([network for network, _ in trained], world, count, options.seed)
-        for world in worlds
-    )
-    parts = list(tqdm(jobs, total=len(worlds), desc="ablation", disable=None))
+    predictors = [network for network, _ in trained]
+    parts = side_by_side(_race, worlds, predictors, count, options.seed, label="ablation")
     where = np.repeat(np.arange(len(worlds)), count)
     outcomes = [np.concatenate(found) for found in zip(*parts, strict=True)]
     rows: list[dict[str, Any]] = []
@@ -113,9 +110,8 @@ def _train(recipe: Recipe) -> tuple[WaypointNetwork, Any]:
     return WaypointNetwork(network), card
 
 
-def _race(predictors: list[WaypointNetwork], world: int, count: int, seed: int) -> list[Array]:
+def _race(world: int, predictors: list[WaypointNetwork], count: int, seed: int) -> list[Array]:
     """Whether each variant reached each target of one world."""
-    use_threads(1)
     course = clean_course(world, count, seed)
     return [
         attempt(course, by_waypoints(p), Sensors(camera=p.view.camera))["reached"]

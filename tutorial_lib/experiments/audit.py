@@ -7,16 +7,15 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.driving.errands import draw_errands
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.outcomes import run_errands
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.pilots import by_waypoints
 from tutorial_lib.learning.recipes import WORK, recorded_drives
 from tutorial_lib.world.worlds import training_world
@@ -35,9 +34,7 @@ def run(options: Options) -> Report:
     worlds = options.worlds or WORLDS
     count = _QUICK_ERRANDS if options.quick else ERRANDS
     recorded_drives([training_world(world) for world in worlds], _CARS, WORK)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(chances)(world, count, options.seed) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="audit", disable=None))
+    parts = side_by_side(chances, worlds, count, options.seed, label="audit")
     geodesic, reached = (np.concatenate(column) for column in zip(*parts, strict=True))
     where = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
     rows: list[dict[str, Any]] = []
@@ -56,7 +53,6 @@ def run(options: Options) -> Report:
 
 def chances(world: int, count: int, seed: int) -> tuple[Array, Array]:
     """Metres (N,) to hopeless targets of one training world, and whether they were reached (N,)."""
-    use_threads(1)  # the worlds are run side by side
     rng = np.random.default_rng([seed, world])
     (recorded,) = recorded_drives([training_world(world)], _CARS, WORK)
     errands = draw_errands(recorded, GridPaths(recorded.scene.clearance), 2 * count, rng)

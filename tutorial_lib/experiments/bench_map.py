@@ -25,7 +25,6 @@ from tutorial_lib.world.simulation import Simulation
 
 WORLD = 20_000
 SIZES, QUICK_SIZES = (100, 300, 1_000, 3_000, 10_000), (100, 300)
-THREADS = 2
 _EVERYONE = 10**9
 _SOME = 4  # trajectories that are timed at each size
 _PLANS = 12
@@ -34,23 +33,26 @@ _PLANS = 12
 def run(options: Options) -> Report:
     """Build one building's map both ways; then let a map without reuse grow over many worlds."""
     begun = time.perf_counter()
-    use_threads(THREADS)
+    use_threads(1)  # a few pictures at a time are too little work to be shared
     first = (options.worlds or (WORLD,))[0]
-    rows, notes = building_map(first, options)
-    rows += growing_map(first, options)
+    house = building(first, options.seed, 5 if options.quick else PLACES)
+    rows, notes = building_map(house, MapSettings(), "one building")
+    more = building_map(house, MapSettings(p_reuse=1.0), "one building, no reuse")
+    rows, notes = rows + more[0] + growing_map(first, options), notes + more[1]
     took = time.perf_counter() - begun
     return Report("map", options.seed, (first,), options.quick, took, rows, tuple(notes))
 
 
-def building_map(world: int, options: Options) -> tuple[list[dict[str, Any]], list[str]]:
+def building_map(
+    house: Building, settings: MapSettings, name: str
+) -> tuple[list[dict[str, Any]], list[str]]:
     """The map of one building by index, and by asking about every pair."""
-    house = building(world, options.seed, 5 if options.quick else PLACES)
     begun = time.perf_counter()
     drives = list(sparsified(house))
     sparsifying = time.perf_counter() - begun
     rows, edges, each = [], {}, {}
     for method, candidates in (("indexed", None), ("exhaustive", _EVERYONE)):
-        topomap = TopoMap(systems.meng().reachability, MapSettings())
+        topomap = TopoMap(systems.meng().reachability, settings)
         times = []
         for anchors in drives:
             begun = time.perf_counter()
@@ -60,7 +62,7 @@ def building_map(world: int, options: Options) -> tuple[list[dict[str, Any]], li
         rows.append(
             {
                 "method": method,
-                "map": "one building",
+                "map": name,
                 "vertices": len(topomap),
                 "trajectories": len(drives),
                 "seconds_per_trajectory": float(np.mean(times[-5:])),
@@ -72,13 +74,14 @@ def building_map(world: int, options: Options) -> tuple[list[dict[str, Any]], li
     frames = len(house.recorded.poses)
     total = sparsifying + each["indexed"].sum()
     notes = [
-        f"{frames:,} frames mapped in {total:.0f} s, of which sparsifying {sparsifying:.0f} s",
-        f"indexed: {rows[0]['queries'] / rows[1]['queries']:.1%} of the queries, "
+        f"{name}: {frames:,} frames mapped in {total:.0f} s, of which sparsifying "
+        f"{sparsifying:.0f} s",
+        f"{name}, indexed: {rows[0]['queries'] / rows[1]['queries']:.1%} of the queries, "
         f"{rows[1]['recall']:.2%} of the edges",
     ]
     if len(drives) >= 90:
         late, early = (each["indexed"][at - 3 : at + 2].mean() for at in (88, 10))
-        notes.append(f"the 90th trajectory takes {late / early:.2f} times as long as the 10th")
+        notes.append(f"{name}: the 90th trajectory takes {late / early:.2f} times the 10th's time")
     return rows, notes
 
 
@@ -154,7 +157,7 @@ def _row(
 ) -> dict[str, Any]:
     return {
         "method": method,
-        "map": "without reuse",
+        "map": "many buildings, no reuse",
         "vertices": len(topomap),
         "trajectories": len(topomap.trails),
         "seconds_per_trajectory": float(seconds),

@@ -7,9 +7,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
-from tqdm.auto import tqdm
 
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.driving.recorded import RecordedWorld
@@ -17,9 +15,9 @@ from tutorial_lib.driving.rollouts import Robots
 from tutorial_lib.experiments.courses import WORLDS
 from tutorial_lib.experiments.following import Guide, trajectories
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array, compose
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.transitions import State
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
@@ -47,9 +45,7 @@ def run(options: Options) -> Report:
     """Disturb the following of the same trajectories in every way."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(disturb_all)(world, options.quick, options.seed) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="disturbances", disable=None))
+    parts = side_by_side(disturb_all, worlds, options.quick, options.seed, label="disturbances")
     rows = [_row(kind, [part[kind] for part in parts]) for kind in parts[0]]
     took = time.perf_counter() - begun
     return Report("disturbances", options.seed, worlds, options.quick, took, rows)
@@ -60,7 +56,6 @@ def disturb_all(world: int, quick: bool, seed: int) -> dict[str, dict[str, Array
 
     A robot that does not get to the middle of its drive undisturbed counts nowhere.
     """
-    use_threads(1)  # the worlds are run side by side
     rng = np.random.default_rng([seed, world])
     recorded = trajectories(world, _QUICK_EACH if quick else _EACH, rng)
     guide = Guide(recorded, CONTEXT)

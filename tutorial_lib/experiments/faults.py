@@ -7,19 +7,19 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
-from tqdm.auto import tqdm
 
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.driving.gridpath import CLEARANCE, GridPaths
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, Building, Trials, building, trials
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation
@@ -37,9 +37,7 @@ def run(options: Options) -> Report:
     """Send robots on ways that are blocked, and to goals in another building."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(suffer)(world, options) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="faults", disable=None))
+    parts = side_by_side(suffer, worlds, options, label="faults")
     rows = [_row(fault, [part[fault] for part in parts]) for fault in parts[0]]
     took = time.perf_counter() - begun
     return Report("faults", options.seed, worlds, options.quick, took, rows)
@@ -47,38 +45,49 @@ def run(options: Options) -> Report:
 
 def suffer(world: int, options: Options) -> dict[str, dict[str, Array]]:
     """One world: for each fault, columns (N,) of what came of it."""
-    use_threads(1)
     count = QUICK_TRIALS if options.quick else TRIALS
     house, agent = building(world, options.seed, PLACES), systems.meng()
     agent.learn(list(experiences(house)))
     asked = trials(house, 3 * count, np.random.default_rng([options.seed, world, 2]))
-    view = VIEWS["camera16"]
-    people, kept, detours = blockades(house, asked, count)
-    blocked = replace(asked.some(kept), seconds=2 * detours)
-    journey = agent.set_out(goals_of(blocked, view, K))
-    outcome = navigate(house, blocked, lambda _: journey, people)
-    free = navigate(house, blocked, lambda _: agent.set_out(goals_of(blocked, view, K)))
     there = building(abs(world - _ELSEWHERE), options.seed, PLACES)
-    strange = goals_of(
-        trials(there, count, np.random.default_rng([options.seed, world, 3])), view, K
-    )
+    strange = trials(there, count, np.random.default_rng([options.seed, world, 3]))
     own = asked.some(np.arange(min(count, len(asked))))
     seen = Simulation(house.scene, own.starts).observe()
-    found = {
-        "none": {"reached": free.there, "plans": np.ones(len(kept))},
-        "blocked": {
-            "reached": outcome.there,
-            "plans": np.array([sum(p.probability > 0 for p in h) for h in journey.history]),
-        },
+    return with_blocked_ways(house, agent, asked, count) | {
+        "own_goal": answers(agent, seen, own),
+        "strange_goal": answers(agent, seen, strange),
     }
-    for name, goals in (("own_goal", goals_of(own, view, K)), ("strange_goal", strange)):
-        pairs = range(min(len(goals), len(seen)))
-        plans = [agent.planner.plan(seen[[i]], goals[i], agent.topomap) for i in pairs]
-        found[name] = {
-            "refused": np.array([bool(plan.refusal) for plan in plans]),
-            "probability": np.array([plan.probability for plan in plans]),
-        }
-    return found
+
+
+def with_blocked_ways(
+    house: Building, agent: MengAgent, asked: Trials, count: int
+) -> dict[str, dict[str, Array]]:
+    """The same trials with nobody in the way, and with people across it."""
+    people, kept, detours = blockades(house, asked, count)
+    if not len(kept):
+        nothing = {"reached": np.empty(0), "plans": np.empty(0)}
+        return {"none": nothing, "blocked": nothing}
+    blocked = replace(asked.some(kept), seconds=2 * detours)
+    goals = goals_of(blocked, VIEWS["camera16"], K)
+    free = navigate(house, blocked, lambda _: agent.set_out(goals))
+    journey = agent.set_out(goals)
+    outcome = navigate(house, blocked, lambda _: journey, people)
+    made = [sum(plan.probability > 0 for plan in plans) for plans in journey.history]
+    return {
+        "none": {"reached": free.there, "plans": np.ones(len(kept))},
+        "blocked": {"reached": outcome.there, "plans": np.array(made)},
+    }
+
+
+def answers(agent: MengAgent, seen: Observation, asked: Trials) -> dict[str, Array]:
+    """Whether the way to each goal is refused, and how probable the best one is."""
+    goals = goals_of(asked, VIEWS["camera16"], K)
+    pairs = range(min(len(goals), len(seen)))
+    plans = [agent.planner.plan(seen[[i]], goals[i], agent.topomap) for i in pairs]
+    return {
+        "refused": np.array([bool(plan.refusal) for plan in plans]),
+        "probability": np.array([plan.probability for plan in plans]),
+    }
 
 
 def blockades(

@@ -6,18 +6,16 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building, trials
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)
@@ -32,9 +30,7 @@ def run(options: Options) -> Report:
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(prune)(world, options) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="meng_fig10", disable=None))
+    parts = side_by_side(prune, worlds, options, label="meng_fig10")
     rows = [_row(share, [part[share] for part in parts]) for share in SHARES]
     peak = max(row["success"] for row in rows)
     found = {row["share"]: row["success"] / peak for row in rows}
@@ -45,7 +41,6 @@ def run(options: Options) -> Report:
 
 def prune(world: int, options: Options) -> dict[float, dict[str, Array]]:
     """One world: what came of each trial with each share of the trajectories."""
-    use_threads(1)  # the worlds are run side by side
     house = building(world, options.seed, PLACES)
     count = QUICK_TRIALS if options.quick else TRIALS
     asked = trials(house, count, np.random.default_rng([options.seed, world, 1]))

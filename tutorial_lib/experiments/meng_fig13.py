@@ -6,8 +6,6 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.agents.agent import Experience
 from tutorial_lib.driving.demonstrations import demonstrate_between
@@ -18,7 +16,7 @@ from tutorial_lib.experiments.buildings import PLACES, Building, building, long_
 from tutorial_lib.experiments.following import frames_of
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.experiments.side_by_side import side_by_side
 
 FRAMES, QUICK_FRAMES = 100_000, 20_000
 EVERY = 10_000
@@ -30,9 +28,7 @@ def run(options: Options) -> Report:
     """Drive from place to place for hours, and count vertices."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:2] if options.quick else WORLDS)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(grow)(world, options) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="meng_fig13", disable=None))
+    parts = side_by_side(grow, worlds, options, label="meng_fig13")
     rows = [row for part in parts for row in part]
     notes = []
     if not options.quick:
@@ -48,7 +44,6 @@ def run(options: Options) -> Report:
 
 def grow(world: int, options: Options) -> list[dict[str, Any]]:
     """The rows of one world."""
-    use_threads(1)  # the worlds are run side by side
     house = building(world, options.seed, PLACES)
     rng = np.random.default_rng([options.seed, world, 5])
     agent, frames, rows, clock = systems.meng(), 0, [], 0.0

@@ -7,16 +7,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from scipy.stats import rankdata
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments.courses import WORLDS
 from tutorial_lib.experiments.following import Guide, trajectories
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array, wrap
-from tutorial_lib.learning.estimators import use_threads
 
 CONTEXTS = ("k2", "k5", "laser")
 THRESHOLD = 0.99
@@ -35,9 +33,7 @@ def run(options: Options) -> Report:
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:5] if options.quick else WORLDS)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(place_anchors)(world, options.seed) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="meng_fig5", disable=None))
+    parts = side_by_side(place_anchors, worlds, options.seed, label="meng_fig5")
     rows: list[dict[str, Any]] = []
     for context in CONTEXTS:
         found = [part[context] for part in parts]
@@ -62,7 +58,6 @@ def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int, int]]:
     A gap is its metres, and of its first `AHEAD` metres, or of as many as come after it, the least
     clearance and the rad that the car turned. Of anchors and frames it is told how many there were.
     """
-    use_threads(1)  # the worlds are run side by side
     recorded = trajectories(world, _EACH, np.random.default_rng([seed, world]))
     clearance = recorded.scene.clearance.at(recorded.poses[:, :2])
     turned = np.abs(wrap(np.diff(recorded.poses[:, 2], prepend=recorded.poses[0, 2])))

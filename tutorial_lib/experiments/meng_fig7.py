@@ -6,15 +6,13 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments.courses import NOISE, WORLDS
 from tutorial_lib.experiments.following import Guide, frames_of, trajectories
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import in_points, measured_over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.sparsify import every_nth, stored_frames
 
 CONTEXTS = ("k0", "k2", "k5")
@@ -33,9 +31,7 @@ def run(options: Options) -> Report:
     """Follow the same trajectories by anchors chosen in every way."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(follow_all)(world, options.quick, options.seed) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="meng_fig7", disable=None))
+    parts = side_by_side(follow_all, worlds, options.quick, options.seed, label="meng_fig7")
     where = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))["length"]) for p in parts])
     joined = {
         key: {name: np.concatenate([part[key][name] for part in parts]) for name in columns}
@@ -50,7 +46,6 @@ def run(options: Options) -> Report:
 
 def follow_all(world: int, quick: bool, seed: int) -> dict[Key, dict[str, Array]]:
     """Every way to choose anchors in one world; each value is (M,) over its trajectories."""
-    use_threads(1)  # the worlds are run side by side
     rng = np.random.default_rng([seed, world])
     recorded = trajectories(world, _QUICK_EACH if quick else _EACH, rng)
     thresholds = _QUICK_THRESHOLDS if quick else THRESHOLDS

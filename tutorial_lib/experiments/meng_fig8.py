@@ -5,31 +5,25 @@ from __future__ import annotations
 import time
 from typing import Any
 
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
-
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import experiences, vertex_poses
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.experiments.side_by_side import side_by_side
 
 
 def run(options: Options) -> Report:
     """Build the maps of the first three worlds; where each vertex was seen is in the JSON."""
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS[:3]
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(mapped)(world, options.seed) for world in worlds)
-    rows = list(tqdm(jobs, total=len(worlds), desc="meng_fig8", disable=None))
+    rows = side_by_side(mapped, worlds, options.seed, label="meng_fig8")
     took = time.perf_counter() - begun
     return Report("meng_fig8", options.seed, worlds, options.quick, took, rows)
 
 
 def mapped(world: int, seed: int) -> dict[str, Any]:
     """The row of one world: poses (V, 3) and trajectory (V,) of its vertices, and its edges."""
-    use_threads(1)  # the worlds are run side by side
     house, agent = building(world, seed, PLACES), systems.meng()
     agent.learn(list(experiences(house)))
     topomap = agent.topomap

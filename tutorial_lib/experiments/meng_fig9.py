@@ -6,19 +6,17 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 from scipy.stats import spearmanr
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building, trials_from_anywhere
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import wilson
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import fit_isotonic, logit, reliability
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.planner import DijkstraPlanner
 
@@ -36,10 +34,8 @@ def run(options: Options) -> Report:
     """Start anywhere, plan, follow the plan without planning anew; first on validation worlds."""
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
-    run_all = Parallel(n_jobs=-1, return_as="generator")
     every = [*VALIDATION, *worlds]
-    jobs = run_all(delayed(gamble)(world, options) for world in every)
-    parts = list(tqdm(jobs, total=len(every), desc="meng_fig9", disable=None))
+    parts = side_by_side(gamble, every, options, label="meng_fig9")
     first, second = np.hstack(parts[: len(VALIDATION)]), np.hstack(parts[len(VALIDATION) :])
     mend = fit_isotonic(_logits(first[0]), first[1], _KNOTS)
     rows, notes = [], []
@@ -56,7 +52,6 @@ def run(options: Options) -> Report:
 
 def gamble(world: int, options: Options) -> Array:
     """In one world, (2, N): the probabilities of plans, and whether they were driven to the end."""
-    use_threads(1)  # the worlds are run side by side
     house = building(world, options.seed, PLACES)
     agent = systems.meng(planner=ANY_WAY, replans=0)
     agent.learn(list(experiences(house)))

@@ -6,16 +6,14 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments import ablations
 from tutorial_lib.experiments.contenders import contenders
 from tutorial_lib.experiments.courses import attempt, courses, seeds_of, worlds_of
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
 
 PAPER = {"direct": 0.46, "k0": 0.88, "k2": 0.91, "k5": 0.95}
 """Table I of the paper, which is clean. Its direct control has k = 0, ours k = 2."""
@@ -47,9 +45,7 @@ def run(options: Options) -> Report:
     if options.map is not None:
         worlds, places = (), [options.map]
         count = count if options.quick else 2 * count
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(race)(place, count, options.seed) for place in places)
-    parts = list(tqdm(jobs, total=len(places), desc="meng_table1", disable=None))
+    parts = side_by_side(race, places, count, options.seed, label="meng_table1")
     results = _joined(parts)
     rows = [_row(results, *key) for key in results]
     took = time.perf_counter() - begun
@@ -66,7 +62,6 @@ def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed
         count: episodes.
         seed: of drives, episodes and noise.
     """
-    use_threads(1)  # the worlds are run side by side
     found: Results = {}
     pilots = contenders(seeds_of(place, seed))
     for condition, course in courses(place, count, seed).items():

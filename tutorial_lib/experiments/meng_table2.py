@@ -6,8 +6,6 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.agents.agent import Agent
 from tutorial_lib.agents.oracle import OracleJourney
@@ -20,8 +18,8 @@ from tutorial_lib.experiments.navigation import (
     navigate,
 )
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds, wilson
-from tutorial_lib.learning.estimators import use_threads
 
 WORLDS = tuple(range(20_000, 20_005))
 TRIALS, QUICK_PLACES, QUICK_TRIALS = 200, 6, 40
@@ -40,9 +38,7 @@ def run(options: Options) -> Report:
         worlds, places = (), [options.map]
     if options.agent:  # before anything is driven
         systems.custom(options.agent)
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(race)(place, options) for place in places)
-    parts = list(tqdm(jobs, total=len(places), desc="meng_table2", disable=None))
+    parts = side_by_side(race, places, options, label="meng_table2")
     rows = [
         _row(place, house, method, found)
         for place, (house, results) in zip(places, parts, strict=True)
@@ -61,7 +57,6 @@ def race(place: Any, options: Options) -> tuple[dict[str, Any], dict[str, Result
         place: seed of a large generated world, or a map's file.
         options: what was asked for.
     """
-    use_threads(1)  # the worlds are run side by side
     count = QUICK_PLACES if options.quick else PLACES
     house = building(place, options.seed, count, options.palette)
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]

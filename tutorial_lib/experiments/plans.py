@@ -6,8 +6,6 @@ import time
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.driving.courier import OracleCourier
 from tutorial_lib.driving.gridpath import GridPaths
@@ -15,6 +13,7 @@ from tutorial_lib.driving.metrics import walls_crossed
 from tutorial_lib.driving.rollouts import Drives
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import FAMILIES, generate
@@ -42,9 +41,7 @@ def run(options: Options) -> Report:
     jobs = [(family, world, world in driven) for family in FAMILIES for world in worlds]
     if options.map is not None:
         worlds, jobs = (), [(str(options.map), 0, True)]
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    results = run_all(delayed(examine)(*job, options.seed) for job in jobs)
-    found = list(tqdm(results, total=len(jobs), desc="plans", disable=None))
+    found = side_by_side(examine, jobs, options.seed, label="plans")
     rows, notes = [], []
     for family in dict.fromkeys(job[0] for job in jobs):
         mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]
@@ -64,15 +61,14 @@ def run(options: Options) -> Report:
     return Report("plans", options.seed, worlds, options.quick, took, rows, tuple(notes))
 
 
-def examine(family: str, world: int, driven: bool, seed: int) -> dict[str, Any]:
+def examine(job: tuple[str, int, bool], seed: int) -> dict[str, Any]:
     """Validate one plan and, where asked for, drive in it to `GOALS` random goals.
 
     Args:
-        family: one of `FAMILIES`, or a map's file.
-        world: seed of the plan.
-        driven: whether to drive.
+        job: family, one of `FAMILIES`, or a map's file; seed of the plan; whether to drive.
         seed: of starts and goals.
     """
+    family, world, driven = job
     found = {"fault": "", "drives": 0, "reached": 0, "walls_crossed": 0}
     rng = np.random.default_rng([seed, world])
     try:

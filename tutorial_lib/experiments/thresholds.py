@@ -7,15 +7,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building, trials
 from tutorial_lib.experiments.navigation import Result, attempt, measured
 from tutorial_lib.experiments.report import Options, Report
+from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import over_worlds
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.linking import MapSettings
 
 WORLDS = tuple(range(10_000, 10_003))
@@ -32,9 +30,7 @@ def run(options: Options) -> Report:
     """Table II with other thresholds, and without planning anew."""
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    jobs = run_all(delayed(vary)(world, options) for world in worlds)
-    parts = list(tqdm(jobs, total=len(worlds), desc="thresholds", disable=None))
+    parts = side_by_side(vary, worlds, options, label="thresholds")
     rows = [_row(key, [part[key] for part in parts]) for key in parts[0]]
     took = time.perf_counter() - begun
     return Report("meng_table2_thresholds", options.seed, worlds, options.quick, took, rows)
@@ -42,7 +38,6 @@ def run(options: Options) -> Report:
 
 def vary(world: int, options: Options) -> dict[Key, Result]:
     """All variants in one world, on the same trials."""
-    use_threads(1)  # the worlds are run side by side
     house = building(world, options.seed, PLACES)
     count = QUICK_TRIALS if options.quick else TRIALS
     asked = trials(house, count, np.random.default_rng([options.seed, world, 1]))

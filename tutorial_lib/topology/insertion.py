@@ -104,7 +104,8 @@ class Insertion:
         """(A, V + A) pairs to ask about first: those that look most alike."""
         if self.candidates >= worth.shape[1] or not self.map.embeds:
             return worth, back
-        seen, shown = self.map.embed(self.anchors.observations, self.prepared)
+        seen = self.map.see(self.anchors.observations)
+        shown = self.map.show(self.anchors.observations, self.prepared)
         index = self.map.index
         all_seen = np.concatenate([index.seen, seen]) if self.count else seen
         all_shown = np.concatenate([index.shown, shown]) if self.count else shown

@@ -48,26 +48,26 @@ class TopoMap:
 
     @property
     def embeds(self) -> bool:
-        """Whether `embed` can be asked."""
+        """Whether the estimator tells what pictures look like."""
         return hasattr(self.vertices.reachability, "embed")
 
-    def embed(self, observations: Observation, prepared: Any) -> tuple[Embedding, Embedding]:  # noqa: ANN401
-        """What is seen (N, R, D) and shown (N, P, R, D) at N anchors.
+    def see(self, observations: Observation) -> Embedding:
+        """(N, R, D) what is seen in N observations."""
+        return np.asarray(self.vertices.reachability.embed(observations))
 
-        Where the estimator embeds no targets, what is seen there stands for what is shown.
-        """
+    def show(self, observations: Observation, prepared: Any) -> Embedding:  # noqa: ANN401
+        """(N, P, R, D) what N targets show; what is seen there, if RE embeds no targets."""
         reachability = self.vertices.reachability
-        seen = reachability.embed(observations)
         if hasattr(reachability, "embed_targets"):
-            return seen, reachability.embed_targets(prepared)
-        return seen, np.asarray(seen)[:, None]
+            return reachability.embed_targets(prepared)
+        return self.see(observations)[:, None]
 
     def nearby(self, observations: Observation, count: int) -> Numbers:
         """(N, C) numbers of vertices that may be reached from N observations, C <= count."""
         alive = self.alive
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
-        seen = self.vertices.reachability.embed(observations)
+        seen = self.see(observations)
         return alive[most_alike(likeness(seen, self.index.shown[alive]), count)]
 
     def around(self, observations: Observation, prepared: Any, count: int) -> Numbers:  # noqa: ANN401
@@ -75,7 +75,7 @@ class TopoMap:
         alive = self.alive
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
-        _, shown = self.embed(observations, prepared)
+        shown = self.show(observations, prepared)
         return alive[most_alike(likeness(self.index.seen[alive], shown).T, count)]
 
     def connect(self, source: int, target: int, probability: float, driven: int = 0) -> None:
@@ -119,7 +119,7 @@ class TopoMap:
         self.trajectory = np.append(self.trajectory, trajectory)
         self.place = np.append(self.place, place)
         if self.embeds and len(numbers):
-            self.index.append(*self.embed(observations, prepared))
+            self.index.append(self.see(observations), self.show(observations, prepared))
         self.graph.add_nodes_from(numbers.tolist())
         return numbers
 
