@@ -170,7 +170,7 @@ print(f"{len(frames)} drives, {metres:.0f} m, {sum(frames)} pictures")
 show(picture)
 
 # %% [markdown]
-# Notebook 04 made anchors of drives; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is asked about **all** pairs of anchors, once, and the answers are kept in a table. (It is the slowest cell of this notebook. Section 6 is about why a real map must not do this.)
+# Notebook 04 made anchors of drives; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is asked about **all** pairs of anchors, once, and the answers are kept in a table. (It is one of the slowest cells of this notebook. Section 6 is about why a real map must not do this.)
 
 # %%
 reachability, predictor = ReachabilityNetwork("reach_k5"), WaypointNetwork("waypoint_k5")
@@ -298,7 +298,7 @@ show(side_by_side(panels, titles))
 
 # %% [markdown]
 # <details><summary>What was pruned, and what is left?</summary>
-# Nearly everything went: an edge through three walls has an RE close to 0 and is never part of a good way. What is left joins neighbours. Where the two drives run side by side there are edges from one to the other; they are the places where one can change. But there each place is also in the map twice. That is next.
+# Nearly everything went: an edge through three walls has an RE of about 0.3, far below 0.99, and is never part of a good way. What is left joins neighbours. Where the two drives run side by side there are edges from one to the other; they are the places where one can change. But there each place is also in the map twice: at the beginning the arrows of the second drive hide those of the first. That is next.
 # </details>
 #
 # ## 3 · Reuse
@@ -482,7 +482,7 @@ for name, p_edge, p_reuse in (("dense", 0.0, 1.0), ("pruned", 0.99, 1.0), ("reus
     panels.append(around(half, picture, home.poses[both, :2], 0.8))
     titles.append(f"{name}: {len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges")
 figure_4 = stored("meng_fig4")
-print(f"two drives in an unseen building (seed {figure_4.worlds[0]}):")
+print(f"two drives in another building, stored (seed {figure_4.worlds[0]}):")
 for row in figure_4.rows:
     print(f"{row['stage']:8s} {row['vertices']:8,.0f} vertices {row['edges']:12,.0f} edges")
 show(side_by_side(panels, titles, gap=10))
@@ -539,7 +539,7 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# A vertex that will do need not lie beside the anchor: on a straight corridor any of several may stand in, and the most probable one wins. Where the ways part, the anchor after is on the new way, and no old vertex gets there: reuse ends by itself, shortly before the fork. With a lower threshold it ends later, and the map trusts longer jumps. With one near 1 even good stand-ins are refused, and the corridor is stored twice: the estimator never says 1.
+# Both drives begin alike, and at 0.99 the first few anchors find their twins, one or two vertices each that will do. Where the ways part, the anchor after is on the new way, and no old vertex gets there: reuse ends by itself, shortly before the fork. With a lower threshold it ends later, and the map trusts longer jumps. With one near 1 even the twins are refused, and the common way is stored twice: the estimator never says 1.
 # </details>
 #
 # ### Yours and the library's
@@ -600,7 +600,7 @@ compare(sequence=0)
 # %% [markdown]
 # ### Find the bug
 #
-# A colleague has rewritten `through`. Nothing crashes, every step of her drives has an RE of 0.98 or more, and all of its ways can be driven. Only: "Reuse does not help much." Here is her function, and her map beside yours. What is wrong?
+# A colleague has rewritten `through`. Nothing crashes, every step of her drives has an RE of 0.98 or more, and all ways of her map can be driven. Only: "Reuse does not help much." Here is her function, and her map beside yours. What is wrong?
 
 
 # %%
@@ -826,7 +826,7 @@ print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex 
 
 # %% [markdown]
 # <details><summary>Why does a car "drive" through a wormhole?</summary>
-# It did not. Reuse replaced an anchor by a vertex far away, which RE says can be reached from the anchor before and leads to the anchor after; and then the drive's own links lead there and back. Sequences do not help, because the rule of reuse asks for two RE only, and driven edges are never pruned. This is a weak spot of the method, and of our library, which follows it. How a robot gets along on such a map (it notices, and plans anew) is the topic of notebook 06.
+# It did not. (Without reuse no wormhole was left; reuse has brought back six.) Reuse replaced an anchor by a vertex far away, which RE says can be reached from the anchor before and leads to the anchor after; and then the drive's own links lead there and back. Sequences do not help, because the rule of reuse asks for two RE only, and driven edges are never pruned. This is a weak spot of the method, and of our library, which follows it. How a robot gets along on such a map (it notices, and plans anew) is the topic of notebook 06.
 # </details>
 #
 # ## 6 · Not all pairs
@@ -976,7 +976,7 @@ print("\n".join(bench.notes))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# In the first two parts both ways of asking build the map of one building; "edges found" are those of the exhaustive map that the indexed one has, too. Without reuse the index asks about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less, since the map is small: 12 vertices are a good part of 169. And the two maps part company: once another stand-in is chosen, all that comes later is joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: the questions about all pairs grow in proportion to it, those by the index hardly at all.
+# In the first two parts both ways of asking build the map of one building; "edges found" are those of the exhaustive map that the indexed one has, too. Without reuse the index asks about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less, since the map is small: 12 vertices are a good part of 169. And the two maps part company: once another stand-in is chosen, all that comes later is joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The questions about all pairs grow a hundredfold, those by the index fivefold. (At each size other drives are timed, hence the jumps.) "ms to plan" is one plan from a picture to a picture, with its questions to the network (notebook 06).
 # </details>
 #
 # ## 7 · How maps grow
@@ -1001,7 +1001,7 @@ axis.legend()
 show(from_figure(figure))
 
 # %% [markdown]
-# (A line for each of six orders of the drives.) The twelve drives mostly still find something new. The paper's Fig. 13 goes on to tens of thousands of pictures; so does this one, in unseen buildings. Dotted lines: every 10th and every 20th picture, as SPTM would keep them.
+# (A line for each of six orders of the drives.) The twelve drives mostly still find something new. The paper's Fig. 13 goes on to tens of thousands of pictures; so does this one, in unseen buildings. Dotted and dashed: every 10th and every 20th picture, as SPTM would keep them.
 #
 # **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from about 30,000 pictures (Table II).
 
@@ -1015,9 +1015,9 @@ for number, world in enumerate(worlds):
     sizes = [0, *(row["vertices"] for row in rows)]
     axis.plot(taken, sizes, color=colours.unit(hue(number)), label=str(world))
 rows = sorted((r for r in growth.rows if r["world"] == worlds[0]), key=lambda r: r["frames"])
-for key, name in (("every_10th", "every 10th"), ("every_20th", "every 20th")):
+for key, name, dots in (("every_10th", "every 10th", ":"), ("every_20th", "every 20th", "--")):
     line = [0, *(row["frames"] for row in rows)], [0, *(row[key] for row in rows)]
-    axis.plot(*line, ":", color=colours.unit(colours.INK), label=name)
+    axis.plot(*line, dots, color=colours.unit(colours.INK), label=name)
 most = max(row["vertices"] for row in growth.rows)
 axis.set(xlabel="pictures", ylabel="vertices", xlim=(0, None), ylim=(0, 2.5 * most))
 axis.legend(fontsize=10, ncols=2)
@@ -1046,7 +1046,7 @@ show(from_figure(figure))
 # - **stand-ins far away**: anchors replaced by a vertex more than 1 m off, or turned by more than 30°;
 # - **doubles**: vertices less than 0.6 m apart and turned by less than 20°, that reuse should have made one.
 #
-# **Predict** which of them is the most frequent.
+# **Predict** which of them is the most frequent. (In the pictures below, blue is the anchor that was given up, or where an edge begins, and red its stand-in, or where the edge ends.)
 
 
 # %%
@@ -1102,7 +1102,7 @@ show(stacked(rows, gap=14))
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
 # <i>Wormholes</i>: two places with one picture, and a rule of reuse that asks for no sequence (section 5). <i>Stand-ins far away</i>: in the office four of seven have the same cause; the others, and those of the apartment, are mostly no fault at all. A vertex some metres on does the job of the anchor as well, which is all that the rule wants. It is a fault only if one believes that a vertex is a <i>place</i>. <i>Doubles</i>: their RE to each other is high, and yet neither replaced the other. Reuse asks from the anchor <i>before</i> to the anchor <i>after</i>, and those lie elsewhere on each
-# drive: where one of the two RE is only just too low, the double stays. Lower p_reuse, and they go, at the price of less sure steps.
+# drive: where one of the two RE is only just too low, the double stays. Lower p_reuse, and they go, at the price of less sure steps. Some are the last two anchors of one drive: the end of a drive is always kept.
 # </details>
 #
 # ## 9 · What has changed
@@ -1129,7 +1129,7 @@ for p_outdated in (0.0, 0.1):
 
 # %% [markdown]
 # <details><summary>What happened?</summary>
-# (Numbers up to 16 are vertices of the first drive, higher ones are new.) The anchor at the changed place, now 17, could not be replaced, and became a vertex of its own; that happens without any forgetting, since reuse fails there by itself. (18 has nothing to do with the change: the anchor before the last took 16 as its stand-in, and then nothing lay ahead for the last one.) What forgetting adds is that the old vertex is taken off, and that no plan leads over it any more. With the second condition alone nearly the whole map would go: from most places most vertices cannot be reached. Only who came <i>by</i> there may say that something is gone.
+# (Numbers up to 16 are vertices of the first drive, higher ones are new.) The anchor at the changed place, now 17, could not be replaced, and became a vertex of its own; that happens without any forgetting, since reuse fails there by itself. (18 has nothing to do with the change: the anchor before the last took 16 as its stand-in, and then nothing lay ahead for the last one.) What forgetting adds is that the old vertex is taken off, and that no plan leads over it any more. In this example the second condition alone would do the same, since our $\mathcal{RE}$ is seldom as low as 0.1, even far away (around 0.3). With an estimator that says 0 of all that is out of sight, nearly the whole map would go. Only who came <i>by</i> there may say that something is gone. And 0.1 is strict: most vertices that look different by now will stay.
 # </details>
 # <details><summary>A person stood there once, and is in a vertex's picture. Does that do harm?</summary>
 # If the person hides much, RE to the vertex is low from then on, and the next drive that comes by takes it off. If the person hides little, RE stays high, and the vertex does its job. What if somebody stands before the <i>new</i> car? Then it may not see a vertex that is still good, and removes it: one drive is a single witness. Therefore the bound is as low as 0.1, and the whole stretch must agree. A careful map would wait for a second witness (extra 4).
@@ -1137,7 +1137,7 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The whole, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper takes 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper takes 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.)
 
 # %%
 begun = time.perf_counter()

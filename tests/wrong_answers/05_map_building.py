@@ -99,6 +99,20 @@ def edge_weights__writes_into_the_table(reach, driven, p_edge):
         return -np.log(reach)
 
 
+def edge_weights__adds_a_little(reach, driven, p_edge):
+    """take the greater one of RE and 1e-12"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(reach + 1e-12), np.inf)
+
+
+def edge_weights__replaces_only_0(reach, driven, p_edge):
+    """1e-12 stands for every RE that is smaller"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.where(reach == 0, 1e-12, reach)), np.inf)
+
+
 def edge_weights__right_with_loops(reach, driven, p_edge):
     weights = np.full(reach.shape, np.inf)
     for i in range(len(reach)):
@@ -113,6 +127,14 @@ def edge_weights__right_with_an_index(reach, driven, p_edge):
     some = ((reach > p_edge) | driven) & ~np.eye(len(reach), dtype=bool)
     weights[some] = np.log(1 / np.clip(reach[some], 1e-12, None))
     return weights
+
+
+def reusable__best_first(into, onward, allowed, p_reuse):
+    """the best of all need not fit"""
+    if not len(into):
+        return -1
+    best = int(np.where(allowed, into * onward, -1.0).argmax())
+    return best if min(into[best], onward[best]) > p_reuse and allowed[best] else -1
 
 
 def reusable__only_the_way_in(into, onward, allowed, p_reuse):
@@ -371,6 +393,34 @@ def weakest_aligned__a_list(reach, before, after, steps):
     return _pair_by_pair(reach, before, after, steps).tolist()
 
 
+def weakest_aligned__goes_on(reach, before, after, steps):
+    """after a -1 the sequence has ended"""
+    found = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for way, beside in ((-1, before), (1, after)):
+            row, column = i, v
+            for _ in range(steps):
+                row, column = row + way, beside[column]
+                if not 0 <= row < len(reach) or column < 0:
+                    continue
+                found[i, v] = min(found[i, v], reach[row, column])
+    return found
+
+
+def weakest_aligned__of_neighbours(reach, before, after, steps):
+    """look along the trajectories from each pair itself"""
+    least = reach.copy()
+    for way, beside in ((-1, before), (1, after)):
+        for _ in range(steps):
+            fresh = least.copy()
+            for i, v in np.ndindex(*reach.shape):
+                row, column = i + way, beside[v]
+                if 0 <= row < len(reach) and column >= 0:
+                    fresh[i, v] = min(least[i, v], least[row, column])
+            least = fresh
+    return least
+
+
 def weakest_aligned__right_pair_by_pair(reach, before, after, steps):
     return _pair_by_pair(reach, before, after, steps)
 
@@ -413,6 +463,26 @@ def ask_next__beside_all(told, before, after, p_edge):
 def ask_next__takes_the_threshold_itself(told, before, after, p_edge):
     """greater than p_edge, not equal to it"""
     return _search(told, before, after, told >= p_edge)
+
+
+def ask_next__takes_the_last_column_for_none(told, before, after, p_edge):
+    """-1 is no vertex: where after or before is -1"""
+    found = np.zeros(told.shape, dtype=bool)
+    for i, v in np.argwhere(told > p_edge):
+        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 <= row < len(told):
+                found[row, column] = True
+    return found & np.isnan(told)
+
+
+def ask_next__takes_the_last_row_for_none(told, before, after, p_edge):
+    """-1 is no anchor: before the first one"""
+    found = np.zeros(told.shape, dtype=bool)
+    for i, v in np.argwhere(told > p_edge):
+        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if row < len(told) and column >= 0:
+                found[row, column] = True
+    return found & np.isnan(told)
 
 
 def ask_next__only_both(told, before, after, p_edge):

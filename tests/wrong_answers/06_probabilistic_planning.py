@@ -42,17 +42,25 @@ def most_probable_way__takes_the_inverse(graph, start, goal):
     return _dijkstra(graph, start, goal, lambda p: 1 / p)
 
 
-def most_probable_way__maximises_without_end(graph, start, goal):
+def most_probable_way__goes_back_in_a_circle(graph, start, goal):
     """your function never ends"""
-    best, heap = {start: 0.0}, [(0.0, start)]
-    before = {}
+    least, before, heap, done = {start: 0.0}, {start: None}, [(0.0, start)], set()
     while heap:
-        cost, vertex = heapq.heappop(heap)
+        length, vertex = heapq.heappop(heap)
+        if vertex in done:
+            continue
+        done.add(vertex)
+        if vertex == goal:
+            way = []
+            while vertex is not None:
+                way.append(vertex)
+                vertex = before[vertex]
+            return way[::-1], 1.0
         for other, p in graph[vertex].items():
-            if cost - p < best.get(other, math.inf):
-                best[other], before[other] = cost - p, vertex
-                heapq.heappush(heap, (cost - p, other))
-    return _back(graph, before, start, goal)
+            if length - p < least.get(other, math.inf):
+                least[other], before[other] = length - p, vertex
+                heapq.heappush(heap, (length - p, other))
+    return [], 0.0
 
 
 def most_probable_way__minds_only_the_weakest_edge(graph, start, goal):
@@ -328,6 +336,19 @@ def join_ends__needs_the_map(graph, from_here, to_goals, p_here, p_goal):
     return _joined(graph, from_here, seen, p_here, p_goal)
 
 
+def join_ends__is_lenient_in_sight(graph, from_here, to_goals, p_here, p_goal):
+    """the edge from HERE to GOAL leads to GOAL"""
+    joined = {v: dict(out) for v, out in graph.items()} | {HERE: {}, GOAL: {}}
+    for v, p in from_here.items():
+        if v in graph and p > p_here:
+            joined[HERE][v] = p
+    for picture in to_goals:
+        for v, p in picture.items():
+            if v in joined and p > (p_here if v == HERE else p_goal):
+                joined[v][GOAL] = max(p, joined[v].get(GOAL, 0.0))
+    return joined
+
+
 def join_ends__brings_back_the_dead(graph, from_here, to_goals, p_here, p_goal):
     """must not come back"""
     joined = defaultdict(dict, _joined(graph, from_here, to_goals, p_here, p_goal))
@@ -417,6 +438,16 @@ def decide__never_says_why(graph, from_here, to_goals, rules):
     """say so: not on the map"""
     way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
     return way, p, "no way" if not way else "" if p >= rules.least else "too improbable"
+
+
+def decide__looks_for_the_goal_anywhere(graph, from_here, to_goals, rules):
+    """whether there is one with rules.p_query tells the reason"""
+    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    if way:
+        return way, p, "" if p >= rules.least else "too improbable"
+    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    seen = any(told > rules.p_goal for picture in to_goals for told in picture.values())
+    return way, p, "no way" if seen or not way else "not on the map"
 
 
 def decide__blames_the_goal(graph, from_here, to_goals, rules):

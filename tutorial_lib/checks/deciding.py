@@ -66,6 +66,8 @@ def _decided(
     if fault == "never why":
         return [], 0.0, "no way"
     way, probability = found(rules.p_query)
+    if fault == "seen somewhere" and any(max(told.values()) > rules.p_goal for told in to_goals):
+        return way, probability, "no way"
     reason = "not on the map" if way or fault == "always unknown" else "no way"
     return ([], 0.0, reason) if fault == "empty" else (way, probability, reason)
 
@@ -73,6 +75,7 @@ def _decided(
 _RULES = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
 _OTHER_RULES = DijkstraPlanner(least=0.8, p_query=0.6, p_goal=0.9)
 _LONG: Graph = {v: {v + 1: 0.9} for v in range(8)} | {8: {}}
+_APART: Graph = {0: {}, 1: {}}
 _FORK: Graph = {0: {1: 0.99, 2: 0.9}, 1: {}, 2: {}}
 _HALF: Graph = {0: {1: 0.5}, 1: {}}
 _ASKED: tuple[tuple[str, tuple[Any, ...]], ...] = (
@@ -84,6 +87,7 @@ _ASKED: tuple[tuple[str, tuple[Any, ...]], ...] = (
     ("the map is not reached from here", (SMALL_MAP, {0: 0.4}, [{2: 0.99}], _RULES)),
     ("the goal is not reached from the map", (SMALL_MAP, {0: 0.95}, [{2: 0.3}], _RULES)),
     ("a long way to a goal from elsewhere", (_LONG, {0: 0.99}, [{8: 0.9}], _RULES)),
+    ("no way to where it is seen", (_APART, {0: 0.9}, [{0: 0.6, 1: 0.99}], _RULES)),
     ("the goal is in sight", (SMALL_MAP, {0: 0.95}, [{HERE: 0.999, 2: 0.99}], _RULES)),
     ("other rules", (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER_RULES)),
     ("other rules, a goal from elsewhere", (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER_RULES)),
@@ -105,6 +109,8 @@ _UNDECIDED = {
     "there is a way to a vertex that shows the goal doubtfully; say so: not on the map": (
         "never why"
     ),
+    "there is no way with rules.p_goal; whether there is one with rules.p_query tells the reason, "
+    "wherever the goal is seen": "seen somewhere",
     "where even with rules.p_query there is no way, the reason is no way": "always unknown",
     "who refuses tells the way and its probability all the same": "empty",
 }

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
 from itertools import pairwise
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
-from tutorial_lib.checks.check import WrongAnswer
 from tutorial_lib.topology.linking import weight
 
 Vertex = Any
@@ -53,31 +51,6 @@ def most_probable_way(graph: Graph, start: Vertex, goal: Vertex) -> Way:
 def probability_of(graph: Graph, way: list[Vertex]) -> float:
     """The product of RE along a way."""
     return math.prod(graph[v][w] for v, w in pairwise(way))
-
-
-class PatientGraph(dict):
-    """A graph that loses patience with whoever reads it again and again."""
-
-    def __init__(self, graph: Graph, left: int) -> None:
-        super().__init__(graph)
-        self.left = left
-
-    def __getitem__(self, vertex: Hashable) -> dict[Vertex, float]:
-        self._read()
-        return super().__getitem__(vertex)
-
-    def get(self, vertex: Hashable, otherwise: Any = None) -> Any:  # noqa: ANN401 - as dict's
-        """As dict's."""
-        self._read()
-        return super().get(vertex, otherwise)
-
-    def _read(self) -> None:
-        self.left -= 1
-        if self.left < 0:
-            raise WrongAnswer(
-                "most_probable_way: your function never ends. Each vertex is dealt with once, when "
-                "it is taken from the heap for the first time; and no cost may be below 0"
-            )
 
 
 def random_graph(count: int, degree: int, seed: int) -> Graph:

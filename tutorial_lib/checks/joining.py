@@ -52,6 +52,8 @@ def _joined(
     def connect(v: Vertex, w: Vertex, p: float, least: float) -> None:
         if fault == "backwards":
             v, w = w, v
+        if fault == "p_here in sight" and v == HERE:
+            least = p_here
         enough = p >= least if fault == "equal" else p > least or fault == "all"
         if ((v in joined and w in joined) or fault == "ghosts") and enough:
             joined.setdefault(v, {})[w] = p
@@ -90,6 +92,7 @@ _ENDS: tuple[tuple[str, tuple[Any, ...]], ...] = (
         "a vertex that is not on the map",
         (SMALL_MAP, {0: 0.9, 7: 0.99}, [{2: 0.99, 7: 0.999}], 0.5, 0.9),
     ),
+    ("the goal is hardly in sight", (SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985)),
     ("nothing can be reached", (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9)),
 )
 _MISJOINED = {
@@ -107,6 +110,7 @@ _MISJOINED = {
     "one picture of the goal is enough; do not multiply": "product",
     "all pictures of the goal count, not only the first one": "first picture",
     "a goal in sight needs no map: to_goals may tell of HERE, too": "not directly",
+    "the edge from HERE to GOAL leads to GOAL: p_goal counts": "p_here in sight",
     "a vertex that is not on the graph must not come back by an edge to it": "ghosts",
 }
 

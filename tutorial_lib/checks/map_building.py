@@ -67,9 +67,12 @@ def _random_map(vertices: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
 
 _NEVER = BY_HAND.copy()
 _NEVER[[3, 4], [4, 5]] = 0.0, 0.5
+_FAINT = BY_HAND.copy()
+_FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
 _MAPS = (
     ("the map above", BY_HAND, DRIVEN, 0.9),
     ("RE = 0 where a drive went", _NEVER, DRIVEN, 0.9),
+    ("RE = 1e-15 where a drive went", _FAINT, DRIVEN, 0.9),
     ("p_edge = 1", BY_HAND, DRIVEN, 1.0),
     ("12 vertices", *_random_map(12, 1), 0.5),
 )
@@ -77,7 +80,7 @@ _MAPS = (
 
 @check(edge_weights, (*_random_map(120, 2), 0.9))
 def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """The map done by hand, one driven where RE is 0, one without a sure edge, a larger one."""
+    """The map done by hand, two where RE is hardly anything, one of no sure edge, a larger one."""
     answers = [call(student, *case[1:]) for case in _MAPS]
     picture = _weights_picture(answers[0])
     for (name, *case), got in zip(_MAPS, answers, strict=True):
@@ -92,6 +95,7 @@ def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict
     there, both = np.isfinite(right), np.maximum(reach, reach.T)
     with np.errstate(divide="ignore"):
         infinite, tenths = -np.log(reach), -np.log10(np.maximum(reach, 1e-12))
+        only_0 = -np.log(np.where(reach == 0, 1e-12, reach))
 
     def only(kept: ArrayLike, weights: ArrayLike) -> Array:
         return np.where(kept, weights, np.inf)
@@ -106,7 +110,11 @@ def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict
         "a driven edge has a weight like any other one, -log RE, not 0": only(
             there, np.where(driven, 0.0, right)
         ),
+        "1e-12 stands for every RE that is smaller, not for 0 alone": only(there, only_0),
         "a driven edge stays where RE is 0, too; take 1e-12 for it": only(there, infinite),
+        "take the greater one of RE and 1e-12; nothing is added": only(
+            there, -np.log(reach + 1e-12)
+        ),
         "no vertex is joined to itself; the diagonal is inf": only(
             there | own, linking.weight(reach)
         ),

@@ -25,6 +25,7 @@ _REUSE = {
         ("RE equals the threshold", [0.97, 0.97], [0.99, 0.99], [1, 1], 0.97),
         ("uneven ones", [0.9, 0.95, 0.86], [1.0, 0.949, 0.86], [1, 1, 1], 0.85),
         ("even and uneven", [0.999, 0.985], [0.972, 0.985], [1, 1], 0.95),
+        ("each is enough, their product is less", [0.98, 0.5], [0.98, 0.9], [1, 1], 0.97),
         ("never reuse", [1.0, 1.0], [1.0, 1.0], [1, 1], 1.0),
         ("an empty map", [], [], [], 0.97),
     )
@@ -50,7 +51,14 @@ def _among_those_that_fit(into: Array, onward: Array, allowed: Array, p_reuse: f
     return int((into * onward)[fit].argmax()) if fit.any() else -1
 
 
+def _best_first(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
+    best = int(np.where(allowed, into * onward, -1.0).argmax()) if len(into) else -1
+    fits = best >= 0 and min(into[best], onward[best]) > p_reuse and bool(allowed[best])
+    return best if fits else -1
+
+
 _MISUSED: dict[str, Callable[..., int]] = {
+    "the best of all need not fit: first find those that do, then the best of them": _best_first,
     "whoever gets to the vertex must get on from it, too: onward > p_reuse": _by(
         lambda i, o, p: i > p
     ),
@@ -77,7 +85,7 @@ _MISUSED: dict[str, Callable[..., int]] = {
 
 @check(linking.reusable, _REUSE["two fit"])
 def check_reusable(student: Callable[..., Any]) -> None:
-    """Eleven anchors: vertices that fit, that fit by half, that may not be taken, and none."""
+    """Twelve anchors: vertices that fit, that fit by half, that may not be taken, and none."""
     answers = []
     for name, case in _REUSE.items():
         what = f"reusable, {name}"

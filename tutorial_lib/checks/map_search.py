@@ -55,7 +55,9 @@ def _asked(
         exist = (ahead >= 0) & (ahead < len(told)) & (beside < told.shape[1])
         if fault == "wraps":
             exist = ahead < len(told)
-        else:
+        elif fault == "row wraps":
+            exist = (ahead < len(told)) & (beside >= 0)
+        elif fault != "column wraps":
             exist &= beside >= 0
         found[ahead[exist], beside[exist]] = True
     return found if fault == "again" else found & np.isnan(told)
@@ -91,6 +93,8 @@ _MISSED = {
     "the same vertex for the next anchor is none of the four neighbours": "rows",
     "both move the same way: the next anchor and the vertex after": "crossed",
     "the next vertex along a trajectory is after[v], not v + 1": "by number",
+    "-1 is no vertex: where after or before is -1 there is nothing to ask": "column wraps",
+    "-1 is no anchor: before the first one there is nothing to ask": "row wraps",
     "-1 is no vertex, and no anchor; beyond an end there is nothing to ask": "wraps",
 }
 

@@ -61,19 +61,22 @@ def stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Num
 
 _ONE, TWO = neighbours([0, 1, 2, 3, 4]), neighbours([0, 1, 2], [3, 4, 5])
 MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
+JOINED = np.array([-1, 0, 1, -1, 1]), np.array([1, 2, -1, 1, -1])
+"""A drive 0, 1, 2; vertex 1 was reused by one that comes from 3, and by one that goes on to 4."""
 _ALIGNED = {
     "one drive beside another": (random_reach(5, 5, 1), *_ONE, 2),
     "one anchor before and after": (random_reach(5, 5, 2), *_ONE, 1),
     "no neighbours": (random_reach(4, 6, 3), *TWO, 0),
     "two drives on the map": (random_reach(6, 6, 4), *TWO, 2),
     "vertices numbered in no order": (random_reach(5, 7, 5), *MIXED, 2),
+    "drives that run into another": (random_reach(5, 5, 23), *JOINED, 2),
     "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
 }
 
 
 @check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
 def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """Six tables: longer and shorter sequences, several drives, numbers in no order."""
+    """Seven tables: longer and shorter sequences, several drives, numbers in no order."""
     answers = []
     for name, case in _ALIGNED.items():
         try:
@@ -98,6 +101,8 @@ def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault
         ways = ((1, before), (-1, after))
     if fault in ("only after", "only before"):
         ways = ways[1:] if fault == "only after" else ways[:1]
+    if fault == "of neighbours":
+        return _of_neighbours(reach, ways, steps)
     found = np.empty_like(reach)
     for pair in np.ndindex(*reach.shape):
         values = [] if fault == "not itself" else [reach[pair]]
@@ -107,6 +112,16 @@ def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault
             values.append(0.0)
         found[pair] = fold(values) if values else 1.0
     return found
+
+
+def _of_neighbours(reach: Array, ways: tuple[tuple[int, Numbers], ...], steps: int) -> Array:
+    """The least of each pair and of what its neighbour has already, again and again."""
+    least = reach.copy()
+    for step, beside in ways:
+        for _ in range(steps):
+            told = np.pad(least, ((1, 1), (0, 1)), constant_values=np.inf)
+            least = np.minimum(least, told[1 + step : 1 + step + len(least)][:, beside])
+    return least
 
 
 def _along(
@@ -125,6 +140,8 @@ def _along(
             values.append(reach[row, column])
             continue
         if not 0 <= row < len(reach) or column < 0:
+            if fault == "goes on":
+                continue
             break
         values.append(reach[row, column])
     return values
@@ -146,6 +163,9 @@ _FAULTS = {
     "the anchor moves along its trajectory, too: row - 1 and row + 1": "row stays",
     "the next vertex along a trajectory is after[v], not v + 1": "by number",
     "-1 is no vertex, and no anchor: there the sequence ends": "wraps",
+    "after a -1 the sequence has ended: break, and do not go on from there": "goes on",
+    "look along the trajectories from each pair itself; the least that a neighbour has found may "
+    "lie on another one, where a drive runs into it": "of neighbours",
     "where a trajectory ends the sequence is shorter; what does not exist is not 0": "end is 0",
     "the pair itself counts, too": "not itself",
 }

@@ -14,17 +14,22 @@ from tutorial_lib.checks.check import WrongAnswer, check
 from tutorial_lib.checks.graphs import (
     BY_HAND,
     Graph,
-    PatientGraph,
     Vertex,
     Way,
     most_probable_way,
     probability_of,
     random_graph,
 )
+from tutorial_lib.checks.patience import patiently
 from tutorial_lib.checks.way_faults import MISTAKES
 from tutorial_lib.viz.panels import side_by_side
 from tutorial_lib.viz.ways import graph_picture
 
+_ENDLESS = (
+    "most_probable_way: your function never ends. Each vertex is dealt with once, when it is taken "
+    "from the heap for the first time; and no length may be below 0, as -RE is: going round a "
+    "circle would make a way shorter, and from where one came would lead round it, too"
+)
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
 _LATE: Graph = {0: {1: 0.5, 2: 0.95}, 1: {4: 0.99}, 2: {3: 0.95, 4: 0.6}, 3: {1: 0.95}, 4: {}}
@@ -63,14 +68,14 @@ def check_most_probable_way(student: Callable[..., Any]) -> NDArray[np.uint8]:
 
 def _asked(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Way:
     """A student's answer, if it has the right form."""
-    given = PatientGraph({v: dict(out) for v, out in graph.items()}, 40 * len(graph) ** 2)
+    given = {v: dict(out) for v, out in graph.items()}
     try:
-        got = student(given, *ends)
+        got = patiently(student, given, *ends, otherwise=_ENDLESS)
     except (KeyError, IndexError) as error:
         words = "where the goal cannot be reached there is no way back from it; return [], 0.0"
         words = words if not most_probable_way(graph, *ends)[0] else "is there such a vertex?"
         raise WrongAnswer(f"{what}: {type(error).__name__}, {error}; {words}") from None
-    if dict(given) != graph:
+    if given != graph:
         raise WrongAnswer(f"{what}: your function changes the graph; leave it as it is")
     if got is None:
         raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
