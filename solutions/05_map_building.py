@@ -502,6 +502,7 @@ show(side_by_side(panels, titles, gap=10))
 
 # %%
 step_view = PlanView(house.scene, 560, 430)
+last = len(second) - 1
 
 
 def insertion(step, p_reuse, p_edge):
@@ -512,7 +513,8 @@ def insertion(step, p_reuse, p_edge):
     earlier = [int(v) for v, a in zip(trail[:step], second[:step], strict=True) if v != a]
     allowed = ahead_of(grown.trajectory, grown.place, earlier)[grown.vertices]
     will_do = grown.vertices[(into > p_reuse) & (onward > p_reuse) & allowed]
-    picture = map_picture(step_view, home, grown.vertices, grown.weights(p_edge), drive_of, 4)
+    weights = grown.weights(p_edge)
+    picture = map_picture(step_view, home, grown.vertices, weights, drive_of, 4)
     step_view.points(picture, home.poses[will_do, :2], colours.GOAL, 9)
     for vertex in will_do:
         step_view.arrow(picture, home.poses[vertex], hue(0), 4)
@@ -524,12 +526,12 @@ def insertion(step, p_reuse, p_edge):
     taken = trail[step] != second[step]
     shown = views_of(home, [second[step], trail[step]] if taken else [second[step]], 270)
     end = " is replaced" if taken else " becomes a vertex"
-    words = f"anchor {step} of {len(second) - 1}: {len(will_do)} vertices will do; it{end}"
+    words = f"anchor {step} of {last}: {len(will_do)} vertices will do above {p_reuse:.3f}; it{end}"
+    words += f"; {np.isfinite(weights).sum()} edges, those above {p_edge:.2f}"
     cut = around(step_view, picture, home.poses[both, :2], 0.6)
     return side_by_side([cut, shown], gap=8), words
 
 
-last = len(second) - 1
 sliders(
     insertion,
     step=(0, last, 1, 3),

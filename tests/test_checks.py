@@ -1,4 +1,5 @@
 import importlib.util
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from tutorial_lib.checks import (
     world_and_car,
 )
 from tutorial_lib.checks.check import Check, WrongAnswer, check, expect_close
+from tutorial_lib.checks.patience import patiently
 
 ANSWERS = Path(__file__).parent / "wrong_answers"
 MODULES = {
@@ -126,3 +128,30 @@ def test_results_escape_what_students_write():
     assert (
         "data:image/png" in world_and_car.check_wall_share(world_and_car.wall_share)._repr_html_()
     )
+
+
+def test_a_function_that_never_ends_is_ended_before_it_fills_the_memory():
+    kept = []
+
+    def endless(item):
+        while True:
+            kept.append(item)
+
+    before = sys.gettrace()
+    with pytest.raises(WrongAnswer, match="it never ends"):
+        patiently(endless, 1, otherwise="it never ends", lines=1_000)
+    assert 400 < len(kept) <= 1_000
+    assert sys.gettrace() is before
+
+
+def test_a_patient_call_returns_what_the_function_does_and_raises_what_it_raises():
+    assert patiently(lambda a, b: a + b, 1, 2, otherwise="") == 3
+    with pytest.raises(ZeroDivisionError):
+        patiently(lambda: 1 / 0, otherwise="")
+    # What is called by it counts as well.
+    with pytest.raises(WrongAnswer, match="too long"):
+        patiently(lambda: [one() for _ in range(100)], otherwise="too long", lines=50)
+
+
+def one():
+    return 1

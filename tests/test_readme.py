@@ -194,3 +194,75 @@ def test_what_is_said_of_navigation_is_that_of_the_results():
         assert f"{told[f'{name}, all worlds'].split()[0]} for {words}" in README
     assert f"a difference of {told['meng - sptm']}" in README
     assert f"{told['meng'].split()[0]} of Meng's edges are no wormholes" in README
+
+
+def told_of(name):
+    """The notes of a result by what stands before their colon."""
+    notes = json.loads((RESULTS / f"{name}.json").read_text())["notes"]
+    return dict(note.split(": ", 1) for note in notes if ": " in note)
+
+
+def listed(rows, key, digits):
+    """A column as it is written in a sentence."""
+    *first, last = (f"{row[key]:.{digits}%}" for row in rows)
+    return f"{', '.join(first)} and {last}"
+
+
+def test_what_is_said_of_a_plans_probability_is_that_of_the_results():
+    rows = [row for row in rows_of("meng_fig9") if not row["calibrated"]]
+    assert f"{sum(row['trials'] for row in rows):,} starts from anywhere" in README
+    assert listed(rows, "probability", 0) in README
+    assert listed(rows, "success", 0) in README
+    told = told_of("meng_fig9")
+    for kind in ("product of RE", "recalibrated"):
+        ece, spearman = re.fullmatch(r"ECE (\S+), Spearman .* (\S+)", told[kind]).groups()
+        assert f"ECE {ece}" in README
+        assert f"Spearman {spearman}" in README
+
+
+def test_what_is_said_of_fewer_drives_is_that_of_the_results():
+    rows = rows_of("meng_fig10")
+    assert listed(rows, "success", 1) in README
+    assert listed(rows, "no_generalisation", 0) in README
+    assert listed(rows, "share", 0) in README
+
+
+def test_what_is_said_of_growth_is_that_of_the_results():
+    (note,) = json.loads((RESULTS / "meng_fig13.json").read_text())["notes"]
+    assert note in README
+
+
+def test_what_is_said_of_faults_is_that_of_the_results():
+    rows = {row["fault"]: row for row in rows_of("faults")}
+    assert f"{rows['blocked']['reached']:.1%} of {rows['blocked']['trials']} robots" in README
+    assert f"{rows['none']['reached']:.1%} when nobody is there" in README
+    assert f"{rows['strange_goal']['refused']:.1%} are refused" in README
+    assert f"{rows['own_goal']['refused']:.1%} of the building's own" in README
+
+
+def test_what_is_said_of_other_colours_and_real_maps_is_that_of_the_results():
+    told = told_of("meng_table2_shifted")
+    for name, words in (("meng", "Meng"), ("sptm", "SPTM")):
+        assert f"{told[f'{name}, all worlds'].split()[0]} for {words}" in README
+    for name in ("depot", "tb3_sandbox", "warehouse"):
+        rows = {row["method"]: row["success"] for row in rows_of(f"meng_table2_{name}")}
+        assert f"{name} {rows['meng']:.1%} and {rows['sptm']:.1%}" in README
+
+
+def test_what_is_said_of_the_speed_of_maps_is_that_of_the_results():
+    rows = rows_of("map")
+    indexed, exhaustive = (row for row in rows if row["map"] == "one building, no reuse")
+    assert f"{indexed['queries'] / exhaustive['queries']:.1%} of the questions" in README
+    assert f"finds {indexed['recall']:.2%} of the edges" in README
+    large = {row["vertices"]: row for row in rows[4:] if row["method"] == "indexed"}
+    thousand = min(large, key=lambda size: abs(size - 1_000))
+    assert f"{large[thousand]['plan_ms']:.0f} ms on {thousand:,} vertices" in README
+    assert f"{large[max(large)]['plan_ms']:.0f} ms on {max(large):,}" in README
+
+
+def test_what_is_said_of_thresholds_is_that_of_the_results():
+    rows = [row for row in rows_of("meng_table2_thresholds") if row["replans"]]
+    assert listed([row for row in rows if row["method"] == "meng"], "success", 1) in README
+    for row in rows:
+        if row["method"] == "sptm" and row["threshold"] in (0.9, 0.99, 0.999):
+            assert f"{row['success']:.1%} at {row['threshold']:g}" in README
