@@ -112,10 +112,10 @@ def test_fig_9_is_recalibrated_on_validation_worlds_only(monkeypatch):
     rng, asked = np.random.default_rng(0), []
 
     def gamble(world, options):
-        """Plans that come true half as often as they tell; elsewhere, never."""
+        """Plans that come true half as often as they tell; elsewhere, hardly ever."""
         asked.append(world)
         told = rng.uniform(0.02, 1.0, 2_000)
-        share = 0.5 if world in meng_fig9.VALIDATION else 0.0
+        share = 0.5 if world in meng_fig9.VALIDATION else 0.02
         return np.stack([told, rng.random(2_000) < share * told])
 
     monkeypatch.setattr(meng_fig9, "gamble", gamble)
@@ -124,7 +124,7 @@ def test_fig_9_is_recalibrated_on_validation_worlds_only(monkeypatch):
     rows = saved(report)["rows"]
     assert [row["bin"] for row in rows] == [*range(5), *range(5)]
     assert [row["calibrated"] for row in rows] == [False] * 5 + [True] * 5
-    assert all(row["trials"] == 800 and row["success"] == 0.0 for row in rows)
+    assert all(row["trials"] == 800 and row["success"] < 0.05 for row in rows)
     for plain, mended in zip(rows[:5], rows[5:], strict=True):
         assert plain["least"] <= plain["probability"] <= plain["most"]
         assert mended["probability"] == pytest.approx(plain["probability"] / 2, abs=0.05)
