@@ -47,8 +47,8 @@ def one_house(house, monkeypatch):
     """Whichever world is asked for, it is this room."""
     for module in (*MODULES, bench_map):
         monkeypatch.setattr(module, "building", lambda *_, **__: house)
-        if hasattr(module, "side_by_side"):
-            monkeypatch.setattr(module, "side_by_side", in_turn)
+        if hasattr(module, "in_each_world"):
+            monkeypatch.setattr(module, "in_each_world", in_turn)
 
 
 def saved(report):

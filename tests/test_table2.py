@@ -562,7 +562,7 @@ def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsy
         raise AssertionError("it was driven")
 
     monkeypatch.setattr(meng_table2, "building", never)
-    monkeypatch.setattr(meng_table2, "side_by_side", never)
+    monkeypatch.setattr(meng_table2, "in_each_world", never)
     for where in ("nowhere.py:Mine", own("class Mine\n")):
         assert main(["experiment", "meng_table2", "--quick", "--agent", where]) == 2
         told = capsys.readouterr().err
@@ -580,7 +580,7 @@ def test_a_race_is_run_by_all_on_the_same_trials(plan, own, monkeypatch):
     monkeypatch.setattr(meng_table2, "QUICK_PLACES", 3)
     monkeypatch.setattr(meng_table2, "QUICK_TRIALS", 4)
     monkeypatch.setattr(navigation, "GRACE", 1.0)
-    monkeypatch.setattr(meng_table2, "side_by_side", in_turn)
+    monkeypatch.setattr(meng_table2, "in_each_world", in_turn)
     report = meng_table2.run(Options(quick=True, map=plan, agent=own(WHOLE)))
     rows = {row["method"]: row for row in report.rows}
     assert list(rows) == ["meng", "sptm", "random", "oracle", "custom"]

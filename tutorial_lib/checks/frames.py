@@ -1,31 +1,11 @@
-"""Frame numbers that students give, and loops that never end."""
+"""Frame numbers that students give."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.check import WrongAnswer
-
-
-class Patient(np.ndarray):
-    """An array that loses patience with whoever reads it again and again."""
-
-    left: list[int]
-
-    def __array_finalize__(self, source: object) -> None:
-        self.left = getattr(source, "left", [0])
-
-    def __getitem__(self, index: Any) -> Any:  # noqa: ANN401 - as numpy's own
-        self.left[0] -= 1
-        if self.left[0] < 0:
-            raise WrongAnswer(
-                "choose_anchors: your function never ends. Where not even frame i + 1 can be "
-                "reached so surely, it is the next anchor all the same: one must get on"
-            )
-        return super().__getitem__(index)
 
 
 def frame_numbers(what: str, got: object) -> NDArray[np.intp]:

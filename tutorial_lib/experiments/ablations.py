@@ -10,8 +10,8 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from tutorial_lib.experiments.courses import attempt, clean_course, worlds_of
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
@@ -68,7 +68,7 @@ def run(options: Options) -> Report:
     record_for(max(variants, key=lambda recipe: recipe.worlds), WORK)
     trained = Parallel(n_jobs=2)(delayed(_train)(recipe) for recipe in variants)
     predictors = [network for network, _ in trained]
-    parts = side_by_side(_race, worlds, predictors, count, options.seed, label="ablation")
+    parts = in_each_world(_race, worlds, predictors, count, options.seed, label="ablation")
     where = np.repeat(np.arange(len(worlds)), count)
     outcomes = [np.concatenate(found) for found in zip(*parts, strict=True)]
     rows: list[dict[str, Any]] = []

@@ -11,8 +11,8 @@ import numpy as np
 from tutorial_lib.driving.errands import draw_errands
 from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.outcomes import run_errands
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
@@ -34,7 +34,7 @@ def run(options: Options) -> Report:
     worlds = options.worlds or WORLDS
     count = _QUICK_ERRANDS if options.quick else ERRANDS
     recorded_drives([training_world(world) for world in worlds], _CARS, WORK)
-    parts = side_by_side(chances, worlds, count, options.seed, label="audit")
+    parts = in_each_world(chances, worlds, count, options.seed, label="audit")
     geodesic, reached = (np.concatenate(column) for column in zip(*parts, strict=True))
     where = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
     rows: list[dict[str, Any]] = []

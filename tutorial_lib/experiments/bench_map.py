@@ -36,20 +36,28 @@ def run(options: Options) -> Report:
     use_threads(1)  # a few pictures at a time are too little work to be shared
     first = (options.worlds or (WORLD,))[0]
     house = building(first, options.seed, 5 if options.quick else PLACES)
-    rows, notes = building_map(house, MapSettings(), "one building")
-    more = building_map(house, MapSettings(p_reuse=1.0), "one building, no reuse")
+    started = time.perf_counter()
+    anchors = list(sparsified(house))
+    drives = anchors, time.perf_counter() - started
+    rows, notes = building_map(house, *drives, MapSettings(), "one building")
+    more = building_map(house, *drives, MapSettings(p_reuse=1.0), "one building, no reuse")
     rows, notes = rows + more[0] + growing_map(first, options), notes + more[1]
     took = time.perf_counter() - begun
     return Report("map", options.seed, (first,), options.quick, took, rows, tuple(notes))
 
 
 def building_map(
-    house: Building, settings: MapSettings, name: str
+    house: Building, drives: list[Anchors], sparsifying: float, settings: MapSettings, name: str
 ) -> tuple[list[dict[str, Any]], list[str]]:
-    """The map of one building by index, and by asking about every pair."""
-    begun = time.perf_counter()
-    drives = list(sparsified(house))
-    sparsifying = time.perf_counter() - begun
+    """The map of one building by index, and by asking about every pair.
+
+    Args:
+        house: the building.
+        drives: the anchors of each of its drives.
+        sparsifying: seconds that it took to find them.
+        settings: of the map.
+        name: of the rows.
+    """
     rows, edges, each = [], {}, {}
     for method, candidates in (("indexed", None), ("exhaustive", _EVERYONE)):
         topomap = TopoMap(systems.meng().reachability, settings)

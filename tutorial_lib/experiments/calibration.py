@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from tutorial_lib.experiments import audit
 from tutorial_lib.experiments.courses import WORLDS
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.geometry_bound import fitted
 from tutorial_lib.experiments.judges import CONTROLLERS
 from tutorial_lib.experiments.reach_world import SURE, Sizes, examine
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds, over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import auc, brier, reliability
@@ -38,7 +38,7 @@ def run(options: Options) -> Report:
     names, sizes = (_QUICK, QUICK) if options.quick else (ALL, FULL)
     controllers = tuple(dict.fromkeys(name for name in names if name in CONTROLLERS))
     bounds = {name: fitted(name) for name in controllers}
-    found = side_by_side(examine, worlds, names, bounds, sizes, options.seed, label="calibration")
+    found = in_each_world(examine, worlds, names, bounds, sizes, options.seed, label="calibration")
     rows = [_row(name, [world[name] for world in found]) for name in names]
     rows.append(_geometry_row([world["k2"] for world in found], rows[names.index("k2")]))
     notes = (

@@ -54,7 +54,7 @@ _FADED = 0.6  # of the plan, under the map
 
 
 def run_map_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
-    """Learn a map, find to a picture three rooms away; leave demo.webm, demo.png and demo.json.
+    """Learn a map, find to a picture some rooms away; leave demo.webm, demo.png and demo.json.
 
     Raises:
         InputError: when the plan is too small for `PLACES` places.

@@ -13,9 +13,9 @@ from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.driving.rollouts import Robots
 from tutorial_lib.experiments.courses import WORLDS
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.following import Guide, trajectories
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array, compose
 from tutorial_lib.topology.transitions import State
@@ -45,7 +45,7 @@ def run(options: Options) -> Report:
     """Disturb the following of the same trajectories in every way."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    parts = side_by_side(disturb_all, worlds, options.quick, options.seed, label="disturbances")
+    parts = in_each_world(disturb_all, worlds, options.quick, options.seed, label="disturbances")
     rows = [_row(kind, [part[kind] for part in parts]) for kind in parts[0]]
     took = time.perf_counter() - begun
     return Report("disturbances", options.seed, worlds, options.quick, took, rows)

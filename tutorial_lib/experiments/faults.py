@@ -13,10 +13,10 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.driving.gridpath import CLEARANCE, GridPaths
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, Building, Trials, building, trials
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
@@ -37,7 +37,7 @@ def run(options: Options) -> Report:
     """Send robots on ways that are blocked, and to goals in another building."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
-    parts = side_by_side(suffer, worlds, options, label="faults")
+    parts = in_each_world(suffer, worlds, options, label="faults")
     rows = [_row(fault, [part[fault] for part in parts]) for fault in parts[0]]
     took = time.perf_counter() - begun
     return Report("faults", options.seed, worlds, options.quick, took, rows)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building, trials
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.views import VIEWS
@@ -30,7 +30,7 @@ def run(options: Options) -> Report:
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
-    parts = side_by_side(prune, worlds, options, label="meng_fig10")
+    parts = in_each_world(prune, worlds, options, label="meng_fig10")
     rows = [_row(share, [part[share] for part in parts]) for share in SHARES]
     peak = max(row["success"] for row in rows)
     found = {row["share"]: row["success"] / peak for row in rows}

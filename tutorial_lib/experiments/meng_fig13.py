@@ -13,10 +13,10 @@ from tutorial_lib.driving.jitter import PAPER_JITTER, jittered
 from tutorial_lib.driving.recorded import RecordedWorld
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, Building, building, long_enough
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.following import frames_of
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 
 FRAMES, QUICK_FRAMES = 100_000, 20_000
 EVERY = 10_000
@@ -28,7 +28,7 @@ def run(options: Options) -> Report:
     """Drive from place to place for hours, and count vertices."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:2] if options.quick else WORLDS)
-    parts = side_by_side(grow, worlds, options, label="meng_fig13")
+    parts = in_each_world(grow, worlds, options, label="meng_fig13")
     rows = [row for part in parts for row in part]
     notes = []
     if not options.quick:

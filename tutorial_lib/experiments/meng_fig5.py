@@ -10,9 +10,9 @@ import numpy as np
 from scipy.stats import rankdata
 
 from tutorial_lib.experiments.courses import WORLDS
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.following import Guide, trajectories
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import measured_over_worlds
 from tutorial_lib.geometry import Array, wrap
 
@@ -33,7 +33,7 @@ def run(options: Options) -> Report:
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:5] if options.quick else WORLDS)
-    parts = side_by_side(place_anchors, worlds, options.seed, label="meng_fig5")
+    parts = in_each_world(place_anchors, worlds, options.seed, label="meng_fig5")
     rows: list[dict[str, Any]] = []
     for context in CONTEXTS:
         found = [part[context] for part in parts]

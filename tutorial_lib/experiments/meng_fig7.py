@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.experiments.courses import NOISE, WORLDS
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.following import Guide, frames_of, trajectories
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import in_points, measured_over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.sparsify import every_nth, stored_frames
@@ -31,7 +31,7 @@ def run(options: Options) -> Report:
     """Follow the same trajectories by anchors chosen in every way."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    parts = side_by_side(follow_all, worlds, options.quick, options.seed, label="meng_fig7")
+    parts = in_each_world(follow_all, worlds, options.quick, options.seed, label="meng_fig7")
     where = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))["length"]) for p in parts])
     joined = {
         key: {name: np.concatenate([part[key][name] for part in parts]) for name in columns}

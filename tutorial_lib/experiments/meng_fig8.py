@@ -7,17 +7,17 @@ from typing import Any
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import experiences, vertex_poses
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 
 
 def run(options: Options) -> Report:
     """Build the maps of the first three worlds; where each vertex was seen is in the JSON."""
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS[:3]
-    rows = side_by_side(mapped, worlds, options.seed, label="meng_fig8")
+    rows = in_each_world(mapped, worlds, options.seed, label="meng_fig8")
     took = time.perf_counter() - begun
     return Report("meng_fig8", options.seed, worlds, options.quick, took, rows)
 

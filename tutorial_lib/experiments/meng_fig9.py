@@ -10,10 +10,10 @@ from scipy.stats import spearmanr
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building, trials_from_anywhere
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.meng_table2 import WORLDS
 from tutorial_lib.experiments.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import wilson
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import fit_isotonic, logit, reliability
@@ -35,7 +35,7 @@ def run(options: Options) -> Report:
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
     every = [*VALIDATION, *worlds]
-    parts = side_by_side(gamble, every, options, label="meng_fig9")
+    parts = in_each_world(gamble, every, options, label="meng_fig9")
     first, second = np.hstack(parts[: len(VALIDATION)]), np.hstack(parts[len(VALIDATION) :])
     mend = fit_isotonic(_logits(first[0]), first[1], _KNOTS)
     rows, notes = [], []

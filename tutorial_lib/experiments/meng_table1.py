@@ -10,8 +10,8 @@ import numpy as np
 from tutorial_lib.experiments import ablations
 from tutorial_lib.experiments.contenders import contenders
 from tutorial_lib.experiments.courses import attempt, courses, seeds_of, worlds_of
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds
 from tutorial_lib.geometry import Array
 
@@ -45,7 +45,7 @@ def run(options: Options) -> Report:
     if options.map is not None:
         worlds, places = (), [options.map]
         count = count if options.quick else 2 * count
-    parts = side_by_side(race, places, count, options.seed, label="meng_table1")
+    parts = in_each_world(race, places, count, options.seed, label="meng_table1")
     results = _joined(parts)
     rows = [_row(results, *key) for key in results]
     took = time.perf_counter() - begun

@@ -11,6 +11,7 @@ from tutorial_lib.agents.agent import Agent
 from tutorial_lib.agents.oracle import OracleJourney
 from tutorial_lib.experiments import systems, thresholds
 from tutorial_lib.experiments.buildings import PLACES, building, trials
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.navigation import (
     ENDINGS,
     Result,
@@ -18,7 +19,6 @@ from tutorial_lib.experiments.navigation import (
     navigate,
 )
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import difference, in_points, over_worlds, wilson
 
 WORLDS = tuple(range(20_000, 20_005))
@@ -38,7 +38,7 @@ def run(options: Options) -> Report:
         worlds, places = (), [options.map]
     if options.agent:  # before anything is driven
         systems.custom(options.agent)
-    parts = side_by_side(race, places, options, label="meng_table2")
+    parts = in_each_world(race, places, options, label="meng_table2")
     rows = [
         _row(place, house, method, found)
         for place, (house, results) in zip(places, parts, strict=True)

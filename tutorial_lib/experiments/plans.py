@@ -12,8 +12,8 @@ from tutorial_lib.driving.gridpath import GridPaths
 from tutorial_lib.driving.metrics import walls_crossed
 from tutorial_lib.driving.rollouts import Drives
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import FAMILIES, generate
@@ -41,7 +41,7 @@ def run(options: Options) -> Report:
     jobs = [(family, world, world in driven) for family in FAMILIES for world in worlds]
     if options.map is not None:
         worlds, jobs = (), [(str(options.map), 0, True)]
-    found = side_by_side(examine, jobs, options.seed, label="plans")
+    found = in_each_world(examine, jobs, options.seed, label="plans")
     rows, notes = [], []
     for family in dict.fromkeys(job[0] for job in jobs):
         mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]

@@ -10,9 +10,9 @@ import numpy as np
 
 from tutorial_lib.experiments import systems
 from tutorial_lib.experiments.buildings import PLACES, building, trials
+from tutorial_lib.experiments.each_world import in_each_world
 from tutorial_lib.experiments.navigation import Result, attempt, measured
 from tutorial_lib.experiments.report import Options, Report
-from tutorial_lib.experiments.side_by_side import side_by_side
 from tutorial_lib.experiments.statistics import over_worlds
 from tutorial_lib.topology.linking import MapSettings
 
@@ -30,7 +30,7 @@ def run(options: Options) -> Report:
     """Table II with other thresholds, and without planning anew."""
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
-    parts = side_by_side(vary, worlds, options, label="thresholds")
+    parts = in_each_world(vary, worlds, options, label="thresholds")
     rows = [_row(key, [part[key] for part in parts]) for key in parts[0]]
     took = time.perf_counter() - begun
     return Report("meng_table2_thresholds", options.seed, worlds, options.quick, took, rows)

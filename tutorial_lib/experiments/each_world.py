@@ -11,7 +11,7 @@ from tqdm.auto import tqdm
 from tutorial_lib.learning.estimators import use_threads
 
 
-def side_by_side(
+def in_each_world(
     work: Callable[..., Any], places: Sequence[Any], *arguments: object, label: str
 ) -> list[Any]:
     """What `work(place, *arguments)` finds in each place, in their order.
