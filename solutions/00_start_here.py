@@ -20,7 +20,7 @@
 # The cell below checks your installation. Where something is missing, it prints what to do.
 
 # %%
-from tutorial_lib.checks.environment import check_environment
+from tutorial_lib.checks.nb00.environment import check_environment
 
 ready = check_environment()
 # %%
@@ -30,17 +30,23 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from tutorial_lib.driving.courier import OracleCourier
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.experiments.demo import choose_places, place_people
-from tutorial_lib.experiments.demo_map import navigate_once
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.demos.navigation_demo import navigate_once
+from tutorial_lib.experiments.demos.oracle_demo import choose_places, place_people
 from tutorial_lib.geometry import compose
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.panels import camera_picture, draw_field_of_view, faded, side_by_side, stacked
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import play, show
-from tutorial_lib.viz.widgets import DriveController, drive, sliders
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.panels import (
+    camera_picture,
+    draw_field_of_view,
+    faded,
+    side_by_side,
+    stacked,
+)
+from tutorial_lib.viz.notebook.display import play, show
+from tutorial_lib.viz.notebook.widgets import DriveController, drive, sliders
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_ros_map
 from tutorial_lib.world.noise import WheelOdometry

@@ -18,28 +18,28 @@
 # %%
 import numpy as np
 
-from tutorial_lib.checks.world_and_car import (
+from tutorial_lib.checks.nb01.world_and_car import (
     check_bicycle_step,
     check_compose,
     check_ray_segment,
     check_to_local,
     check_wall_share,
 )
-from tutorial_lib.driving.courier import OracleCourier
-from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative, to_world
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.panels import (
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.panels import (
     camera_picture,
     draw_field_of_view,
     label,
     side_by_side,
     stacked,
 )
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import show
-from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.viz.notebook.display import show
+from tutorial_lib.viz.notebook.widgets import sliders
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.noise import WheelOdometry

@@ -23,7 +23,7 @@ import torch
 from IPython.display import display
 from torch.nn import functional
 
-from tutorial_lib.checks.local_control import (
+from tutorial_lib.checks.nb02.local_control import (
     check_goal_policy,
     check_obstacle_policy,
     check_resolve,
@@ -31,30 +31,30 @@ from tutorial_lib.checks.local_control import (
     check_waypoint_label,
     clear_sight,
 )
-from tutorial_lib.driving.demonstrations import demonstrate
-from tutorial_lib.driving.episodes import draw_episodes
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.jitter import PAPER_JITTER, jittered
-from tutorial_lib.driving.local import ComposedController
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.rmp import RMPController, control_jacobian, point_jacobian
-from tutorial_lib.driving.rmp_moves import cover
+from tutorial_lib.driving.control.composed import ComposedController
+from tutorial_lib.driving.control.rmp import RMPController, control_jacobian, point_jacobian
+from tutorial_lib.driving.control.rmp_arcs import cover
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.episodes import draw_episodes
+from tutorial_lib.driving.data.perturbation import PAPER_JITTER, jittered
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import drive
-from tutorial_lib.experiments.stored import stored
+from tutorial_lib.experiments.common.results import stored
 from tutorial_lib.geometry import compose, relative, to_local, to_world
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.encoders import PairEncoder
 from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.closer import around, matches_picture
-from tutorial_lib.viz.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import play, show
-from tutorial_lib.viz.policies import draw_arrows, draw_metrics
-from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.canvas.policies import draw_arrows, draw_metrics
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.closeups import around, matches_picture
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
+from tutorial_lib.viz.notebook.display import play, show
+from tutorial_lib.viz.notebook.widgets import sliders
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.raycast import Fan

@@ -23,40 +23,40 @@ from IPython.display import display
 from torch import nn
 from torch.nn import functional
 
-from tutorial_lib.checks.reachability import (
+from tutorial_lib.checks.nb03.rollout_labels import (
     check_fit_temperature,
     check_reach_loss,
     check_reliability_diagram,
     check_rollout_labels,
 )
-from tutorial_lib.driving.demonstrations import demonstrate
-from tutorial_lib.driving.errands import draw_errands, errands_of
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.local import ComposedController
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.rmp import RMPController
+from tutorial_lib.driving.control.composed import ComposedController
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.reachability_pairs import draw_errands, errands_of
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import drive
-from tutorial_lib.experiments.stored import stored
+from tutorial_lib.experiments.common.results import stored
 from tutorial_lib.geometry import compose, relative, to_local, to_world
 from tutorial_lib.learning.calibration import auc, brier, sigmoid
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.learning.mining import all_logits
-from tutorial_lib.learning.pilots import by_waypoints, encoded
+from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.weights import load_card
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.closer import around
-from tutorial_lib.viz.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import show
-from tutorial_lib.viz.reachability import (
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.closeups import around
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
+from tutorial_lib.viz.figures.reachability import (
     along_drive,
     draw_cells,
     draw_reliability,
     pictured_pair,
     probability_bar,
 )
-from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.viz.notebook.display import show
+from tutorial_lib.viz.notebook.widgets import sliders
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.sensors import Camera

@@ -21,7 +21,7 @@ from itertools import pairwise
 import numpy as np
 import torch
 
-from tutorial_lib.checks.sparsification import (
+from tutorial_lib.checks.nb04.choose_anchors import (
     BY_HAND,
     check_choose_anchors,
     check_frames_to_keep,
@@ -29,19 +29,20 @@ from tutorial_lib.checks.sparsification import (
     check_tracked_waypoint,
     check_transition,
 )
-from tutorial_lib.driving.demonstrations import demonstrate
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import covered
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.rmp import RMPController
-from tutorial_lib.experiments import meng_fig6
-from tutorial_lib.experiments.following import UNDER_WAY, Guide, frames_of
-from tutorial_lib.experiments.meng_fig5 import spearman
-from tutorial_lib.experiments.stored import stored
+from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.meng2020 import fig6
+from tutorial_lib.experiments.meng2020.fig5 import spearman
+from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide, frames_of
 from tutorial_lib.geometry import compose, relative, to_local, to_world, wrap
-from tutorial_lib.topology.trails import Trails
-from tutorial_lib.topology.transitions import FollowerSettings, State
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.anchors import (
+from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.figures.anchors import (
     anchors_picture,
     cover_chart,
     draw_anchors,
@@ -52,13 +53,12 @@ from tutorial_lib.viz.anchors import (
     state_legend,
     state_ribbon,
 )
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.closer import around
-from tutorial_lib.viz.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import show
-from tutorial_lib.viz.rules import follower_machine, reach_table
-from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.closeups import around
+from tutorial_lib.viz.figures.follower_states import follower_machine, reach_table
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
+from tutorial_lib.viz.notebook.display import show
+from tutorial_lib.viz.notebook.widgets import sliders
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free
@@ -832,13 +832,13 @@ show(stacked([side_by_side(panels, titles, height=min(560, len(panels[0]))), sta
 stored_run = stored("meng_fig6")
 world_name = local_world(stored_run.worlds[0])
 away = scene_of(world_name)
-way = meng_fig6.chosen_drive(world_name, away, stored_run.seed)
+way = fig6.chosen_drive(world_name, away, stored_run.seed)
 places = np.array([[row["x"], row["y"], row["heading"]] for row in stored_run.rows])
-by_pictures = Guide(RecordedWorld(away, [way]), meng_fig6.CONTEXT)
+by_pictures = Guide(RecordedWorld(away, [way]), fig6.CONTEXT)
 away_view = PlanView(away, 1000, 760)
 picture = away_view.base.copy()
 draw_frames(away_view, picture, way.poses, 1.4)
-draw_anchors(away_view, picture, way.poses[by_pictures.anchors(0, meng_fig6.THRESHOLD)])
+draw_anchors(away_view, picture, way.poses[by_pictures.anchors(0, fig6.THRESHOLD)])
 print(stored_run.notes[0])
 print("place   after    state              to anchor      RE")
 for row in stored_run.rows:

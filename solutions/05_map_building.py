@@ -26,7 +26,7 @@ import networkx as nx
 import numpy as np
 import torch
 
-from tutorial_lib.checks.map_building import (
+from tutorial_lib.checks.nb05.edge_weights import (
     BY_HAND,
     DRIVEN,
     check_ahead_of,
@@ -35,31 +35,36 @@ from tutorial_lib.checks.map_building import (
     check_reusable,
     check_weakest_aligned,
 )
-from tutorial_lib.driving.demonstrations import demonstrate_between
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.data.demonstrations import demonstrate_between
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.buildings import Building, building, facing, spread_places
-from tutorial_lib.experiments.navigation import WORMHOLE, experiences, vertex_poses
-from tutorial_lib.experiments.stored import stored
+from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.protocols.navigation import WORMHOLE, experiences, vertex_poses
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    Building,
+    building,
+    facing,
+    spread_places,
+)
 from tutorial_lib.geometry import wrap
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.topology.anchors import Anchors, anchors_of
-from tutorial_lib.topology.insertion import add_trajectory
-from tutorial_lib.topology.linking import MapSettings
-from tutorial_lib.topology.retrieval import likeness, most_alike
-from tutorial_lib.topology.storage import load_map, save_map
-from tutorial_lib.topology.topomap import TopoMap
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.anchors import write_beside
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.closer import around
-from tutorial_lib.viz.map_rules import sequences, table
-from tutorial_lib.viz.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import show
-from tutorial_lib.viz.topomaps import draw_edges, draw_topomap, hue
-from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.insertion import add_trajectory
+from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
+from tutorial_lib.topology.mapping.storage import load_map, save_map
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.canvas.topomaps import draw_edges, draw_topomap, hue
+from tutorial_lib.viz.figures.anchors import write_beside
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.closeups import around
+from tutorial_lib.viz.figures.edge_tables import sequences, table
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
+from tutorial_lib.viz.notebook.display import show
+from tutorial_lib.viz.notebook.widgets import sliders
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.worlds import scene_of, world_name
 

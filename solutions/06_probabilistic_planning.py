@@ -26,7 +26,7 @@ import networkx as nx
 import numpy as np
 import torch
 
-from tutorial_lib.checks.planning import (
+from tutorial_lib.checks.nb06.planning import (
     BY_HAND,
     GOAL,
     HERE,
@@ -37,31 +37,31 @@ from tutorial_lib.checks.planning import (
     check_travel,
     with_false_edge,
 )
-from tutorial_lib.driving.demonstrations import demonstrate
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.experiments import systems
-from tutorial_lib.experiments.buildings import Trials, building, trials
-from tutorial_lib.experiments.navigation import (
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.protocols.navigation import (
     WORMHOLE,
     experiences,
     goals_of,
     navigate,
     vertex_poses,
 )
-from tutorial_lib.experiments.stored import stored
-from tutorial_lib.topology.follower import Follower
+from tutorial_lib.experiments.protocols.navigation_tasks import Trials, building, trials
+from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.heading_search import ASIDE
 from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
-from tutorial_lib.topology.trails import Trails
-from tutorial_lib.topology.turning import ASIDE
-from tutorial_lib.viz import colours
-from tutorial_lib.viz.anchors import numbered_views, write_beside
-from tutorial_lib.viz.charts import chart, from_figure
-from tutorial_lib.viz.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.plan_view import PlanView
-from tutorial_lib.viz.play import show
-from tutorial_lib.viz.topomaps import draw_edges, draw_plan, draw_topomap, hue
-from tutorial_lib.viz.ways import graph_picture
-from tutorial_lib.viz.widgets import sliders
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.canvas.topomaps import draw_edges, draw_plan, draw_topomap, hue
+from tutorial_lib.viz.figures.anchors import numbered_views, write_beside
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
+from tutorial_lib.viz.figures.planning_graphs import graph_picture
+from tutorial_lib.viz.notebook.display import show
+from tutorial_lib.viz.notebook.widgets import sliders
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import STEP, Simulation
@@ -160,7 +160,7 @@ most_probable_way = check_most_probable_way.use(most_probable_way)
 PLACE, SHOWN = 10_007, 12
 house = building(PLACE, 0, count=5)
 shown = np.sort(np.random.default_rng(0).permutation(len(house.pairs))[:SHOWN])
-agent = systems.meng()
+agent = agents.meng()
 agent.learn(list(experiences(house, shown)))
 topomap = agent.topomap
 poses, alive = vertex_poses(house, topomap), topomap.alive

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tutorial_lib.driving.demonstrations import demonstrate
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.trajectories import Trajectory
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
 from tutorial_lib.world.scene import Scene

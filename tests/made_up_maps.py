@@ -5,9 +5,9 @@ from itertools import pairwise
 import numpy as np
 
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.topology.anchors import Anchors
-from tutorial_lib.topology.linking import MapSettings
-from tutorial_lib.topology.topomap import TopoMap
+from tutorial_lib.topology.mapping.anchors import Anchors
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.topomap import TopoMap
 
 
 def sensed(odometry):

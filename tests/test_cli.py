@@ -9,10 +9,10 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
-from conftest import make_box
 
+from tests.conftest import make_box
 from tutorial_lib.cli import lab_command, main
-from tutorial_lib.experiments import demo
+from tutorial_lib.experiments.demos import oracle_demo
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.scene import Scene
@@ -30,7 +30,7 @@ def test_the_demo_reaches_its_goal_and_leaves_film_strip_and_figures(tmp_path, c
     told = json.loads((tmp_path / "demo.json").read_text())
     assert told["reached"]
     assert not told["collided"]
-    assert told["rooms_away"] == demo.ROOMS_AWAY
+    assert told["rooms_away"] == oracle_demo.ROOMS_AWAY
     assert told["people"] == 2
     assert told["driven"] > 0.8 * told["geodesic"] > 4.0
     film = cv2.VideoCapture(str(tmp_path / "demo.webm"))
@@ -45,7 +45,7 @@ def test_the_demo_finds_its_way_by_sight(tmp_path, capsys):
     assert main(["demo", "--seed", "3"]) == 0
     told = json.loads((tmp_path / "demo.json").read_text())
     assert told["reached"]
-    assert told["rooms_away"] == demo.ROOMS_AWAY
+    assert told["rooms_away"] == oracle_demo.ROOMS_AWAY
     assert told["people"] == 2
     assert told["driven"] > 0.8 * told["geodesic"] > 4.0
     assert 0.5 < told["probability"] < 1.0
@@ -67,11 +67,11 @@ def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
 
 
 def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
-    class Asleep(demo.OracleCourier):
+    class Asleep(oracle_demo.OracleCourier):
         def act(self, simulation):
             return np.zeros((1, 2))
 
-    monkeypatch.setattr(demo, "OracleCourier", Asleep)
+    monkeypatch.setattr(oracle_demo, "OracleCourier", Asleep)
     save_plan(make_box(6.0, 6.0), "box.json")
     assert main(["demo", "--oracle", "--map", "box.json"]) == 1
     assert not json.loads(Path("demo.json").read_text())["reached"]
@@ -195,10 +195,10 @@ def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, capsys):
 
 def test_people_in_the_demo_stand_where_the_floor_is():
     scene = Scene(generate("apartment", 10_003))
-    paths = demo.GridPaths(scene.clearance)
-    start, goal, rooms, _ = demo.choose_places(scene, paths, np.random.default_rng(0))
+    paths = oracle_demo.GridPaths(scene.clearance)
+    start, goal, rooms, _ = oracle_demo.choose_places(scene, paths, np.random.default_rng(0))
     way = paths.fields(goal).path(start[:2])
-    people = demo.place_people(way, scene)
+    people = oracle_demo.place_people(way, scene)
     assert len(rooms) == len(people) == 2
     for person in people:
         assert scene.clearance.at(person.route).min() > 0.0

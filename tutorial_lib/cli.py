@@ -11,32 +11,26 @@ from dataclasses import fields
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments import (
-    ablations,
-    bench_control,
-    bench_fleet,
-    bench_map,
-    bench_raycast,
-    bench_reachability,
+from tutorial_lib.experiments.benchmarks import control, fleet, map_building, raycast, reachability
+from tutorial_lib.experiments.common.report import Options, Report, parse_worlds
+from tutorial_lib.experiments.demos.navigation_demo import run_map_demo
+from tutorial_lib.experiments.demos.oracle_demo import run_demo
+from tutorial_lib.experiments.meng2020 import (
     calibration,
-    disturbances,
-    faults,
-    meng_fig4,
-    meng_fig5,
-    meng_fig6,
-    meng_fig7,
-    meng_fig8,
-    meng_fig9,
-    meng_fig10,
-    meng_fig11,
-    meng_fig13,
-    meng_table1,
-    meng_table2,
-    plans,
+    fig4,
+    fig5,
+    fig6,
+    fig7,
+    fig8,
+    fig9,
+    fig10,
+    fig11,
+    fig13,
+    table1,
+    table1_ablations,
+    table2,
 )
-from tutorial_lib.experiments.demo import run_demo
-from tutorial_lib.experiments.demo_map import run_map_demo
-from tutorial_lib.experiments.report import Options, Report, parse_worlds
+from tutorial_lib.experiments.robustness import disturbances, faults, plans
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
@@ -46,34 +40,34 @@ from tutorial_lib.world.importers import import_map
 
 EXPERIMENTS = {
     "plans": plans.run,
-    "meng_table1": meng_table1.run,
-    "meng_table2": meng_table2.run,
-    "meng_fig4": meng_fig4.run,
+    "meng_table1": table1.run,
+    "meng_table2": table2.run,
+    "meng_fig4": fig4.run,
     "calibration": calibration.run,
-    "meng_fig5": meng_fig5.run,
-    "meng_fig6": meng_fig6.run,
-    "meng_fig7": meng_fig7.run,
-    "meng_fig8": meng_fig8.run,
-    "meng_fig9": meng_fig9.run,
-    "meng_fig10": meng_fig10.run,
-    "meng_fig11": meng_fig11.run,
-    "meng_fig13": meng_fig13.run,
+    "meng_fig5": fig5.run,
+    "meng_fig6": fig6.run,
+    "meng_fig7": fig7.run,
+    "meng_fig8": fig8.run,
+    "meng_fig9": fig9.run,
+    "meng_fig10": fig10.run,
+    "meng_fig11": fig11.run,
+    "meng_fig13": fig13.run,
     "disturbances": disturbances.run,
     "faults": faults.run,
 }
 WITH_ABLATIONS = {
-    "meng_table1": tuple(ablations.ABLATIONS),
+    "meng_table1": tuple(table1_ablations.ABLATIONS),
     "meng_table2": ("thresholds",),
     "calibration": ("audit",),
 }
 WITH_MAPS = ("meng_table1", "meng_table2", "plans")
 WITH_PALETTES = WITH_AGENTS = ("meng_table2",)
 BENCHES = {
-    "raycast": bench_raycast.run,
-    "fleet": bench_fleet.run,
-    "control": bench_control.run,
-    "reachability": bench_reachability.run,
-    "map": bench_map.run,
+    "raycast": raycast.run,
+    "fleet": fleet.run,
+    "control": control.run,
+    "reachability": reachability.run,
+    "map": map_building.run,
 }
 NETWORKS = {
     "waypoint": recipes.WAYPOINT,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tutorial_lib.topology.transitions import State
+from tutorial_lib.topology.following.transitions import State
 
 
 def choose_anchors__looks_only_at_the_last(reach, threshold):

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tutorial_lib.agents.agent import Experience
-from tutorial_lib.agents.journeys import MapJourney
+from tutorial_lib.agents.navigator import MapJourney
 from tutorial_lib.interfaces import Controller, Observation, Reachability, WaypointPredictor
-from tutorial_lib.topology.anchors import anchors_of
-from tutorial_lib.topology.follower import Follower
-from tutorial_lib.topology.insertion import add_trajectory
-from tutorial_lib.topology.linking import MapSettings
+from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.topology.mapping.anchors import anchors_of
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.insertion import add_trajectory
+from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
-from tutorial_lib.topology.topomap import TopoMap
-from tutorial_lib.topology.transitions import FollowerSettings
 
 
 @dataclass

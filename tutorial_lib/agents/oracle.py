@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tutorial_lib.agents.agent import Robots
-from tutorial_lib.driving.courier import OracleCourier
-from tutorial_lib.driving.demonstrations import DRIVER
-from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.data.demonstrations import DRIVER
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation

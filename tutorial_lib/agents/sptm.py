@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.agent import Experience
-from tutorial_lib.agents.journeys import MapJourney
+from tutorial_lib.agents.navigator import MapJourney
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
@@ -20,11 +20,11 @@ from tutorial_lib.interfaces import (
     Reachability,
     WaypointPredictor,
 )
-from tutorial_lib.topology.follower import Follower
+from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.topology.mapping.sparsify import contextified, every_nth
+from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import Goals, Plan
-from tutorial_lib.topology.sparsify import contextified, every_nth
-from tutorial_lib.topology.topomap import TopoMap
-from tutorial_lib.topology.transitions import FollowerSettings
 
 
 @dataclass(frozen=True)

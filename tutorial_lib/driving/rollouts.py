@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.driving.gridpath import GridPaths
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array

@@ -10,8 +10,8 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from tutorial_lib.driving.jitter import TRAINING_JITTER, Jitter
-from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.data.perturbation import TRAINING_JITTER, Jitter
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import Controller, Observation

@@ -14,14 +14,14 @@ from joblib import Parallel, delayed
 from numpy.typing import NDArray
 from tqdm.auto import tqdm
 
-from tutorial_lib.driving.errands import Errands, errands_of
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.outcomes import Outcomes, run_errands
-from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.data.reachability_pairs import Errands, errands_of
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.rollout_outcomes import Outcomes, run_errands
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
 from tutorial_lib.learning.outcome_data import kept_outcomes
-from tutorial_lib.learning.pilots import by_waypoints, encoded
+from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.weights import digest_of, load_card
 from tutorial_lib.world.simulation import Sensors, Simulation
 

@@ -10,15 +10,20 @@ import numpy as np
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
-from tutorial_lib.driving.demonstrations import record_demonstrations
-from tutorial_lib.driving.errands import draw_errands
-from tutorial_lib.driving.gridpath import GridPaths
-from tutorial_lib.driving.outcomes import Outcomes, load_outcomes, run_errands, save_outcomes
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.trajectories import load_trajectories
+from tutorial_lib.driving.data.demonstrations import record_demonstrations
+from tutorial_lib.driving.data.reachability_pairs import draw_errands
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.rollout_outcomes import (
+    Outcomes,
+    load_outcomes,
+    run_errands,
+    save_outcomes,
+)
+from tutorial_lib.driving.data.trajectories import load_trajectories
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
-from tutorial_lib.learning.pilots import by_waypoints
+from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.learning.weights import load_card
 from tutorial_lib.world.worlds import scene_of
 

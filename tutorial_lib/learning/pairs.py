@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.jitter import Jitter, jittered
-from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.data.perturbation import Jitter, jittered
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.labels import Labels, label, waypoint_labels
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.errands import STARTS
-from tutorial_lib.driving.outcomes import Outcomes
-from tutorial_lib.driving.recorded import RecordedWorld
+from tutorial_lib.driving.data.reachability_pairs import STARTS
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.rollout_outcomes import Outcomes
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.batches import Batch, joined, posed
 from tutorial_lib.learning.networks import Architecture

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tutorial_lib.driving.outcomes import load_outcomes
+from tutorial_lib.driving.data.rollout_outcomes import load_outcomes
 from tutorial_lib.learning.calibration import (
     Calibration,
     auc,

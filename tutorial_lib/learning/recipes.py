@@ -7,10 +7,10 @@ from pathlib import Path
 
 from joblib import Parallel, delayed
 
-from tutorial_lib.driving.demonstrations import DRIVER, record_demonstrations
-from tutorial_lib.driving.jitter import PAPER_JITTER
-from tutorial_lib.driving.recorded import RecordedWorld
-from tutorial_lib.driving.trajectories import load_trajectories
+from tutorial_lib.driving.data.demonstrations import DRIVER, record_demonstrations
+from tutorial_lib.driving.data.perturbation import PAPER_JITTER
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.trajectories import load_trajectories
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train

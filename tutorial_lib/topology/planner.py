@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Localizer, Observation
-from tutorial_lib.topology.linking import weight
-from tutorial_lib.topology.topomap import TopoMap
-from tutorial_lib.topology.vertices import Numbers
+from tutorial_lib.topology.mapping.edge_rules import weight
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.mapping.vertices import Numbers
 
 _HERE, _GOAL = "here", "goal"
 Edge = tuple[Any, Any, float]

@@ -1,0 +1,622 @@
+"""Agents in a corridor of numbers, and in a simulated room."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.made_up_maps import edges_of, numbered, sensed, table_map
+from tutorial_lib.agents.agent import Agent, Experience, Journey
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.navigator import MapJourney
+from tutorial_lib.agents.oracle import OracleJourney
+from tutorial_lib.agents.random import WanderingAgent
+from tutorial_lib.agents.sptm import MostAlike, SPTMAgent, window_median
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.errors import InputError
+from tutorial_lib.interfaces import Localizer
+from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
+from tutorial_lib.world.simulation import Simulation
+
+FAR = 2.0
+
+
+class Line:
+    """Robots on a line that know by their odometers where they are, and cannot pass a wall."""
+
+    def __init__(self, starts, wall=np.inf):
+        self.x, self.wall = np.array(starts, dtype=float), wall
+
+    def observe(self, robots=None):
+        x = self.x if robots is None else self.x[robots]
+        return sensed(np.column_stack([x, 0 * x, 0 * x]))
+
+    def go(self, journey, steps):
+        """Drive; gives the actions of the last step."""
+        for _ in range(steps):
+            robots = np.flatnonzero(~(journey.arrived | journey.given_up))
+            if not robots.size:
+                break
+            actions = journey.act(self.observe(robots), robots)
+            assert actions.shape == (len(robots), 2)
+            self.x[robots] = np.minimum(self.x[robots] + 0.1 * actions[:, 0], self.wall)
+
+
+class LinePredictor:
+    """The way to a place, and an overlap that fades over 3 m."""
+
+    view = SimpleNamespace(of=lambda observations: observations.odometry[:, 0])
+    architecture = SimpleNamespace(k=1)
+
+    def prepare(self, contexts):
+        return contexts[:, contexts.shape[1] // 2]
+
+    def predict(self, observations, targets):
+        gap = targets - observations.odometry[:, 0]
+        overlap = np.clip(1 - np.abs(gap) / 3, 0, 1)
+        return np.column_stack([gap, 0 * gap]), np.column_stack([overlap, overlap])
+
+
+class LineReachability:
+    """Sure of what is within 2 m, the nearer the surer, and not behind a wall."""
+
+    def __init__(self):
+        self.wall = np.inf
+
+    def prepare(self, contexts):
+        return np.asarray(contexts)[:, np.shape(contexts)[1] // 2]
+
+    def probability(self, observations, prepared):
+        here = observations.odometry[:, 0]
+        gap = np.abs(prepared - here)
+        apart = (here <= self.wall) != (prepared <= self.wall)
+        return np.where((gap < FAR) & ~apart, 0.9999 - 0.001 * gap, 0.02)
+
+
+class LineController:
+    """Half a metre a second towards the waypoint."""
+
+    def act(self, observations, waypoints):
+        assert len(waypoints) == len(observations)
+        return np.column_stack([np.clip(5 * waypoints[:, 0], -0.5, 0.5), 0 * waypoints[:, 1]])
+
+
+def goals_at(*places):
+    """Goal pictures of places on the line."""
+    x = np.array(places, dtype=float)
+    return Goals(sensed(np.column_stack([x, 0 * x, 0 * x])), np.tile(x[:, None], (1, 3)))
+
+
+def line_map(places, reachability):
+    topomap, x = TopoMap(reachability), np.array(places, dtype=float)
+    seen, contexts = goals_at(*places).observations, np.tile(x[:, None], (1, 3))
+    number = np.arange(len(x))
+    topomap.make_vertices(seen, contexts, number * 1.0, 0 * number, number)
+    topomap.trails = [number.tolist()]
+    return topomap
+
+
+class Ways:
+    """Finds ways that were thought out before: one after the other, for each goal."""
+
+    def __init__(self, *plans):
+        self.plans, self.asked = list(plans), []
+
+    def __call__(self, observation, goals, shunned):
+        assert len(observation) == 1
+        self.asked.append((float(observation.odometry[0, 0]), goals, set(shunned)))
+        return self.plans[min(len(self.asked), len(self.plans)) - 1]
+
+
+def journey_of(find_way, goals, places=range(-4, 9), replans=5, wall=np.inf):
+    """A journey over a map of those places."""
+    reachability = LineReachability()
+    reachability.wall = wall
+    topomap = line_map(places, reachability)
+    follower = Follower(LinePredictor(), LineController(), reachability)
+    return MapJourney(find_way, follower, topomap, goals, replans)
+
+
+SURE = (0.99,)
+
+
+# Journeys.
+
+
+def test_a_plan_is_followed_to_its_goal():
+    ways = Ways(Plan((5, 6, 7, 8), 1, SURE))  # vertex v is at v - 4
+    journey, line = journey_of(ways, [goals_at(-3, 5.5)]), Line([0.2])
+    assert isinstance(journey, Journey)
+    assert journey.plans == [None]
+    line.go(journey, 1)
+    assert journey.plans == [ways.plans[0]]
+    assert ways.asked[0][0] == 0.2
+    assert ways.asked[0][2] == set()
+    line.go(journey, 200)
+    assert journey.arrived.tolist() == [True]
+    assert not journey.given_up[0]
+    assert line.x[0] == pytest.approx(5.5, abs=0.25)
+    assert len(ways.asked) == len(journey.history[0]) == 1
+
+
+def test_each_robot_goes_to_its_own_goal():
+    plans = {3.5: Plan((5, 6), 0, SURE), -2.5: Plan((3, 2), 1, SURE), 0.6: Plan((), 0, SURE)}
+    goals = [goals_at(3.5), goals_at(7, -2.5), goals_at(0.6)]
+    wanted = {id(goal): place for goal, place in zip(goals, plans, strict=True)}
+
+    def find_way(observation, goals, shunned):
+        return plans[wanted[id(goals)]]
+
+    journey, line = journey_of(find_way, goals), Line([0.0, 0.1, -0.2])
+    line.go(journey, 200)
+    assert journey.arrived.all()
+    assert line.x == pytest.approx([3.5, -2.5, 0.6], abs=0.25)
+    assert [plans[0] for plans in journey.history] == list(plans.values())
+
+
+def test_who_is_lost_plans_anew_and_shuns_what_it_could_not_reach():
+    # Nobody gets past 2.4, so vertex 7 at 3 is not reached; the other goal is at -3.
+    ways = Ways(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
+    journey = journey_of(ways, [goals_at(5, -3)], wall=2.4)
+    line = Line([0.0], wall=2.4)
+    line.go(journey, 140)
+    assert len(ways.asked) == 2
+    place, _, shunned = ways.asked[1]
+    assert place == pytest.approx(2.4, abs=0.5)
+    assert shunned == {7}
+    line.go(journey, 300)
+    assert journey.arrived[0]
+    assert line.x[0] == pytest.approx(-3, abs=0.25)
+    assert journey.history[0] == ways.plans
+    assert journey.plans[0] is ways.plans[1]
+    assert len(ways.asked) == 2
+
+
+def test_what_was_shunned_once_is_shunned_for_good():
+    ways = Ways(Plan((7, 8), 0, SURE), Plan((8,), 0, SURE), Plan((9,), 0, SURE), Plan((), 0, SURE))
+    journey = journey_of(ways, [goals_at(5)], replans=3, wall=2.4)
+    line = Line([2.0], wall=2.4)
+    line.go(journey, 400)
+    # The goal itself is no vertex.
+    assert [shunned for _, _, shunned in ways.asked] == [set(), {7}, {7, 8}, {7, 8, 9}]
+    assert journey.given_up[0]
+
+
+@pytest.mark.parametrize("replans", [0, 1, 3])
+def test_who_is_lost_too_often_gives_up(replans):
+    ways = Ways(Plan((7, 8), 0, SURE))
+    journey = journey_of(ways, [goals_at(5), goals_at(1)], replans=replans, wall=2.4)
+    journey._find_way = lambda o, g, s: (
+        ways(o, g, s) if len(g) and g.contexts[0, 1] == 5 else Plan((5,), 0, SURE)
+    )
+    line = Line([2.0, 0.0], wall=2.4)
+    line.go(journey, 60 * (replans + 2))
+    assert journey.given_up.tolist() == [True, False]
+    assert journey.arrived.tolist() == [False, True]
+    assert len(journey.history[0]) == len(ways.asked) == replans + 1
+    actions = journey.act(line.observe(), np.array([0, 1]))
+    assert (actions == 0).all()
+    assert len(ways.asked) == replans + 1
+
+
+def test_who_does_not_trust_its_way_gives_up_at_once():
+    ways = Ways(Plan((5, 6), 0, (0.5, 0.1, 0.9), refusal="the best way has probability 0.045"))
+    journey, line = journey_of(ways, [goals_at(3)]), Line([0.0])
+    actions = journey.act(line.observe(), np.array([0]))
+    assert (actions == 0).all()
+    assert journey.given_up.tolist() == [True]
+    assert not journey.arrived[0]
+    assert journey.plans[0].refusal
+    assert (journey.act(line.observe(), np.array([0])) == 0).all()
+    assert len(ways.asked) == 1
+
+
+def test_who_knows_no_way_gives_up_before_long():
+    ways = Ways(Plan(refusal="no way leads from what is seen here to the goal"))
+    journey, line = journey_of(ways, [goals_at(3)]), Line([0.0])
+    line.go(journey, 260)
+    assert journey.given_up.tolist() == [True]
+    assert line.x[0] == 0.0
+    assert len(ways.asked) >= 1
+    assert all(plan.refusal for plan in journey.history[0])
+
+
+class Steering(LineController):
+    """Turns to the side on which the waypoint is."""
+
+    def act(self, observations, waypoints):
+        return np.column_stack([0 * waypoints[:, 0], np.sign(waypoints[:, 1])])
+
+
+def test_who_knows_no_way_looks_around_for_one():
+    unknown = Plan(refusal="no way leads from what is seen here to the goal")
+    ways = Ways(unknown, unknown, Plan((5,), 0, SURE))
+    journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
+    journey.run.controller = Steering()
+    robot = np.array([0])
+    for _ in range(40):
+        actions = journey.act(line.observe(), robot)
+        if len(ways.asked) == 3:
+            break
+        assert actions[0, 1] != 0
+        assert journey.plans == [None]
+    journey.run.controller = LineController()
+    line.go(journey, 200)
+    assert journey.arrived[0]
+    assert not journey.given_up[0]
+
+
+def test_who_has_given_up_stands_still():
+    ways = Ways(Plan(refusal="no way leads from what is seen here to the goal"))
+    journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
+    journey.run.controller = Steering()
+    line.go(journey, 400)
+    assert journey.given_up[0]
+    asked = len(ways.asked)
+    for _ in range(20):
+        assert (journey.act(line.observe(), np.array([0])) == 0).all()
+    assert len(ways.asked) == asked
+
+
+def test_a_robot_alone_does_as_in_a_fleet():
+    starts, goals = [0.0, 0.6, -1.2], [goals_at(3), goals_at(5), goals_at(-3)]
+    planner = DijkstraPlanner(least=0.0)
+
+    def set_out(goals):
+        journey = journey_of(None, goals)
+        for a in range(12):
+            journey._topomap.connect(a, a + 1, 0.999)
+            journey._topomap.connect(a + 1, a, 0.999)
+        journey._find_way = lambda o, g, s: planner.plan(o, g, journey._topomap, s)
+        return journey
+
+    fleet, together = set_out(goals), Line(starts)
+    together.go(fleet, 200)
+    assert fleet.arrived.all()
+    for robot in range(3):
+        one, alone = set_out([goals[robot]]), Line([starts[robot]])
+        alone.go(one, 200)
+        assert alone.x[0] == together.x[robot]
+        assert one.history[0] == fleet.history[robot]
+
+
+def test_only_those_asked_about_plan_and_go_on():
+    journey = journey_of(Ways(Plan((5, 6), 0, SURE)), [goals_at(3)] * 3)
+    line = Line([0.0, 0.0, 0.0])
+    for _ in range(5):
+        actions = journey.act(line.observe(np.array([0, 2])), np.array([0, 2]))
+        line.x[[0, 2]] += 0.1 * actions[:, 0]
+    assert journey.plans[1] is None
+    assert line.x[1] == 0.0
+    assert line.x[0] == line.x[2] > 0.1
+    nobody = np.array([], dtype=int)
+    assert journey.act(line.observe(nobody), nobody).shape == (0, 2)
+
+
+def test_a_journey_over_an_empty_map_leads_to_what_is_in_sight():
+    reachability = LineReachability()
+    follower = Follower(LinePredictor(), LineController(), reachability)
+    topomap, planner = TopoMap(reachability), DijkstraPlanner()
+    goals = [goals_at(1.0), goals_at(9.0)]
+    journey = MapJourney(
+        lambda o, g, s: planner.plan(o, g, topomap, s), follower, topomap, goals, 5
+    )
+    line = Line([0.0, 0.0])
+    line.go(journey, 260)
+    assert journey.arrived.tolist() == [True, False]
+    assert journey.given_up.tolist() == [False, True]
+    assert line.x == pytest.approx([1.0, 0.0], abs=0.25)
+
+
+# The agent of Meng 2020.
+
+
+def drive(first, last, begin=0.0, step=0.05):
+    """An experience of driving along the line."""
+    x = np.arange(first, last, step if last > first else -step)
+    seen = sensed(np.column_stack([x, 0 * x, 0 * x]))
+    return Experience(seen, begin + 0.1 * np.arange(len(x)))
+
+
+def meng(**changed):
+    parts = {
+        "predictor": LinePredictor(),
+        "controller": LineController(),
+        "reachability": LineReachability(),
+        "settings": MapSettings(sequence=0, p_edge=0.99),
+    }
+    return MengAgent(**{**parts, **changed})
+
+
+def test_an_agent_learns_a_sparse_map_drive_by_drive():
+    agent = meng()
+    assert isinstance(agent, Agent)
+    agent.learn([drive(0, 10)])
+    places = agent.topomap.vertices.observations[agent.topomap.alive].odometry[:, 0]
+    assert places[0] == 0.0
+    assert places[-1] == pytest.approx(9.95)
+    assert (np.diff(places)[:-1] > 1.9).all()  # 2 m can be reached
+    assert agent.topomap.vertices.contexts[np.array([1])].tolist() == [
+        pytest.approx([places[1] - 0.15, places[1], places[1] + 0.15])
+    ]
+    agent.learn([drive(10, 20, 100.0)])
+    assert len(agent.topomap.trails) == 2
+    assert agent.topomap.vertices.timestamps.max() >= 100.0
+
+
+def test_it_is_the_same_map_however_it_is_learned():
+    one, two = meng(), meng()
+    drives = [drive(0, 6), drive(4, 12, 50.0), drive(6.02, 0, 99.0)]
+    one.learn(drives)
+    for experience in drives:
+        two.learn([experience])
+    assert edges_of(one.topomap) == edges_of(two.topomap)
+    assert one.topomap.trails == two.topomap.trails
+    assert len(one.topomap.trails) == 3
+
+
+def test_it_finds_its_way_over_several_drives():
+    agent = meng()
+    agent.learn([drive(0, 6), drive(5, 12, 50.0)])
+    line = Line([0.1, 2.0, 6.0])
+    journey = agent.set_out([goals_at(11.5), goals_at(7.3), goals_at(30.0)])
+    line.go(journey, 400)
+    assert journey.arrived.tolist() == [True, True, False]
+    assert journey.given_up.tolist() == [False, False, True]
+    assert line.x[:2] == pytest.approx([11.5, 7.3], abs=0.25)
+    assert len(journey.history[0]) == 1
+    assert journey.plans[0].probability > 0.9
+
+
+def test_what_was_blocked_since_is_tried_no_more_than_it_may_be():
+    reachability = LineReachability()
+    agent = meng(reachability=reachability, replans=2, planner=DijkstraPlanner(least=0.0))
+    agent.learn([drive(0, 12)])
+    reachability.wall = 5.0
+    journey, line = agent.set_out([goals_at(11.0)]), Line([0.1], wall=5.0)
+    line.go(journey, 900)
+    assert journey.given_up[0]
+    assert line.x[0] <= 5.0
+    first = journey.history[0][0]
+    assert first.vertices
+    for plan in journey.history[0][1:]:
+        assert plan.vertices != first.vertices
+
+
+def test_the_agent_plans_past_what_it_shuns_with_the_planner_it_was_given():
+    class Asked:
+        def __init__(self):
+            self.asked = []
+
+        def plan(self, observation, goals, topomap, shunned):
+            self.asked.append((observation, goals, topomap, shunned))
+            return Plan(refusal="no", probabilities=(0.1,))
+
+    agent = meng(planner=Asked())
+    agent.learn([drive(0, 3)])
+    goals = goals_at(2.0)
+    journey = agent.set_out([goals])
+    journey.act(Line([0.5]).observe(), np.array([0]))
+    ((observation, asked, topomap, shunned),) = agent.planner.asked
+    assert observation.odometry[0, 0] == 0.5
+    assert asked is goals
+    assert topomap is agent.topomap
+    assert shunned == set()
+
+
+# SPTM.
+
+
+@settings(max_examples=60)
+@given(st.lists(st.integers(1, 5), min_size=1, max_size=3), st.integers(0, 3), st.integers(0, 999))
+def test_the_median_is_over_aligned_neighbours_of_the_same_drives(lengths, window, seed):
+    trajectory = np.repeat(np.arange(len(lengths)), lengths)
+    count = len(trajectory)
+    alike = np.random.default_rng(seed).random((count, count))
+    found = window_median(alike, trajectory, window)
+    for a in range(count):
+        for b in range(count):
+            some = [
+                alike[a + step, b + step]
+                for step in range(-window, window + 1)
+                if min(a, b) + step >= 0
+                and max(a, b) + step < count
+                and trajectory[a + step] == trajectory[a]
+                and trajectory[b + step] == trajectory[b]
+            ]
+            assert found[a, b] == pytest.approx(np.median(some), abs=1e-6)
+
+
+def test_a_window_without_pairs_is_refused():
+    with pytest.raises(InputError, match="window: -1; give a whole number, 0 or greater"):
+        window_median(np.eye(2), np.zeros(2, int), -1)
+
+
+def test_the_robot_is_where_it_looks_most_alike():
+    table = np.random.default_rng(0).random((9, 9))
+    topomap = table_map(table, 6)
+    topomap.remove([2])
+    told = MostAlike().localize(numbered([6, 7, 8]), topomap)
+    assert isinstance(MostAlike(), Localizer)
+    assert told.shape == (3, 5)
+    assert (told.sum(axis=1) == 1).all()
+    for row, number in zip(told, (6, 7, 8), strict=True):
+        assert topomap.alive[row.argmax()] == max(topomap.alive, key=lambda v: table[number, v])
+
+
+class Similar(LineReachability):
+    """How alike two places of the line are; it looks at the middle picture alone."""
+
+    def prepare(self, contexts):
+        assert contexts.shape[1] == 1
+        return super().prepare(contexts)
+
+    def probability(self, observations, prepared):
+        return np.clip(1 - np.abs(prepared - observations.odometry[:, 0]) / 50, 0, 1)
+
+
+def sptm(**changed):
+    parts = {
+        "similarity": Similar(),
+        "predictor": LinePredictor(),
+        "controller": LineController(),
+        "reachability": LineReachability(),
+        "s_shortcut": 0.975,  # 1.25 m apart
+    }
+    return SPTMAgent(**{**parts, **changed})
+
+
+def test_sptm_keeps_every_nth_picture_and_joins_what_is_alike():
+    agent = sptm(every=20, window=0)
+    assert isinstance(agent, Agent)
+    agent.learn([drive(0, 5), drive(10, 15, 50.0), drive(0.5, 5.5, 99.0)])
+    topomap = agent.topomap
+    places = topomap.vertices.observations[topomap.alive].odometry[:, 0]
+    assert places[:6] == pytest.approx([0, 1, 2, 3, 4, 4.95])
+    assert topomap.trails == [list(range(6)), list(range(6, 12)), list(range(12, 18))]
+    assert [topomap.trail_of(v)[1] for v in (0, 5, 6, 17)] == [0, 5, 0, 5]
+    driven = {edge for edge, (_, often) in edges_of(topomap).items() if often}
+    assert driven == {(a, b) for trail in topomap.trails for a, b in zip(trail, trail[1:])}  # noqa: B905, RUF007
+    for a in range(18):
+        for b in range(18):
+            same = topomap.trajectory[a] == topomap.trajectory[b]
+            close = abs(places[a] - places[b]) < 1.25 - 1e-9
+            wanted = close and not (same and abs(a - b) <= 1)
+            assert topomap.graph.has_edge(a, b) == (wanted or (a, b) in driven)
+
+
+def test_sptm_takes_the_way_over_the_fewest_edges():
+    agent = sptm(every=20, s_shortcut=0.9999)
+    agent.learn([drive(0, 12)])
+    agent.topomap.connect(2, 9, 0.01)  # improbable, but short
+    plan = agent._find_way(Line([0.1]).observe(), goals_at(40.0, 11.1), set())
+    assert plan == Plan((0, 1, 2, 9, 10, 11), 1)
+    assert not plan.refusal
+    shunned = agent._find_way(Line([0.1]).observe(), goals_at(11.1), {5})
+    assert shunned == Plan((0, 1, 2, 9, 10, 11), 0)
+    assert "no way" in agent._find_way(Line([0.1]).observe(), goals_at(11.1), {9}).refusal
+    # Here and there are where they are, shunned or not.
+    assert agent._find_way(Line([0.1]).observe(), goals_at(1.2), {0, 1}).vertices == (0, 1)
+
+
+def test_sptm_refuses_where_no_way_leads():
+    agent = sptm(every=20, s_shortcut=0.9999)
+    here = Line([5.0]).observe()
+    assert agent._find_way(here, goals_at(3.0), set()).refusal == "the map is empty"
+    agent.learn([drive(0, 6)])
+    assert "no way leads" in agent._find_way(here, goals_at(0.0), set()).refusal
+    assert agent._find_way(here, goals_at(0.0, 5.1), set()) == Plan((5,), 1)
+
+
+def test_sptm_drives_by_the_same_follower():
+    agent = sptm(every=20)
+    agent.learn([drive(0, 6), drive(5.5, 12, 50.0)])
+    journey, line = agent.set_out([goals_at(11.0), goals_at(3.2)]), Line([0.1, 1.0])
+    line.go(journey, 400)
+    assert journey.arrived.all()
+    assert line.x == pytest.approx([11.0, 3.2], abs=0.25)
+    agent.learn([drive(12, 0, 99.0)])
+    assert len(agent.topomap.trails) == 3
+
+
+# The oracle, and the wanderer.
+
+
+def test_an_oracle_drives_each_robot_to_its_goal_and_stops(box):
+    paths = GridPaths(box.clearance)
+    starts = np.array([[2.0, 2.0, 0.0], [8.0, 2.0, np.pi / 2], [2.0, 8.0, 0.0]])
+    goals = np.array([[8.0, 3.0, 0.0], [7.0, 8.0, 1.0], [2.1, 8.0, 0.0]])
+    simulation = Simulation(box, starts)
+    journey = OracleJourney(simulation, paths, goals)
+    assert isinstance(journey, Journey)
+    last = np.zeros(3)
+    for step in range(400):
+        robots = np.flatnonzero(~journey.arrived)
+        if not robots.size:
+            break
+        actions = np.zeros((3, 2))
+        actions[robots] = journey.act(simulation.observe(robots), robots)
+        gap = np.linalg.norm(simulation.poses[:, :2] - goals[:, :2], axis=1)
+        assert (journey.arrived[robots] == (gap[robots] < REACHED)).all()
+        assert (actions[journey.arrived] == 0).all()
+        simulation.step(actions)
+        last[robots] = step
+    assert journey.arrived.all()
+    assert not journey.given_up.any()
+    assert not simulation.collided.any()
+    assert last[2] == 0 < last[0]
+
+
+class Knowing:
+    """A predictor for which targets are poses, and that notes what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def prepare(self, contexts):
+        return contexts[:, 0]
+
+    def predict(self, observations, targets):
+        self.asked.append((observations.odometry[:, 0].tolist(), targets[:, 0].tolist()))
+        gap = targets[:, 0] - observations.odometry[:, 0]
+        overlap = np.clip(1 - np.abs(gap) - targets[:, 1], 0, 1)
+        return np.column_stack([gap, 0 * gap]), np.column_stack([overlap, overlap])
+
+
+def wander(goals, seed=0):
+    """A journey to goals: for each robot poses (x, how little is seen from there, 0)."""
+    agent = WanderingAgent(Knowing(), LineController(), np.random.default_rng(seed))
+    agent.learn([])
+    assert isinstance(agent, Agent)
+    shown = [np.array(some, dtype=float).reshape(-1, 3) for some in goals]
+    journey = agent.set_out([Goals(sensed(some), some[:, None]) for some in shown])
+    assert isinstance(journey, Journey)
+    return agent, journey
+
+
+def test_a_wanderer_knows_its_own_goal_when_it_is_there():
+    # The second has two, of which the latter is here; the third sees too little of it.
+    goals = [[5, 0, 0], [[9, 0, 0], [0.1, 0, 0]], [0.1, 0.5, 0], [0.3, 0, 0]]
+    agent, journey = wander(goals)
+    line = Line([0.0, 0.0, 0.0, 0.0])
+    actions = journey.act(line.observe(), np.arange(4))
+    assert journey.arrived.tolist() == [False, True, False, False]
+    assert (actions[1] == 0).all()
+    assert actions.shape == (4, 2)
+    assert (actions[[0, 2, 3], 0] != 0).any()
+    assert agent.predictor.asked == [([0.0] * 5, [5, 9, 0.1, 0.1, 0.3])]
+    assert not journey.given_up.any()
+
+
+def test_a_wanderer_compares_each_robot_with_its_own_goals_only():
+    agent, journey = wander([[0, 0, 0], [[7, 0, 0], [8, 0, 0]], [9, 0, 0]])
+    line = Line([3.0, 7.9, 9.5])
+    journey.act(line.observe(np.array([1, 2])), np.array([1, 2]))
+    assert agent.predictor.asked == [([7.9, 7.9, 9.5], [7, 8, 9])]
+    assert journey.arrived.tolist() == [False, True, False]
+
+
+def test_wandering_is_drawn_by_its_seed():
+    def track(seed):
+        _, journey = wander([[99, 0, 0]] * 2, seed)
+        line = Line([0.0, 0.0])
+        line.go(journey, 50)
+        return line.x.tolist()
+
+    again = track(0)
+    assert track(0) == again
+    assert track(0) != track(1)
+    assert track(0)[0] != track(0)[1]
+
+
+def test_an_experience_says_what_it_lacks():
+    one = drive(0, 1)
+    with pytest.raises(InputError, match="experience: 20 observations, 19 timestamps"):
+        replace(one, timestamps=one.timestamps[1:])

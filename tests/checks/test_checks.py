@@ -1,0 +1,155 @@
+import importlib.util
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tutorial_lib.checks.framework.check import Check, WrongAnswer, check, expect_close
+from tutorial_lib.checks.framework.timeout import patiently
+from tutorial_lib.checks.nb01 import world_and_car
+from tutorial_lib.checks.nb02 import local_control
+from tutorial_lib.checks.nb03 import rollout_labels as reachability
+from tutorial_lib.checks.nb04 import choose_anchors as sparsification
+from tutorial_lib.checks.nb05 import edge_weights as map_building
+from tutorial_lib.checks.nb06 import planning
+
+ANSWERS = Path(__file__).parents[1] / "wrong_answers"
+MODULES = {
+    "01_world_and_car": world_and_car,
+    "02_local_control": local_control,
+    "03_reachability": reachability,
+    "04_sparsification": sparsification,
+    "05_map_building": map_building,
+    "06_probabilistic_planning": planning,
+}
+
+
+def load(name):
+    spec = importlib.util.spec_from_file_location(f"answers_{name}", ANSWERS / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def answers():
+    for name, checks in MODULES.items():
+        for key, answer in vars(load(name)).items():
+            exercise, _, what = key.partition("__")
+            if what and exercise:
+                judge = getattr(checks, f"check_{exercise}")
+                yield pytest.param(judge, answer, id=key)
+
+
+def all_checks():
+    return [c for m in MODULES.values() for c in vars(m).values() if isinstance(c, Check)]
+
+
+@pytest.mark.parametrize(("judge", "answer"), list(answers()))
+def test_answers_are_judged_as_they_deserve(judge, answer):
+    result = judge(answer)
+    if "__right" in answer.__name__:
+        assert result.status == "passed", result.message
+    else:
+        assert result.status == "failed"
+        assert answer.__doc__ in result.message
+
+
+@pytest.mark.parametrize("judge", all_checks(), ids=lambda c: c.name)
+def test_references_pass_and_stubs_are_not_attempted(judge):
+    def stub(*_):
+        raise NotImplementedError("your turn")
+
+    assert judge(judge.reference).status == "passed"
+    assert judge(stub).status == "not attempted"
+    assert judge(lambda *_: None).status == "failed"
+    assert "TypeError" in judge(lambda: 0).message
+    assert judge.__doc__
+
+
+@pytest.mark.parametrize("judge", all_checks(), ids=lambda c: c.name)
+def test_every_wrong_answer_gets_a_message_of_its_own(judge):
+    wrong = [
+        judge(answer).message
+        for name in MODULES
+        for key, answer in vars(load(name)).items()
+        if key.startswith(f"{judge.name}__") and "__right" not in key
+    ]
+    assert len(wrong) >= 3
+    assert len(set(wrong)) == len(wrong)
+
+
+def test_a_slow_answer_is_praised_but_not_used(monkeypatch, capsys):
+    @check(lambda x: x, (1.0,))
+    def check_identity(student):
+        """It gives back what it got."""
+        expect_close("identity", student(2.0), 2.0)
+
+    def slow(x):
+        sum(range(20_000))
+        return x
+
+    def quick(x):
+        return x + 0.0
+
+    assert check_identity.use(slow) is check_identity.reference
+    assert "times slower" in capsys.readouterr().out
+    assert check_identity.use(quick) is quick
+    assert check_identity.use(lambda x: x + 1) is check_identity.reference
+
+
+@pytest.mark.parametrize(
+    ("got", "words"),
+    [
+        (None, "return missing"),
+        ("four", "a str came back"),
+        (np.array([1.0, 2.0, 3.0]), r"shape \(3,\), but \(2,\) is needed"),
+        (np.array([np.nan, 2.0]), "not a number"),
+        (np.array([1.0, 2.5]), r"2.5 at \(1,\), but 2 is right"),
+        (np.array([2.0, 1.0]), "they are swapped"),
+        ([1.0, 2.0], "a list came back"),
+    ],
+)
+def test_messages_go_from_shape_to_value(got, words):
+    with pytest.raises(WrongAnswer, match=words):
+        expect_close("answer", got, [1.0, 2.0], mistakes={"they are swapped": [2.0, 1.0]})
+
+
+def test_results_escape_what_students_write():
+    result = world_and_car.check_to_local(lambda *_: 1 / 0)
+    assert "ZeroDivisionError" in str(result)
+
+    def fail(*_):
+        raise ValueError("<script>")
+
+    assert "<script>" not in world_and_car.check_to_local(fail)._repr_html_()
+    assert (
+        "data:image/png" in world_and_car.check_wall_share(world_and_car.wall_share)._repr_html_()
+    )
+
+
+def test_a_function_that_never_ends_is_ended_before_it_fills_the_memory():
+    kept = []
+
+    def endless(item):
+        while True:
+            kept.append(item)
+
+    before = sys.gettrace()
+    with pytest.raises(WrongAnswer, match="it never ends"):
+        patiently(endless, 1, otherwise="it never ends", lines=1_000)
+    assert 400 < len(kept) <= 1_000
+    assert sys.gettrace() is before
+
+
+def test_a_patient_call_returns_what_the_function_does_and_raises_what_it_raises():
+    assert patiently(lambda a, b: a + b, 1, 2, otherwise="") == 3
+    with pytest.raises(ZeroDivisionError):
+        patiently(lambda: 1 / 0, otherwise="")
+    # What is called by it counts as well.
+    with pytest.raises(WrongAnswer, match="too long"):
+        patiently(lambda: [one() for _ in range(100)], otherwise="too long", lines=50)
+
+
+def one():
+    return 1

@@ -1,0 +1,122 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.driving.control.arcs import ArcController
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import time_limit, walls_crossed
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.robustness.plans import drive_about
+from tutorial_lib.interfaces import Controller
+from tutorial_lib.world.floorplan import Room
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import Simulation
+
+
+def drive(scene, starts, goals, people=()):
+    paths = GridPaths(scene.clearance)
+    return OracleCourier(paths, goals).drive(Simulation(scene, starts, people=people))
+
+
+def test_it_is_a_controller():
+    assert isinstance(ArcController(), Controller)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_it_drives_through_every_family(family):
+    scene = Scene(generate(family, 10_100))
+    paths = GridPaths(scene.clearance)
+    drives = drive_about(scene, paths, 20, np.random.default_rng(0))
+    assert drives.reached.sum() >= 18
+    assert drives.collided.sum() == 0
+    assert walls_crossed(scene.caster, drives.poses) == 0
+
+
+def test_it_reverses_to_what_is_just_behind_it(box):
+    drives = drive(box, [[5.0, 5.0, 0.0]], [[4.2, 5.0]])
+    assert drives.reached[0]
+    track = drives.poses[:, 0]
+    assert np.abs(track[:, 2]).max() < 0.6
+    assert track[:, 0].max() < 5.1
+
+
+def test_it_turns_around_for_what_is_far_behind_it(box):
+    drives = drive(box, [[6.0, 5.0, 0.0]], [[1.0, 5.0]])
+    assert drives.reached[0]
+    assert abs(drives.poses[-1, 0, 2]) > 2.0
+
+
+def test_it_backs_out_of_a_dead_end():
+    # A lane 0.9 m wide between two blocks, with the wall ahead: no room to turn.
+    scene = Scene(make_box(pillars=[(8.2, 6.95, 1.5), (8.2, 3.05, 1.5)]))
+    drives = drive(scene, [[9.2, 5.0, 0.0]], [[3.0, 5.0]])
+    assert drives.reached[0]
+
+
+def test_it_drives_around_somebody_who_stands_in_the_way(box):
+    drives = drive(box, [[1.5, 5.0, 0.0]], [[8.5, 5.0]], people=[Person([[5.0, 5.0]])])
+    assert drives.reached[0]
+    assert np.linalg.norm(drives.poses[:, 0, :2] - [5.0, 5.0], axis=1).min() > 0.18 + 0.12
+
+
+def test_it_stops_at_the_goal_and_does_not_circle(box):
+    simulation = Simulation(box, [[3.0, 5.0, 0.0]])
+    courier = OracleCourier(GridPaths(box.clearance), [[6.0, 5.0]])
+    for _ in range(100):
+        simulation.step(courier.act(simulation))
+    assert np.linalg.norm(simulation.poses[0, :2] - [6.0, 5.0]) < 0.2
+    assert abs(simulation.speed[0]) < 0.01
+
+
+def test_a_batch_acts_as_each_robot_alone(pillars):
+    rng = np.random.default_rng(4)
+    starts = np.column_stack([rng.uniform(1, 2, (6, 2)), rng.uniform(-3, 3, 6)])
+    observations = Simulation(pillars, starts).observe()
+    waypoints = rng.uniform(-2, 2, (6, 2))
+    together = ArcController().act(observations, waypoints)
+    for i in range(6):
+        alone = ArcController().act(observations[i : i + 1], waypoints[i : i + 1])
+        assert (alone[0] == together[i]).all()
+
+
+def test_boxed_in_it_stands_still():
+    observation = Simulation(Scene(make_box()), [[5.0, 5.0, 0.0]]).observe()
+    observation.laser[:] = 0.15
+    assert ArcController().act(observation, np.array([[2.0, 0.0]]))[0, 0] == 0.0
+
+
+def test_the_time_limit_is_that_of_the_paper():
+    assert time_limit([0.0, 3.0]).tolist() == [5.0, 15.0]
+
+
+def test_goals_that_cannot_be_reached_are_told_at_once(box):
+    paths = GridPaths(box.clearance)
+    with pytest.raises(InputError, match="give as many"):
+        OracleCourier(paths, [[5.0, 5.0]]).act(Simulation(box, [[3, 3, 0], [6, 6, 0]]))
+    one, other = make_box(4.0, 4.0), make_box(6.0, 6.0)
+    apart = Scene(
+        replace(
+            one,
+            walls=np.concatenate([one.walls, other.walls + 4.2]),
+            wall_materials=one.wall_materials * 2,
+            wall_offsets=np.zeros(8),
+            rooms=(
+                *one.rooms,
+                Room("office", ((4.2, 4.2), (10.2, 4.2), (10.2, 10.2), (4.2, 10.2))),
+            ),
+        )
+    )
+    with pytest.raises(InputError, match="no way leads"):
+        drive(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
+
+
+@pytest.mark.parametrize("waypoints", [[[1.0, 0.0]], [[np.nan, 0.0], [1.0, 1.0]]])
+def test_waypoints_that_are_none_are_refused(box, waypoints):
+    observations = Simulation(box, [[3, 3, 0], [6, 6, 0]]).observe()
+    with pytest.raises(InputError, match="finite"):
+        ArcController().act(observations, waypoints)

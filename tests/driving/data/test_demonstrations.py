@@ -1,0 +1,286 @@
+import os
+
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.driving.data.demonstrations import (
+    DRIVER,
+    FARTHEST,
+    NEAREST,
+    SHORTEST,
+    demonstrate,
+    demonstrate_between,
+    record_demonstrations,
+    world_seed,
+)
+from tutorial_lib.driving.data.trajectories import load_trajectories, save_trajectories
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import REACHED, time_limit
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import relative
+from tutorial_lib.learning.views import CameraView
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world.worlds import scene_of
+
+WORLD = "office/1/standard"
+ARRAYS = ("poses", "odometry", "laser", "speed", "steering", "actions", "timestamps")
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return scene_of(WORLD)
+
+
+@pytest.fixture(scope="module")
+def shown(scene):
+    return demonstrate(WORLD, scene, 12, 3)
+
+
+def content(trajectories):
+    return [b"".join(getattr(t, name).tobytes() for name in ARRAYS) for t in trajectories]
+
+
+class Blind:
+    """Drives straight ahead, whatever is there."""
+
+    def act(self, observations, waypoints):
+        return np.tile([0.5, 0.0], (len(observations), 1))
+
+
+class Noting:
+    """The arc controller, which keeps what it was shown."""
+
+    def __init__(self):
+        self.seen = []
+
+    def act(self, observations, waypoints):
+        self.seen.append(observations)
+        return DRIVER.act(observations, waypoints)
+
+
+def test_most_drives_arrive_and_say_where_they_were_made(shown):
+    assert len(shown) >= 10
+    assert {(t.world, t.seed) for t in shown} == {(WORLD, 3)}
+    for t in shown:
+        assert len(t) >= SHORTEST == 31
+        assert t.laser.shape == (len(t), 96)
+        assert t.timestamps == pytest.approx(np.arange(len(t)) * 0.1)
+
+
+def test_the_same_seed_gives_the_same_bytes(scene, shown):
+    assert content(demonstrate(WORLD, scene_of(WORLD), 12, 3)) == content(shown)
+    assert content(demonstrate(WORLD, scene, 12, 4)) != content(shown)
+
+
+def test_starts_and_headings_differ(shown):
+    starts = np.array([t.poses[0] for t in shown])
+    assert len(np.unique(starts.round(3), axis=0)) == len(shown)
+    assert np.ptp(starts[:, 2]) > np.pi
+
+
+def test_goals_are_neither_near_nor_beyond_reach(scene, shown):
+    paths = GridPaths(scene.clearance)
+    for t in shown:
+        far = paths.fields(t.poses[0, :2], shortest=True).distance(t.poses[-1:, :2])[0]
+        # The last frame is a step short of REACHED from the goal.
+        assert NEAREST - REACHED - 0.15 <= far <= FARTHEST + REACHED + 0.15
+        assert len(t) * 0.1 <= time_limit(FARTHEST)
+
+
+def test_nobody_drove_through_a_wall(scene, shown):
+    for t in shown:
+        assert is_free(scene, BicycleCar(), t.poses).all()
+        assert np.diff(t.arc_length).max() < 0.081
+
+
+def test_exact_odometry_is_the_pose_since_the_start(shown):
+    for t in shown:
+        assert relative(t.poses[0], t.poses) == pytest.approx(t.odometry, abs=1e-9)
+        moved = relative(t.poses[:-1], t.poses[1:])
+        assert t.speed[1:] == pytest.approx(moved[:, 0] / 0.1, abs=1e-9)
+
+
+def test_replaying_the_actions_gives_the_drive_again(scene, shown):
+    for t in shown[:3]:
+        simulation = Simulation(scene, t.poses[:1])
+        for row in range(len(t)):
+            seen = simulation.observe()
+            assert (simulation.poses[0] == t.poses[row]).all()
+            assert (seen.laser[0].astype(np.float32) == t.laser[row]).all()
+            assert (seen.image[0] == CameraView().render(scene, t.poses[row])).all()
+            assert seen.steering[0] == t.steering[row]
+            simulation.step(t.actions[row : row + 1])
+        assert not simulation.collided[0]
+
+
+def test_a_row_holds_what_was_sensed_before_its_action(scene, shown):
+    controller = Noting()
+    again = demonstrate(WORLD, scene, 12, 3, controller)
+    assert content(again) == content(shown)
+    first = controller.seen[0].laser.astype(np.float32)
+    for t in again:
+        assert (first == t.laser[0]).all(axis=1).any()
+    for t in again:
+        assert t.speed[0] == t.steering[0] == 0.0
+        assert t.actions[0].any()
+
+
+def test_those_who_collide_are_dropped(scene):
+    kept = demonstrate(WORLD, scene, 40, 0, Blind())
+    assert len(kept) < 10
+    for t in kept:
+        # To arrive blindly, the goal must have been straight ahead.
+        assert is_free(scene, BicycleCar(), t.poses).all()
+        assert np.ptp(t.poses[:, 2]) < 1e-6
+    box = Scene(make_box(12.0, 12.0))
+    assert 0 < len(demonstrate("box", box, 300, 0, Blind())) < 60
+
+
+def test_noise_is_in_the_motion_and_not_in_the_actions(scene, shown):
+    noisy = demonstrate(WORLD, scene, 12, 3, control_noise=0.33)
+    assert len(noisy) >= 8
+    assert content(noisy) != content(shown)
+    assert content(demonstrate(WORLD, scene, 12, 3, control_noise=0.33)) == content(noisy)
+    for t in noisy:
+        assert np.abs(t.actions[:, 1]).max() <= BicycleCar().max_steering
+        assert relative(t.poses[0], t.poses) == pytest.approx(t.odometry, abs=1e-9)
+
+
+def test_a_world_that_is_too_small_is_refused():
+    with pytest.raises(InputError, match="larger world"):
+        demonstrate("box", Scene(make_box(1.8, 1.8)), 2, 0)
+
+
+def test_in_a_small_world_the_goals_are_as_far_as_they_can_be():
+    for t in demonstrate("box", Scene(make_box(4.0, 4.0)), 6, 0):
+        assert np.linalg.norm(t.poses[-1, :2] - t.poses[0, :2]) > 1.4
+
+
+def test_the_seed_of_a_world_is_the_same_everywhere():
+    assert world_seed(0, WORLD, 12) == 2733425390
+    others = {world_seed(1, WORLD, 12), world_seed(0, "maze/1/standard", 12)}
+    others |= {world_seed(0, WORLD, 13), world_seed(0, WORLD, 12, 0.33)}
+    assert len(others | {world_seed(0, WORLD, 12)}) == 5
+
+
+WORLDS = ["office/1/standard", "maze/2/standard"]
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recorded") / "new"
+    return record_demonstrations(WORLDS, 4, 7, folder, jobs=2)
+
+
+def test_one_file_for_each_world(recorded):
+    assert [path.name for path in recorded] == ["office-1-standard.npz", "maze-2-standard.npz"]
+    assert sorted(os.listdir(recorded[0].parent)) == sorted(path.name for path in recorded)
+    for world, path in zip(WORLDS, recorded, strict=True):
+        trajectories = load_trajectories(path)
+        expected = demonstrate(world, scene_of(world), 4, world_seed(7, world, 4))
+        assert content(trajectories) == content(expected)
+        assert {t.world for t in trajectories} == {world}
+
+
+def test_the_number_of_processes_changes_nothing(recorded, tmp_path):
+    again = record_demonstrations(WORLDS[::-1], 4, 7, tmp_path, jobs=1)
+    assert [path.read_bytes() for path in again[::-1]] == [path.read_bytes() for path in recorded]
+
+
+def test_a_recording_goes_on_where_it_stopped(recorded, tmp_path):
+    kept, broken = (tmp_path / path.name for path in recorded)
+    kept.write_bytes(recorded[0].read_bytes())
+    os.utime(kept, (1, 1))
+    broken.write_bytes(recorded[1].read_bytes()[:1000])
+    assert record_demonstrations(WORLDS, 4, 7, tmp_path, jobs=1) == [kept, broken]
+    assert kept.stat().st_mtime == 1
+    assert broken.read_bytes() == recorded[1].read_bytes()
+
+
+@pytest.mark.parametrize(("count", "seed"), [(4, 8), (3, 7)])
+def test_another_recording_is_not_mistaken_for_this_one(recorded, tmp_path, count, seed):
+    mine = tmp_path / recorded[0].name
+    mine.write_bytes(recorded[0].read_bytes())
+    record_demonstrations(WORLDS[:1], count, seed, tmp_path, jobs=1)
+    assert mine.read_bytes() != recorded[0].read_bytes()
+
+
+def test_a_file_of_another_world_is_not_taken(recorded, tmp_path):
+    mine = tmp_path / recorded[0].name
+    save_trajectories(mine, load_trajectories(recorded[1]))
+    record_demonstrations(WORLDS[:1], 4, 7, tmp_path, jobs=1)
+    assert mine.read_bytes() == recorded[0].read_bytes()
+
+
+def test_a_wrong_name_is_told_before_anything_is_recorded(tmp_path):
+    with pytest.raises(InputError, match="castle"):
+        record_demonstrations([WORLDS[0], "castle/1/standard"], 4, 7, tmp_path, jobs=1)
+    assert list(tmp_path.iterdir()) == []
+
+
+# From given poses to given places.
+
+
+@pytest.fixture(scope="module")
+def asked(shown):
+    """Starts and goals of recorded drives, and one start from which a car cannot arrive."""
+    starts = np.array([drive.poses[0] for drive in shown[:4]])
+    goals = np.array([drive.poses[-1, :2] for drive in shown[:4]])
+    return starts, goals
+
+
+def test_drives_lead_from_where_to_where_they_are_asked(scene, shown, asked):
+    starts, goals = asked
+    paths = GridPaths(scene.clearance)
+    found = demonstrate_between(WORLD, scene, paths, starts, goals, 77)
+    assert len(found) == 4
+    for drive, start, goal in zip(found, starts, goals, strict=True):
+        assert (drive.world, drive.seed) == (WORLD, 77)
+        assert (drive.poses[0] == start).all()
+        gap = np.linalg.norm(drive.poses[-1, :2] - goal)
+        assert REACHED <= gap < REACHED + 0.1  # a step before it is reached
+        assert is_free(scene, BicycleCar(), drive.poses).all()
+    assert {drive.seed for drive in found} == {77}
+
+
+def test_nothing_about_them_is_random(scene, asked):
+    paths = GridPaths(scene.clearance)
+    one, two = (demonstrate_between(WORLD, scene, paths, *asked, seed) for seed in (1, 2))
+    assert content(one) == content(two)
+    for robot in range(2):
+        starts, goals = (column[[robot]] for column in asked)
+        (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1)
+        assert content([alone]) == content([one[robot]])
+
+
+def test_who_does_not_arrive_leaves_a_gap(monkeypatch):
+    scene = Scene(make_box())
+    starts = np.array([[2.0, 2.0, 0.0], [2.0, 8.0, 0.0], [5.0, 5.0, 0.0]])
+    goals = np.array([[8.0, 2.0], [8.0, 5.0], [5.1, 5.0]])
+    paths = GridPaths(scene.clearance)
+
+    class Half:
+        """The usual driver, but for those in the upper half, who drive straight at a wall."""
+
+        def act(self, observations, waypoints):
+            actions = DRIVER.act(observations, waypoints)
+            upper = observations.laser[:, 72] < 3.0  # to the left
+            return np.where(upper[:, None], [0.5, 0.0], actions)
+
+    monkeypatch.setattr("tutorial_lib.driving.data.demonstrations.DRIVER", Half())
+    found = demonstrate_between("box", scene, paths, starts, goals, 0)
+    assert found[0] is not None
+    assert found[1] is None
+    # Who was there before the first step has not driven.
+    assert found[2] is None or len(found[2]) <= 1
+
+
+def test_a_goal_beyond_all_ways_is_refused(scene, asked):
+    starts, goals = asked
+    paths = GridPaths(scene.clearance)
+    with pytest.raises(InputError, match="goal"):
+        demonstrate_between(WORLD, scene, paths, starts, goals + 1_000.0, 0)

@@ -1,0 +1,328 @@
+"""Outcomes: robots are sent on errands, each ends as it would alone, and that is kept on disk."""
+
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.conftest import make_drive
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.data import rollout_outcomes as module
+from tutorial_lib.driving.data.reachability_pairs import Errands, draw_errands, errands_of
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.rollout_outcomes import (
+    Outcomes,
+    load_outcomes,
+    run_errands,
+    save_outcomes,
+)
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.rollouts import SETTLED, drive
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import to_local
+from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+ERRANDS = [field.name for field in fields(Errands)]
+ENDS = [field.name for field in fields(Outcomes)][1:]
+
+
+def homing(recorded, frames):
+    """Straight for the target, whatever is in the way; drivers are told where they are."""
+    goals = recorded.poses[frames]
+
+    def driver(simulation, robots):
+        ahead = to_local(simulation.poses[robots], goals[robots, :2])
+        turn = np.clip(np.arctan2(ahead[:, 1], ahead[:, 0]), -0.45, 0.45)
+        return np.column_stack([np.full(len(robots), 0.5), turn])
+
+    return driver
+
+
+def asleep(recorded, frames):
+    return lambda simulation, robots: np.zeros((len(robots), 2))
+
+
+@pytest.fixture(scope="module")
+def world(pillars):
+    """Drives around pillars."""
+    ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)], [(1.0, 9.0), (9.0, 9.0)]
+    return RecordedWorld(pillars, [make_drive(way) for way in ways])
+
+
+@pytest.fixture(scope="module")
+def errands(world):
+    drawn = draw_errands(world, GridPaths(world.scene.clearance), 13, np.random.default_rng(0))
+    return drawn.some(np.flatnonzero(~drawn.hopeless)[:60])
+
+
+@pytest.fixture(scope="module")
+def outcomes(world, errands):
+    return run_errands(world, errands, homing)
+
+
+@pytest.fixture(scope="module")
+def hidden(recorded):
+    """Errands in an office, of which some are hopeless."""
+    paths = GridPaths(recorded.scene.clearance)
+    drawn = draw_errands(recorded, paths, 40, np.random.default_rng(1))
+    some = np.concatenate([np.flatnonzero(drawn.hopeless)[:8], np.flatnonzero(~drawn.hopeless)[:8]])
+    return drawn.some(np.random.default_rng(0).permutation(some))
+
+
+def same(one, two):
+    columns = [(one.errands, two.errands, name) for name in ERRANDS]
+    columns += [(one, two, name) for name in ENDS]
+    for mine, theirs, name in columns:
+        mine, theirs = getattr(mine, name), getattr(theirs, name)
+        assert mine.dtype == theirs.dtype, name
+        assert np.array_equal(mine, theirs), name
+
+
+# How errands end.
+
+
+def test_each_errand_ends_as_if_its_robot_were_alone(world, errands, outcomes):
+    ends = np.array([outcomes.reached, outcomes.collided]).T
+    assert len(np.unique(ends, axis=0)) == 3  # reached, touched, and neither
+    goals = world.poses[errands.targets, :2]
+    for number in range(len(errands)):
+        simulation = Simulation(world.scene, errands.starts[[number]])
+        driver = homing(world, errands.targets[[number]])
+        limit = errands.geodesic[number] / 0.3 + 5.0
+        alone = drive(simulation, driver, goals[[number]], limit, settle=True)
+        assert outcomes.reached[number] == alone.reached[0]
+        assert outcomes.collided[number] == alone.collided[0]
+        assert outcomes.seconds[number] == alone.seconds[0]
+    assert outcomes.driven.all()
+    assert outcomes.errands is errands
+
+
+@pytest.mark.parametrize("fleet", [1, 7, 60])
+def test_the_size_of_the_fleet_changes_nothing(world, errands, outcomes, monkeypatch, fleet):
+    sent = []
+
+    def pilot(recorded, frames):
+        sent.append(len(frames))
+        return homing(recorded, frames)
+
+    monkeypatch.setattr(module, "FLEET", fleet)
+    same(run_errands(world, errands, pilot), outcomes)
+    assert max(sent) <= fleet
+    assert sum(sent) == len(errands)
+
+
+def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
+    sent = []
+
+    def pilot(recorded, frames):
+        sent.extend(frames.tolist())
+        return asleep(recorded, frames)
+
+    some = run_errands(recorded, hidden, pilot)
+    assert 0 < hidden.hopeless.sum() < len(hidden)
+    assert sorted(sent) == sorted(hidden.targets[~hidden.hopeless].tolist())
+    assert (some.driven == ~hidden.hopeless).all()
+    for name in ("reached", "collided", "seconds"):
+        assert not getattr(some, name)[~some.driven].any()
+    assert (some.seconds[some.driven] > 0).all()
+    sent.clear()
+    every = run_errands(recorded, hidden, pilot, all_of_them=True)
+    assert sorted(sent) == sorted(hidden.targets.tolist())
+    assert every.driven.all()
+    for name in ("reached", "collided", "seconds"):
+        assert (getattr(every, name)[some.driven] == getattr(some, name)[some.driven]).all()
+
+
+def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, hidden):
+    found = run_errands(recorded, hidden, asleep, all_of_them=True)
+    gap = np.hypot(*(hidden.starts - recorded.poses[hidden.targets])[:, :2].T)
+    assert (found.reached == (gap < 0.3)).all()
+    assert found.seconds.max() <= SETTLED + 0.15
+    assert not found.collided.any()
+
+
+def test_who_knows_the_way_arrives(recorded, hidden):
+    def pilot(recorded, frames):
+        courier = OracleCourier(GridPaths(recorded.scene.clearance), recorded.poses[frames, :2])
+        return courier.act
+
+    found = run_errands(recorded, hidden, pilot, all_of_them=True)
+    assert found.reached.mean() >= 0.85
+    assert (found.seconds <= hidden.limit + 0.1).all()
+
+
+def test_robots_carry_the_camera_that_they_are_given(world, errands):
+    seen = []
+
+    def pilot(recorded, frames):
+        def driver(simulation, robots):
+            seen.append(simulation.observe(robots[:1]).image.shape[1:])
+            return np.zeros((len(robots), 2))
+
+        return driver
+
+    two = errands.some(np.array([0, 1]))
+    run_errands(world, two, pilot)
+    usual = set(seen)
+    seen.clear()
+    run_errands(world, two, pilot, Camera(rows=64))
+    assert usual == {(Sensors().camera.rows, 64, 3)} != set(seen) == {(64, 64, 3)}
+
+
+def test_no_errands_have_no_outcomes(world, errands):
+    none = errands.some(np.array([], dtype=int))
+    found = run_errands(world, none, asleep)
+    assert len(found) == 0
+    assert found.seconds.shape == (0,)
+
+
+@pytest.mark.parametrize("numbers", [np.array([5, 2, 2]), np.arange(60) % 7 == 0])
+def test_some_outcomes_keep_their_errands(outcomes, numbers):
+    numbers = numbers[: len(outcomes)]
+    some = outcomes.some(numbers)
+    for name in ERRANDS:
+        wanted = getattr(outcomes.errands, name)[numbers]
+        assert np.array_equal(getattr(some.errands, name), wanted)
+    for name in ENDS:
+        assert np.array_equal(getattr(some, name), getattr(outcomes, name)[numbers])
+
+
+# On disk.
+
+
+def made_up(count, seed=0):
+    """Outcomes that anything may have led to."""
+    rng = np.random.default_rng(seed)
+    errands = Errands(
+        rng.normal(size=(count, 3)),
+        np.sort(rng.integers(9, size=count)),
+        rng.random((count, 2)),
+        rng.uniform(0.0, 40.0, count),
+    )
+    reached = rng.random(count) < 0.5
+    collided = ~reached & (rng.random(count) < 0.3)
+    return Outcomes(errands, rng.random(count) < 0.6, reached, collided, rng.uniform(0, 9, count))
+
+
+@given(st.integers(0, 30), st.integers(0, 100), st.text(max_size=20))
+def test_what_is_saved_is_loaded(tmp_path_factory, count, seed, recipe):
+    recipe = recipe.replace("\0", "")  # numpy strips it from the end of a string
+    path = tmp_path_factory.mktemp("saved") / "some.npz"
+    some = made_up(count, seed)
+    save_outcomes(path, some, recipe)
+    same(load_outcomes(path, recipe), some)
+
+
+def test_saving_twice_gives_the_same_bytes(tmp_path):
+    for name in ("one.npz", "two.npz"):
+        save_outcomes(tmp_path / name, made_up(20), "recipe")
+    assert (tmp_path / "one.npz").read_bytes() == (tmp_path / "two.npz").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.fixture
+def saved(tmp_path):
+    path = tmp_path / "some.npz"
+    save_outcomes(path, made_up(20), "recipe")
+    return path
+
+
+@pytest.mark.parametrize("recipe", ["", "recipes", "Recipe", "recipe 2"])
+def test_outcomes_of_another_recipe_are_refused(saved, recipe):
+    with pytest.raises(InputError, match=r"some\.npz: outcomes of another recipe; delete the file"):
+        load_outcomes(saved, recipe)
+
+
+def test_a_file_cut_off_anywhere_is_refused(saved):
+    whole = saved.read_bytes()
+    for size in [*range(0, len(whole), 11), len(whole) - 1]:
+        saved.write_bytes(whole[:size])
+        with pytest.raises(InputError, match=r"some\.npz: damaged .* record it again"):
+            load_outcomes(saved, "recipe")
+
+
+def test_a_byte_that_flipped_is_told_or_harmless(saved):
+    whole, refused = saved.read_bytes(), 0
+    places = range(0, len(whole), 9)
+    for place in places:
+        saved.write_bytes(whole[:place] + bytes([whole[place] ^ 0x55]) + whole[place + 1 :])
+        try:
+            same(load_outcomes(saved, "recipe"), made_up(20))
+        except InputError:
+            refused += 1
+    assert refused > len(places) / 2
+
+
+# None means that the column is missing.
+MISSING = [({name: None}, rf"damaged \('{name}.*record") for name in (*ERRANDS, *ENDS)]
+LENGTHS = [
+    ({name: np.zeros((21, *shape))}, "columns differ in length")
+    for name, shape in (("starts", (3,)), ("targets", ()), ("reached", ()), ("seconds", ()))
+]
+NO_COLUMN = ({"seconds": np.array(0.0)}, "damaged .*record it again")
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        *MISSING,
+        *LENGTHS,
+        NO_COLUMN,
+        ({"version": np.array(2)}, "another recipe"),
+        ({"version": None}, "damaged"),
+        ({"recipe": None}, "damaged"),
+        ({"version": np.array([1, 1])}, "damaged"),
+        ({"version": np.array("one")}, "damaged"),
+    ],
+)
+def test_a_file_with_a_fault_is_refused(saved, change, words):
+    with np.load(saved) as file:
+        arrays = {**file, **change}
+    np.savez(saved, **{name: array for name, array in arrays.items() if array is not None})
+    with pytest.raises(InputError, match=words) as caught:
+        load_outcomes(saved, "recipe")
+    assert "some.npz" in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"hello", b"PK\x03\x04", b"\x93NUMPY"])
+def test_what_is_no_file_of_ours_is_refused(saved, content):
+    saved.write_bytes(content)
+    with pytest.raises(InputError, match=r"some\.npz: damaged"):
+        load_outcomes(saved, "recipe")
+
+
+def test_a_missing_file_and_one_of_objects_are_told(tmp_path):
+    for path in (tmp_path / "none.npz", tmp_path):
+        with pytest.raises(InputError, match="no such file; record it"):
+            load_outcomes(path, "recipe")
+    np.savez(tmp_path / "bad.npz", version=np.array({"a": 1}, dtype=object))
+    with pytest.raises(InputError, match="damaged"):
+        load_outcomes(tmp_path / "bad.npz", "recipe")
+
+
+def test_a_save_that_fails_leaves_the_old_file_and_nothing_else(saved, monkeypatch):
+    before = saved.read_bytes()
+
+    def full(file, **arrays):
+        file.write(b"half a file")
+        raise OSError("no space left")
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(OSError, match="no space"):
+        save_outcomes(saved, made_up(50), "recipe")
+    assert saved.read_bytes() == before
+    assert list(saved.parent.iterdir()) == [saved]
+
+
+def test_a_whole_world_is_kept_and_found_again(tmp_path, world, outcomes):
+    save_outcomes(tmp_path / "world.npz", outcomes, "k2 and so on")
+    kept = load_outcomes(tmp_path / "world.npz", "k2 and so on")
+    same(kept, outcomes)
+    errands = errands_of(
+        world, GridPaths(world.scene.clearance), kept.errands.starts, kept.errands.targets
+    )
+    assert errands.overlap == pytest.approx(kept.errands.overlap)
+    assert errands.geodesic == pytest.approx(kept.errands.geodesic)

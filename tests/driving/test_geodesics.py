@@ -1,0 +1,141 @@
+from dataclasses import replace
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.driving.geodesics import GridPaths, path_length
+from tutorial_lib.errors import InputError
+from tutorial_lib.world.floorplan import Room
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.scene import Scene
+
+GOAL = np.array([8.5, 8.5])
+
+
+@pytest.fixture
+def paths(pillars):
+    return GridPaths(pillars.clearance)
+
+
+def test_in_an_empty_room_the_geodesic_is_nearly_the_straight_line(box):
+    paths = GridPaths(box.clearance)
+    points = np.random.default_rng(0).uniform(0.6, 9.4, (200, 2))
+    straight = np.linalg.norm(points - GOAL, axis=1)
+    measured = paths.fields(GOAL, shortest=True).distance(points)
+    assert (measured >= straight - 1e-9).all()
+    # Sixteen directions are at most 2.8 % too long, and either end up to 0.07 m off its node.
+    assert (measured <= 1.028 * straight + 0.29).all()
+
+
+@pytest.mark.parametrize("shortest", [True, False])
+def test_costs_are_those_of_networkx(pillars, shortest):
+    paths = GridPaths(pillars.clearance, clearance=0.6)
+    fields = paths.fields(GOAL, shortest=shortest)
+    weights = (paths._geodesic if shortest else paths._comfortable).tocoo()
+    graph = nx.Graph()
+    graph.add_weighted_edges_from(
+        zip(weights.row.tolist(), weights.col.tolist(), weights.data.tolist(), strict=True)
+    )
+    source = int(paths.nearest(GOAL)[0])
+    expected = nx.single_source_dijkstra_path_length(graph, source)
+    assert len(expected) > 1000
+    costs = [expected.get(node, np.inf) for node in range(len(paths.points))]
+    assert np.allclose(fields.cost[0], costs)
+
+
+def test_every_edge_keeps_its_clearance(paths, pillars):
+    head, tail, length = paths._edges
+    middle = (paths.points[head] + paths.points[tail]) / 2
+    assert pillars.clearance.at(middle).min() > 0.1
+    assert np.allclose(length, np.linalg.norm(paths.points[head] - paths.points[tail], axis=1))
+    assert pillars.caster.sees(paths.points[head], paths.points[tail]).all()
+
+
+def test_paths_are_as_long_as_promised_and_cross_no_wall(paths, pillars):
+    fields = paths.fields(GOAL, shortest=True)
+    for start in np.random.default_rng(1).uniform(1.0, 9.0, (30, 2)):
+        if pillars.clearance.at(start) < 0.3:
+            continue
+        path = fields.path(start)
+        assert (path[0] == start).all()
+        assert (path[-1] == GOAL).all()
+        # The path cuts the corners from either end to its node.
+        promised = fields.distance(start[None])[0]
+        assert promised - 0.3 <= path_length(path) <= promised + 1e-9
+        assert pillars.caster.sees(path[:-1], path[1:]).all()
+
+
+def test_comfortable_paths_are_longer_and_keep_farther_off(pillars):
+    paths = GridPaths(pillars.clearance)
+    start = np.array([1.5, 3.0])
+    shortest = paths.fields([9.0, 3.9], shortest=True).path(start)
+    comfortable = paths.fields([9.0, 3.9]).path(start)
+    assert path_length(comfortable) >= path_length(shortest) - 1e-9
+    assert pillars.clearance.at(comfortable).min() > pillars.clearance.at(shortest).min() + 0.1
+
+
+def test_many_goals_at_once_give_what_single_goals_give(paths):
+    goals = np.array([[1.0, 1.0], [9.0, 9.0], [1.0, 9.0]])
+    points = np.random.default_rng(2).uniform(0.7, 9.3, (30, 2))
+    together = paths.fields(goals)
+    for number, goal in enumerate(goals):
+        alone = paths.fields(goal).distance(points)
+        assert np.allclose(together.distance(points, np.full(30, number)), alone)
+
+
+def test_waypoints_are_on_the_way_in_sight_and_within_reach(paths, pillars):
+    fields = paths.fields(np.stack([GOAL, [1.0, 9.0]]))
+    points = paths.points[np.random.default_rng(3).integers(len(paths.points), size=60)]
+    goals = np.arange(60) % 2
+    waypoints = fields.waypoints(points, goals, pillars.caster, 2.0)
+    assert pillars.caster.sees(points, waypoints).all()
+    assert (np.linalg.norm(waypoints - points, axis=1) <= 2.01).all()
+    before, after = fields.distance(points, goals), fields.distance(waypoints, goals)
+    assert (after[before > 0.3] < before[before > 0.3]).all()
+    near = np.linalg.norm(points - fields.goals[goals], axis=1) < 1.5
+    for i in np.flatnonzero(near & pillars.caster.sees(points, fields.goals[goals])):
+        assert np.allclose(waypoints[i], fields.goals[goals[i]])
+
+
+def test_a_goal_near_a_wall_counts_its_whole_way(box):
+    fields = GridPaths(box.clearance).fields([9.9, 5.0], shortest=True)
+    assert fields.distance([[5.0, 5.0]])[0] == pytest.approx(4.9, abs=0.15)
+
+
+def test_what_lies_behind_a_wall_cannot_be_reached():
+    # Two rooms, and no door between them.
+    one, other = make_box(4.0, 4.0), make_box(6.0, 6.0)
+    apart = replace(
+        one,
+        walls=np.concatenate([one.walls, other.walls + 4.2]),
+        wall_materials=one.wall_materials * 2,
+        wall_offsets=np.zeros(8),
+        rooms=(one.rooms[0], Room("office", ((4.2, 4.2), (10.2, 4.2), (10.2, 10.2), (4.2, 10.2)))),
+    )
+    scene = Scene(apart)
+    paths = GridPaths(scene.clearance)
+    fields = paths.fields([5.0, 5.0])
+    assert np.isinf(fields.distance([[1.0, 1.0]])[0])
+    # As the crow flies these two are 0.9 m apart.
+    assert np.isinf(paths.fields([4.5, 4.5]).distance([[3.7, 3.7]])[0])
+    assert np.isfinite(fields.distance([[9.2, 9.1]])[0])
+    with pytest.raises(InputError, match="no way from"):
+        fields.path([1.0, 1.0])
+    largest = paths.largest
+    assert largest[paths.nearest([5.0, 5.0])[0]]
+    assert not largest[paths.nearest([1.0, 1.0])[0]]
+
+
+@pytest.mark.parametrize("goal", [[5.0, np.nan], [-3.0, 5.0], [3.0, 3.0]])
+def test_a_goal_that_is_not_free_is_refused(paths, goal):
+    with pytest.raises(InputError, match="not in free space"):
+        paths.fields(goal)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_each_plan_hangs_together(family):
+    scene = Scene(generate(family, 12))
+    paths = GridPaths(scene.clearance, 0.25)
+    assert paths.largest.mean() > 0.99

@@ -1,0 +1,136 @@
+"""The audit of errands on which nobody is sent, and the benchmark of reachability."""
+
+import json
+from itertools import pairwise
+
+import joblib
+import numpy as np
+import pytest
+
+from tests.conftest import needs
+from tutorial_lib.driving.data.reachability_pairs import FAR, draw_errands
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.benchmarks import reachability
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.meng2020 import calibration, calibration_audit
+
+BOUNDS = [5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, None]
+
+
+def run_audit(monkeypatch, chances, **options):
+    monkeypatch.setattr(calibration_audit, "recorded_drives", lambda *arguments: [])
+    monkeypatch.setattr(calibration_audit, "chances", chances)
+    with joblib.parallel_config(backend="sequential"):
+        return calibration.run(Options(ablation="audit", **options))
+
+
+def by_lot(world, count, seed):
+    """Metres and outcomes that differ from world to world."""
+    rng = np.random.default_rng([seed, world])
+    metres = np.concatenate([rng.uniform(5.0, 30.0, count - 8), [5, 6.5, 7, 8.1, 11, 13, 15, 20]])
+    return metres, (rng.random(count) < 0.2).astype(float)
+
+
+def test_the_audit_counts_who_arrived_by_how_far_it_was(monkeypatch):
+    report = run_audit(monkeypatch, by_lot, worlds=(216, 220, 230), seed=4)
+    parts = [by_lot(world, calibration_audit.ERRANDS, 4) for world in (216, 220, 230)]
+    metres, reached = (np.concatenate(column) for column in zip(*parts, strict=True))
+    assert [(r["from_m"], r["to_m"]) for r in report.rows[:-1]] == list(pairwise(BOUNDS))
+    for row in report.rows:
+        most = np.inf if row["to_m"] is None else row["to_m"]
+        inside = (metres >= row["from_m"]) & (metres < most)
+        assert row["errands"] == inside.sum()
+        assert row["reached"] == pytest.approx(reached[inside].mean())
+        assert row["low"] <= row["reached"] <= row["high"]
+    every = report.rows[-1]
+    assert (every["from_m"], every["to_m"], every["errands"]) == (
+        5.0,
+        None,
+        3 * calibration_audit.ERRANDS,
+    )
+    assert sum(row["errands"] for row in report.rows[:-1]) == every["errands"]
+    assert (report.name, report.worlds) == ("audit", (216, 220, 230))
+    json.dumps(report.as_dict(), allow_nan=False)
+
+
+def test_the_audit_is_smaller_where_it_must_be_quick(monkeypatch):
+    asked = []
+
+    def chances(world, count, seed):
+        asked.append((world, count))
+        return by_lot(world, count, seed)
+
+    run_audit(monkeypatch, chances, quick=True)
+    assert [world for world, _ in asked] == list(calibration_audit.WORLDS)
+    assert {count for _, count in asked} == {21}
+    assert calibration_audit.ERRANDS * len(calibration_audit.WORLDS) > 2_000
+
+
+def test_where_no_errand_was_so_long_the_audit_says_nothing(monkeypatch):
+    report = run_audit(monkeypatch, lambda *arguments: (np.full(5, 6.5), np.ones(5)))
+    json.dumps(report.as_dict(), allow_nan=False)
+    assert report.rows[0]["reached"] is None
+    assert report.rows[1]["reached"] == 1.0
+
+
+def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, monkeypatch):
+    monkeypatch.setattr(calibration_audit, "recorded_drives", lambda *arguments: [recorded])
+    sent, run_errands = [], calibration_audit.run_errands
+
+    def run(world, errands, pilot, all_of_them=False):
+        assert all_of_them
+        sent.append(errands)
+        return run_errands(world, errands, pilot, all_of_them=all_of_them)
+
+    monkeypatch.setattr(calibration_audit, "run_errands", run)
+    metres, reached = calibration_audit.chances(216, 3, 0)
+    (errands,) = sent
+    assert errands.hopeless.all()
+    assert metres.tolist() == errands.geodesic.tolist()
+    assert len(metres) == len(reached) == 3
+    assert metres.min() > FAR
+    assert set(reached) <= {0.0, 1.0}
+    # They are some of the usual errands.
+    paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng([0, 216])
+    drawn = draw_errands(recorded, paths, 6, rng)
+    assert set(metres) <= set(drawn.geodesic)
+
+
+# The benchmark.
+
+
+def test_the_benchmark_adds_up_what_its_processes_do(monkeypatch):
+    asked = []
+
+    def measure(world, seed, targets, anchors):
+        asked.append((world, seed, targets, anchors))
+        return {"rollouts": (targets, 2.0), "cached": (anchors**2, 0.5), "plain": (100, 4.0)}
+
+    monkeypatch.setattr(reachability, "measure", measure)
+    with joblib.parallel_config(backend="sequential"):
+        report = reachability.run(Options(worlds=(20_007, 20_008), seed=3))
+    rows = {row["what"]: row for row in report.rows}
+    targets, anchors = reachability._TARGETS, reachability._ANCHORS
+    assert rows["rollouts"]["count"] == 2 * targets
+    assert rows["rollouts"]["per_s"] == pytest.approx(2 * targets / 2.0)
+    assert rows["cached"]["per_s"] == pytest.approx(2 * anchors**2 / 0.5)
+    assert rows["plain"]["per_s"] == pytest.approx(50.0)
+    assert rows["cached"]["over_plain"] == pytest.approx(2 * anchors**2 / 0.5 / 50.0)
+    assert rows["rollouts"]["over_plain"] is rows["plain"]["over_plain"] is None
+    # Both warm up, and then each has its own errands in the first world.
+    assert {world for world, *_ in asked} == {20_007}
+    assert asked[-2:] == [(20_007, 3, targets, anchors), (20_007, 4, targets, anchors)]
+    json.dumps(report.as_dict(), allow_nan=False)
+    assert "over_plain" in report.as_text()
+
+
+@needs("reach_k2")
+def test_the_benchmark_measures_rollouts_and_queries(monkeypatch):
+    for name, few in (("_CARS", 3), ("_PLAIN", 64), ("_BLOCK", 32)):
+        monkeypatch.setattr(reachability, name, few)
+    found = reachability.measure(10_001, 0, 2, 12)
+    assert set(found) == {"rollouts", "cached", "plain"}
+    assert 0 < found["rollouts"][0] <= 10
+    assert found["cached"][0] == 144
+    assert found["plain"][0] == 64
+    assert all(seconds > 0 for _, seconds in found.values())

@@ -1,0 +1,405 @@
+"""Figures 4, 8, 9, 10, 11 and 13, thresholds, faults and the bench, in a room with pillars."""
+
+import json
+from itertools import pairwise
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from tests.conftest import in_turn, make_box, needs
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.benchmarks import map_building
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.meng2020 import (
+    fig4,
+    fig8,
+    fig9,
+    fig10,
+    fig11,
+    fig13,
+    table2,
+    table2_thresholds,
+)
+from tutorial_lib.experiments.protocols import navigation_tasks
+from tutorial_lib.experiments.protocols.following import frames_of
+from tutorial_lib.experiments.protocols.navigation import Outcome, Result
+from tutorial_lib.experiments.robustness import faults
+from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+
+use_threads(1)
+networks = needs("waypoint_k5", "reach_k5")
+QUICK = Options(quick=True, worlds=(20_000,))
+MODULES = (fig4, fig8, fig9, fig10, fig11, fig13, faults, table2_thresholds)
+
+
+@pytest.fixture(scope="module")
+def house():
+    scene = Scene(make_box(15.0, 9.0, [(4.5, 4.5, 2.2), (10.5, 4.5, 2.2)]))
+    return navigation_tasks.explored("room", scene, np.random.default_rng(3), 4)
+
+
+@pytest.fixture(autouse=True)
+def one_house(house, monkeypatch):
+    """Whichever world is asked for, it is this room."""
+    for module in (*MODULES, map):
+        monkeypatch.setattr(module, "building", lambda *_, **__: house)
+        if hasattr(module, "in_each_world"):
+            monkeypatch.setattr(module, "in_each_world", in_turn)
+
+
+def saved(report):
+    """The report as it is stored: whatever JSON cannot say would fail here."""
+    return json.loads(json.dumps(report.as_dict()))
+
+
+# Figures.
+
+
+def test_the_two_drives_of_fig_4_run_together_farthest(house):
+    first, last = fig4.most_in_common(house)
+    assert first != last
+
+    def common(one, other):
+        one, other = (house.recorded.poses[frames_of(house.recorded, n)] for n in (one, other))
+        beside = [
+            np.any(
+                (np.hypot(*(other[::5, :2] - pose[:2]).T) < 0.5)
+                & (np.cos(other[::5, 2] - pose[2]) > 0.5)
+            )
+            for pose in one[::5]
+        ]
+        return sum(beside)
+
+    apart = [
+        (one, other)
+        for one in range(len(house.pairs))
+        for other in range(one + 1, len(house.pairs))
+        if (house.pairs[one] != house.pairs[other]).all()  # neither from nor to the same place
+    ]
+    most = max(common(one, other) for one, other in apart)
+    assert (first, last) in apart
+    assert common(first, last) == most > 0
+
+
+@networks
+def test_each_stage_of_fig_4_leaves_less_of_the_map(house):
+    rows = fig4.run(QUICK).rows
+    assert [row["stage"] for row in rows] == ["dense", "pruned", "reused"]
+    dense, pruned, reused = rows
+    assert dense["edges"] == dense["vertices"] * (dense["vertices"] - 1)
+    assert pruned["vertices"] == dense["vertices"] >= reused["vertices"]
+    assert pruned["edges"] < dense["edges"]
+    assert dense["vertices"] < dense["frames"]
+
+
+@networks
+def test_fig_8_tells_where_every_vertex_was_seen(house):
+    (row,) = saved(fig8.run(QUICK))["rows"]
+    assert (row["world"], row["family"], row["area"]) == (20_000, "box", 135)
+    assert row["images"] == len(house.recorded.poses)
+    assert len(row["poses"]) == len(row["trajectories"]) == row["vertices"]
+    assert len(row["pairs"]) == row["edges"]
+    for pose, trajectory in zip(row["poses"], row["trajectories"], strict=True):
+        drive = house.recorded.poses[frames_of(house.recorded, trajectory)]
+        assert np.abs(drive - pose).max(axis=1).min() < 1e-3
+
+
+def test_fig_9_is_recalibrated_on_validation_worlds_only(monkeypatch):
+    rng, asked = np.random.default_rng(0), []
+
+    def gamble(world, options):
+        """Plans that come true half as often as they tell; elsewhere, hardly ever."""
+        asked.append(world)
+        told = rng.uniform(0.02, 1.0, 2_000)
+        share = 0.5 if world in fig9.VALIDATION else 0.02
+        return np.stack([told, rng.random(2_000) < share * told])
+
+    monkeypatch.setattr(fig9, "gamble", gamble)
+    report = fig9.run(Options(worlds=(20_000, 20_001)))
+    assert asked == [*fig9.VALIDATION, 20_000, 20_001]
+    rows = saved(report)["rows"]
+    assert [row["bin"] for row in rows] == [*range(5), *range(5)]
+    assert [row["calibrated"] for row in rows] == [False] * 5 + [True] * 5
+    assert all(row["trials"] == 800 and row["success"] < 0.05 for row in rows)
+    for plain, mended in zip(rows[:5], rows[5:], strict=True):
+        assert plain["least"] <= plain["probability"] <= plain["most"]
+        assert mended["probability"] == pytest.approx(plain["probability"] / 2, abs=0.05)
+    assert report.worlds == (20_000, 20_001)
+
+
+def test_fig_9_notes_how_far_told_and_measured_are_apart(monkeypatch):
+    rng = np.random.default_rng(1)
+
+    def gamble(*_):
+        told = rng.uniform(0.02, 1.0, 3_000)
+        return np.stack([told, rng.random(3_000) < told**3])
+
+    monkeypatch.setattr(fig9, "gamble", gamble)
+    plain, mended = fig9.run(QUICK).notes
+    assert "product of RE" in plain
+    assert "recalibrated" in mended
+
+    def ece(note):
+        return float(note.split("ECE ")[1].split(",")[0])
+
+    assert ece(plain) == pytest.approx(0.25, abs=0.03)  # the mean of x - x ** 3
+    assert ece(mended) < 0.03
+    assert "Spearman over 5 bins 1.00" in plain
+
+
+@networks
+def test_plans_of_fig_9_are_tried_whatever_the_chances(house, monkeypatch):
+    monkeypatch.setattr(fig9, "QUICK_TRIALS", 6)
+    sent = []
+    navigate = fig9.navigate
+    monkeypatch.setattr(fig9, "navigate", lambda *a: sent.append(navigate(*a)) or sent[-1])
+    told, came_true = fig9.gamble(20_000, QUICK)
+    assert told.shape == came_true.shape == (len(sent[0].success),)
+    assert ((told >= 0) & (told <= 1)).all()
+    assert (came_true == sent[0].success).all()
+    assert set(came_true[told == 0].tolist()) <= {0.0}
+
+
+@networks
+def test_fig_10_learns_nested_shares_of_the_drives(house, monkeypatch):
+    monkeypatch.setattr(fig10, "QUICK_TRIALS", 6)
+    learned = []
+    monkeypatch.setattr(
+        fig10,
+        "experiences",
+        lambda house, numbers: learned.append(numbers) or buildings_experiences(house, numbers),
+    )
+    report = fig10.run(QUICK)
+    assert [len(numbers) for numbers in learned] == [
+        round(share * len(house.pairs)) for share in fig10.SHARES
+    ]
+    for fewer, more in pairwise(learned):
+        assert set(fewer) < set(more)
+    line = [row["no_generalisation"] for row in report.rows]
+    assert line == sorted(line)
+    assert line[0] < line[-1] == 1.0
+    assert [row["vertices"] for row in report.rows] == sorted(
+        row["vertices"] for row in report.rows
+    )
+    assert all(row["low"] <= row["success"] <= row["high"] for row in report.rows)
+    assert "of the peak" in report.notes[0]
+
+
+buildings_experiences = fig10.experiences
+
+
+@networks
+def test_a_way_of_fig_11_leads_over_trajectories_that_nobody_drove_as_one(house, monkeypatch):
+    monkeypatch.setattr(fig11, "_TRIALS", 24)
+    monkeypatch.setattr(fig11, "SHARE", 0.6)
+    report = fig11.run(QUICK)
+    rows = report.rows
+    assert len({row["trajectory"] for row in rows}) >= 2
+    rng = np.random.default_rng([0, 20_000, 7])
+    kept = np.sort(rng.permutation(len(house.pairs))[: round(0.6 * len(house.pairs))])
+    assert {row["trajectory"] for row in rows} <= set(kept.tolist())
+    way = [rows[0]["from_place"], rows[0]["to_place"]]
+    assert way not in house.pairs[kept].tolist()
+    for row in rows:
+        drive = house.recorded.poses[frames_of(house.recorded, row["trajectory"])]
+        assert np.abs(drive - [row["x"], row["y"], row["heading"]]).max(axis=1).min() < 1e-9
+    assert f"from place {way[0]} to {way[1]}" in report.notes[0]
+
+
+@networks
+def test_a_world_without_a_new_way_is_told(monkeypatch):
+    monkeypatch.setattr(fig11, "_TRIALS", 4)
+    monkeypatch.setattr(fig11, "SHARE", 1.0)
+    with pytest.raises(InputError, match=r"meng_fig11: no new way .* give another one"):
+        fig11.run(QUICK)
+
+
+@networks
+def test_fig_13_counts_vertices_at_even_numbers_of_frames(monkeypatch):
+    monkeypatch.setattr(fig13, "FRAMES", 2_000)
+    monkeypatch.setattr(fig13, "EVERY", 500)
+    monkeypatch.setattr(fig13, "_DRIVES", 6)
+    report = fig13.run(Options(worlds=(20_000,)))
+    assert [row["frames"] for row in report.rows] == [500, 1_000, 1_500, 2_000]
+    sizes = [row["vertices"] for row in report.rows]
+    assert sizes == sorted(sizes)
+    assert 0 < sizes[0] < report.rows[0]["every_20th"] * 3
+    assert [row["every_10th"] for row in report.rows] == [50, 100, 150, 200]
+    grown = sizes[3] / sizes[1] - 1
+    assert report.notes[0].startswith(f"from 1,000 to 2,000 frames {grown:.1%} more vertices")
+
+
+def test_the_drives_of_fig_13_begin_where_recorded_ones_did_but_not_quite(house):
+    more = fig13.more_drives(house, np.random.default_rng(0))
+    first = house.recorded.poses[np.unique(house.recorded.first), :2]
+    for drive in more.trajectories:
+        gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()
+        assert 0 < gap < 1.0
+        assert np.linalg.norm(house.places - drive.poses[-1, :2], axis=1).min() < 0.5
+
+
+# Thresholds.
+
+
+def result(success, vertices):
+    success = np.array(success, dtype=bool)
+    nothing = np.zeros(len(success))
+    ending = np.where(success, "arrived", "late")
+    return Result(Outcome(success, ending, nothing, nothing, nothing), vertices, 2 * vertices, 1)
+
+
+def test_each_threshold_is_a_row_over_all_worlds(monkeypatch):
+    keys = [("meng", 0.99, 8), ("sptm", 0.9, 8)]
+    found = {
+        1: {keys[0]: result([1, 1], 10), keys[1]: result([0, 1], 30)},
+        2: {keys[0]: result([1, 0], 20), keys[1]: result([0, 0], 50)},
+    }
+    monkeypatch.setattr(table2_thresholds, "vary", lambda world, _: found[world])
+    report = table2.run(Options(ablation="thresholds", worlds=(1, 2)))
+    assert report.name == "meng_table2_thresholds"
+    first, second = saved(report)["rows"]
+    assert (first["method"], first["threshold"], first["replans"]) == keys[0]
+    assert (first["success"], first["trials"], first["vertices"], first["edges"]) == (
+        0.75,
+        4,
+        30,
+        60,
+    )
+    assert (second["success"], second["wormholes"]) == (0.25, 2)
+
+
+def test_thresholds_are_chosen_on_validation_worlds():
+    assert set(table2_thresholds.WORLDS) < set(fig9.VALIDATION)
+    assert not set(fig9.VALIDATION) & set(table2.WORLDS)
+
+
+@needs("waypoint_k5", "reach_k5", "sptm")
+def test_all_thresholds_are_tried_on_the_same_trials_and_without_planning_anew(monkeypatch):
+    monkeypatch.setattr(table2_thresholds, "QUICK_TRIALS", 3)
+    monkeypatch.setattr(table2_thresholds, "RE", (0.9, 0.99))
+    monkeypatch.setattr(table2_thresholds, "SIMILARITY", (0.9, 0.99))
+    asked = []
+
+    def measured(house, trials, agent):
+        asked.append((trials, agent.replans, agent.topomap.graph.number_of_edges()))
+        return result([1, 1, 1], len(agent.topomap))
+
+    monkeypatch.setattr(table2_thresholds, "measured", measured)
+    monkeypatch.setattr(
+        table2_thresholds,
+        "attempt",
+        lambda house, trials, agent: (
+            agent.learn(list(buildings_experiences(house))) or measured(house, trials, agent)
+        ),
+    )
+    found = table2_thresholds.vary(20_000, QUICK)
+    assert list(found) == [
+        ("meng", 0.9, 8),
+        ("meng", 0.99, 8),
+        ("meng", 0.99, 0),
+        ("sptm", 0.9, 8),
+        ("sptm", 0.99, 8),
+        ("sptm", 0.99, 0),
+    ]
+    assert all(trials is asked[0][0] for trials, _, _ in asked)
+    assert [replans for _, replans, _ in asked] == [key[2] for key in found]
+    edges = [edges for _, _, edges in asked]
+    assert edges[1] == edges[2]  # the same map
+    assert edges[3] > edges[4] == edges[5]
+
+
+# Faults.
+
+
+def test_a_blocked_way_can_be_driven_around_but_not_through(house):
+    asked = navigation_tasks.trials(house, 12, np.random.default_rng(0))
+    people, kept, seconds = faults.blockades(house, asked, 4)
+    assert 0 < len(kept) <= 4
+    assert len(seconds) == len(kept)
+    assert (seconds > asked.seconds[kept]).all()
+    assert sorted({person.owner for person in people}) == list(range(len(kept)))
+    for number, trial in enumerate(kept):
+        row = np.stack([person.route[0] for person in people if person.owner == number])
+        track = asked.recorded.trajectories[trial].poses[:, :2]
+        gap = np.linalg.norm(track[:, None] - row, axis=-1).min()
+        assert gap < Person.radius + 0.12  # the oracle's way is through them
+        order = np.argsort(row @ (row[-1] - row[0]))
+        steps = np.linalg.norm(np.diff(row[order], axis=0), axis=1)
+        assert (steps < 2 * Person.radius + 0.34).all()  # narrower than a car between two of them
+
+
+def test_a_way_without_another_one_is_not_blocked(monkeypatch):
+    corridor = Scene(make_box(14.0, 1.6))
+    house = navigation_tasks.explored("corridor", corridor, np.random.default_rng(0), 2)
+    asked = navigation_tasks.trials(house, 4, np.random.default_rng(0))
+    people, kept, seconds = faults.blockades(house, asked, 4)
+    assert (people, len(kept), len(seconds)) == ([], 0, 0)
+
+
+@networks
+def test_faults_tell_what_came_of_each(house, monkeypatch):
+    monkeypatch.setattr(faults, "QUICK_TRIALS", 10)
+    report = faults.run(QUICK)
+    rows = {row["fault"]: row for row in saved(report)["rows"]}
+    assert list(rows) == ["none", "blocked", "own_goal", "strange_goal"]
+    assert rows["none"]["trials"] == rows["blocked"]["trials"] > 0
+    assert rows["none"]["refused"] is rows["own_goal"]["reached"] is None
+    assert rows["none"]["reached"] >= 0.75
+    assert rows["own_goal"]["refused"] <= 0.25
+    # Here the strange building is the same one.
+    assert rows["strange_goal"]["trials"] == 10
+    assert rows["blocked"]["plans"] >= 1.0
+
+
+def test_faults_without_a_way_to_block_are_no_division_by_nothing():
+    empty = np.empty(0)
+    row = faults._row("blocked", [{"reached": empty, "plans": empty}])
+    assert (row["trials"], row["reached"], row["plans"]) == (0, None, None)
+
+
+# The bench.
+
+
+@networks
+def test_the_bench_compares_the_index_with_all_questions(house, monkeypatch):
+    monkeypatch.setattr(map, "QUICK_SIZES", (20, 40))
+    report = map_building.run(QUICK)
+    kinds = list(dict.fromkeys(row["map"] for row in report.rows))
+    assert kinds == ["one building", "one building, no reuse", "many buildings, no reuse"]
+    for kind in kinds:
+        rows = [row for row in report.rows if row["map"] == kind]
+        for indexed, exhaustive in zip(rows[::2], rows[1::2], strict=True):
+            assert (indexed["method"], exhaustive["method"]) == ("indexed", "exhaustive")
+            assert indexed["queries"] <= exhaustive["queries"]
+    plain = [row for row in report.rows if row["map"] == kinds[1]]
+    assert plain[0]["vertices"] == plain[1]["vertices"] > report.rows[0]["vertices"]
+    assert plain[1]["recall"] == 1.0
+    assert 0.9 < plain[0]["recall"] <= 1.0
+    assert [
+        row["vertices"] >= size for row, size in zip(report.rows[4:], (20, 20, 40, 40), strict=True)
+    ]
+    words = "\n".join(report.notes)
+    assert f"{len(house.recorded.poses):,} frames mapped in" in words
+    saved(report)
+
+
+@networks
+def test_comparing_with_everyone_leaves_the_map_as_it_is(house):
+    agent = agents.meng()
+    drives = list(map_building.sparsified(house))
+    agent.learn([])
+    topomap = map_building.TopoMap(agent.reachability, map_building.MapSettings(p_reuse=1.0))
+    for anchors in drives[:3]:
+        map_building.add_trajectory(topomap, anchors)
+    before = nx.to_dict_of_dicts(topomap.graph)
+    seconds, queries = map_building.exhaustively(topomap, drives[3])
+    assert nx.to_dict_of_dicts(topomap.graph) == before
+    assert len(topomap.trails) == 3
+    count, known = len(drives[3]), len(topomap)
+    # Both ways with every vertex, and with each other but to itself and to the next.
+    assert queries >= 2 * count * known
+    assert seconds > 0

@@ -1,0 +1,143 @@
+"""Table I: the same episodes for everybody, and a report that can be read."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tutorial_lib.cli import main
+from tutorial_lib.experiments.benchmarks import control
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.meng2020 import table1, table1_ablations
+from tutorial_lib.experiments.protocols import local_control
+from tutorial_lib.experiments.protocols.controllers import contenders
+from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.policies import by_waypoints
+from tutorial_lib.world.generators import generate
+from tutorial_lib.world.plan_json import save_plan
+from tutorial_lib.world.simulation import Sensors
+
+WORLD = 10_001
+CONTROLLERS = {"direct", "k0", "k2", "k5", "laser", "random", "oracle"}
+CONDITIONS = {"clean", "noise", "obstacles", "shifted"}
+
+
+@pytest.fixture(scope="module")
+def course():
+    return local_control.courses(WORLD, 12, seed=0)
+
+
+@pytest.fixture(scope="module")
+def report():
+    """Two worlds with few episodes."""
+    patch = pytest.MonkeyPatch()
+    patch.setattr(local_control, "_QUICK_EPISODES", 3)
+    made = table1.run(Options(worlds=(10_000, 10_001), quick=True))
+    patch.undo()
+    return made
+
+
+def test_every_controller_has_a_row_for_every_condition(report):
+    keys = [(row["controller"], row["condition"]) for row in report.rows]
+    assert len(keys) == len(set(keys)) == len(CONTROLLERS) * len(CONDITIONS)
+    assert set(keys) == {(name, condition) for name in CONTROLLERS for condition in CONDITIONS}
+    for row in report.rows:
+        assert row["low"] <= row["success"] <= row["high"]
+        assert row["success_or_overlap"] >= row["success"]
+        assert row["episodes"] == 6
+    assert json.loads(json.dumps(report.as_dict()))["worlds"] == [10_000, 10_001]
+    assert "oracle - k5, clean" in report.as_text()
+
+
+def test_all_conditions_share_their_starts_and_targets(course):
+    clean = course["clean"].episodes
+    for name in ("noise", "shifted"):
+        assert (course[name].episodes.starts == clean.starts).all()
+        assert (course[name].episodes.targets == clean.targets).all()
+    seen = [course[name].episodes.recorded.scene.plan for name in ("clean", "shifted")]
+    assert (seen[0].segments == seen[1].segments).all()
+    assert not np.array_equal(seen[0].atlas, seen[1].atlas)
+    assert course["noise"].noise == pytest.approx(1 / 3)
+    owners = [person.owner for person in course["obstacles"].people]
+    assert np.bincount(owners).tolist() == [local_control.OBSTACLES] * len(
+        course["obstacles"].episodes
+    )
+
+
+def test_the_clean_course_alone_is_the_same(course):
+    alone = local_control.clean_course(WORLD, 12, seed=0).episodes
+    assert (alone.starts == course["clean"].episodes.starts).all()
+    assert (alone.targets == course["clean"].episodes.targets).all()
+
+
+def test_a_random_controller_and_an_oracle_bracket_the_others(course):
+    clean = course["clean"]
+    reached = {
+        name: local_control.attempt(clean, pilot)["reached"].mean()
+        for name, pilot in contenders((0, WORLD)).items()
+    }
+    assert reached["oracle"] >= 0.9
+    assert reached["random"] <= 0.4
+    assert reached["k5"] >= 0.7
+    assert reached["random"] < reached["k2"]
+
+
+def test_the_same_seed_gives_the_same_outcome(course):
+    noisy = course["noise"]
+    both = [local_control.attempt(noisy, contenders((0, WORLD))["k2"])["reached"] for _ in range(2)]
+    assert (both[0] == both[1]).all()
+
+
+@pytest.mark.parametrize("name", table1_ablations.ABLATIONS)
+def test_every_variant_can_be_driven(course, name):
+    two = replace(course["clean"], episodes=course["clean"].episodes.some(np.arange(2)))
+    for recipe in table1_ablations.ABLATIONS[name].values():
+        predictor = WaypointNetwork(LocalNetwork(recipe.architecture).eval())
+        sensors = Sensors(camera=predictor.view.camera)
+        found = local_control.attempt(two, by_waypoints(predictor), sensors)
+        assert found["reached"].shape == (2,)
+
+
+@pytest.mark.parametrize("name", table1_ablations.ABLATIONS)
+def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name):
+    recipes = table1_ablations.ABLATIONS[name]
+    assert len({recipe.settings for recipe in recipes.values()}) == 1
+    assert len({(r.architecture, r.worlds) for r in recipes.values()}) == len(recipes)
+    for recipe in recipes.values():
+        assert recipe.architecture.k == 2
+        assert LocalNetwork(recipe.architecture) is not None
+
+
+@pytest.mark.parametrize("other", [["--worlds", "3:5"], ["--ablation", "encoder"]])
+def test_a_map_stands_in_place_of_worlds(other, capsys):
+    assert main(["experiment", "meng_table1", "--map", "depot.yaml", *other]) == 2
+    assert "--map" in capsys.readouterr().err
+
+
+def test_a_map_has_no_shifted_palette_and_is_named(tmp_path, monkeypatch):
+    plan = generate("apartment", 10_012)
+    save_plan(plan, tmp_path / "flat.json")
+    monkeypatch.setattr(local_control, "_QUICK_EPISODES", 2)
+    made = table1.run(Options(quick=True, map=tmp_path / "flat.json"))
+    assert made.map == "flat.json"
+    assert {row["condition"] for row in made.rows} == CONDITIONS - {"shifted"}
+
+
+def test_an_ablation_belongs_to_its_experiment(capsys):
+    assert main(["experiment", "plans", "--ablation", "encoder"]) == 2
+    assert "--ablation encoder: plans has none" in capsys.readouterr().err
+
+
+def test_the_benchmark_of_control_tells_where_the_time_goes(monkeypatch):
+    monkeypatch.setattr(control, "FLEETS", (1, 3))
+    rows = control.run(Options(quick=True)).rows
+    assert {(row["cars"], row["stage"]) for row in rows} == {
+        (cars, stage) for cars in (1, 3) for stage in (*control.STAGES, "plain", "all")
+    }
+    for cars in (1, 3):
+        shares = [
+            row["share"] for row in rows if row["cars"] == cars and row["stage"] in control.STAGES
+        ]
+        assert sum(shares) == pytest.approx(1.0)

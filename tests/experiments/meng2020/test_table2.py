@@ -1,0 +1,609 @@
+"""Table II: buildings, trials, how they end, agents of one's own, and the race."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.conftest import in_turn, make_box, needs
+from tutorial_lib.agents.agent import Agent, Experience, Journey
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.oracle import OracleJourney
+from tutorial_lib.cli import main
+from tutorial_lib.driving.data.demonstrations import SHORTEST
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.meng2020 import table2
+from tutorial_lib.experiments.meng2020.table2 import attempt
+from tutorial_lib.experiments.protocols import navigation
+from tutorial_lib.experiments.protocols.navigation import (
+    GRACE,
+    NEAR,
+    STUCK,
+    TIMES,
+    drive_times,
+    edge_lengths,
+    experiences,
+    goals_of,
+    navigate,
+    vertex_poses,
+)
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    ROOMY,
+    Trials,
+    building,
+    facing,
+    spread_places,
+    trials,
+)
+from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.plan_json import save_plan
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import STEP, Simulation
+
+use_threads(1)
+PILLARS = [(3.0, 3.0, 0.5), (6.5, 4.0, 0.3), (5.0, 7.5, 0.8)]
+networks = needs("waypoint_k5", "reach_k5", "sptm")
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    """A file with a room with pillars."""
+    path = tmp_path_factory.mktemp("plans") / "room.json"
+    save_plan(make_box(pillars=PILLARS), path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def house(plan):
+    return building(plan, seed=0, count=3)
+
+
+@pytest.fixture(scope="module")
+def asked(house):
+    return trials(house, 10, np.random.default_rng(1))
+
+
+# Buildings.
+
+
+def test_a_building_has_a_drive_for_every_ordered_pair_of_places(house):
+    assert house.name == "room.json"
+    pairs = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)]
+    assert [tuple(pair) for pair in house.pairs.tolist()] == pairs
+    for (start, goal), drive in zip(house.pairs, house.recorded.trajectories, strict=True):
+        assert len(drive) >= SHORTEST
+        assert np.linalg.norm(drive.poses[0, :2] - house.places[start]) < 0.3
+        assert np.linalg.norm(drive.poses[-1, :2] - house.places[goal]) < REACHED + 0.1
+        # It sets out the way it goes.
+        far = np.linalg.norm(drive.poses[:, :2] - drive.poses[0, :2], axis=1)
+        ahead = drive.poses[np.argmax(far > 1.0), :2] - drive.poses[0, :2]
+        heading = drive.poses[0, 2]
+        assert np.array([np.cos(heading), np.sin(heading)]) @ ahead > 0.8
+
+
+def test_the_same_seed_gives_the_same_building(house, plan):
+    again, other = building(plan, seed=0, count=3), building(plan, seed=5, count=3)
+    assert (again.places == house.places).all()
+    assert (again.recorded.poses == house.recorded.poses).all()
+    assert (
+        other.recorded.poses.shape != house.recorded.poses.shape
+        or (other.recorded.poses != house.recorded.poses).any()
+    )
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_each_place_is_as_far_from_those_before_as_can_be(seed):
+    paths = GridPaths(Scene(make_box(pillars=PILLARS)).clearance)
+    places = spread_places(paths, 5, np.random.default_rng(seed))
+    roomy = paths.points[paths.largest & (paths.clearance >= ROOMY)]
+    assert len(np.unique(places, axis=0)) == 5
+    assert (paths.clearance[paths.nearest(places)[0]] >= ROOMY).all()
+    far = np.stack(
+        [paths.between(roomy, np.tile(place, (len(roomy), 1))) for place in places]
+    )  # (5, K)
+    for number in range(1, 5):
+        nearest = far[:number].min(axis=0)
+        here = np.linalg.norm(roomy - places[number], axis=1).argmin()
+        assert nearest[here] == pytest.approx(nearest.max(), abs=0.05)
+
+
+def test_a_world_without_room_for_so_many_places_is_refused():
+    paths = GridPaths(Scene(make_box(1.2, 1.2)).clearance)
+    count = int(paths.largest.sum()) + 1
+    with pytest.raises(InputError, match=f"places: the world has no room for {count}; give a lar"):
+        spread_places(paths, count, np.random.default_rng(0))
+
+
+def test_cars_look_along_the_way_unless_something_is_there():
+    scene = Scene(make_box(pillars=PILLARS))
+    paths = GridPaths(scene.clearance)
+    places = np.array([[1.0, 1.0], [9.0, 1.0], [1.0, 9.0]])
+    pairs = np.array([[0, 1], [0, 2], [1, 0]])
+    poses = facing(scene, paths, places, pairs)
+    assert poses[:, :2] == pytest.approx(places[pairs[:, 0]], abs=0.1)
+    assert poses[:, 2] == pytest.approx([0.0, np.pi / 2, np.pi], abs=0.5)
+    assert is_free(scene, BicycleCar(), poses).all()
+
+
+# Trials.
+
+
+def test_trials_start_beside_a_recorded_drive_and_end_where_it_leads(house, asked):
+    assert len(asked) == 10
+    first = np.unique(house.recorded.first)
+    number = {tuple(pair): n for n, pair in enumerate(house.pairs.tolist())}
+    for trial, pair in enumerate(asked.pairs.tolist()):
+        recorded = house.recorded.poses[first[number[tuple(pair)]]]
+        gap = np.linalg.norm(asked.starts[trial, :2] - recorded[:2])
+        assert 0 < gap <= 1.0
+        assert np.linalg.norm(asked.goal_poses[trial, :2] - house.places[pair[1]]) < REACHED + 0.1
+        drive = asked.recorded.trajectories[trial]
+        assert (drive.poses[0] == asked.starts[trial]).all()
+        assert (drive.poses[-1] == asked.goal_poses[trial]).all()
+        assert asked.seconds[trial] == pytest.approx(0.1 * (len(drive) - 1))
+    counts = np.bincount([number[tuple(pair)] for pair in asked.pairs.tolist()], minlength=6)
+    assert counts.max() - counts.min() <= 2
+    assert counts.min() >= 1
+
+
+def test_trials_are_drawn_by_their_seed(house, asked):
+    again = trials(house, 10, np.random.default_rng(1))
+    assert (again.starts == asked.starts).all()
+    assert (again.pairs == asked.pairs).all()
+    other = trials(house, 10, np.random.default_rng(2))
+    assert not np.array_equal(other.starts, asked.starts)
+
+
+def test_goals_are_shown_in_their_context_as_seen_from_there(asked):
+    view = VIEWS["camera16"]
+    goals = goals_of(asked, view, 5)
+    assert len(goals) == 10
+    for trial, goal in enumerate(goals):
+        assert goal.contexts.shape == (1, 11, 16, 64, 3)
+        there = view.render(asked.recorded.scene, asked.goal_poses[[trial]])
+        assert (goal.observations.image == there).all()
+        assert (goal.contexts[0, 5] == there[0]).all()
+        # Nothing comes after the end of a drive.
+        assert (goal.contexts[0, 6:] == there[0]).all()
+        assert (goal.contexts[0, 0] != there[0]).any()
+
+
+# What was sensed, and where that was.
+
+
+def test_experiences_are_the_drives_one_after_the_other(house):
+    found = list(experiences(house))
+    begins = drive_times(house)
+    assert len(found) == len(begins) == 6
+    assert begins[0] == 0.0
+    last = -np.inf
+    for number, (one, drive) in enumerate(zip(found, house.recorded.trajectories, strict=True)):
+        assert len(one.observations) == len(one.timestamps) == len(drive)
+        assert one.timestamps[0] == begins[number] > last
+        last = one.timestamps[-1]
+        assert one.observations.odometry == pytest.approx(drive.odometry)
+        assert (one.observations.laser == drive.laser).all()
+        assert one.observations.depth is None
+    (some,) = experiences(house, [4])
+    assert (some.timestamps == found[4].timestamps).all()
+    assert (some.observations.image == found[4].observations.image).all()
+
+
+def test_an_experience_needs_a_time_for_each_frame(house):
+    seen = next(experiences(house)).observations
+    for count, times in ((3, 2), (1, 1), (0, 0)):
+        with pytest.raises(InputError, match=f"experience: {count} observations, {times} timest"):
+            Experience(seen[np.arange(count)], np.arange(times) * 0.1)
+
+
+class Anything:
+    """RE that says yes to everything."""
+
+    def prepare(self, contexts):
+        return np.asarray(contexts)
+
+    def probability(self, observations, prepared):
+        return np.ones(len(prepared))
+
+
+def test_edges_are_as_long_as_the_way_between_their_vertices(house):
+    topomap, frames = TopoMap(Anything()), []
+    first = np.unique(house.recorded.first)
+    for number, one in enumerate(experiences(house)):
+        if number not in (1, 4):
+            continue
+        kept = np.array([0, 37, 80, len(one.timestamps) - 1])
+        frames += (first[number] + kept).tolist()
+        topomap.make_vertices(
+            one.observations[kept],
+            kept[:, None],
+            one.timestamps[kept],
+            np.full(4, number),
+            np.arange(4),
+        )
+    poses = house.recorded.poses[frames]
+    assert vertex_poses(house, topomap) == pytest.approx(poses)
+    assert edge_lengths(house, topomap).shape == (0,)
+    for source, target in ((0, 3), (7, 4), (2, 6), (1, 0), (5, 2)):
+        topomap.connect(source, target, 0.5)
+    lengths = edge_lengths(house, topomap)
+    for (source, target), length in zip(topomap.graph.edges, lengths, strict=True):
+        way = house.paths.fields(poses[[target], :2], shortest=True)
+        assert length == pytest.approx(way.distance(poses[[source], :2])[0])
+    assert lengths.max() > 5 > lengths.min()
+    topomap.remove([0])
+    assert len(edge_lengths(house, topomap)) == 3
+
+
+# How trials end.
+
+
+class Scripted:
+    """A journey on which each robot does as it is told, from one step to the next."""
+
+    def __init__(self, count, action=(0.0, 0.0), arrive=None, give_up=None):
+        self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
+        self.action, self.step = np.asarray(action, dtype=float), 0
+        self.arrive, self.give_up, self.asked = arrive or {}, give_up or {}, []
+
+    def act(self, observations, robots):
+        assert len(observations) == len(robots)
+        self.step += 1
+        self.asked.append(robots.tolist())
+        for robot in robots:
+            self.arrived[robot] = self.step >= self.arrive.get(int(robot), np.inf)
+            self.given_up[robot] = self.step >= self.give_up.get(int(robot), np.inf)
+        return np.tile(self.action, (len(robots), 1))
+
+
+def at_goals(house, aside, turned, seconds=1.0):
+    """Trials that start so far to the left of their goals (N,), and turned (N,) from them."""
+    frames = np.full(len(aside), house.recorded.first[0] + 60)
+    goals = house.recorded.poses[frames]
+    starts = goals.copy()
+    starts[:, 0] -= np.sin(goals[:, 2]) * aside
+    starts[:, 1] += np.cos(goals[:, 2]) * aside
+    starts[:, 2] += turned
+    long = np.full(len(aside), seconds)
+    return Trials(np.zeros((len(aside), 2), int), starts, house.recorded, frames, long)
+
+
+def test_who_says_to_have_arrived_is_judged_by_place_and_heading(house):
+    aside = np.array([0.0, 0.45, 0.55, 0.0, 0.0, 0.0])
+    turned = np.array([0.0, 0.0, 0.0, 1.0, 1.1, 2 * np.pi - 0.3])
+    asked = at_goals(house, aside, turned)
+    journey = Scripted(6, arrive=dict.fromkeys(range(6), 3))
+    outcome = navigate(house, asked, lambda _: journey)
+    assert outcome.ending.tolist() == ["arrived"] * 6
+    assert outcome.success.tolist() == [True, True, False, True, False, True]
+    assert outcome.wrong.tolist() == [False, False, True, False, True, False]
+    assert outcome.gap == pytest.approx(aside, abs=1e-9)
+    assert outcome.seconds == pytest.approx(np.full(6, 0.3))
+    assert outcome.poses.shape == (4, 6, 3)
+    assert isinstance(journey, Journey)
+
+
+def test_trials_end_one_by_one(house):
+    asked = replace(at_goals(house, np.zeros(4), np.zeros(4)), seconds=np.array([1, 1, 1, -14.0]))
+    journey = Scripted(4, arrive={0: 5}, give_up={1: 2, 0: 5})
+    outcome = navigate(house, asked, lambda _: journey)
+    assert outcome.ending.tolist() == ["arrived", "gave_up", "late", "late"]
+    assert outcome.seconds == pytest.approx([0.5, 0.2, TIMES + GRACE, GRACE - 28.0])
+    assert outcome.success.tolist() == [True, False, False, False]
+    assert not outcome.wrong.any()
+    assert journey.asked[1] == [0, 1, 2, 3]
+    assert journey.asked[2] == [0, 2, 3]
+    assert journey.asked[5] == [2, 3]
+    assert journey.asked[-1] == [2]
+
+
+def test_to_be_near_is_not_to_have_arrived(house):
+    outcome = navigate(house, at_goals(house, np.zeros(1), np.zeros(1)), lambda _: Scripted(1))
+    assert not outcome.success[0]
+    assert outcome.gap[0] < NEAR
+
+
+def test_who_pushes_against_a_wall_is_stuck(house):
+    asked = at_goals(house, np.zeros(2), np.zeros(2), seconds=30.0)
+    outcome = navigate(house, asked, lambda _: Scripted(2, action=(0.5, 0.0), arrive={1: 4}))
+    assert outcome.ending.tolist() == ["stuck", "arrived"]
+    assert not outcome.success[0]
+    # It has touched the wall for so long at a stretch, and not a step longer.
+    alone, stretch, steps = Simulation(house.scene, asked.starts[:1]), 0, 0
+    while stretch < STUCK / STEP:
+        alone.step([[0.5, 0.0]])
+        stretch, steps = (stretch + 1 if alone.touching[0] else 0), steps + 1
+    assert outcome.seconds[0] == pytest.approx(STEP * steps)
+    assert len(outcome.poses) == steps + 1
+    # Who is done stands still while the others drive on.
+    assert np.ptp(outcome.poses[20:, 1], axis=0).max() < 1e-6
+    assert outcome.gap[1] == pytest.approx(
+        np.linalg.norm(outcome.poses[4, 1, :2] - asked.goal_poses[1, :2])
+    )
+
+
+def test_an_oracle_arrives_everywhere_in_time(house, asked):
+    made = []
+
+    def set_out(simulation):
+        assert (simulation.poses == asked.starts).all()
+        made.append(OracleJourney(simulation, house.paths, asked.goal_poses))
+        return made[0]
+
+    outcome = navigate(house, asked, set_out)
+    assert (outcome.ending == "arrived").all()
+    assert outcome.success.mean() >= 0.9
+    assert (outcome.seconds < asked.seconds + 3).all()
+    assert not made[0].given_up.any()
+
+
+# Agents of one's own.
+
+WHOLE = """
+import numpy as np
+
+
+class Mine:
+    def learn(self, experiences):
+        self.learned = len(experiences)
+
+    def set_out(self, goals):
+        assert self.learned == 6
+        return Walk(len(goals))
+
+
+class Walk:
+    def __init__(self, count):
+        self.arrived, self.given_up = np.zeros((2, count), bool)
+        self.steps = 0
+
+    def act(self, observations, robots):
+        self.steps += 1
+        self.given_up[robots] = self.steps >= 3
+        return np.zeros((len(robots), 2))
+"""
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Writes somebody's own file, and tells how to ask for a class in it."""
+
+    def write(text, name="Mine", file="own.py"):
+        (tmp_path / file).write_text(text)
+        return f"{tmp_path / file}:{name}"
+
+    return write
+
+
+def test_a_whole_agent_of_one_s_own_is_raced(house, asked, own):
+    where = own(WHOLE)
+    agent = agents.custom(where)
+    assert isinstance(agent, Agent)
+    found = agents.guarded(where, attempt, house, asked, agent)
+    assert (found.outcome.ending == "gave_up").all()
+    assert found.outcome.seconds == pytest.approx(np.full(10, 0.3))
+    assert found.vertices is found.edges is found.wormholes is None
+
+
+@networks
+@pytest.mark.parametrize(
+    ("kind", "methods"),
+    [
+        ("planner", ["plan"]),
+        ("localizer", ["localize"]),
+        ("reachability", ["prepare", "probability"]),
+    ],
+)
+def test_a_piece_of_one_s_own_takes_the_place_of_ours(own, kind, methods):
+    text = "class Mine:\n" + "".join(f"    def {name}(self, *_): ...\n" for name in methods)
+    agent = agents.custom(own(text))
+    assert isinstance(agent, MengAgent)
+    piece = agent.planner.localizer if kind == "localizer" else getattr(agent, kind)
+    assert type(piece).__name__ == "Mine"
+    if kind == "reachability":
+        assert agent.topomap.vertices.reachability is piece
+
+
+def test_another_file_of_the_same_name_is_another_class(own, tmp_path):
+    (tmp_path / "there").mkdir()
+    one = agents.custom(own(WHOLE))
+    two = agents.custom(
+        own(WHOLE + "\n    two = True\n", "Walk2", "there/own.py").replace("Walk2", "Mine")
+    )
+    assert type(one) is not type(two)
+
+
+@pytest.mark.parametrize(
+    ("where", "words"),
+    [
+        ("my_agent.py", "give FILE.py:CLASS, as in my_agent.py:MyPlanner"),
+        (":Mine", "give FILE.py:CLASS"),
+        ("my_agent.py:", "give FILE.py:CLASS"),
+        ("my_agent.py:1+1", "give FILE.py:CLASS"),
+        ("my_agent.py:Mine", "there is no file my_agent.py"),
+    ],
+)
+def test_an_agent_is_a_file_and_a_class(where, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match=f"--agent {where.replace('+', '.')}: {words}"):
+        agents.custom(where)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("x = 1\n", "own.py has no Mine$"),
+        (
+            "class Mine:\n    def drive(self): ...\n",
+            "has the methods of no piece .agent: learn, set",
+        ),
+        ("class Mine:\n    def learn(self): ...\n", "has the methods of no piece"),
+        ("class Mine:\n    def prepare(self): ...\n", "reachability: prepare, probability"),
+        (
+            "class Mine:\n    def __init__(self):\n        x = 1\n        raise KeyError('abc')\n",
+            "own.py, line 4: KeyError: 'abc'$",
+        ),
+        ("class Mine:\n    def __init__(self, size): ...\n", "TypeError: .*missing 1 .*'size'"),
+        ("import numpy\n\nclass Mine\n    x = 1\n", "own.py, line 3: SyntaxError: "),
+        ("\n\nimport no_such_module_at_all\n", "own.py, line 3: ModuleNotFoundError: No module"),
+        ("x = 1\n1 / 0\n", "own.py, line 2: ZeroDivisionError"),
+        ("Mine = 5\n", "TypeError: 'int' object is not callable"),
+    ],
+)
+def test_a_file_with_a_fault_is_reported(own, text, words):
+    where = own(text)
+    with pytest.raises(InputError, match=words) as error:
+        agents.custom(where)
+    assert str(error.value).startswith(f"--agent {where}: ")
+
+
+def test_a_file_that_is_no_python_is_named(own):
+    where = own("class Mine: ...", file="own.txt")
+    with pytest.raises(InputError, match=r"own\.txt is no Python file; its name ends in \.py"):
+        agents.custom(where)
+
+
+def changed(text, old, new):
+    assert text.count(old) == 1
+    return text.replace(old, new)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("self.learned = len(experiences)", "experiences[99]", "own.py, line 7: IndexError: "),
+        ("return Walk(len(goals))", "raise ValueError('no')", "own.py, line 11: ValueError: no$"),
+        ("return np.zeros((len(robots), 2))", "return robots.x", "own.py, line 22: AttributeError"),
+        (
+            "return np.zeros((len(robots), 2))",
+            "return np.zeros((7, 2))",
+            r"actions: \(7, 2\); give finite \(M, 2\) for 10 robots$",
+        ),
+        (
+            "return np.zeros((len(robots), 2))",
+            "return np.zeros((10, 3))",
+            r"actions: \(10, 3\); give finite \(M, 2\) for 10 robots$",
+        ),
+        (
+            "return np.zeros((len(robots), 2))",
+            "return np.full((10, 2), np.nan)",
+            r"actions: \(10, 2\); give finite",
+        ),
+        ("return np.zeros((len(robots), 2))", "return 'left'", "ValueError"),
+        ("return np.zeros((len(robots), 2))", "return None", r"actions: \(\); give finite"),
+        ("return Walk(len(goals))", "return None", "AttributeError: 'NoneType' .* 'act'"),
+        ("self.arrived, self.given_up", "self.arrived, self.x", "AttributeError: .* 'given_up'"),
+        ("np.zeros((2, count), bool)", "np.zeros((2, 3), bool)", "IndexError"),
+        ("np.zeros((2, count), bool)", "np.zeros((2, count))", "Error: "),
+    ],
+)
+def test_an_agent_that_fails_in_the_race_is_reported(house, asked, own, old, new, words):
+    where = own(changed(WHOLE, old, new))
+    agent = agents.custom(where)
+    with pytest.raises(InputError, match=words) as error:
+        agents.guarded(where, attempt, house, asked, agent)
+    assert str(error.value).startswith(f"--agent {where}: ")
+
+
+@pytest.mark.parametrize(
+    "wrong", ["0.5", "[0.5, 0.0]", "[[0.5, 0.0]]", "np.zeros((len(robots), 1))"]
+)
+def test_one_action_for_all_robots_is_reported(house, asked, own, wrong):
+    where = own(changed(WHOLE, "return np.zeros((len(robots), 2))", f"return {wrong}"))
+    with pytest.raises(InputError, match=r"--agent .*: actions: .* \(M, 2\) for 10 robots$"):
+        agents.guarded(where, attempt, house, asked, agents.custom(where))
+
+
+def test_a_file_that_exits_is_reported(house, asked, own):
+    with pytest.raises(InputError, match=r"--agent .*own\.py, line 3: SystemExit: 3$"):
+        agents.custom(own("import sys\n\nsys.exit(3)\n"))
+    where = own(changed(WHOLE, "return Walk(len(goals))", "raise SystemExit('enough')"))
+    with pytest.raises(InputError, match=r"--agent .*own\.py, line 11: SystemExit: enough$"):
+        agents.guarded(where, attempt, house, asked, agents.custom(where))
+
+
+@networks
+def test_a_planner_after_the_interface_is_good_enough(house, own):
+    text = (
+        "from tutorial_lib.topology.planner import Plan\n\n\n"
+        "class Mine:\n"
+        "    def plan(self, observation, goals, topomap, shunned=()):\n"
+        "        return Plan(refusal='no way')\n"
+    )
+    agent = agents.custom(own(text))
+    asked = at_goals(house, np.zeros(1), np.zeros(1))
+    journey = agent.set_out(goals_of(asked, VIEWS["camera16"], 5))
+    seen = next(experiences(house)).observations[0]
+    assert journey.act(seen, np.array([0])).shape == (1, 2)
+
+
+def test_what_is_guarded_is_told_and_what_works_is_returned(own):
+    where = own(WHOLE)
+    assert agents.guarded(where, lambda a, b: a + b, 1, 2) == 3
+
+    def refuse():
+        raise InputError("localizer: told (3,)")
+
+    with pytest.raises(InputError, match=r"--agent .*own.py:Mine: localizer: told \(3,\)$"):
+        agents.guarded(where, refuse)
+    with pytest.raises(KeyboardInterrupt):
+        agents.guarded(where, lambda: (_ for _ in ()).throw(KeyboardInterrupt))
+
+
+def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsys):
+    def never(*_, **__):
+        raise AssertionError("it was driven")
+
+    monkeypatch.setattr(table2, "building", never)
+    monkeypatch.setattr(table2, "in_each_world", never)
+    for where in ("nowhere.py:Mine", own("class Mine\n")):
+        assert main(["experiment", "meng_table2", "--quick", "--agent", where]) == 2
+        told = capsys.readouterr().err
+        assert f"--agent {where}: " in told
+        assert "Traceback" not in told
+    assert main(["experiment", "plans", "--agent", own(WHOLE)]) == 2
+    assert "--agent: plans has no agents; use meng_table2" in capsys.readouterr().err
+
+
+# The race.
+
+
+@networks
+def test_a_race_is_run_by_all_on_the_same_trials(plan, own, monkeypatch):
+    monkeypatch.setattr(table2, "QUICK_PLACES", 3)
+    monkeypatch.setattr(table2, "QUICK_TRIALS", 4)
+    monkeypatch.setattr(navigation, "GRACE", 1.0)
+    monkeypatch.setattr(table2, "in_each_world", in_turn)
+    report = table2.run(Options(quick=True, map=plan, agent=own(WHOLE)))
+    rows = {row["method"]: row for row in report.rows}
+    assert list(rows) == ["meng", "sptm", "random", "oracle", "custom"]
+    for row in rows.values():
+        assert row["world"] == "room.json"
+        assert (row["family"], row["area"], row["trials"]) == ("box", 100, 4)
+        assert 0.0 <= row["low"] <= row["success"] <= row["high"] <= 1.0
+        assert (
+            sum(row[name] for name in ("success", "wrong_place", "gave_up", "stuck", "late")) == 1
+        )
+    assert rows["oracle"]["success"] == 1.0
+    assert rows["meng"]["success"] >= 0.5
+    assert rows["custom"]["gave_up"] == 1.0
+    for name in ("meng", "sptm"):
+        assert 0 < rows[name]["vertices"] < rows[name]["images"]
+        assert rows[name]["edges"] >= rows[name]["vertices"] - 6
+        assert rows[name]["wormholes"] <= rows[name]["edges"]
+    assert rows["random"]["vertices"] is rows["oracle"]["edges"] is None
+    assert report.map == "room.json"
+    assert json.loads(json.dumps(report.as_dict()))["worlds"] == []
+    notes = "\n".join(report.notes)
+    assert "oracle, all worlds: 100.0%" in notes
+    assert "meng - custom: " in notes
+    assert "edges are no wormholes" in notes

@@ -1,0 +1,348 @@
+"""start.py, without a network and without installing anything."""
+
+import ast
+import importlib.util
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+FILE = Path(__file__).resolve().parents[2] / "start.py"
+posix_only = pytest.mark.skipif(os.name == "nt", reason="POSIX signals and links")
+
+
+@pytest.fixture
+def start(tmp_path, monkeypatch):
+    """start.py as a module, set to an empty project in a folder with a space."""
+    spec = importlib.util.spec_from_file_location("start_under_test", FILE)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    project = tmp_path / "a course"
+    project.mkdir()
+    (project / "pyproject.toml").write_text("[project]\n")
+    monkeypatch.setattr(module, "HERE", project)
+    monkeypatch.setattr(module, "VENV", project / ".venv")
+    monkeypatch.setattr(module, "STAMP", project / ".venv" / "stamp")
+    return module
+
+
+class Machine:
+    """Stands in for the programs that start.py runs: venv, pip, and what is started at the end."""
+
+    def __init__(self, start):
+        self.start = start
+        self.calls = []
+        self.folders = []
+        self.python = None  # the version of the Python in .venv
+        self.codes = {}  # exit codes, by a word of the command
+
+    def run(self, command, cwd=None):
+        self.calls.append(command)
+        self.folders.append(cwd)
+        for word, code in self.codes.items():
+            if word in command:
+                if code == "ctrl-c":
+                    raise KeyboardInterrupt
+                return code
+        if "venv" in command:
+            self.start.VENV.mkdir(exist_ok=True)
+            if "--clear" in command:
+                for file in self.start.VENV.iterdir():
+                    file.unlink()
+            self.python = self.start.VERSION
+        return 0
+
+    def ask(self, *arguments):
+        if self.python is None:
+            return ""
+        return "pip 25.0" if "pip" in arguments else self.python
+
+    def forget(self):
+        self.calls.clear()
+        self.folders.clear()
+
+    @property
+    def installed(self):
+        return [call for call in self.calls if ".[test]" in call]
+
+    @property
+    def made(self):
+        return [call for call in self.calls if "venv" in call]
+
+
+@pytest.fixture
+def machine(start, monkeypatch):
+    made = Machine(start)
+    monkeypatch.setattr(start, "run", made.run)
+    monkeypatch.setattr(start, "ask", made.ask)
+    return made
+
+
+def test_the_file_is_readable_by_python_3_8_and_small():
+    text = FILE.read_text(encoding="utf-8")
+    tree = ast.parse(text, feature_version=(3, 8))
+    assert len(text.splitlines()) < 170
+    modules = {
+        a.name.split(".")[0] for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names
+    }
+    modules |= {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)}
+    assert modules <= set(sys.stdlib_module_names)
+
+
+def test_an_old_python_is_told_what_to_do(start):
+    message = start.too_old((3, 8, 10, "final", 0))
+    assert "needs Python 3.10 or newer, this is 3.8.10" in message
+    assert "python.org" in message
+    assert "start.py" in message
+    assert start.too_old((3, 10, 0)) == start.too_old((3, 14, 1)) == ""
+
+
+def test_the_interpreter_on_windows_and_elsewhere(start):
+    venv = Path("a course") / ".venv"
+    assert start.python_of(venv, windows=True).parts[-2:] == ("Scripts", "python.exe")
+    assert start.python_of(venv, windows=False).parts[-2:] == ("bin", "python")
+
+
+def test_the_environment_is_the_callers_with_venv_first(start, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", "/opt/ros/humble/python")
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PYTHONUTF8", "0")
+    found = start.environment()
+    assert "PYTHONPATH" not in found
+    assert found["PIP_NO_INDEX"] == "1"
+    assert found["PYTHONUTF8"] == "0"
+    assert found["PATH"].split(os.pathsep)[0] == str(start.python_of(start.VENV).parent)
+
+
+def test_the_stamp_depends_on_dependencies_python_and_folder(start, monkeypatch, tmp_path):
+    stamps = {start.stamp()}
+    (start.HERE / "pyproject.toml").write_text("[project]\nname = 'other'\n")
+    stamps.add(start.stamp())
+    monkeypatch.setattr(start, "VERSION", "3.99")
+    stamps.add(start.stamp())
+    monkeypatch.setattr(start, "VENV", tmp_path / "moved" / ".venv")
+    stamps.add(start.stamp())
+    assert len(stamps) == 4
+
+
+def test_the_first_start_installs_and_the_second_does_not(start, machine, capsys):
+    assert not start.is_ready()
+    assert start.main(["setup"]) == 0
+    assert len(machine.made) == len(machine.installed) == 1
+    assert "--clear" not in machine.made[0]
+    assert machine.folders[-1] == start.HERE
+    assert start.is_ready()
+    machine.forget()
+    assert start.main(["setup"]) == 0
+    assert machine.calls == []
+    assert "installed" in capsys.readouterr().out
+
+
+def test_a_changed_pyproject_installs_again_into_the_same_venv(start, machine):
+    start.setup()
+    machine.forget()
+    (start.HERE / "pyproject.toml").write_text("[project]\ndependencies = ['x']\n")
+    assert not start.is_ready()
+    start.setup()
+    assert machine.made == []
+    assert len(machine.installed) == 1
+    assert start.is_ready()
+
+
+def test_a_venv_prepared_by_hand_is_kept(start, machine):
+    start.VENV.mkdir()
+    machine.python = start.VERSION
+    start.setup()
+    assert machine.made == []
+    assert len(machine.installed) == 1
+
+
+def test_a_venv_without_pip_is_completed_not_cleared(start, machine, monkeypatch):
+    start.VENV.mkdir()
+    machine.python = start.VERSION
+    monkeypatch.setattr(start, "ask", lambda *a: "" if "pip" in a else start.VERSION)
+    start.setup()
+    assert [("--clear" in call) for call in machine.made] == [False]
+
+
+@pytest.mark.parametrize("stopped", ["venv", "pip>=21.3", ".[test]"])
+def test_an_interrupted_installation_is_repaired_by_the_next(start, machine, stopped):
+    machine.codes = {stopped: "ctrl-c"}
+    assert start.main(["demo"]) == 130
+    assert start.stamped() == ""
+    assert not start.is_ready()
+    machine.codes = {}
+    assert start.main(["setup"]) == 0
+    assert machine.installed
+    assert start.is_ready()
+
+
+def test_an_interrupted_update_is_repaired_too(start, machine):
+    start.setup()
+    (start.HERE / "pyproject.toml").write_text("[project]\ndependencies = ['x']\n")
+    machine.codes = {".[test]": "ctrl-c"}
+    assert start.main(["setup"]) == 130
+    (start.HERE / "pyproject.toml").write_text("[project]\n")  # back to what once was complete
+    assert not start.is_ready()
+
+
+@pytest.mark.parametrize(
+    ("python", "notice"), [("3.9", "is for Python 3.9"), (None, "does not run")]
+)
+def test_a_venv_of_another_or_a_removed_python_is_made_anew(start, machine, capsys, python, notice):
+    start.setup()
+    machine.forget()
+    machine.python = python
+    start.setup()
+    assert "--clear" in machine.made[0]
+    assert notice in capsys.readouterr().out
+    assert start.is_ready()
+
+
+def test_a_moved_folder_gets_a_new_venv(start, machine, monkeypatch, tmp_path, capsys):
+    start.setup()
+    machine.forget()
+    old, new = start.VENV, tmp_path / "moved course"
+    start.HERE.rename(new)
+    monkeypatch.setattr(start, "HERE", new)
+    monkeypatch.setattr(start, "VENV", new / ".venv")
+    monkeypatch.setattr(start, "STAMP", new / ".venv" / "stamp")
+    start.setup()
+    assert "--clear" in machine.made[0]
+    assert f"was made in {old}" in capsys.readouterr().out
+    assert start.is_ready()
+
+
+def test_a_python_without_venv_says_what_to_install(start, machine, monkeypatch):
+    real = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name: None if name == "ensurepip" else real(name)
+    )
+    with pytest.raises(SystemExit, match=rf"sudo apt install python{start.VERSION}-venv"):
+        start.setup()
+    assert machine.calls == []
+
+
+def test_a_failing_venv_and_a_failing_pip_are_explained_in_a_line(start, machine):
+    machine.codes = {"venv": 1}
+    with pytest.raises(SystemExit, match="Could not make") as told:
+        start.main(["setup"])
+    assert "\n" not in str(told.value)
+    machine.codes = {".[test]": 1}
+    with pytest.raises(SystemExit, match=r"pip\.log.*network.*proxy") as told:
+        start.main(["setup"])
+    assert "\n" not in str(told.value)
+    assert start.stamped() == ""
+
+
+def test_arguments_and_exit_codes_are_passed_on(start, machine):
+    machine.codes = {"pytest": 3, "tutorial_lib": 4}
+    python = str(start.python_of(start.VENV))
+    assert start.main(["test", "--full", "-k", "a b"]) == 3
+    assert machine.calls[-1] == [python, "-m", "pytest", "--full", "-k", "a b"]
+    assert machine.folders[-1] == start.HERE
+    assert start.main(["demo", "--seed", "7"]) == 4
+    assert machine.calls[-1] == [python, "-m", "tutorial_lib", "demo", "--seed", "7"]
+    assert machine.folders[-1] is None  # demo leaves its files where the caller is
+    assert start.main(["lab", "--no-browser"]) == 4
+    assert machine.calls[-1][:4] == [python, "-m", "tutorial_lib", "lab"]
+    assert machine.calls[-1][-1] == "--no-browser"
+    assert start.main([]) == 4
+    assert machine.calls[-1][2:4] == ["tutorial_lib", "lab"]
+
+
+@pytest.mark.parametrize("arguments", [["fly"], ["--full"], ["setup", "torch"]])
+def test_an_unknown_command_shows_the_usage(start, machine, capsys, arguments):
+    assert start.main(arguments) == 2
+    shown = capsys.readouterr()
+    assert "usage:" in shown.err
+    assert arguments[0] in shown.err
+    assert shown.out == ""
+    assert machine.calls == []
+
+
+@pytest.mark.parametrize("flag", ["-h", "--help"])
+def test_help(start, machine, capsys, flag):
+    assert start.main([flag]) == 0
+    shown = capsys.readouterr().out
+    for name in ("usage:", "lab", "test", "demo", "setup", "--full"):
+        assert name in shown
+    assert machine.calls == []
+
+
+def test_run_returns_the_exit_code_and_works_in_the_folder(start, tmp_path):
+    code = "import os, sys; open('here', 'w').close(); sys.exit(7)"
+    assert start.run([sys.executable, "-c", code], cwd=tmp_path) == 7
+    assert (tmp_path / "here").exists()
+    assert start.run([sys.executable, "-c", ""]) == 0
+
+
+@posix_only
+def test_a_child_that_was_killed_gives_the_shells_exit_code(start):
+    code = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
+    assert start.run([sys.executable, "-c", code]) == 128 + signal.SIGKILL
+
+
+@posix_only
+def test_ask_runs_the_python_of_venv(start):
+    assert start.ask("-c", "print(1)") == ""
+    python = start.python_of(start.VENV)
+    python.parent.mkdir(parents=True)
+    python.symlink_to(sys.executable)
+    assert start.ask("-c", "print('a' + 'b')") == "ab"
+    assert start.ask("-c", "raise SystemExit(1)") == ""
+    assert start.reason_to_rebuild() == ""
+    python.unlink()
+    python.symlink_to(start.HERE / "removed")
+    assert start.reason_to_rebuild() == "does not run"
+
+
+def started(start, child, tmp_path):
+    """A process that does what start.py's main does, its JupyterLab replaced by `child`."""
+    script = f"""
+import importlib.util, sys
+spec = importlib.util.spec_from_file_location("start", {str(FILE)!r})
+start = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(start)
+start.setup = lambda: None
+start.command = lambda name, rest: [sys.executable, "-c", {child!r}, {str(tmp_path / "up")!r}]
+sys.exit(start.main([]))
+"""
+    process = subprocess.Popen(
+        [sys.executable, "-c", script], stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    deadline = time.monotonic() + 20
+    while not (tmp_path / "up").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    return process
+
+
+WAIT = "import sys, time; open(sys.argv[1], 'w').close(); time.sleep(30)"
+ANSWER = """
+import signal, sys, time
+signal.signal(signal.SIGINT, lambda *_: (time.sleep(0.4), sys.exit(0)))
+open(sys.argv[1], "w").close()
+time.sleep(30)
+"""
+
+
+@posix_only
+@pytest.mark.parametrize(("child", "code"), [(WAIT, 130), (ANSWER, 0)])
+def test_ctrl_c_is_left_to_the_child(start, tmp_path, child, code):
+    process = started(start, child, tmp_path)
+    os.killpg(process.pid, signal.SIGINT)  # as the terminal does
+    _, errors = process.communicate(timeout=20)
+    assert process.returncode == code
+    assert "start.py" not in errors  # the child's own traceback at most, none of ours
+
+
+@posix_only
+def test_a_stopped_start_stops_what_it_started(start, tmp_path):
+    process = started(start, WAIT, tmp_path)
+    process.terminate()
+    process.communicate(timeout=20)
+    assert process.returncode == 128 + signal.SIGTERM

@@ -1,0 +1,160 @@
+import base64
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.errors import InputError
+from tutorial_lib.viz.notebook.teleop import ACTIONS, DriveController, drive_picture
+from tutorial_lib.viz.notebook.widgets import drive, sliders
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+
+POSE = [5.0, 5.0, 0.0]
+
+
+def decoded(data):
+    return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+
+
+@pytest.fixture
+def controller():
+    return DriveController(Scene(make_box()), POSE)
+
+
+def test_each_button_moves_the_car_its_own_way(controller):
+    ends = {}
+    for name in ACTIONS:
+        controller.reset()
+        for _ in range(3):
+            controller.press(name)
+        ends[name] = controller.simulation.poses[0] - POSE
+    assert ends["forward"][0] > 0.5
+    assert ends["back"][0] < -0.25
+    assert ends["left"][2] > 0.3
+    assert ends["right"][2] == pytest.approx(-ends["left"][2])
+    assert ends["back left"][1] == pytest.approx(-ends["back right"][1])
+    assert ends["back left"][2] < 0 < ends["back right"][2]
+    assert np.allclose(ends["stop"], 0)
+
+
+def test_a_press_lasts_a_few_steps_and_leaves_a_track(controller):
+    controller.press("forward")
+    assert controller.simulation.seconds == pytest.approx(0.5)
+    assert len(controller.track) == 6
+    moment = controller.moment
+    assert moment.track.shape == (6, 2)
+    assert moment.goal is None
+    assert dict(moment.lines)["speed"].startswith("+0.")
+    controller.reset()
+    assert len(controller.track) == 1
+    assert np.allclose(controller.simulation.poses[0], POSE)
+
+
+def test_a_wall_stops_the_car_and_the_text_says_what_to_do():
+    controller = DriveController(Scene(make_box()), [9.0, 5.0, 0.0])
+    for _ in range(6):
+        controller.press("forward")
+    assert controller.simulation.poses[0, 0] < 9.7
+    assert "go back" in controller.text
+    for _ in range(4):
+        controller.press("back")
+    assert "go back" not in controller.text
+
+
+def test_people_walk_while_the_car_waits():
+    person = Person([[2.0, 2.0], [2.0, 8.0]], speed=0.5)
+    controller = DriveController(Scene(make_box()), POSE, [person])
+    before = controller.render()
+    controller.press("stop")
+    assert (controller.render() != before).any()
+
+
+def test_wrong_presses_and_starts_are_refused(controller):
+    with pytest.raises(InputError, match="forward"):
+        controller.press("fly")
+    with pytest.raises(InputError, match="steps"):
+        DriveController(controller.scene, POSE, steps=0)
+    with pytest.raises(InputError, match="start"):
+        DriveController(controller.scene, [20.0, 5.0, 0.0])
+
+
+def test_the_picture_follows_the_state_and_changes_nothing(controller):
+    first = controller.render()
+    assert (first == drive_picture(controller.view, controller.moment)).all()
+    assert first.dtype == np.uint8
+    controller.rehearse(["forward", "left"])
+    assert (controller.render() == first).all()
+
+
+def test_buttons_change_picture_and_text(controller):
+    panel = drive(controller)
+    assert set(panel.buttons) == {*ACTIONS, "start again"}
+    picture, line = panel.picture.value, panel.line.value
+    panel.buttons["forward"].click()
+    assert panel.picture.value != picture
+    assert panel.line.value != line
+    assert decoded(panel.picture.value).shape == controller.render().shape
+    panel.buttons["start again"].click()
+    assert panel.picture.value == picture
+    assert panel.line.value == line
+
+
+def grey(size, shade):
+    return np.full((round(size), 40, 3), int(shade), np.uint8), f"{size:.1f} & {shade}"
+
+
+def test_sliders_change_picture_and_text():
+    panel = sliders(grey, size=(10, 60, 0.5, 20), shade=(0, 200, 10, 100))
+    assert panel.values == {"size": 20, "shade": 100}
+    assert decoded(panel.picture.value).shape == (20, 40, 3)
+    assert "20.0 &amp; 100" in panel.line.value
+    panel.controls["size"].value = 55.5
+    panel.controls["shade"].value = 30
+    assert decoded(panel.picture.value).shape == (56, 40, 3)
+    assert (decoded(panel.picture.value) == 30).all()
+    assert "55.5 &amp; 30" in panel.line.value
+
+
+def test_a_range_of_words_is_a_menu():
+    seen = []
+
+    def render(plan_family):
+        seen.append(plan_family)
+        return np.zeros((8, 8, 3), np.uint8), plan_family
+
+    panel = sliders(render, plan_family=["office", "maze"])
+    assert panel.controls["plan_family"].description == "plan family"
+    panel.controls["plan_family"].value = "maze"
+    assert seen == ["office", "maze"]
+
+
+def test_an_error_while_moving_a_slider_is_shown_and_heals():
+    def render(x):
+        if x > 5:
+            raise ValueError("x is <too> large")
+        return np.zeros((8, 8, 3), np.uint8), f"x = {x}"
+
+    panel = sliders(render, x=(0, 10, 1, 2))
+    panel.controls["x"].value = 8
+    assert "ValueError: x is &lt;too&gt; large" in panel.line.value
+    panel.controls["x"].value = 3
+    assert "x = 3" in panel.line.value
+
+
+@pytest.mark.parametrize("span", [(0, 1), (0, 1, 0, 0.5), (0, 1, 0.1, 2), (), ("a", 1)])
+def test_wrong_ranges_are_refused(span):
+    with pytest.raises(InputError, match="size"):
+        sliders(grey, size=span, shade=(0, 1, 1, 1))
+    with pytest.raises(InputError, match="range"):
+        sliders(grey)
+
+
+def test_every_shell_leaves_a_static_picture_in_the_same_output(controller):
+    for panel in (drive(controller), sliders(grey, size=(10, 60, 1, 20), shade=(0, 9, 1, 1))):
+        bundle = panel._repr_mimebundle_()
+        assert "application/vnd.jupyter.widget-view+json" in bundle
+        strip = decoded(base64.b64decode(bundle["image/png"]))
+        assert strip.shape[1] > 100
+        assert strip.shape[1] <= 960

@@ -1,0 +1,383 @@
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import relative, to_world
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP, DiscreteOdometry, WheelOdometry
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+
+def drive(simulation, action, steps):
+    actions = np.tile(action, (len(simulation), 1))
+    for _ in range(steps):
+        simulation.step(actions)
+    return simulation
+
+
+def free_poses(scene, count, seed):
+    rng, poses = np.random.default_rng(seed), np.empty((0, 3))
+    x0, y0, x1, y1 = scene.plan.bounds
+    while len(poses) < count:
+        tries = rng.uniform([x0, y0, -np.pi], [x1, y1, np.pi], (500, 3))
+        poses = np.concatenate([poses, tries[is_free(scene, BicycleCar(), tries)]])
+    return poses[:count]
+
+
+def test_a_free_car_follows_its_model(box):
+    car = BicycleCar()
+    simulation = drive(Simulation(box, [[5.0, 3.0, 0.3]]), [0.6, 0.2], 60)
+    before, start = simulation.poses[0], simulation.seconds
+    drive(simulation, [0.6, 0.2], 40)
+    twist = car.twist(np.array([[0.6, 0.2]]))[0]
+    expected = advance(before, twist, simulation.seconds - start)
+    assert np.allclose(relative(expected, simulation.poses[0]), 0, atol=2e-3)
+    assert simulation.speed[0] == pytest.approx(0.6, abs=1e-3)
+    assert not simulation.collided[0]
+
+
+@pytest.mark.parametrize("action", [[0.8, 0.0], [0.8, 0.1], [0.8, 0.45], [-0.3, 0.0], [-0.3, -0.4]])
+def test_walls_stop_the_car_whichever_way_it_comes(pillars, action):
+    poses = free_poses(pillars, 40, seed=0)
+    simulation = Simulation(pillars, poses)
+    deepest = 0.0
+    for _ in range(150):
+        before = simulation.poses
+        simulation.step(np.tile(action, (40, 1)))
+        corners = to_world(simulation.poses[:, None], simulation.body.footprint).reshape(-1, 2)
+        beyond = np.maximum(-corners, corners - 10.0).max()
+        deepest = max(deepest, beyond)
+        assert pillars.caster.sees(before[:, :2], simulation.poses[:, :2]).all()
+    assert deepest < 0.02
+    assert simulation.collided.sum() > 10
+    assert np.isfinite(simulation.poses).all()
+
+
+def test_a_car_against_the_wall_touches_stands_and_can_leave(box):
+    simulation = drive(Simulation(box, [[8.5, 5.0, 0.0]]), [0.8, 0.0], 60)
+    assert simulation.touching[0]
+    assert simulation.collided[0]
+    assert abs(simulation.speed[0]) < 0.02
+    assert simulation.poses[0, 0] == pytest.approx(10 - 0.36, abs=0.01)
+    drive(simulation, [-0.3, 0.0], 30)
+    assert not simulation.touching[0]
+    assert simulation.collided[0]
+
+
+def test_a_fleet_drives_as_each_car_alone(pillars):
+    poses = free_poses(pillars, 12, seed=1)
+    rng = np.random.default_rng(2)
+    actions = np.column_stack([rng.uniform(-0.3, 0.8, 12), rng.uniform(-0.45, 0.45, 12)])
+    fleet = Simulation(pillars, poses)
+    alone = [Simulation(pillars, pose) for pose in poses]
+    for _ in range(80):
+        fleet.step(actions)
+        for single, action in zip(alone, actions, strict=True):
+            single.step(action[None])
+    assert np.abs(fleet.poses - np.concatenate([s.poses for s in alone])).max() < 1e-9
+    assert (fleet.collided == np.concatenate([s.collided for s in alone])).all()
+
+
+def test_an_obstacle_of_one_robot_is_air_for_the_others(box):
+    starts = np.tile([4.0, 5.0, 0.0], (2, 1))
+    obstacle = Person([[6.0, 5.0]], owner=1)
+    simulation = Simulation(box, starts, people=[obstacle])
+    depth = box.caster.cast(simulation.poses, simulation.sensors.camera.fan, simulation.discs)
+    assert depth.distance[0, 32] > 5.0
+    assert depth.distance[1, 32] < 2.0
+    drive(simulation, [0.8, 0.0], 40)
+    assert simulation.collided.tolist() == [False, True]
+    assert simulation.poses[0, 0] > 6.5
+    assert simulation.poses[1, 0] < 5.6
+
+
+def test_people_walk_to_and_fro_and_wait_for_robots(box):
+    person = Person([[2.0, 2.0], [2.0, 6.0]], speed=0.5)
+    simulation = Simulation(box, [[8.0, 8.0, 0.0]], people=[person])
+    seen = []
+    for _ in range(170):
+        simulation.step([[0.0, 0.0]])
+        seen.append(simulation.crowd.positions[0, 1])
+    assert max(seen) == pytest.approx(6.0, abs=0.1)
+    assert min(seen[120:]) == pytest.approx(2.0, abs=0.3)
+    blocked = Simulation(box, [[2.0, 4.0, 0.0]], people=[person])
+    for _ in range(100):
+        blocked.step([[0.0, 0.0]])
+        assert blocked.crowd.positions[0, 1] < 3.0
+    assert not blocked.collided[0]
+
+
+def test_noise_scales_the_controls_and_repeats_with_its_seed(box):
+    starts = np.tile([2.0, 5.0, 0.0], (300, 1))
+
+    def ends(seed, sigma):
+        rng = np.random.default_rng(seed)
+        simulation = Simulation(box, starts, control_noise=sigma, rng=rng)
+        return drive(simulation, [0.4, 0.1], 50).poses
+
+    assert (ends(1, 0.33) == ends(1, 0.33)).all()
+    assert not (ends(1, 0.33) == ends(2, 0.33)).all()
+    assert ends(1, 0.0).std(axis=0).max() < 1e-12
+    noisy, exact = ends(1, 0.33), ends(1, 0.0)
+    assert noisy[:, :2].std(axis=0).min() > 0.01
+    assert np.allclose(noisy[:, 0].mean(), exact[0, 0], atol=0.05)
+
+
+def test_odometry_is_exact_without_noise_and_drifts_with_it(box):
+    starts = np.tile([5.0, 5.0, 1.0], (200, 1))
+    exact = drive(Simulation(box, starts), [0.5, 0.3], 60)
+    assert np.allclose(exact.odometry, relative(starts, exact.poses), atol=1e-9)
+    rng = np.random.default_rng(0)
+    noisy = Simulation(box, starts, odometry_noise=WheelOdometry(), rng=rng)
+    drive(noisy, [0.5, 0.3], 20)
+    early = np.abs(noisy.odometry - relative(starts, noisy.poses))[:, :2].mean()
+    drive(noisy, [0.5, 0.3], 60)
+    late = np.abs(noisy.odometry - relative(starts, noisy.poses))[:, :2].mean()
+    assert 0 < early < late < 0.5
+
+
+@pytest.mark.parametrize(
+    ("action", "motion"),
+    [
+        (FORWARD, [0.245, 0.0, 0.0086]),
+        (LEFT, [0.0, 0.02, np.deg2rad(11.2)]),
+        (RIGHT, [0.0, -0.02, np.deg2rad(-11.1)]),
+        (STOP, [0.0, 0.0, 0.0]),
+    ],
+)
+def test_discrete_actions_move_as_measured(box, action, motion):
+    starts = np.tile([5.0, 5.0, 0.5], (400, 1))
+    simulation = Simulation(
+        box,
+        starts,
+        body=DifferentialDrive(),
+        odometry_noise=DiscreteOdometry(),
+        rng=np.random.default_rng(0),
+    )
+    simulation.act(np.full(400, action))
+    moved = relative(starts, simulation.poses)
+    assert np.allclose(moved.mean(axis=0), motion, atol=2.5e-3)
+    error = relative(moved, simulation.odometry)
+    assert np.abs(error).max() < 0.05
+    assert (np.abs(error).mean() > 0) == (action != STOP)
+
+
+def test_a_wall_shortens_a_discrete_step(box):
+    simulation = Simulation(
+        box, [[9.75, 5.0, 0.0]], body=DifferentialDrive(), rng=np.random.default_rng(0)
+    )
+    simulation.act(np.array([FORWARD]))
+    assert simulation.collided[0]
+    assert simulation.poses[0, 0] < 9.85
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_the_same_seed_gives_the_same_episode(family):
+    def episode():
+        scene = Scene(generate(family, 7))
+        poses = free_poses(scene, 3, seed=5)
+        rng = np.random.default_rng(9)
+        people = [Person([poses[0, :2] + 1.5, poses[0, :2] + 2.5])]
+        simulation = Simulation(
+            scene,
+            poses,
+            people=people,
+            control_noise=0.33,
+            odometry_noise=WheelOdometry(),
+            rng=rng,
+        )
+        seen = [drive(simulation, [0.5, 0.2], 10).observe() for _ in range(4)]
+        return b"".join(o.image.tobytes() + o.laser.tobytes() + o.odometry.tobytes() for o in seen)
+
+    assert episode() == episode()
+
+
+def test_an_observation_holds_nothing_that_tells_the_pose(box):
+    observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0]]).observe()
+    names = {"image", "depth", "laser", "odometry", "speed", "steering"}
+    assert set(vars(observation)) == names
+    assert all(value is None or type(value) is np.ndarray for value in vars(observation).values())
+    assert (observation.odometry == 0).all()
+    # A view of a larger array would be a way around.
+    for value in vars(observation).values():
+        assert value is None or value.base is None or value.base.size == value.size
+
+
+def test_observations_select_robots(box):
+    observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0], [6.0, 5.0, 0.0]]).observe()
+    some = observation[np.array([True, False, True])]
+    assert isinstance(some, Observation)
+    assert len(observation) == 3
+    assert len(some) == 2
+    assert (some.image == observation.image[[0, 2]]).all()
+    assert (some.laser == observation.laser[[0, 2]]).all()
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda s: Simulation(s, [[0.05, 5.0, 0.0]]), "inside a wall"),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0], [50.0, 5.0, 0.0]]), r"\(50.00, 5.00\)"),
+        (lambda s: Simulation(s, [[np.nan, 5.0, 0.0]]), "not finite"),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]], control_noise=0.3), "needs an rng"),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).step([[np.inf, 0.0]]), "finite"),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).step([0.0, 0.0]), "finite"),
+        (
+            lambda s: Simulation(s, [[5.0, 5.0, 0.0]], rng=np.random.default_rng(0)).act([7]),
+            "from 0 to 3",
+        ),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).act([STOP]), "give it an rng"),
+        (lambda s: Simulation(s, [[5.0, 5.0]]), "rows x, y, heading"),
+        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]], control_noise=-1.0), "sigma >= 0"),
+        (lambda s: Simulation(s, [[5, 5, 0]], people=[Person([[5.1, 5.0]])]), "a robot starts"),
+        (lambda s: Simulation(s, [[5, 5, 0]], people=[Person([[1, 1]], owner=3)]), "last robot"),
+        (lambda s: Sensors(laser=Laser(64, 4.0)), "full circle"),
+        (lambda s: Person(np.zeros((0, 2))), "finite points"),
+        (lambda s: Person([[0.0, np.nan]]), "finite points"),
+        (lambda s: Person([[0.0, 0.0]], radius=0.0), "radius"),
+    ],
+)
+def test_bad_input_is_named(box, make, words):
+    with pytest.raises(InputError, match=words):
+        make(box)
+
+
+def test_a_start_between_furniture_is_refused():
+    scene = Scene(make_box(pillars=[(5.0, 5.0, 1.0)]))
+    for pose in ([5.0, 5.0, 0.0], [3.8, 5.0, 0.0], [4.1, 5.5, 2.0]):
+        with pytest.raises(InputError, match="choose another start"):
+            Simulation(scene, pose)
+
+
+def test_a_post_under_the_car_is_no_place_to_start():
+    scene = Scene(make_box(pillars=[(5.2, 5.0, 0.05)]))
+    with pytest.raises(InputError, match="choose another start"):
+        Simulation(scene, [5.0, 5.0, 0.0])
+
+
+def test_time_is_time_for_people_whatever_the_actions(box):
+    def walked(act):
+        person = Person([[1.0, 2.0], [9.0, 2.0]], speed=0.5)
+        rng = np.random.default_rng(0)
+        robot = DifferentialDrive()
+        simulation = Simulation(box, [[5.0, 8.0, 0.0]], body=robot, people=[person], rng=rng)
+        while simulation.seconds < 4.99:
+            act(simulation)
+        return simulation.crowd.positions[0, 0]
+
+    stopped = walked(lambda s: s.act(np.array([STOP])))
+    assert stopped == pytest.approx(3.5, abs=0.02)
+    assert stopped == pytest.approx(walked(lambda s: s.step([[0.0, 0.0]])), abs=0.02)
+
+
+def test_discrete_actions_leave_no_controls_behind(box):
+    rng = np.random.default_rng(0)
+    simulation = Simulation(box, [[5.0, 5.0, 0.0]], body=DifferentialDrive(), rng=rng)
+    simulation.step([[0.5, 1.0]])
+    simulation.act(np.array([FORWARD]))
+    assert simulation.observe().steering[0] == 0.0
+
+
+def test_poses_are_for_reading(box):
+    simulation = Simulation(box, [[5.0, 5.0, 0.0]])
+    with pytest.raises(ValueError, match="read-only"):
+        simulation.poses[0] = 1.0
+
+
+def test_one_robot_of_a_batch_is_a_batch_of_one(box):
+    observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0]]).observe()
+    assert len(observation[1]) == 1
+    assert observation[1].image.shape == (1, 16, 64, 3)
+
+
+# Somebody picks a robot up.
+
+
+def test_a_robot_is_put_down_elsewhere_at_rest(box):
+    starts = [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0], [2.0, 6.0, 0.0]]
+    simulation = drive(Simulation(box, starts), [0.6, 0.2], 20)
+    before = simulation.poses
+    there = np.array([[8.0, 8.0, 1.0], [5.0, 5.0, 4.0]])
+    simulation.place([2, 0], there)
+    assert np.allclose(simulation.poses[[2, 0]], [[8.0, 8.0, 1.0], [5.0, 5.0, 4.0 - 2 * np.pi]])
+    assert (simulation.poses[1] == before[1]).all()
+    seen = simulation.observe()
+    assert seen.speed[[2, 0]].tolist() == seen.steering[[2, 0]].tolist() == [0.0, 0.0]
+    assert seen.speed[1] > 0.5
+    image = Simulation(box, there).observe().image
+    assert (seen.image[[2, 0]] == image).all()
+    placed = simulation.poses
+    simulation.step(np.zeros((3, 2)))
+    assert np.allclose(simulation.poses[[2, 0]], placed[[2, 0]], atol=1e-9)
+    assert np.linalg.norm(simulation.poses[1, :2] - placed[1, :2]) > 0.02
+
+
+def test_no_odometer_notices_being_carried(box):
+    simulation = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.0], 20)
+    odometry = simulation.odometry.copy()
+    simulation.place([0], [8.0, 2.0, np.pi / 2])
+    assert (simulation.odometry == odometry).all()
+    drive(simulation, [0.5, 0.0], 20)
+    gone = np.linalg.norm(simulation.poses[0, :2] - [8.0, 2.0])
+    assert gone > 0.8
+    assert simulation.odometry[0, 0] - odometry[0, 0] == pytest.approx(gone)
+
+
+def test_who_is_carried_drives_on_as_if_it_had_started_there(box):
+    carried = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.3], 10)
+    carried.place([0], [6.0, 6.0, 2.0])
+    fresh = Simulation(box, [[6.0, 6.0, 2.0]])
+    for simulation in (carried, fresh):
+        drive(simulation, [0.4, -0.2], 30)
+    assert np.allclose(carried.poses, fresh.poses, atol=1e-9)
+    assert not carried.collided[0]
+
+
+def test_carried_off_a_wall_it_touches_nothing(box):
+    simulation = drive(Simulation(box, [[9.0, 5.0, 0.0]]), [0.8, 0.0], 20)
+    assert simulation.touching[0]
+    simulation.place([0], [5.0, 5.0, 0.0])
+    drive(simulation, [0.0, 0.0], 1)
+    assert not simulation.touching[0]
+    assert simulation.collided[0]  # it did, once
+    assert np.allclose(simulation.poses[0], [5.0, 5.0, 0.0], atol=2e-3)
+    drive(simulation, [0.8, 0.0], 80)
+    assert simulation.touching[0]
+
+
+@pytest.mark.parametrize(
+    ("robots", "poses", "words"),
+    [
+        ([0, 1], [[5.0, 5.0, 0.0], [9.95, 5.0, 0.0]], r"\(9.95, 5.00\).* inside a wall"),
+        ([0], [[np.nan, 5.0, 0.0]], "not finite"),
+        ([0], [[50.0, 5.0, 0.0]], "inside a wall"),
+        ([0], [[5.0, 5.0]], "rows x, y, heading"),
+        ([0, 1], [[5.0, 5.0, 0.0]], "robots .0 1., 1 poses"),
+        ([0, 0], [[5.0, 5.0, 0.0], [6.0, 5.0, 0.0]], "robots .0 0., 2 poses"),
+        ([2], [[5.0, 5.0, 0.0]], "there are 0 to 1"),
+        ([-1], [[5.0, 5.0, 0.0]], "there are 0 to 1"),
+        ([0.5], [[5.0, 5.0, 0.0]], "whole numbers"),
+        ([1], [[7.1, 7.0, 0.0]], "people: .* stands where"),
+    ],
+)
+def test_where_no_robot_can_stand_none_is_put(box, robots, poses, words):
+    starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    people = [Person([[7.0, 7.0]], owner=1), Person([[5.0, 2.0]])]
+    simulation = Simulation(box, starts, people=people)
+    with pytest.raises(InputError, match=words):
+        simulation.place(robots, poses)
+    assert (simulation.poses == starts).all()
+
+
+def test_one_robot_s_obstacle_is_not_in_another_s_way(box):
+    starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
+    simulation = Simulation(box, starts, people=[Person([[7.0, 7.0]], owner=1)])
+    simulation.place([0], [[7.0, 7.0, 0.0]])
+    assert simulation.poses[0, 0] == 7.0

@@ -1,0 +1,69 @@
+"""An agent that learns nothing and drives at random, until it sees the goal in front of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tutorial_lib.agents.agent import Experience, Robots
+from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Controller, Observation, WaypointPredictor
+from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.topology.planner import Goals
+
+
+@dataclass(frozen=True)
+class WanderingAgent:
+    """The random `Agent` that brackets the others.
+
+    Attributes:
+        predictor: C_WP, by which it knows the goal when it is there.
+        controller: C_RMP.
+        rng: draws waypoints.
+    """
+
+    predictor: WaypointPredictor
+    controller: Controller
+    rng: np.random.Generator
+
+    def learn(self, experiences: Sequence[Experience]) -> None:
+        """Nothing."""
+
+    def set_out(self, goals: Sequence[Goals]) -> WanderingJourney:
+        """Send robots off, each with its own goal in mind."""
+        return WanderingJourney(self, goals)
+
+
+class WanderingJourney:
+    """A `Journey` of robots that drive at random.
+
+    Attributes:
+        arrived: (N,) who sees one of its goal's pictures as from where it was taken.
+        given_up: (N,) nobody.
+    """
+
+    def __init__(self, agent: WanderingAgent, goals: Sequence[Goals]) -> None:
+        """See `WanderingAgent.set_out`."""
+        self._agent = agent
+        self._control = ComposedController(RandomWaypoints(agent.rng), agent.controller)
+        self._robot = np.repeat(np.arange(len(goals)), [len(goal) for goal in goals])
+        contexts = np.concatenate([goal.contexts for goal in goals])
+        self._targets = agent.predictor.prepare(contexts)
+        self._rules = FollowerSettings()
+        self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2); who is there stands still."""
+        goals = np.flatnonzero(np.isin(self._robot, robots))
+        rows = np.searchsorted(robots, self._robot[goals])
+        waypoints, overlaps = self._agent.predictor.predict(
+            observations[rows], self._targets[goals]
+        )
+        near = np.linalg.norm(waypoints, axis=1) < self._rules.at
+        there = near & (overlaps.mean(axis=1) > self._rules.visited)
+        self.arrived[self._robot[goals[there]]] = True
+        actions = self._control.act(observations, None)
+        return np.where(self.arrived[robots, None], 0.0, actions)

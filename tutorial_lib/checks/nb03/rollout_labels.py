@@ -1,0 +1,158 @@
+"""Checks of notebook 03."""
+
+from collections.abc import Callable
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.nb03.probabilities import (
+    check_fit_temperature,
+    check_reach_loss,
+    check_reliability_diagram,
+)
+from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
+from tutorial_lib.geometry import Array
+from tutorial_lib.viz.canvas import colours
+
+__all__ = [
+    "check_fit_temperature",
+    "check_reach_loss",
+    "check_reliability_diagram",
+    "check_rollout_labels",
+]
+
+Touches = NDArray[np.bool_]
+
+
+def rollout_labels(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> Array:
+    """1 for each drive (N,) that came within 0.30 m of its target in time, having touched nothing.
+
+    Args:
+        times: (T,) seconds since the start, rising.
+        gaps: (T, N) metres to the target.
+        touched: (T, N) whether something is touched at that moment.
+        geodesic: (N,) metres of the shortest way from start to target.
+    """
+    in_time = times[:, None] <= time_limit(geodesic)
+    so_far = np.logical_or.accumulate(touched, axis=0)
+    return ((gaps <= REACHED) & in_time & ~so_far).any(axis=0).astype(float)
+
+
+# Each drive: its story, metres to the target every 5 s, when it touches something (single moments
+# or from, to), its geodesic and its label.
+_STORIES: tuple[tuple[str, list[float], list[float | tuple[float, float]], float, float], ...] = (
+    ("arrives in time", [2.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0], [], 2.0, 1),
+    ("never comes near", [3.0, 2.5, 2.2, 2.0, 2.0, 2.0, 2.0], [], 3.0, 0),
+    ("scrapes past a post, then arrives", [2.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0], [3.0], 2.0, 0),
+    ("arrives, touches a wall later", [2.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0], [11.0], 2.0, 1),
+    ("arrives too late", [2.0, 1.5, 1.0, 0.8, 0.1, 0.1, 0.1], [], 2.0, 0),
+    ("needs some of the 5 s", [1.5, 0.6, 0.0, 0.0, 0.0, 0.0, 0.0], [], 1.5, 1),
+    ("passes the target, drives on", [1.6, 0.0, 1.6, 3.0, 4.0, 4.0, 4.0], [], 1.6, 1),
+    ("stops 0.4 m from the target", [2.0, 0.7, 0.4, 0.4, 0.4, 0.4, 0.4], [], 2.0, 0),
+    ("ends at a wall", [3.0, 1.5, 1.0, 1.0, 1.0, 1.0, 1.0], [(8.0, 30.0)], 3.0, 0),
+    ("has a long way", [5.5, 4.0, 2.5, 1.2, 0.1, 0.1, 0.1], [], 5.5, 1),
+    ("leans on a wall as it arrives", [2.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0], [(7.0, 30.0)], 2.0, 0),
+)
+_LABELS = np.array([float(story[-1]) for story in _STORIES])
+
+
+def _drives() -> tuple[Array, Array, Touches, Array]:
+    """The arguments that tell the stories."""
+    times = 0.1 * np.arange(301)
+    gaps = np.stack([np.interp(times, 5.0 * np.arange(7), s[1]) for s in _STORIES], axis=1)
+    touched = np.zeros(gaps.shape, dtype=bool)
+    for number, story in enumerate(_STORIES):
+        for moment in story[2]:
+            begin, end = moment if isinstance(moment, tuple) else (moment, moment)
+            touched[round(10 * begin) : round(10 * end) + 1, number] = True
+    return times, gaps, touched, np.array([story[3] for story in _STORIES])
+
+
+_EXAMPLE = (np.arange(300.0), np.ones((300, 400)), np.zeros((300, 400), bool), np.ones(400))
+
+
+@check(rollout_labels, _EXAMPLE)
+def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """Eleven drives: in time and too late, past the target, along a wall and into one."""
+    drives, what = _drives(), "rollout_labels"
+    got = call(student, *drives)
+    picture = _timelines(*drives, got)
+    clean = len(_LABELS) - drives[2].any(axis=0).sum()
+    if np.ndim(got) == 1 and clean <= len(got) < len(_LABELS):
+        words = f"{len(got)} labels for {len(_LABELS)} drives; one that touched something counts 0"
+        raise WrongAnswer(f"{what}: {words}, it is not left out", picture)
+    if np.shape(got) == drives[1].shape:
+        words = "one answer for each moment; a drive has one label, 1 if any moment is good"
+        raise WrongAnswer(f"{what}: {words}", picture)
+    try:
+        expect_close(what, got, _LABELS, 1e-6, _mislabelled(*drives), picture)
+    except WrongAnswer as wrong:
+        if not str(wrong).endswith("is right"):
+            raise
+        number = int(np.abs(np.asarray(got, float) - _LABELS).argmax())
+        words = f'the drive that "{_STORIES[number][0]}" has the label {_LABELS[number]:.0f}'
+        raise WrongAnswer(f"{what}: {words}", picture) from None
+    return picture
+
+
+def _mislabelled(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> dict[str, Array]:
+    """Known mistakes, and the labels they give."""
+    limit, robots = time_limit(geodesic), np.arange(len(geodesic))
+    near, so_far = gaps <= REACHED, np.logical_or.accumulate(touched, axis=0)
+    in_time, clean, ever = times[:, None] <= limit, near & ~so_far, touched.any(axis=0)
+    hurried, wrong_way = times[:, None] <= geodesic / SLOWEST, SLOWEST * geodesic + GRACE
+    last = np.minimum(np.searchsorted(times, limit, side="right"), len(times)) - 1
+    once = "who was at the target once has reached it: do not look only at"
+    return {
+        "a drive that touched something has failed, even if it arrives": (near & in_time).any(0),
+        "what a car touches after it has arrived does not count: look at what was touched up to "
+        "each moment": (near & in_time).any(0) & ~ever,
+        "who touched something has failed, even if it is free again when it arrives; see "
+        "np.logical_or.accumulate": (near & in_time & ~touched).any(0),
+        "a target that is reached after t_max does not count": clean.any(0),
+        "t_max has 5 s on top: geodesic / 0.3 + 5": (clean & hurried).any(0),
+        "0.3 m/s is a speed: divide the geodesic by it": (
+            clean & (times[:, None] <= wrong_way)
+        ).any(0),
+        f"{once} the last moment": near[-1] & ~ever,
+        f"{once} the moment t_max": near[last, robots] & ~so_far[last, robots],
+        "near means within 0.30 m": ((gaps <= 0.5) & in_time & ~so_far).any(0),
+        "a drive that touched something counts 0, not nan: it is a failure, not a gap in the "
+        "data": np.where(ever & (_LABELS == 0), np.nan, _LABELS),
+        "1 is for those that arrive, 0 for those that do not": 1 - _LABELS,
+    }
+
+
+def _timelines(
+    times: Array, gaps: Array, touched: Touches, geodesic: Array, got: object
+) -> NDArray[np.uint8]:
+    """A line for each drive: when it is near, when it touches, its time limit, both labels."""
+    picture = np.full((36 + 26 * len(_STORIES), 720, 3), 255, np.uint8)
+
+    def write(text: str, x: int, y: int, colour: tuple[int, int, int] = colours.INK) -> None:
+        cv2.putText(picture, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv2.LINE_AA)
+
+    def across(time: float) -> int:
+        return round(262 + 11 * time)
+
+    write("green: within 0.30 m    red: touches    bar: t_max", 4, 18, colours.SOLID)
+    write("target  yours", 606, 18, colours.SOLID)
+    own = np.asarray(got, dtype=float) if np.shape(got) == _LABELS.shape else None
+    for row, (story, limit) in enumerate(zip(_STORIES, time_limit(geodesic), strict=True)):
+        y = 44 + 26 * row
+        write(story[0], 4, y + 5)
+        for i, time in enumerate(times[:-1]):
+            colour = colours.GOAL if gaps[i, row] <= REACHED else (215, 218, 222)
+            cv2.rectangle(picture, (across(time), y - 2), (across(time + 0.1), y + 2), colour, -1)
+        for time in times[touched[:, row]]:
+            cv2.circle(picture, (across(time), y + 6), 2, colours.LASER, -1, cv2.LINE_AA)
+        x = across(min(limit, times[-1]))
+        cv2.line(picture, (x, y - 9), (x, y + 9), colours.INK, 2)
+        write(f"{_LABELS[row]:.0f}", 626, y + 5)
+        if own is not None:
+            right = abs(own[row] - _LABELS[row]) < 1e-6
+            write(f"{own[row]:.3g}", 676, y + 5, colours.GOAL if right else colours.LASER)
+    return picture

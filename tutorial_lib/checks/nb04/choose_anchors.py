@@ -1,0 +1,225 @@
+"""Checks of notebook 04."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.checks.framework.check import WrongAnswer, call, check
+from tutorial_lib.checks.framework.timeout import patiently
+from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
+from tutorial_lib.checks.nb04.memory import check_frames_to_keep, check_tracked_waypoint
+from tutorial_lib.checks.nb04.move_on import check_move_on
+from tutorial_lib.checks.nb04.transition import check_transition
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.sparsify import sparsify
+from tutorial_lib.viz.figures.follower_states import reach_table
+from tutorial_lib.viz.figures.panels import side_by_side
+
+__all__ = [
+    "BY_HAND",
+    "check_choose_anchors",
+    "check_frames_to_keep",
+    "check_move_on",
+    "check_tracked_waypoint",
+    "check_transition",
+    "choose_anchors",
+]
+
+BY_HAND = np.array(
+    [
+        [1.00, 0.99, 0.97, 0.95, 0.80, 0.93, 0.40, 0.10],
+        [0.97, 1.00, 0.99, 0.98, 0.90, 0.95, 0.50, 0.20],
+        [0.95, 0.98, 1.00, 0.99, 0.93, 0.97, 0.55, 0.25],
+        [0.88, 0.91, 0.96, 1.00, 0.98, 0.96, 0.62, 0.30],
+        [0.60, 0.72, 0.85, 0.97, 1.00, 0.97, 0.66, 0.81],
+        [0.55, 0.60, 0.71, 0.86, 0.95, 1.00, 0.70, 0.91],
+        [0.20, 0.25, 0.31, 0.33, 0.42, 0.93, 1.00, 0.97],
+        [0.10, 0.12, 0.15, 0.17, 0.22, 0.64, 0.95, 1.00],
+    ]
+)
+"""A small drive of eight frames: RE from each (row) to each (column)."""
+
+
+class _Table:
+    """A `Reachability` that looks its answer up; observations and targets are frame numbers."""
+
+    def __init__(self, reach: Array) -> None:
+        self.reach = reach
+
+    def prepare(self, targets: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Nothing is to be prepared."""
+        return targets
+
+    def probability(self, observations: NDArray[np.intp], prepared: NDArray[np.intp]) -> Array:
+        """(N,) from the table."""
+        return self.reach[observations, prepared]
+
+
+def choose_anchors(reach: Array, threshold: float) -> NDArray[np.intp]:
+    """The library's anchors for a table of reachabilities.
+
+    Args:
+        reach: (T, T), RE from each frame, a row, to each other one.
+        threshold: p_sparsify.
+    """
+    reach = np.asarray(reach)
+    numbers: Any = np.arange(len(reach))
+    return sparsify(_Table(reach), numbers, numbers, threshold)
+
+
+def _smooth(frames: int, seed: int) -> Array:
+    """A random drive (T, T): RE falls with distance, not evenly."""
+    rng = np.random.default_rng(seed)
+    gap = np.abs(np.subtract.outer(np.arange(frames), np.arange(frames)))
+    hard = rng.uniform(0.2, 1.0, frames)[:, None]
+    noise = rng.normal(0.0, 0.6, (frames, frames))
+    return np.round(1.0 / (1.0 + np.exp(-(5.5 - hard * gap + noise))), 3)
+
+
+_EVEN = np.array([[1, 0.9, 0.8], [0.9, 1, 0.9], [0.8, 0.9, 1]])
+_ANCHOR_CASES = (
+    ("the drive above", BY_HAND, 0.9),
+    ("every frame can be reached", np.full((6, 6), 0.98), 0.9),
+    ("no frame can be reached", np.full((5, 5), 0.3), 0.9),
+    ("RE equals the threshold", _EVEN, 0.8),
+    ("40 frames", _smooth(40, 1), 0.9),
+    ("40 frames, a low threshold", _smooth(40, 2), 0.6),
+    ("two frames", np.array([[1.0, 0.95], [0.95, 1.0]]), 0.9),
+)
+_ENDLESS = (
+    "choose_anchors: your function never ends. Where not even frame i + 1 can be reached so "
+    "surely, it is the next anchor all the same: one must get on"
+)
+
+
+@check(choose_anchors, (_smooth(200, 3), 0.9))
+def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """The drive done by hand, drives where all or nothing can be reached, and longer ones."""
+    answers = []
+    for name, reach, threshold in _ANCHOR_CASES:
+        got = patiently(call, student, reach, threshold, otherwise=_ENDLESS)
+        answers.append(frame_numbers(f"choose_anchors, {name}", got))
+    right = [choose_anchors(reach, threshold) for _, reach, threshold in _ANCHOR_CASES]
+    picture = _tables(right[0], answers[0])
+    for case, got, want in zip(_ANCHOR_CASES, answers, right, strict=True):
+        if np.array_equal(got, want):
+            continue
+        name, reach, threshold = case
+        for words, mistake in _MISTAKES.items():
+            wrong = [mistake(reach, p) for _, reach, p in _ANCHOR_CASES]
+            if all(np.array_equal(a, w) for a, w in zip(answers, wrong, strict=True)):
+                raise WrongAnswer(f"choose_anchors, {name}: {words}", picture)
+        raise WrongAnswer(f"choose_anchors, {name}: {_apart(reach, threshold, got, want)}", picture)
+    return picture
+
+
+def _greedy(
+    reach: Array,
+    threshold: float,
+    reached: Callable[[Array, int, int, float], bool],
+    gap: bool = False,
+) -> list[int]:
+    """Anchors by a rule of one's own; with `gap`, frames that fail may lie between."""
+    anchors = [0]
+    while anchors[-1] < len(reach) - 1:
+        i = anchors[-1]
+        ahead = range(i + 1, len(reach))
+        holds = [reached(reach, i, k, threshold) for k in ahead]
+        if gap:
+            last = max((k for k, h in zip(ahead, holds, strict=True) if h), default=i + 1)
+        else:
+            last = max(i + (holds.index(False) if False in holds else len(holds)), i + 1)
+        anchors.append(last)
+    return anchors
+
+
+def _holds(reach: Array, i: int, k: int, threshold: float) -> bool:
+    return bool(reach[i, k] > threshold)
+
+
+def _first_failing(reach: Array, threshold: float) -> list[int]:
+    """The first frame that cannot be reached in place of the last that can."""
+    anchors = [0]
+    while anchors[-1] < len(reach) - 1:
+        fails = np.flatnonzero(reach[anchors[-1], anchors[-1] + 1 :] <= threshold)
+        anchors.append(anchors[-1] + 1 + int(fails[0]) if len(fails) else len(reach) - 1)
+    return anchors
+
+
+def _skips_ahead(reach: Array, threshold: float) -> list[int]:
+    """Where the next frame fails, on to the next one that does not."""
+    anchors = [0]
+    while anchors[-1] < len(reach) - 1:
+        i = anchors[-1]
+        holds = reach[i, i + 1 :] > threshold
+        start = int(holds.argmax()) if holds.any() else 0
+        fails = np.flatnonzero(~holds[start:])
+        run = int(fails[0]) if len(fails) else len(holds) - start
+        anchors.append(i + max(start + run, 1))
+    return anchors
+
+
+def _gives_up(reach: Array, threshold: float) -> list[int]:
+    """Anchors up to the first frame from which the next one cannot be reached."""
+    anchors = choose_anchors(reach, threshold).tolist()
+    stuck = [i for i, j in pairwise(anchors) if not reach[i, j] > threshold]
+    return anchors[: anchors.index(stuck[0]) + 1] if stuck else anchors
+
+
+_MISTAKES: dict[str, Callable[[Array, float], ArrayLike]] = {
+    "every k in (i, j] must be above the threshold, not only the last one: stop at the first frame "
+    "that fails": lambda r, p: _greedy(r, p, _holds, gap=True),
+    "that is the first frame that can no longer be reached; the anchor is the one before it, the "
+    "last that can": _first_failing,
+    "not even frame i + 1 can be reached, and yours goes on to a later frame; then i + 1 is the "
+    "next anchor": _skips_ahead,
+    "yours stops where frame i + 1 cannot be reached; keep that frame, and go on from it": (
+        _gives_up
+    ),
+    "the last frame is always an anchor, since the drive must end where it ended": lambda r, p: (
+        choose_anchors(r, p)[:-1]
+    ),
+    "the first frame is an anchor, too": lambda r, p: choose_anchors(r, p)[1:],
+    "greater than the threshold, not equal to it": lambda r, p: _greedy(
+        r, p, lambda r, i, k, p: bool(r[i, k] >= p)
+    ),
+    "ask from the anchor i each time, reach[i, k], not from one frame to the next": lambda r, p: (
+        _greedy(r, p, lambda r, i, k, p: bool(r[k - 1, k] > p))
+    ),
+    "row and column are exchanged: reach[i, k] leads from frame i ahead to frame k": lambda r, p: (
+        _greedy(r, p, lambda r, i, k, p: bool(r[k, i] > p))
+    ),
+    "each RE is compared for itself; do not multiply them": lambda r, p: _greedy(
+        r, p, lambda r, i, k, p: bool(np.prod(r[i, i + 1 : k + 1]) > p)
+    ),
+    "each RE is compared for itself; do not average them": lambda r, p: _greedy(
+        r, p, lambda r, i, k, p: bool(np.mean(r[i, i + 1 : k + 1]) > p)
+    ),
+}
+
+
+def _apart(reach: Array, threshold: float, got: NDArray[np.intp], want: NDArray[np.intp]) -> str:
+    """Where an answer first goes another way."""
+    same = 0
+    while same < min(len(got), len(want)) and got[same] == want[same]:
+        same += 1
+    if same == 0:
+        return f"the first frame is an anchor, number 0; yours begins with {got[0]}"
+    after = f"after anchor {want[same - 1]}"
+    if same == len(want):
+        return f"{after}, the last frame, comes no other; yours goes on to {got[same]}"
+    if same == len(got):
+        return f"{after} comes {want[same]}; yours ends there, before the last frame"
+    i, j = int(want[same - 1]), int(want[same])
+    reached = f"RE({i}, {j}) is {reach[i, j]:.3g} and the threshold {threshold:g}"
+    return f"{after} comes {j}, not {got[same]}: {reached}"
+
+
+def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
+    tables = [reach_table(BY_HAND, 0.9, chosen.tolist()) for chosen in (want, got)]
+    return side_by_side(tables, ["target", "yours"], gap=30)

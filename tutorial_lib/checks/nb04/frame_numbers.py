@@ -1,0 +1,24 @@
+"""Frame numbers that students give."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.check import WrongAnswer
+
+
+def frame_numbers(what: str, got: object) -> NDArray[np.intp]:
+    """The frame numbers (A,) that a student gave."""
+    if got is None:
+        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
+    try:
+        numbers = np.asarray(got if isinstance(got, np.ndarray) else list(got), dtype=float)
+    except (TypeError, ValueError):
+        kind = type(got).__name__
+        raise WrongAnswer(f"{what}: this came back: {kind}; return the frames' numbers") from None
+    if numbers.ndim != 1:
+        raise WrongAnswer(f"{what}: shape {numbers.shape}, but a flat list of frames is needed")
+    if not len(numbers) or (numbers != np.round(numbers)).any():
+        raise WrongAnswer(f"{what}: return whole numbers of frames, one at least")
+    return numbers.astype(np.intp)

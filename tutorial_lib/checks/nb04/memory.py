@@ -1,0 +1,174 @@
+"""Checks of what is remembered in notebook 04: frames with their context, and a waypoint."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
+from tutorial_lib.driving.data.recorded_world import frames_around
+from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.figures.follower_states import frames_kept
+from tutorial_lib.viz.figures.panels import label, side_by_side, stacked
+
+
+def frames_to_keep(anchors: ArrayLike, total: int, k: int) -> NDArray[np.intp]:
+    """The frames of a drive of `total` frames that its anchors (A,) with their contexts need."""
+    return np.unique(frames_around(np.asarray(anchors), k, 0, total - 1))
+
+
+_KEPT_CASES = (
+    ("k = 2", [0, 18, 39], 40, 2),
+    ("anchors close together, k = 2", [0, 6, 9, 20, 39], 40, 2),
+    ("k = 0", [0, 5, 21, 29], 30, 0),
+    ("anchors near the ends, k = 5", [0, 4, 30, 57, 59], 60, 5),
+)
+
+
+@check(frames_to_keep, (np.arange(0, 400, 13), 400, 5))
+def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
+    """Contexts that lie apart, that share frames, and that reach beyond the drive's ends."""
+    picture = None
+    for name, anchors, total, k in _KEPT_CASES:
+        got, what = call(student, np.array(anchors), total, k), f"frames_to_keep, {name}"
+        if isinstance(got, int | np.integer):
+            raise WrongAnswer(f"{what}: return the frames' numbers, not how many they are")
+        got, want = np.sort(frame_numbers(what, got)), frames_to_keep(anchors, total, k)
+        picture = _rows(total, anchors, want, got) if picture is None else picture
+        if np.array_equal(got, want):
+            continue
+        for words, wrong in _mistaken(np.array(anchors), total, k).items():
+            if np.array_equal(got, np.sort(wrong)):
+                raise WrongAnswer(f"{what}: {words}", picture)
+        missing, extra = np.setdiff1d(want, got).tolist(), np.setdiff1d(got, want).tolist()
+        raise WrongAnswer(f"{what}: frames {missing} are missing, {extra} are too many", picture)
+    return picture
+
+
+def _rows(
+    total: int, anchors: Sequence[int], want: NDArray[np.intp], got: NDArray[np.intp]
+) -> NDArray[np.uint8]:
+    rows = [frames_kept(total, frames.tolist(), anchors) for frames in (want, got)]
+    return stacked(rows, ["target", "yours"], gap=4)
+
+
+def _mistaken(anchors: NDArray[np.intp], total: int, k: int) -> dict[str, NDArray[np.intp]]:
+    """Known mistakes, and the frames they give."""
+
+    def around(offsets: Iterable[int]) -> NDArray[np.intp]:
+        return (anchors[:, None] + np.array(list(offsets), dtype=int)).ravel()
+
+    def kept(offsets: Iterable[int]) -> NDArray[np.intp]:
+        return np.unique(np.clip(around(offsets), 0, total - 1))
+
+    steps = range(-3 * k, 3 * k + 1, 3)
+    return {
+        "a frame that two contexts share is kept once: np.unique": np.clip(
+            around(steps), 0, total - 1
+        ),
+        "there are no frames before 0 or after the last; there the context repeats the first or "
+        "last frame": np.unique(around(steps)),
+        "a frame before 0 is no frame from the end; np.clip keeps it within the drive": np.unique(
+            around(steps) % total
+        ),
+        "the frames of a context are 3 frames apart": kept(range(-k, k + 1)),
+        "only every third frame of a context is needed": kept(range(-3 * k, 3 * k + 1)),
+        "the context lies on both sides; the frames after the anchor are missing": kept(
+            range(-3 * k, 1, 3)
+        ),
+        "the context lies on both sides; the frames before the anchor are missing": kept(
+            range(0, 3 * k + 1, 3)
+        ),
+        "k frames on either side; one is missing at the end of each context": kept(
+            range(-3 * k, 3 * k, 3)
+        ),
+        "that is the anchors alone; each needs its context, too": anchors,
+        "the anchors themselves are missing": kept(s for s in steps if s),
+    }
+
+
+def tracked_waypoint(then: ArrayLike, waypoint: ArrayLike, now: ArrayLike) -> Array:
+    """Waypoints (..., 2) told at odometry poses `then` (..., 3), as they are seen from `now`."""
+    return to_local(now, to_world(then, waypoint))
+
+
+_THEN = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 0.7], [-2.0, 0.5, 2.6]])
+_TOLD = np.array([[1.5, 0.0], [1.2, -0.4], [1.0, 0.5], [0.8, -0.9]])
+_NOW = np.array([[0.6, 0.1, 0.4], [1.7, 1.9, -0.5], [1.4, 2.5, 1.4], [-2.3, 0.9, -2.9]])
+_TRACKED = (
+    ("nothing has moved", _THEN, _THEN),
+    ("shifted and turned", _THEN, _NOW),
+    ("shifted, but not turned", _THEN, np.column_stack([_NOW[:, :2], _THEN[:, 2]])),
+    ("turned on the spot", _THEN, np.column_stack([_THEN[:, :2], _NOW[:, 2]])),
+)
+
+
+@check(tracked_waypoint, (np.tile(_THEN, (25, 1)), np.tile(_TOLD, (25, 1)), np.tile(_NOW, (25, 1))))
+def check_tracked_waypoint(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """A waypoint as it was told, after a shift, after a turn, and after both; one and many."""
+    one = student(_THEN[2], _TOLD[2], _NOW[2])
+    want = tracked_waypoint(_THEN[2], _TOLD[2], _NOW[2])
+    picture = side_by_side([_seen_from_above(want), _seen_from_above(one)], ["target", "yours"])
+    cases = [(f"four cars, {name}", then, _TOLD, now) for name, then, now in _TRACKED]
+    for name, then, told, now in [*cases, ("one car", _THEN[2], _TOLD[2], _NOW[2])]:
+        got, want = call(student, then, told, now), tracked_waypoint(then, told, now)
+        what = f"tracked_waypoint, {name}"
+        expect_close(what, got, want, 1e-6, _mistracked(then, told, now), picture)
+    return picture
+
+
+def _mistracked(then: Array, told: Array, now: Array) -> dict[str, Array]:
+    """Known mistakes, and the waypoints they give."""
+    place, shift = to_world(then, told), now[..., :2] - then[..., :2]
+    turned = to_world(np.concatenate([0 * shift, then[..., 2:]], axis=-1), told)
+    return {
+        "that is the waypoint as it was told; the car has moved on since": told,
+        "that is the place in the odometer's frame; give it as seen from now: to_local": place,
+        "the waypoint was told in the frame of then: to_world(then, waypoint) first": to_local(
+            now, told
+        ),
+        "then and now are exchanged": to_local(then, to_world(now, told)),
+        "the car has turned as well; a shift is not enough": told - shift,
+        "the shift is measured along the odometer's axes, and the waypoint along the car's": (
+            to_local(
+                np.concatenate([0 * shift, now[..., 2:] - then[..., 2:]], axis=-1), told - shift
+            )
+        ),
+        "shifted, but not turned by the heading of now: to_local": turned - shift,
+    }
+
+
+def _seen_from_above(waypoint: object) -> NDArray[np.uint8]:
+    """The car then and now, the waypoint as it was told, and where one has it from now on."""
+    picture = np.full((300, 330, 3), 255, np.uint8)
+
+    def at(point: Array) -> tuple[int, int]:
+        return round(150 * (point[0] - 0.4)), round(290 - 150 * (point[1] - 1.8))
+
+    for name, pose, colour in (
+        ("then", _THEN[2], colours.FAINT),
+        ("now", _NOW[2], colours.ROBOT),
+    ):
+        ahead, (column, row) = to_world(pose, [0.3, 0.0]), at(pose)
+        cv2.circle(picture, (column, row), 9, colour, cv2.FILLED, cv2.LINE_AA)
+        cv2.line(picture, at(pose), at(ahead), colour, 4, cv2.LINE_AA)
+        label(picture, name, column + 16, row + 12, 0.5, colour)
+    told = to_world(_THEN[2], _TOLD[2])
+    cv2.line(picture, at(_THEN[2]), at(told), colours.FAINT, 1, cv2.LINE_AA)
+    cv2.circle(picture, at(told), 8, colours.FAINT, 2, cv2.LINE_AA)
+    label(picture, "the place that was meant", at(told)[0] - 100, at(told)[1] - 18, 0.5)
+    try:
+        point = np.asarray(waypoint, dtype=float)
+    except (TypeError, ValueError):
+        return picture
+    if point.shape == (2,) and np.isfinite(point).all() and np.abs(point).max() < 5:
+        place = to_world(_NOW[2], point)
+        cv2.line(picture, at(_NOW[2]), at(place), colours.GOAL, 2, cv2.LINE_AA)
+        cv2.circle(picture, at(place), 5, colours.GOAL, cv2.FILLED, cv2.LINE_AA)
+    return picture

@@ -1,0 +1,163 @@
+"""The check of the follower's state machine, in notebook 04."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.nb04.move_on import LOOKS, OTHER_RULES, RULES, Case, compare, look, move_on
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+
+
+def transition(
+    state: State,
+    active: int,
+    visited: int,
+    reach: Array,
+    overlap: Array,
+    at: bool,
+    waited: float,
+    rules: FollowerSettings,
+) -> tuple[State, int, int]:
+    """State, active and last visited anchor of a follower after one look.
+
+    Args:
+        state: until now: SEARCH, FOLLOW or DEAD_RECKONING.
+        active: see `move_on`.
+        visited: see `move_on`.
+        reach: see `move_on`; while searching all are known.
+        overlap: see `move_on`.
+        at: see `move_on`.
+        waited: seconds in dead reckoning.
+        rules: what is enough.
+    """
+    return _changed(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def _changed(
+    state: State,
+    active: int,
+    visited: int,
+    reach: Array,
+    overlap: Array,
+    at: bool,
+    waited: float,
+    rules: FollowerSettings,
+    fault: str = "",
+) -> tuple[State, int, int]:
+    """The state machine, with a `fault` if one is named."""
+    search = rules.p_follow if fault == "follow's threshold" else rules.p_search
+    follow = rules.p_lose if fault == "soon back" else rules.p_follow
+    lose = rules.p_follow if fault == "soon lost" else rules.p_lose
+    if state == State.SEARCH:
+        best = int(np.argmax(reach > search) if fault == "first" else np.argmax(reach))
+        if reach[best] > search:
+            return State.FOLLOW, best, best if fault == "been there" else best - 1
+        stays = {"searches on": State.SEARCH, "searches blindly": State.DEAD_RECKONING}
+        return stays.get(fault, State.LOST), active, visited
+    if state == State.DEAD_RECKONING:
+        if fault == "moves on blindly":
+            active, visited = move_on(active, visited, reach, overlap, at, rules)
+        late = waited > rules.patience and fault != "never lost"
+        late |= waited == rules.patience and fault == "impatient"
+        back = reach[active] > follow and not (late and fault == "lost first")
+        here = State.LOST if late else State.DEAD_RECKONING
+        return State.FOLLOW if back else here, active, visited
+    last = active == len(reach) - 1
+    if {"any anchor": at, "last is enough": last, "never done": False}.get(fault, at and last):
+        return State.DONE, active, visited
+    ahead, seen = move_on(active, visited, reach, overlap, at, rules)
+    if fault == "done after" and at and ahead == len(reach) - 1:
+        return State.DONE, ahead, seen
+    if fault == "stands":
+        ahead, seen = active, visited
+    trusted = reach[active if fault == "old reach" else ahead] > lose
+    if fault == "moved":
+        trusted |= ahead > active
+    if fault == "forgets" and not trusted:
+        ahead, seen = active, visited
+    here = State.FOLLOW if trusted or fault == "trusts" else State.DEAD_RECKONING
+    return here, ahead, seen
+
+
+_UNCHANGED = {
+    "Search takes the anchor with the highest RE, not the first above the threshold": "first",
+    "the anchor that was found is still ahead; visited is the one before it": "been there",
+    "who finds no anchor gives up: LOST": "searches on",
+    "who finds no anchor has no waypoint to drive on to: LOST": "searches blindly",
+    "Search has a threshold of its own, rules.p_search": "follow's threshold",
+    "Follow is left below rules.p_lose, not below rules.p_follow": "soon lost",
+    "dead reckoning is left above rules.p_follow, not above rules.p_lose": "soon back",
+    "in dead reckoning the active anchor stays; do not call move_on": "moves on blindly",
+    "after more than rules.patience seconds of dead reckoning the robot is LOST": "never lost",
+    "after exactly rules.patience seconds the robot is not lost yet; it takes more": "impatient",
+    "who can reach the active anchor again is not lost, however long it took": "lost first",
+    "at an anchor that is not the last one the robot is not done": "any anchor",
+    "ask for DONE before move_on; at belongs to the anchor that was active before it, and yours "
+    "stops one anchor early": "done after",
+    "driving to the last anchor is not being there: at": "last is enough",
+    "at the last anchor the robot is DONE": "never done",
+    "in Follow the active anchor must move on: move_on": "stands",
+    "ask for the RE of the anchor that is active after move_on": "old reach",
+    "who has moved on needs to see the new anchor, too: its RE decides": "moved",
+    "keep what move_on found, in dead reckoning too": "forgets",
+    "Follow must notice when the active anchor cannot be reached: DEAD_RECKONING": "trusts",
+}
+
+
+def _step(why: str, state: State, seen: Case, waited: float = 0.0, at: bool | None = None) -> Case:
+    active, visited, reach, overlap, here, rules = seen[1]
+    here = here if at is None else at
+    return why, (state, active, visited, reach, overlap, here, waited, rules)
+
+
+def _sought(reach: Sequence[float], rules: FollowerSettings = RULES) -> Case:
+    return look("", -1, -1, reach, [0.3] * len(reach), False, rules)
+
+
+_LOW, _HALF, _HIGH = (0.3, 0.35, 0.97, 0.4), (0.3, 0.7, 0.5, 0.2), (0.3, 0.96, 0.5, 0.2)
+_BESIDE, _CLOSE = (0.3, 0.7, 0.65, 0.1), (0.3, 0.85, 0.65, 0.1)
+_SURE, _ARRIVED = (0.3, 0.9, 0.99, 0.95), (0.1, 0.4, 0.85, 0.65)
+_S, _F, _D = State.SEARCH, State.FOLLOW, State.DEAD_RECKONING
+_STEPS = [
+    _step("Search, two anchors reachable", _S, _sought((0.6, 0.93, 0.97, 0.4))),
+    _step("Search, none reachable", _S, _sought((0.6, 0.9, 0.5, 0.4))),
+    _step("Search, other rules", _S, _sought((0.1, 0.75, 0.5), OTHER_RULES)),
+    _step("Follow, under way", _F, LOOKS["way"]),
+    _step("Follow, the next anchor reachable and near", _F, LOOKS["next"]),
+    _step("Follow, at an anchor", _F, LOOKS["at"]),
+    _step("Follow, at the last anchor but one", _F, look("", 2, 1, _SURE, _ARRIVED, True)),
+    _step("Follow, only the next one high", _F, look("", 1, 0, (0.9, 0.3, 0.97), (0.4, 0.5, 0.7))),
+    _step("Follow, RE(active) middling", _F, look("", 1, 0, _HALF, _BESIDE)),
+    _step("Follow, RE(active) low", _F, look("", 1, 0, (0.3, 0.35, 0.5, 0.4), _BESIDE)),
+    _step("Follow, the next one low", _F, look("", 1, 0, (0.9, 0.99, 0.2, 0.1), _CLOSE)),
+    _step(
+        "Follow, other rules", _F, look("", 1, 0, _LOW, (0.3, 0.45, 0.3, 0.1), rules=OTHER_RULES)
+    ),
+    _step("Follow, the last anchor, not there yet", _F, LOOKS["end"], at=False),
+    _step("Follow, at the last anchor", _F, LOOKS["end"]),
+    _step("Dead reckoning, RE(active) low", _D, look("", 1, 0, _LOW, _BESIDE), 1.0),
+    _step("Dead reckoning, RE(active) middling", _D, look("", 1, 0, _HALF, _BESIDE), 1.0),
+    _step("Dead reckoning, RE(active) high", _D, look("", 1, 0, _HIGH, _BESIDE), 1.0),
+    _step("Dead reckoning for exactly the patience", _D, look("", 1, 0, _LOW, _BESIDE), 4.0),
+    _step("Dead reckoning for long, RE(active) low", _D, look("", 1, 0, _LOW, _BESIDE), 4.1),
+    _step("Dead reckoning for long, RE(active) high", _D, look("", 1, 0, _HIGH, _BESIDE), 4.1),
+    _step(
+        "Dead reckoning for long, other rules",
+        _D,
+        look("", 1, 0, _LOW, _BESIDE, rules=OTHER_RULES),
+        2.1,
+    ),
+]
+
+
+@check(transition, _STEPS[4][1])
+def check_transition(student: Callable[..., Any]) -> None:
+    """Twenty-one steps: searching, following, dead reckoning, and their ends."""
+    faults = {words: partial(_changed, fault=fault) for words, fault in _UNCHANGED.items()}
+    compare("transition", student, _STEPS, transition, faults)

@@ -1,0 +1,120 @@
+"""The check of the search along trajectories, in notebook 05."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import called, explained, mask
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.nb05.weakest_aligned import MIXED, TWO, random_reach, stepped
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.viz.figures.edge_tables import table
+from tutorial_lib.viz.figures.panels import side_by_side
+
+_BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
+
+
+def ask_next(told: Array, before: Numbers, after: Numbers, p_edge: float) -> NDArray[np.bool_]:
+    """(A, V) pairs that nobody asked about, beside one along their trajectories that is sure.
+
+    Args:
+        told: (A, V) RE, not a number where nobody asked.
+        before: (V,) the vertex before each on its trajectory, -1 for none.
+        after: (V,) the vertex after each.
+        p_edge: RE from which on a pair is sure.
+    """
+    return _asked(told, before, after, p_edge)
+
+
+def _asked(
+    told: Array, before: Numbers, after: Numbers, p_edge: float, fault: str = ""
+) -> NDArray[np.bool_]:
+    """The rule with a `fault`, if one is named."""
+    found = np.zeros(told.shape, dtype=bool)
+    sure = {"equal": told >= p_edge, "all": ~np.isnan(told), "unsure": told <= p_edge}.get(
+        fault, told > p_edge
+    )
+    pairs = {"diagonal": _BESIDE[:2], "across": _BESIDE[2:], "one way": _BESIDE[::2]}
+    steps = pairs.get(fault, _BESIDE)
+    if fault == "rows":
+        steps = (*_BESIDE, (1, 0), (-1, 0))
+    if fault == "crossed":
+        steps = ((1, -1), (-1, 1), *_BESIDE[2:])
+    rows, columns = np.nonzero(sure)
+    for along, across in steps:
+        beside = stepped(columns, across, before, after)
+        if fault == "by number":
+            beside = columns + across
+        ahead = rows + along
+        exist = (ahead >= 0) & (ahead < len(told)) & (beside < told.shape[1])
+        if fault == "wraps":
+            exist = ahead < len(told)
+        elif fault == "row wraps":
+            exist = (ahead < len(told)) & (beside >= 0)
+        elif fault != "column wraps":
+            exist &= beside >= 0
+        found[ahead[exist], beside[exist]] = True
+    return found if fault == "again" else found & np.isnan(told)
+
+
+def _holes(reach: Array, share: float, seed: int) -> Array:
+    """RE of which a share was never asked about."""
+    rng = np.random.default_rng(seed)
+    return np.where(rng.random(reach.shape) < share, np.nan, reach)
+
+
+_FEW = np.full((5, 6), np.nan)
+_FEW[2, 1], _FEW[0, 4], _FEW[4, 5] = 0.95, 0.4, 0.9
+_SEARCHES = {
+    "three pairs known": (_FEW, *TWO, 0.8),
+    "nothing known": (np.full((3, 6), np.nan), *TWO, 0.8),
+    "everything known": (random_reach(4, 6, 8), *TWO, 0.5),
+    "RE equals p_edge": (np.where(_FEW == 0.95, 0.8, _FEW), *TWO, 0.8),
+    "vertices numbered in no order": (_holes(random_reach(6, 7, 9), 0.7, 10), *MIXED, 0.6),
+    "a larger one": (_holes(random_reach(9, 7, 11), 0.8, 12), *MIXED, 0.5),
+}
+_MISSED = {
+    "ask about no pair twice: only where told is not a number": "again",
+    "only neighbours of pairs that are sure are worth it: told > p_edge": "all",
+    "the neighbours of pairs that are sure are worth it, not of the others": "unsure",
+    "greater than p_edge, not equal to it": "equal",
+    "the vertices before and after the same vertex, for the same anchor, are worth it, too": (
+        "diagonal"
+    ),
+    "when both move on by one they look alike again: ask about anchor +- 1 and the vertex after "
+    "or before": "across",
+    "look in both directions along the trajectories": "one way",
+    "the same vertex for the next anchor is none of the four neighbours": "rows",
+    "both move the same way: the next anchor and the vertex after": "crossed",
+    "the next vertex along a trajectory is after[v], not v + 1": "by number",
+    "-1 is no vertex: where after or before is -1 there is nothing to ask": "column wraps",
+    "-1 is no anchor: before the first one there is nothing to ask": "row wraps",
+    "-1 is no vertex, and no anchor; beyond an end there is nothing to ask": "wraps",
+}
+
+
+@check(ask_next, (_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6))
+def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
+    """Six tables: little known, nothing, everything, numbers in no order."""
+    answers = []
+    for name, case in _SEARCHES.items():
+        what = f"ask_next, {name}"
+        try:
+            got = called(student, *case)
+        except IndexError as error:
+            words = f"IndexError, {error}; beyond an end of a trajectory there is nothing to ask"
+            raise WrongAnswer(f"{what}: {words}") from None
+        answers.append(mask(what, got, case[0].shape))
+    right = [ask_next(*case) for case in _SEARCHES.values()]
+    titles = ("target", "yours")
+    both = [table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (right[0], answers[0])]
+    picture = side_by_side(both, titles, gap=30)
+    faults = {words: partial(_asked, fault=fault) for words, fault in _MISSED.items()}
+    explained("ask_next", _SEARCHES, answers, ask_next, faults, picture)
+    return picture

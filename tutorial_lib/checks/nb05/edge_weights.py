@@ -1,0 +1,148 @@
+"""Checks of notebook 05: the edges of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.checks.framework.check import call, check, expect_close
+from tutorial_lib.checks.nb05.ask_next import check_ask_next
+from tutorial_lib.checks.nb05.map_reuse import check_ahead_of, check_reusable
+from tutorial_lib.checks.nb05.weakest_aligned import check_weakest_aligned
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping import edge_rules
+from tutorial_lib.viz.figures.edge_tables import table
+from tutorial_lib.viz.figures.panels import side_by_side
+
+__all__ = [
+    "BY_HAND",
+    "DRIVEN",
+    "check_ahead_of",
+    "check_ask_next",
+    "check_edge_weights",
+    "check_reusable",
+    "check_weakest_aligned",
+    "edge_weights",
+]
+
+BY_HAND = np.array(
+    [
+        [1.00, 0.97, 0.72, 0.10, 0.95, 0.20],
+        [0.30, 1.00, 0.98, 0.05, 0.96, 0.93],
+        [0.02, 0.25, 1.00, 0.01, 0.15, 0.90],
+        [0.08, 0.91, 0.35, 1.00, 0.62, 0.40],
+        [0.12, 0.94, 0.92, 0.20, 1.00, 0.99],
+        [0.03, 0.10, 0.55, 0.02, 0.28, 1.00],
+    ]
+)
+"""RE from each vertex (row) to each (column) of two drives, 0 to 1 to 2 and 3 to 4 to 5."""
+DRIVEN = np.zeros((6, 6), dtype=bool)
+"""Where those two drives went."""
+DRIVEN[[0, 1, 3, 4], [1, 2, 4, 5]] = True
+
+
+def edge_weights(reach: ArrayLike, driven: ArrayLike, p_edge: float) -> Array:
+    """Weights (V, V) of a map's edges, inf where there is none (Meng 2020, III-E).
+
+    Args:
+        reach: (V, V) RE from each vertex, a row, to each other one.
+        driven: (V, V) where a trajectory went from vertex to vertex.
+        p_edge: RE from which on two are joined.
+    """
+    reach = np.asarray(reach, dtype=float)
+    kept = (reach > p_edge) | np.asarray(driven, dtype=bool)
+    np.fill_diagonal(kept, False)
+    return np.where(kept, edge_rules.weight(reach), np.inf)
+
+
+def _random_map(vertices: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
+    """RE and driven edges of one long drive."""
+    reach = np.random.default_rng(seed).uniform(0.0, 1.0, (vertices, vertices)).round(2)
+    np.fill_diagonal(reach, 1.0)
+    return reach, np.eye(vertices, k=1, dtype=bool)
+
+
+_NEVER = BY_HAND.copy()
+_NEVER[[3, 4], [4, 5]] = 0.0, 0.5
+_FAINT = BY_HAND.copy()
+_FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
+_MAPS = (
+    ("the map above", BY_HAND, DRIVEN, 0.9),
+    ("RE = 0 where a drive went", _NEVER, DRIVEN, 0.9),
+    ("RE = 1e-15 where a drive went", _FAINT, DRIVEN, 0.9),
+    ("p_edge = 1", BY_HAND, DRIVEN, 1.0),
+    ("12 vertices", *_random_map(12, 1), 0.5),
+)
+
+
+@check(edge_weights, (*_random_map(120, 2), 0.9))
+def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """The map done by hand, two where RE is hardly anything, one of no sure edge, a larger one."""
+    answers = [call(student, *case[1:]) for case in _MAPS]
+    picture = _weights_picture(answers[0])
+    for (name, *case), got in zip(_MAPS, answers, strict=True):
+        what, want = f"edge_weights, {name}", edge_weights(*case)
+        expect_close(what, got, want, 1e-9, _misweighted(*case), picture)
+    return picture
+
+
+def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[str, ArrayLike]:
+    """Known mistakes, and the weights they give."""
+    right, own = edge_weights(reach, driven, p_edge), np.eye(len(reach), dtype=bool)
+    there, both = np.isfinite(right), np.maximum(reach, reach.T)
+    with np.errstate(divide="ignore"):
+        infinite, tenths = -np.log(reach), -np.log10(np.maximum(reach, 1e-12))
+        only_0 = -np.log(np.where(reach == 0, 1e-12, reach))
+
+    def only(kept: ArrayLike, weights: ArrayLike) -> Array:
+        return np.where(kept, weights, np.inf)
+
+    return {
+        "a weight is never negative: -log RE, with a minus": only(there, -right),
+        "the natural logarithm is meant: np.log": only(there, tenths),
+        "greater than p_edge, not equal to it": only(
+            ((reach >= p_edge) | driven) & ~own, edge_rules.weight(reach)
+        ),
+        "edges that were driven stay, whatever RE says of them": only(reach > p_edge, right),
+        "a driven edge has a weight like any other one, -log RE, not 0": only(
+            there, np.where(driven, 0.0, right)
+        ),
+        "1e-12 stands for every RE that is smaller, not for 0 alone": only(there, only_0),
+        "a driven edge stays where RE is 0, too; take 1e-12 for it": only(there, infinite),
+        "take the greater one of RE and 1e-12; nothing is added": only(
+            there, -np.log(reach + 1e-12)
+        ),
+        "no vertex is joined to itself; the diagonal is inf": only(
+            there | own, edge_rules.weight(reach)
+        ),
+        "only what is driven is an edge in yours; who can be reached is joined, too": only(
+            driven, right
+        ),
+        "row and column are exchanged: reach[i, j] leads from i to j": right.T,
+        "that is RE itself; the weight is -log RE": only(there, reach),
+        "that is 1 - RE; the weight is -log RE, whose sums are the logarithms of products": only(
+            there, 1 - reach
+        ),
+        "all pairs are joined in yours; prune those that are not above p_edge": only(
+            ~own, edge_rules.weight(reach)
+        ),
+        "where there is no edge the weight is inf, not 0: 0 is the best of all edges": np.where(
+            there, right, 0.0
+        ),
+        "not a number stands where there is no edge; put np.inf": np.where(there, right, np.nan),
+        "the map is directed: whether j can be reached from i says nothing of the way back": (
+            edge_weights(both, driven | driven.T, p_edge)
+        ),
+    }
+
+
+def _weights_picture(got: object) -> NDArray[np.uint8]:
+    """Target and yours, if it can be drawn."""
+    pictures = []
+    for weights in (edge_weights(BY_HAND, DRIVEN, 0.9), got):
+        if isinstance(weights, np.ndarray) and weights.shape == BY_HAND.shape:
+            pictures.append(table(weights, np.isfinite(weights), DRIVEN, blank=True))
+    return side_by_side(pictures, ["target", "yours"][: len(pictures)], gap=30)

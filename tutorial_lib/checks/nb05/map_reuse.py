@@ -1,0 +1,173 @@
+"""Checks of notebook 05: which vertices take the place of an anchor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import called, explained, mask
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping import edge_rules
+
+_REUSE = {
+    name: (np.array(into), np.array(onward), np.array(allowed, dtype=bool), p_reuse)
+    for name, into, onward, allowed, p_reuse in (
+        ("two fit", [0.5, 0.99, 0.98, 0.2], [1.0, 0.98, 0.995, 0.99], [1, 1, 1, 1], 0.97),
+        ("none fits", [0.99, 0.4, 0.9], [0.5, 0.99, 0.9], [1, 1, 1], 0.97),
+        ("one way in, none out", [0.999, 0.3], [0.2, 0.4], [1, 1], 0.9),
+        ("one way out, none in", [0.3, 0.2], [0.4, 0.999], [1, 1], 0.9),
+        ("a sure way in, a doubtful way out", [1.0, 0.975], [0.965, 0.975], [1, 1], 0.97),
+        ("the best is not allowed", [0.999, 0.98, 0.99], [0.999, 0.98, 0.98], [0, 1, 1], 0.95),
+        ("RE equals the threshold", [0.97, 0.97], [0.99, 0.99], [1, 1], 0.97),
+        ("uneven ones", [0.9, 0.95, 0.86], [1.0, 0.949, 0.86], [1, 1, 1], 0.85),
+        ("even and uneven", [0.999, 0.985], [0.972, 0.985], [1, 1], 0.95),
+        ("each is enough, their product is less", [0.98, 0.5], [0.98, 0.9], [1, 1], 0.97),
+        ("never reuse", [1.0, 1.0], [1.0, 1.0], [1, 1], 1.0),
+        ("an empty map", [], [], [], 0.97),
+    )
+}
+
+
+def _by(
+    fits: Callable[[Array, Array, float], Any] = lambda i, o, p: (i > p) & (o > p),
+    score: Callable[[Array, Array], Any] = lambda i, o: i * o,
+    masked: bool = True,
+) -> Callable[..., int]:
+    """A rule of reuse of one's own."""
+
+    def rule(into: Array, onward: Array, allowed: NDArray[np.bool_], p_reuse: float) -> int:
+        fit = fits(into, onward, p_reuse) & (allowed if masked else True)
+        return int(np.where(fit, score(into, onward), -1.0).argmax()) if fit.any() else -1
+
+    return rule
+
+
+def _among_those_that_fit(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
+    fit = (into > p_reuse) & (onward > p_reuse) & allowed
+    return int((into * onward)[fit].argmax()) if fit.any() else -1
+
+
+def _best_first(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
+    best = int(np.where(allowed, into * onward, -1.0).argmax()) if len(into) else -1
+    fits = best >= 0 and min(into[best], onward[best]) > p_reuse and bool(allowed[best])
+    return best if fits else -1
+
+
+_MISUSED: dict[str, Callable[..., int]] = {
+    "the best of all need not fit: first find those that do, then the best of them": _best_first,
+    "whoever gets to the vertex must get on from it, too: onward > p_reuse": _by(
+        lambda i, o, p: i > p
+    ),
+    "whoever stands before it must get to the vertex, too: into > p_reuse": _by(
+        lambda i, o, p: o > p
+    ),
+    "both must be above p_reuse; one of them is not enough": _by(lambda i, o, p: (i > p) | (o > p)),
+    "each of the two must be above p_reuse, not their product": _by(lambda i, o, p: i * o > p),
+    "each of the two must be above p_reuse, not their mean": _by(lambda i, o, p: (i + o) / 2 > p),
+    "greater than p_reuse, not equal to it": _by(lambda i, o, p: (i >= p) & (o >= p)),
+    "of those that fit take the most probable way, into * onward, not the first": _by(
+        score=lambda i, o: 0 * i
+    ),
+    "two probabilities in a row are multiplied, not added": _by(score=lambda i, o: i + o),
+    "of those that fit take the greatest product, not the greatest minimum": _by(score=np.minimum),
+    "the way onward counts, too: into * onward": _by(score=lambda i, o: i),
+    "only vertices that are allowed may be taken": _by(masked=False),
+    "that is its number among those that fit, not its number in the map": _among_those_that_fit,
+    "where none fits there is none: -1, not vertex 0": lambda *case: max(
+        0, edge_rules.reusable(*case)
+    ),
+}
+
+
+@check(edge_rules.reusable, _REUSE["two fit"])
+def check_reusable(student: Callable[..., Any]) -> None:
+    """Twelve anchors: vertices that fit, that fit by half, that may not be taken, and none."""
+    answers = []
+    for name, case in _REUSE.items():
+        what = f"reusable, {name}"
+        try:
+            got = called(student, *case)
+        except ValueError as error:
+            words = f"ValueError, {error}; is there a vertex that fits? Ask .any() before argmax"
+            raise WrongAnswer(f"{what}: {words}") from None
+        if got is None:
+            raise WrongAnswer(f"{what}: None came back; return -1 where no vertex fits")
+        if isinstance(got, bool) or not isinstance(got, int | np.integer):
+            raise WrongAnswer(f"{what}: {got!r} came back; return the number of one vertex, or -1")
+        answers.append(int(got))
+    explained("reusable", _REUSE, answers, edge_rules.reusable, _MISUSED)
+
+
+_PLACES = {
+    name: (np.array(trajectory), np.array(place), reused)
+    for name, trajectory, place, reused in (
+        ("nothing was reused yet", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], []),
+        ("one was reused", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], [1]),
+        ("one of each drive", [0, 0, 0, 1, 1, 1], [0, 1, 2, 0, 1, 2], [1, 3]),
+        ("two of the same drive", [0, 0, 0, 0, 1], [0, 1, 2, 3, 0], [1, 2]),
+        ("one, then one of another", [0, 0, 0, 0, 1, 1], [0, 1, 2, 3, 0, 1], [2, 5, 3]),
+        ("numbers in no order", [2, 0, 2, 0, 2, 0], [5, 4, 1, 0, 3, 2], [4, 5]),
+    )
+}
+
+
+def _behind(keep: Callable[[Any, Any, int], Any], some: slice = slice(None)) -> Callable[..., Any]:
+    """A rule of one's own: `keep` says which vertices one that was reused leaves."""
+
+    def rule(trajectory: NDArray, place: NDArray, reused: list[int]) -> NDArray[np.bool_]:
+        allowed = np.ones(len(place), dtype=bool)
+        for vertex in reused[some]:
+            allowed &= keep(trajectory, place, vertex)
+        return allowed
+
+    return rule
+
+
+_MISPLACED: dict[str, Callable[..., Any]] = {
+    "the vertex itself may not follow itself: its place must be greater": _behind(
+        lambda t, p, v: (t != t[v]) | (p >= p[v])
+    ),
+    "vertices of other trajectories may be taken, wherever they lie": _behind(
+        lambda t, p, v: p > p[v]
+    ),
+    "of the same trajectory those that lie ahead may be taken": _behind(lambda t, p, v: t != t[v]),
+    "ahead is where the place is greater; yours goes backwards": _behind(
+        lambda t, p, v: (t != t[v]) | (p < p[v])
+    ),
+    "all vertices that were reused count, not only the last one": _behind(
+        lambda t, p, v: (t != t[v]) | (p > p[v]), slice(-1, None)
+    ),
+    "all vertices that were reused count, not only the first one": _behind(
+        lambda t, p, v: (t != t[v]) | (p > p[v]), slice(0, 1)
+    ),
+    "a vertex's number says nothing of its place along its trajectory: compare place": _behind(
+        lambda t, p, v: (t != t[v]) | (np.arange(len(p)) > v)
+    ),
+    "the numbers in reused are vertices, place[vertex], not places": _behind(
+        lambda t, p, v: (t != t[v]) | (p > v)
+    ),
+    "that forbids what may be taken, and allows the rest: the other way round": lambda *case: (
+        ~edge_rules.ahead_of(*case)
+    ),
+    "who must lie ahead of each one that was reused must hold for all of them: and, not or": (
+        lambda t, p, reused: (
+            np.any([(t != t[v]) | (p > p[v]) for v in reused], axis=0)
+            if reused
+            else np.ones(len(p), dtype=bool)
+        )
+    ),
+}
+
+
+@check(edge_rules.ahead_of, _PLACES["one of each drive"])
+def check_ahead_of(student: Callable[..., Any]) -> None:
+    """Six maps: nothing reused yet, one vertex, several, and numbers in no order."""
+    answers = []
+    for name, case in _PLACES.items():
+        got, what = called(student, *case), f"ahead_of, {name}"
+        answers.append(mask(what, got, (len(case[0]),)))
+    explained("ahead_of", _PLACES, answers, edge_rules.ahead_of, _MISPLACED)

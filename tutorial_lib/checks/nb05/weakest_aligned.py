@@ -1,0 +1,184 @@
+"""The check of aligned sequences, in notebook 05."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import called
+from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.viz.figures.edge_tables import table
+from tutorial_lib.viz.figures.panels import side_by_side
+
+
+def neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
+    """(V,) the vertex before and after each, -1 for none."""
+    before, after = np.full((2, sum(map(len, trails))), -1)
+    for trail in trails:
+        before[trail[1:]], after[trail[:-1]] = trail[:-1], trail[1:]
+    return before, after
+
+
+def random_reach(anchors: int, vertices: int, seed: int) -> Array:
+    """RE (A, V), drawn."""
+    return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
+
+
+def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -> Array:
+    """The least RE (A, V) over aligned sequences around each pair (Meng 2020, III-G).
+
+    Args:
+        reach: (A, V) RE from each anchor of a trajectory, in order, to each vertex.
+        before: (V,) the vertex before each on its own trajectory, -1 for none.
+        after: (V,) the vertex after each.
+        steps: anchors on either side.
+    """
+    least = np.array(reach, dtype=float)
+    count = len(least)
+    for way in (-1, 1):
+        columns = np.arange(least.shape[1])
+        for step in range(way, way * (steps + 1), way):
+            columns = stepped(columns, way, before, after)
+            rows = np.arange(max(0, -step), min(count, count - step))
+            beside = np.asarray(reach)[np.ix_(rows + step, columns)]
+            there = np.where(columns >= 0, beside, 1.0)
+            least[rows] = np.minimum(least[rows], there)
+    return least
+
+
+def stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Numbers:
+    """The column one `step` of -1, 0 or 1 on along its trajectory; -1 beyond an end."""
+    if not step:
+        return columns
+    return np.where(columns >= 0, (after if step > 0 else before)[columns], -1)
+
+
+_ONE, TWO = neighbours([0, 1, 2, 3, 4]), neighbours([0, 1, 2], [3, 4, 5])
+MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
+JOINED = np.array([-1, 0, 1, -1, 1]), np.array([1, 2, -1, 1, -1])
+"""A drive 0, 1, 2; vertex 1 was reused by one that comes from 3, and by one that goes on to 4."""
+_ALIGNED = {
+    "one drive beside another": (random_reach(5, 5, 1), *_ONE, 2),
+    "one anchor before and after": (random_reach(5, 5, 2), *_ONE, 1),
+    "no neighbours": (random_reach(4, 6, 3), *TWO, 0),
+    "two drives on the map": (random_reach(6, 6, 4), *TWO, 2),
+    "vertices numbered in no order": (random_reach(5, 7, 5), *MIXED, 2),
+    "drives that run into another": (random_reach(5, 5, 23), *JOINED, 2),
+    "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
+}
+
+
+@check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
+def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    """Seven tables: longer and shorter sequences, several drives, numbers in no order."""
+    answers = []
+    for name, case in _ALIGNED.items():
+        try:
+            answers.append(called(student, *case))
+        except IndexError as error:
+            words = f"IndexError, {error}; where a trajectory ends the sequence ends, too"
+            raise WrongAnswer(f"weakest_aligned, {name}: {words}") from None
+    picture = _tables(answers[0])
+    for (name, case), got in zip(_ALIGNED.items(), answers, strict=True):
+        right = weakest_aligned(*case)
+        mistakes = {words: partial(_misaligned, fault=f)(*case) for words, f in _FAULTS.items()}
+        expect_close(f"weakest_aligned, {name}", got, right, 1e-9, mistakes, picture)
+    return picture
+
+
+def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault: str) -> Array:
+    """The rule with a `fault`, pair by pair."""
+    steps = {"one step": min(steps, 1), "three": steps + 1, "none": 0}.get(fault, steps)
+    fold = {"mean": np.mean, "product": np.prod, "greatest": np.max}.get(fault, np.min)
+    ways = ((-1, before), (1, after))
+    if fault == "crossed":
+        ways = ((1, before), (-1, after))
+    if fault in ("only after", "only before"):
+        ways = ways[1:] if fault == "only after" else ways[:1]
+    if fault == "of neighbours":
+        return _of_neighbours(reach, ways, steps)
+    found = np.empty_like(reach)
+    for pair in np.ndindex(*reach.shape):
+        values = [] if fault == "not itself" else [reach[pair]]
+        for step, beside in ways:
+            values += _along(reach, pair, step, beside, steps, fault)
+        if fault == "end is 0" and len(values) < 2 * steps + 1:
+            values.append(0.0)
+        found[pair] = fold(values) if values else 1.0
+    return found
+
+
+def _of_neighbours(reach: Array, ways: tuple[tuple[int, Numbers], ...], steps: int) -> Array:
+    """The least of each pair and of what its neighbour has already, again and again."""
+    least = reach.copy()
+    for step, beside in ways:
+        for _ in range(steps):
+            told = np.pad(least, ((1, 1), (0, 1)), constant_values=np.inf)
+            least = np.minimum(least, told[1 + step : 1 + step + len(least)][:, beside])
+    return least
+
+
+def _along(
+    reach: Array, pair: tuple[int, ...], step: int, beside: Numbers, steps: int, fault: str
+) -> list[float]:
+    """RE of the pairs to one side of one pair."""
+    (row, column), values = pair, []
+    for _ in range(steps):
+        row = row if fault == "row stays" else row + step
+        if fault == "by number":
+            column += step
+            column = column if 0 <= column < reach.shape[1] else -1
+        elif fault != "column stays":
+            column = int(beside[column])
+        if fault == "wraps" and -len(reach) <= row < len(reach):
+            values.append(reach[row, column])
+            continue
+        if not 0 <= row < len(reach) or column < 0:
+            if fault == "goes on":
+                continue
+            break
+        values.append(reach[row, column])
+    return values
+
+
+_FAULTS = {
+    "the least of them counts, not their mean": "mean",
+    "the least of them counts, not their product": "product",
+    "the least of them counts, not the greatest": "greatest",
+    "the anchors before count, too": "only after",
+    "the anchors after count, too": "only before",
+    "before goes with the anchor before, after with the one after: both move the same way": (
+        "crossed"
+    ),
+    "only one anchor on either side counts in yours; go on for as many as steps says": "one step",
+    "yours goes one anchor farther than steps says": "three",
+    "the neighbours on either side count as well": "none",
+    "the vertex moves along its trajectory, too: before and after": "column stays",
+    "the anchor moves along its trajectory, too: row - 1 and row + 1": "row stays",
+    "the next vertex along a trajectory is after[v], not v + 1": "by number",
+    "-1 is no vertex, and no anchor: there the sequence ends": "wraps",
+    "after a -1 the sequence has ended: break, and do not go on from there": "goes on",
+    "look along the trajectories from each pair itself; the least that a neighbour has found may "
+    "lie on another one, where a drive runs into it": "of neighbours",
+    "where a trajectory ends the sequence is shorter; what does not exist is not 0": "end is 0",
+    "the pair itself counts, too": "not itself",
+}
+
+
+def _tables(got: object) -> NDArray[np.uint8]:
+    reach = _ALIGNED["one drive beside another"][0]
+    pictures, titles = [table(reach, reach > 0.5, names=("a", "v"))], ["RE"]
+    for title, least in (
+        ("target", weakest_aligned(*_ALIGNED["one drive beside another"])),
+        ("yours", got),
+    ):
+        if isinstance(least, np.ndarray) and least.shape == reach.shape:
+            pictures.append(table(least, least > 0.5, names=("a", "v")))
+            titles.append(title)
+    return side_by_side(pictures, titles, gap=24)

@@ -1,0 +1,64 @@
+"""Small graphs to plan on, for the checks of notebook 06."""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from tutorial_lib.topology.mapping.edge_rules import weight
+
+Vertex = Any
+Graph = dict[Vertex, dict[Vertex, float]]
+"""For each vertex, those that an edge leads to, with RE."""
+Way = tuple[list[Vertex], float]
+"""Vertices from start to goal, and how probably all steps come true."""
+
+BY_HAND: Graph = {
+    "here": {"A": 0.70, "B": 0.90, "D": 0.95, "E": 0.72},
+    "A": {"goal": 0.80, "B": 0.99},
+    "B": {"C": 0.90, "A": 0.75, "D": 0.85},
+    "C": {"goal": 0.90},
+    "D": {"C": 0.80, "B": 0.91},
+    "E": {"goal": 0.995},
+    "goal": {},
+}
+"""A small graph, to plan on with a pencil."""
+
+
+def most_probable_way(graph: Graph, start: Vertex, goal: Vertex) -> Way:
+    """The most probable way over a graph, and its probability; [] and 0 where there is none.
+
+    Args:
+        graph: for each vertex, those that an edge leads to, with RE.
+        start: a vertex.
+        goal: a vertex.
+    """
+    drawn = nx.DiGraph()
+    drawn.add_nodes_from(graph)
+    edges = ((v, w, float(weight(p))) for v, out in graph.items() for w, p in out.items())
+    drawn.add_weighted_edges_from(edges)
+    try:
+        way = nx.dijkstra_path(drawn, start, goal)
+    except nx.NetworkXNoPath:
+        return [], 0.0
+    return way, probability_of(graph, way)
+
+
+def probability_of(graph: Graph, way: list[Vertex]) -> float:
+    """The product of RE along a way."""
+    return math.prod(graph[v][w] for v, w in pairwise(way))
+
+
+def random_graph(count: int, degree: int, seed: int) -> Graph:
+    """A graph of `count` numbered vertices, each with an edge to `degree` others."""
+    rng = np.random.default_rng(seed)
+    graph: Graph = {vertex: {} for vertex in range(count)}
+    for vertex in graph:
+        others = rng.choice(count - 1, degree, replace=False)
+        for other in (int(o) + (o >= vertex) for o in others):
+            graph[vertex][int(other)] = round(float(rng.uniform(0.4, 0.999)), 3)
+    return graph

@@ -1,0 +1,159 @@
+"""The check of planning anew, in notebook 06."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.nb06.graphs import Vertex
+from tutorial_lib.checks.nb06.join_ends import GOAL, HERE
+
+Plan = Callable[[set[Vertex]], list[Vertex]]
+"""Plans past some vertices; no vertices where it refuses."""
+Drive = Callable[[list[Vertex]], int | None]
+"""Drives along a way, and says which place of it could not be reached; None on arrival."""
+
+
+def travel(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
+    """Plan, drive, and plan anew when lost; whether the goal was reached, and what is shunned.
+
+    Args:
+        plan: plans past some vertices.
+        drive: drives along a way.
+        replans: how often to plan anew.
+    """
+    return _travelled(plan, drive, replans)
+
+
+def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple[bool, set[Vertex]]:
+    """The journey, with a `fault` if one is named."""
+    shunned: set[Vertex] = set()
+    rounds = {"too few": replans, "too many": replans + 2, "once": 1}.get(fault, replans + 1)
+    way: list[Vertex] = []
+    for number in range(rounds):
+        if not (fault == "same way" and number):
+            way = plan(set(shunned))
+        if not way and fault != "drives on nothing":
+            return False, shunned
+        stopped = drive(way)
+        if stopped is None:
+            return True, shunned
+        place = stopped - 1 if fault == "behind" else stopped
+        vertex = way[place] if way else GOAL
+        if fault == "forgets":
+            shunned = set()
+        if fault == "whole way":
+            shunned |= {v for v in way if v not in (HERE, GOAL)}
+        elif fault == "all ahead":
+            shunned |= {v for v in way[stopped:] if v != GOAL}
+        elif (vertex not in (HERE, GOAL) or fault == "goal") and fault != "shuns nothing":
+            shunned.add(stopped if fault == "place" else vertex)
+    return False, shunned
+
+
+class _Story:
+    """A scripted journey: what `plan` and `drive` say, and what they were asked."""
+
+    def __init__(self, ways: Sequence[list[Vertex]], stops: Sequence[int | None]) -> None:
+        self.ways, self.stops, self.log = list(ways), list(stops), []
+
+    def plan(self, shunned: set[Vertex]) -> list[Vertex]:
+        """The first way that leads past what is shunned."""
+        if not isinstance(shunned, set | frozenset | list | tuple):
+            raise WrongAnswer(f"plan got {shunned!r}; give it the set of what is shunned")
+        self.log.append(("plan", tuple(sorted(shunned))))
+        if len(self.log) > 40:
+            raise WrongAnswer("your function never ends; count the plans")
+        return next((list(way) for way in self.ways if not set(way) & set(shunned)), [])
+
+    def drive(self, way: list[Vertex]) -> int | None:
+        """The next stop."""
+        if not way:
+            raise WrongAnswer("plan gave [], a refusal, and yours drives all the same; give up")
+        self.log.append(("drive", tuple(way)))
+        return self.stops.pop(0) if self.stops else 1
+
+
+_A, _B, _C = [HERE, 1, 2, 3, GOAL], [HERE, 1, 4, 3, GOAL], [HERE, 5, 6, GOAL]
+_JOURNEYS: tuple[tuple[str, list[list[Vertex]], list[int | None], int], ...] = (
+    ("it arrives at once", [_A, _B], [None], 5),
+    ("lost once, then it arrives", [_A, _B, _C], [2, None], 5),
+    ("lost twice, at different places", [_A, _B, _C], [2, 3, None], 5),
+    ("refused at once", [], [], 5),
+    ("refused after it was lost", [_A, _B], [3, None], 5),
+    ("the goal itself cannot be reached", [_A, _B], [4, 4, None], 5),
+    ("no second plan allowed", [_A, _B, _C], [2, None], 0),
+    ("two plans anew, all in vain", [_A, _B, _C, [HERE, 7, GOAL]], [2, 2, 1, None], 2),
+    ("lost at the first vertex", [_C, _A], [1, None], 5),
+)
+_MISLED = {
+    "shun the vertex that could not be reached, way[stopped], not the one before it": "behind",
+    "shun every vertex that could not be reached so far, not only the last one": "forgets",
+    "only one vertex could not be reached; who shuns the whole way leaves no other": "whole way",
+    "only way[stopped] was tried in vain; what comes after it was never tried": "all ahead",
+    "what could not be reached must be shunned, or the next plan is the same": "shuns nothing",
+    "stopped counts along the way; shun the vertex there, way[stopped]": "place",
+    "the goal is no vertex of the map; who cannot reach it plans anew, but shuns nothing": "goal",
+    "who is lost needs a new plan; yours drives along the old one": "same way",
+    "after the first plan there may be `replans` more; yours makes one too few": "too few",
+    "after the first plan there may be `replans` more; yours makes one too many": "too many",
+    "yours plans only once": "once",
+}
+
+
+def _told(travels: Callable[..., Any], case: tuple[Any, ...]) -> tuple[Any, ...]:
+    """What came of a journey, and all that was asked on the way."""
+    _, ways, stops, replans = case
+    story = _Story(ways, stops)
+    return travels(story.plan, story.drive, replans), story.log
+
+
+@check(travel, (lambda shunned: [HERE, 1, GOAL], lambda way: None, 3))
+def check_travel(student: Callable[..., Any]) -> None:
+    """Nine journeys: to the goal at once, after being lost, refused, and in vain."""
+    right, answers = [_told(travel, case) for case in _JOURNEYS], []
+    for case in _JOURNEYS:
+        what = f"travel, {case[0]}"
+        try:
+            got, log = _told(student, case)
+        except WrongAnswer as wrong:
+            raise WrongAnswer(f"{what}: {wrong}") from None
+        answers.append((_ending(what, got), log))
+    for case, got, want in zip(_JOURNEYS, answers, right, strict=True):
+        if got == want:
+            continue
+        for words, fault in _MISLED.items():
+            wrong = [_told(partial(_travelled, fault=fault), c) for c in _JOURNEYS]
+            if answers == wrong:
+                raise WrongAnswer(f"travel, {case[0]}: {words}")
+        raise WrongAnswer(f"travel, {case[0]}: {_differ(got, want)}")
+
+
+def _ending(what: str, got: Any) -> tuple[bool, set[Vertex]]:  # noqa: ANN401 - students'
+    if got is None:
+        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
+    if not isinstance(got, tuple | list) or len(got) != 2:
+        raise WrongAnswer(f"{what}: return whether it arrived, and the set of what is shunned")
+    arrived, shunned = got
+    if not isinstance(arrived, bool | np.bool_):
+        raise WrongAnswer(f"{what}: {arrived!r} came back; return True on arrival, False otherwise")
+    if not isinstance(shunned, set | frozenset | list | tuple):
+        raise WrongAnswer(f"{what}: return the set of the vertices that are shunned")
+    return bool(arrived), set(shunned)
+
+
+def _differ(got: tuple[Any, ...], want: tuple[Any, ...]) -> str:
+    for yours, right in zip(got[1], want[1], strict=False):
+        if yours != right:
+            kind, told = yours
+            if (kind, right[0]) == ("plan", "plan"):
+                return f"yours plans past {list(told)}; {list(right[1])} is to be shunned"
+            return f"yours calls {kind} with {list(told)}, where {right[0]} was to be called"
+    if len(got[1]) != len(want[1]):
+        return f"yours calls plan and drive {len(got[1])} times, but {len(want[1])} is right"
+    arrived = "it arrives" if want[0][0] else "it does not arrive"
+    return f"{got[0]} came back; {arrived}, and shunned is {want[0][1] or 'empty'}"

@@ -1,0 +1,1 @@
+"""From a waypoint or a geodesic to an action."""

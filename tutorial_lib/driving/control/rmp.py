@@ -1,0 +1,278 @@
+"""Riemannian motion policies: C_RMP of Meng 2020 (III-B), for a car and for a differential drive.
+
+A *policy* says how something should accelerate - a point of the body, its distance from a wall, the
+steering angle - and with its *metric* how much that matters, and in which directions. The
+*pull-back* through a Jacobian tells what this means for the body's controls. What all policies ask
+for is *resolved* by least squares, weighted with the metrics.
+
+Before, `rmp_moves` turns the waypoint into an arc, ahead or in reverse; afterwards it limits speed.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tutorial_lib.driving.control import rmp_arcs as moves
+from tutorial_lib.driving.control.composed import checked_waypoints
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
+from tutorial_lib.world.sensors import full_circle
+from tutorial_lib.world.simulation import STEP
+
+
+def goal_policy(
+    offsets: ArrayLike, velocities: ArrayLike, gain: float, damping: float, near: float
+) -> tuple[Array, Array]:
+    """Pull a point to its goal, and damp it: gain * offset / |offset| - damping * velocity.
+
+    It is in no hurry beyond gain / damping, in m/s. Within `near` the pull fades to nothing.
+    Gives accelerations (..., 2) and metrics (..., 2, 2), the identity.
+
+    Args:
+        offsets: (..., 2) from the point to its goal, metres.
+        velocities: (..., 2) of the point, m/s.
+        gain: m/s^2.
+        damping: 1/s.
+        near: metres.
+    """
+    offsets, velocities = np.asarray(offsets, dtype=float), np.asarray(velocities, dtype=float)
+    distance = np.linalg.norm(offsets, axis=-1, keepdims=True)
+    accelerations = gain * offsets / np.maximum(distance, near) - damping * velocities
+    return accelerations, np.broadcast_to(np.eye(2), (*offsets.shape, 2))
+
+
+def obstacle_policy(
+    distances: ArrayLike, closing: ArrayLike, push: float, brake: float, weight: float, fade: float
+) -> tuple[Array, Array]:
+    """Make the distance from an obstacle grow: (push + brake * closing) / distance.
+
+    What it accelerates is a number, so its metric is one too. In the plane that is the metric
+    weight * h h^T of the paper, h the direction to the obstacle: sideways it does not mind.
+    Gives accelerations (...) of the distances, and metrics (...).
+
+    Args:
+        distances: (...) metres.
+        closing: (...) m/s at which they shrink; what recedes is only pushed.
+        push: m^2/s^2.
+        brake: m/s, more for each m/s of closing.
+        weight: metric at contact.
+        fade: metres over which the metric falls to a third.
+    """
+    distances = np.maximum(distances, 0.01)  # nearer, it pushes no harder
+    away = (push + brake * np.maximum(closing, 0.0)) / distances
+    return away, weight * np.exp(-distances / fade)
+
+
+def heading_policy(
+    steerings: ArrayLike, wanted: ArrayLike, gain: float, weight: float
+) -> tuple[Array, Array]:
+    """Turn the steering to what leads along the arc to the waypoint.
+
+    Gives rates (...) at which the steering is to change, and metrics (...).
+
+    Steerings (...) are in rad for a car and in rad/s for a differential drive; gain in 1/s.
+    """
+    rates = gain * (np.asarray(wanted, dtype=float) - steerings)
+    return rates, np.full(rates.shape, float(weight))
+
+
+def point_jacobian(points: ArrayLike) -> Array:
+    """How a point of a rigid body moves with its twist: (..., 2, 2) for points (..., 2).
+
+    Rows are the point's velocity ahead and to the left, columns speed and turning rate.
+    """
+    points = np.asarray(points, dtype=float)
+    jacobians = np.zeros((*points.shape, 2))
+    jacobians[..., 0, 0] = 1.0
+    jacobians[..., 0, 1], jacobians[..., 1, 1] = -points[..., 1], points[..., 0]
+    return jacobians
+
+
+def control_jacobian(body: BicycleCar | DifferentialDrive, controls: ArrayLike) -> Array:
+    """How a body's twist changes with its controls: (N, 2, 2) for controls (N, 2).
+
+    Rows are speed and turning rate. The controls of a differential drive are its twist; a car's
+    turning rate is speed * tan(steering) / wheelbase, which steering does not change at rest.
+    """
+    controls = np.asarray(controls, dtype=float)
+    jacobians = np.broadcast_to(np.eye(2), (*controls.shape, 2)).copy()
+    if isinstance(body, BicycleCar):
+        tangent = np.tan(controls[..., 1])
+        jacobians[..., 1, 0] = tangent / body.wheelbase
+        jacobians[..., 1, 1] = controls[..., 0] * (1 + tangent**2) / body.wheelbase
+    return jacobians
+
+
+def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[Array, Array]:
+    """What a policy means for the controls: force J^T M a, and metric J^T M J.
+
+    That Jacobians change is left out: controls are chosen anew ten times a second.
+    Jacobians (..., D, 2) are those of the D numbers that the policy accelerates, by (..., D) with
+    metrics (..., D, D). Forces (..., 2) and metrics (..., 2, 2) of several policies add up.
+    """
+    weighted = np.swapaxes(jacobians, -1, -2) @ metrics
+    return (weighted @ np.asarray(accelerations)[..., None])[..., 0], weighted @ jacobians
+
+
+def resolve(forces: Array, metrics: Array, damping: float = 1e-6) -> Array:
+    """The accelerations of the controls (..., 2) that suit all policies best.
+
+    They minimise the sum over the policies of (J u - a)^T M (J u - a), plus damping * |u|^2.
+    Forces (..., 2) and metrics (..., 2, 2) are sums of what `pull_back` gave; the damping keeps at
+    rest what no policy cares for.
+    """
+    return np.linalg.solve(metrics + damping * np.eye(2), forces[..., None])[..., 0]
+
+
+@dataclass(frozen=True)
+class RMPController:
+    """Drives a body to a waypoint by the laser and policies; a `Controller`.
+
+    Attributes:
+        body: a car or a differential drive.
+        goal_gain, goal_damping, near: see `goal_policy`.
+        push, brake, weight, fade: see `obstacle_policy`.
+        heading_gain, heading_weight: see `heading_policy`.
+        turning: 1/s, turning rate that a differential drive wants for each rad of bearing.
+        horizon: metres from the pose within which obstacles push.
+        authority: m/s; a car that is slower counts its steering as if it drove so fast.
+        lane, lane_reach: metres that the lane to a waypoint has beside the body, and is long.
+        swing: rad by which lanes are preferred on the side to which the body turns already.
+        reverse_cost, turn_cost, go_on, begin, miss: see `rmp_moves.choose_moves`.
+        carrot: metres ahead on the arc at which the goal policy pulls a car.
+        arrived: metres from the waypoint at which the body stops.
+        margin: metres that the body keeps from everything.
+        braking, reserve, crawl, hurry: see `rmp_moves.safe_speeds`.
+        settle: rad; while a car's steering has to turn by more than this, it slows down.
+    """
+
+    body: BicycleCar | DifferentialDrive = field(default_factory=BicycleCar)
+    goal_gain: float = 2.4
+    goal_damping: float = 3.0
+    near: float = 0.35
+    push: float = 0.12
+    brake: float = 0.12
+    weight: float = 0.3
+    fade: float = 0.08
+    heading_gain: float = 6.0
+    heading_weight: float = 1.0
+    turning: float = 3.0
+    horizon: float = 0.75
+    authority: float = 0.25
+    lane: float = 0.065
+    lane_reach: float = 2.2
+    swing: float = 0.15
+    reverse_cost: float = 2.3
+    turn_cost: float = 0.5
+    go_on: float = 0.05
+    begin: float = 0.6
+    miss: float = 0.2
+    carrot: float = 0.5
+    arrived: float = 0.03
+    margin: float = 0.03
+    braking: float = 0.7
+    reserve: float = 0.02
+    crawl: float = 0.2
+    hurry: float = 3.0
+    settle: float = 0.12
+
+    @cached_property
+    def discs(self) -> Array:
+        """Discs (D, 2) that cover the body, place on its long axis and radius; they are pushed."""
+        return moves.cover(self.body)
+
+    def act(self, observations: Observation, waypoints: Array) -> Array:
+        """Actions (N, 2): speed in m/s, and steering in rad (car) or rad/s, for waypoints (N, 2).
+
+        Raises:
+            InputError: when a waypoint is missing or not finite.
+        """
+        waypoints = checked_waypoints(waypoints, len(observations))
+        lasers = np.ascontiguousarray(observations.laser, dtype=float)
+        controls = np.stack([observations.speed, observations.steering], axis=1)
+        carrots, gears, steerings = self._aim(lasers, controls, waypoints)
+        after = controls + STEP * self._accelerate(lasers, controls, carrots, gears, steerings)
+        return self._limit(lasers, controls, after, gears, np.linalg.norm(waypoints, axis=1))
+
+    def _aim(self, lasers: Array, controls: Array, waypoints: Array) -> tuple[Array, Array, Array]:
+        """Where to now: points (N, 2), ahead (+1) or in reverse (-1), and the steering for it."""
+        body, angles = self.body, full_circle(lasers.shape[1])
+        swings = self.swing * np.sign(body.twist(controls)[:, 1]) * (abs(controls[:, 0]) > 0.02)
+        half = self.lane + float(np.abs(body.footprint[:, 1]).max())
+        points = moves.clear_lanes(lasers, angles, waypoints, swings, half, self.lane_reach)
+        if not isinstance(body, BicycleCar):
+            turns = self.turning * np.arctan2(points[:, 1], points[:, 0])
+            return points, np.ones(len(points)), np.clip(turns, -body.max_turn, body.max_turn)
+        taste = (self.reverse_cost, self.turn_cost, self.go_on, self.begin, self.miss)
+        limits = np.array([body.turning_radius, *taste])
+        room = (self.discs, self.margin)
+        arcs = moves.choose_moves(lasers, angles, points, controls[:, 0], *room, limits)
+        curvatures, gears, lengths = arcs.T
+        twists = gears[:, None] * np.stack([np.ones(len(arcs)), curvatures], axis=1)
+        ahead = advance(np.zeros((len(arcs), 3)), twists, np.minimum(lengths, self.carrot))
+        return ahead[:, :2], gears, np.arctan(body.wheelbase * curvatures)
+
+    def _accelerate(
+        self, lasers: Array, controls: Array, carrots: Array, gears: Array, steerings: Array
+    ) -> Array:
+        """Accelerations (N, 2) of the controls: all policies, pulled back and resolved."""
+        twists, effective = self.body.twist(controls), controls.copy()
+        if isinstance(self.body, BicycleCar):
+            # At rest no steering turns the car; the policies must see what it will do.
+            effective[:, 0] = gears * np.maximum(np.abs(controls[:, 0]), self.authority)
+        jacobians = control_jacobian(self.body, effective)
+        # The point that is pulled is the pose, which moves straight ahead.
+        ahead = twists * [1.0, 0.0]
+        pull = goal_policy(carrots, ahead, self.goal_gain, self.goal_damping, self.near)
+        forces, metrics = pull_back(point_jacobian([0.0, 0.0]) @ jacobians, *pull)
+        turn = heading_policy(controls[:, 1], steerings, self.heading_gain, self.heading_weight)
+        only_steering = np.array([[0.0, 1.0]])
+        more = pull_back(only_steering, turn[0][:, None], turn[1][:, None, None])
+        push, weight = self._obstacles(lasers, twists)
+        back = np.swapaxes(jacobians, 1, 2)
+        forces = forces + more[0] + (back @ push[..., None])[..., 0]
+        return resolve(forces, metrics + more[1] + back @ weight @ jacobians)
+
+    def _obstacles(self, lasers: Array, twists: Array) -> tuple[Array, Array]:
+        """Forces (N, 2) and metrics (N, 2, 2) on the twists, of each beam on each disc."""
+        robots, beams = np.nonzero(lasers < self.horizon)
+        angles, count = full_circle(lasers.shape[1])[beams], len(lasers)
+        points = lasers[robots, beams, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        forces, metrics = np.zeros((count, 2)), np.zeros((count, 2, 2))
+        shape = (self.push, self.brake, self.weight, self.fade)
+        for place, radius in self.discs:
+            offsets = points - [place, 0.0]
+            far = np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 1e-9)
+            # How the distance grows with the twist: the disc's Jacobian, along the line of sight.
+            rows = -(offsets / far) @ point_jacobian([place, 0.0])
+            closing = -(rows * twists[robots]).sum(axis=1)
+            away, weight = obstacle_policy(far[:, 0] - radius, closing, *shape)
+            for i in (0, 1):
+                forces[:, i] += np.bincount(robots, weight * away * rows[:, i], count)
+                for k in (0, 1):
+                    metrics[:, i, k] += np.bincount(robots, weight * rows[:, i] * rows[:, k], count)
+        return forces, metrics
+
+    def _limit(
+        self, lasers: Array, controls: Array, after: Array, gears: Array, left: Array
+    ) -> Array:
+        """Controls (N, 2) `after` a step within what the body can do, and safe."""
+        body, (speeds, steerings) = self.body, after.T
+        if isinstance(body, BicycleCar):
+            steerings = np.clip(steerings, -body.max_steering, body.max_steering)
+            curvatures = np.tan(steerings) / body.wheelbase
+            most = np.where(gears > 0, body.max_speed, body.max_reverse)
+            # A car that sets off before it has turned its wheels leaves on another arc.
+            swinging = np.abs(steerings - controls[:, 1]) > self.settle
+            most = np.where(swinging, np.minimum(most, 0.7 * np.abs(controls[:, 0])), most)
+        else:
+            steerings = np.clip(steerings, -body.max_turn, body.max_turn)
+            curvatures, most = steerings / np.maximum(np.abs(speeds), 0.1), body.max_speed
+        arcs, room = np.stack([curvatures, gears], axis=1), (self.discs, self.margin)
+        taste = (self.braking, self.reserve, self.crawl, self.hurry)
+        most = np.minimum(most, moves.safe_speeds(lasers, arcs, *room, left, *taste))
+        most = np.where(left < self.arrived, 0.0, most)
+        return np.stack([gears * np.clip(gears * speeds, 0.0, most), steerings], axis=1)

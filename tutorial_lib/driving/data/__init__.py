@@ -1,0 +1,1 @@
+"""What networks learn from: trajectories, pairs of places, and how rollouts end."""

@@ -1,0 +1,238 @@
+"""Demonstrations: an oracle drives between random places, and what the robots sense is kept.
+
+After Meng 2020 (IV): random starts, goals and headings in the free space; a reactive controller
+follows the geodesic at 10 Hz; runs that collide are dropped.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from zlib import crc32
+
+import numpy as np
+from joblib import Parallel, delayed
+from tqdm.auto import tqdm
+
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.data.trajectories import (
+    CONTEXT_INTERVAL,
+    Trajectory,
+    load_trajectories,
+    save_trajectories,
+)
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import time_limit
+from tutorial_lib.driving.rollouts import Robots, drive, geodesic_limit
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Controller
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.placing import random_free_poses
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.worlds import parse_world, scene_of
+
+NEAREST, FARTHEST = 4.0, 20.0
+"""Metres of geodesic from a demonstration's start to its goal."""
+_LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
+DRIVER = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
+"""Parks exactly, since an oracle's waypoints are exact. With other settings other drives would be
+recorded, and networks trained on them would not be those that come with the library."""
+SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
+"""Frames of a demonstration at least: one context with k = 5."""
+
+
+def demonstrate(
+    world: str,
+    scene: Scene,
+    count: int,
+    seed: int,
+    controller: Controller | None = None,
+    control_noise: float = 0.0,
+) -> list[Trajectory]:
+    """Drive a fleet along geodesics between random places, and record it.
+
+    Args:
+        world: name to put on the trajectories.
+        scene: that world.
+        count: cars that set out.
+        seed: of starts, goals and noise.
+        controller: drives to the waypoints; `DRIVER` unless given.
+        control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
+
+    Returns:
+        At most `count` trajectories, those that arrived; each ends a step before its goal counts as
+        reached.
+
+    Raises:
+        InputError: when the world is too small for a geodesic of 2 m.
+    """
+    rng = np.random.default_rng(seed)
+    paths = GridPaths(scene.clearance)
+    starts, goals, limit = _errands(scene, paths, count, rng)
+    simulation = _fleet(scene, starts, control_noise, rng)
+    courier = OracleCourier(paths, goals, DRIVER if controller is None else controller)
+    found = _recorded(world, seed, simulation, courier, limit)
+    return [drive for drive in found if drive is not None and len(drive) >= SHORTEST]
+
+
+def demonstrate_between(
+    world: str, scene: Scene, paths: GridPaths, starts: Array, goals: Array, seed: int
+) -> list[Trajectory | None]:
+    """Drive from given poses to given places, and record it.
+
+    Args:
+        world: name to put on the trajectories.
+        scene: that world.
+        paths: its geodesics.
+        starts: (N, 3) poses.
+        goals: (N, 2) metres.
+        seed: to put on the trajectories; nothing here is random.
+
+    Returns:
+        N trajectories as from `demonstrate`, None for a car that did not arrive.
+
+    Raises:
+        InputError: when no way leads from a start to its goal.
+    """
+    simulation = _fleet(scene, starts, 0.0, None)
+    limit = geodesic_limit(paths, starts, goals)
+    return _recorded(world, seed, simulation, OracleCourier(paths, goals, DRIVER), limit)
+
+
+def record_demonstrations(
+    worlds: Sequence[str],
+    count: int,
+    seed: int,
+    folder: str | Path,
+    jobs: int = 2,
+    control_noise: float = 0.0,
+) -> list[Path]:
+    """Record demonstrations in many worlds, one file each; files that are there are kept.
+
+    So an interrupted recording goes on where it stopped and ends with the same files. A file that
+    is damaged, or was recorded with another seed, count or noise, is recorded again.
+
+    Args:
+        worlds: their names, see `world.worlds`.
+        count: cars that set out in each world.
+        seed: of the whole recording.
+        folder: for the files; made where it is missing.
+        jobs: processes.
+        control_noise: as for `demonstrate`.
+
+    Returns:
+        The files, in the order of `worlds`.
+
+    Raises:
+        InputError: when a name is wrong, before anything is recorded, or a world is too small.
+    """
+    for name in worlds:
+        parse_world(name)
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    names = list(dict.fromkeys(worlds))
+    run_all = Parallel(n_jobs=jobs, return_as="generator")
+    recipe = (count, seed, folder, control_noise)
+    paths = run_all(delayed(_record)(name, *recipe) for name in names)
+    bar = tqdm(paths, total=len(names), desc="demonstrations", disable=None)
+    done = dict(zip(names, bar, strict=True))
+    return [done[name] for name in worlds]
+
+
+def world_seed(seed: int, world: str, count: int, control_noise: float = 0.0) -> int:
+    """The seed of one world's demonstrations; the same in every process and on every machine."""
+    recipe = crc32(f"{world} {count} {control_noise:g}".encode())
+    return int(np.random.SeedSequence([seed, recipe]).generate_state(1)[0])
+
+
+def _record(
+    world: str,
+    count: int,
+    seed: int,
+    folder: Path,
+    control_noise: float,
+) -> Path:
+    """Record one world, unless its file is there."""
+    path = folder / f"{world.replace('/', '-')}.npz"
+    own = world_seed(seed, world, count, control_noise)
+    if not _is_recorded(path, world, own):
+        scene = scene_of(world)
+        save_trajectories(path, demonstrate(world, scene, count, own, control_noise=control_noise))
+    return path
+
+
+def _is_recorded(path: Path, world: str, seed: int) -> bool:
+    try:
+        found = load_trajectories(path)
+    except InputError:
+        return False
+    return {(drive.world, drive.seed) for drive in found} == {(world, seed)}
+
+
+def _fleet(
+    scene: Scene, starts: Array, control_noise: float, rng: np.random.Generator | None
+) -> Simulation:
+    """Pictures are rendered on load; the controllers need only the laser."""
+    sensors = Sensors(camera=None)
+    return Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
+
+
+def _recorded(
+    world: str, seed: int, simulation: Simulation, courier: OracleCourier, limit: Array
+) -> list[Trajectory | None]:
+    """What each robot sensed on its way, None for one that did not arrive."""
+    recorder = _Recorder()
+    drives = drive(simulation, courier.act, courier.goals, limit, record=recorder)
+    return [
+        recorder.trajectory(world, seed, robot) if reached else None
+        for robot, reached in enumerate(drives.reached)
+    ]
+
+
+def _errands(
+    scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator
+) -> tuple[Array, Array, Array]:
+    """Random starts (N, 3), goals (N, 2) and the seconds (N,) that the drives may take."""
+    places = np.flatnonzero(paths.largest)
+    starts = random_free_poses(scene, BicycleCar(), paths.points[places], count, rng)
+    distance = paths.fields(starts[:, :2], shortest=True).cost[:, places]
+    goals = np.empty(count, dtype=np.intp)
+    for robot, far in enumerate(distance):
+        farthest = far.max()
+        if farthest < _LEAST:
+            raise InputError(
+                f"demonstrations: no place is {_LEAST} m away from where a car starts; "
+                "give a larger world"
+            )
+        nearest = NEAREST if farthest >= NEAREST else _SMALL * farthest
+        fit = np.flatnonzero((far >= nearest) & (far <= FARTHEST))
+        goals[robot] = rng.choice(fit)
+    limit = time_limit(distance[np.arange(count), goals])
+    return starts, paths.points[places[goals]], limit
+
+
+class _Recorder:
+    """Keeps what the robots under way sense and do."""
+
+    def __init__(self) -> None:
+        self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
+
+    def __call__(self, simulation: Simulation, robots: Robots, actions: Array) -> None:
+        """Keep one step, before it is made."""
+        seen = simulation.observe(robots)
+        laser = seen.laser.astype(np.float32)
+        poses = simulation.poses[robots]
+        row = (poses, seen.odometry, laser, seen.speed, seen.steering, actions)
+        self._steps.append((robots, row))
+
+    def trajectory(self, world: str, seed: int, robot: int) -> Trajectory:
+        """All that was kept of one robot."""
+        rows = []
+        for robots, row in self._steps:
+            place = np.searchsorted(robots, robot)
+            if place == len(robots) or robots[place] != robot:
+                break  # whoever is done does not set out again
+            rows.append([column[place] for column in row])
+        columns = [np.array(column) for column in zip(*rows, strict=True)]
+        return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)

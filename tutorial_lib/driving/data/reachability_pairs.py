@@ -1,0 +1,141 @@
+"""Errands: from anywhere to a frame of a recorded drive, to learn which of them end well.
+
+Meng 2020 (III-C, IV) draws both places from one drive with probability 0.6 and from two otherwise.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.data.perturbation import TRAINING_JITTER, jittered
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import time_limit
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.visibility import mutual_overlap
+
+SAME, OTHER = 3, 2
+"""Starts of each target on its own drive, and on others."""
+STARTS = SAME + OTHER
+SEEN = 0.1
+"""Overlap of both views from which on the outcome of an errand can be seen."""
+FAR = 5.0
+"""Metres of geodesic beyond which an errand whose views have nothing in common is not driven."""
+_AS_RECORDED = 0.35  # share of the starts that lie on a drive: a map asks about such pairs
+_ALONG, _LONG = (-1.0, 4.0), (-6.0, 20.0)  # metres along the drive from start to target
+_LONG_SHARE = 0.35
+_NEAR = 4.0  # metres between the places of errands from one drive to another that lead near
+_TRIES = 24  # other places that are looked at for one that is near, or that looks alike
+
+
+@dataclass(frozen=True)
+class Errands:
+    """N starts and targets in one world.
+
+    Attributes:
+        starts: (N, 3) poses.
+        targets: (N,) frames of the recorded drives.
+        overlap: (N, 2) share of the first view in the target's, and the other way round.
+        geodesic: (N,) metres; inf where there is no way.
+    """
+
+    starts: Array
+    targets: NDArray[np.intp]
+    overlap: Array
+    geodesic: Array
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def some(self, numbers: NDArray) -> "Errands":
+        """Those of the given numbers, or under a mask."""
+        return Errands(*(getattr(self, field.name)[numbers] for field in fields(self)))
+
+    @property
+    def seen(self) -> NDArray[np.bool_]:
+        """(N,) whether the two views have enough in common for the outcome to be seen."""
+        return (self.overlap >= SEEN).all(axis=1)
+
+    @property
+    def hopeless(self) -> NDArray[np.bool_]:
+        """(N,) whether it leads far away, to where nothing of the first view can be seen."""
+        return (self.geodesic > FAR) & (self.overlap < SEEN).all(axis=1)
+
+    @property
+    def limit(self) -> Array:
+        """(N,) seconds that it may take."""
+        return time_limit(self.geodesic)
+
+
+def draw_errands(
+    recorded: RecordedWorld, paths: GridPaths, targets: int, rng: np.random.Generator
+) -> Errands:
+    """Errands to random frames of recorded drives.
+
+    Of the `STARTS` starts of each target three are on its own drive, mostly within a few metres.
+    One is on another drive near by, and one anywhere: half of those in a room of the same type.
+    Starts are jittered, but for a third of them.
+
+    Args:
+        recorded: the drives of one world.
+        paths: its geodesics.
+        targets: G, of which each has `STARTS` starts in a row.
+        rng: draws everything.
+
+    Returns:
+        Fewer than G * `STARTS`: those with no room to start in are left out.
+    """
+    frames = rng.integers(len(recorded.poses), size=targets)
+    sources = np.empty((targets, STARTS), dtype=np.intp)
+    along = rng.uniform(*_ALONG, size=(targets, SAME))
+    long = rng.random((targets, SAME)) < _LONG_SHARE
+    along = np.where(long, rng.uniform(*_LONG, size=(targets, SAME)), along)
+    own = np.repeat(frames, SAME)
+    sources[:, :SAME] = recorded.frame_at(own, -along.ravel()).reshape(targets, SAME)
+    sources[:, SAME:] = _elsewhere(recorded, frames, rng)
+    starts, found = jittered(recorded.scene, recorded.poses[sources.ravel()], TRAINING_JITTER, rng)
+    kept = rng.random(len(starts)) < _AS_RECORDED
+    starts[kept] = recorded.poses[sources.ravel()[kept]]
+    ready = np.flatnonzero(found | kept)
+    return errands_of(recorded, paths, starts[ready], np.repeat(frames, STARTS)[ready])
+
+
+def errands_of(
+    recorded: RecordedWorld, paths: GridPaths, starts: Array, targets: NDArray[np.intp]
+) -> Errands:
+    """Measure the errands from `starts` (N, 3) to frames `targets` (N,) that have a way."""
+    goals = recorded.poses[targets]
+    overlap = mutual_overlap(recorded.scene.caster, starts, goals)
+    geodesic = paths.between(starts[:, :2], goals[:, :2])
+    return Errands(starts, targets, overlap, geodesic).some(np.isfinite(geodesic))
+
+
+def _elsewhere(
+    recorded: RecordedWorld, frames: NDArray[np.intp], rng: np.random.Generator
+) -> NDArray[np.intp]:
+    """(G, 2) frames of other drives: one near each of `frames` (G,), and one anywhere."""
+    count = len(recorded.poses)
+    tried = rng.integers(count, size=(2, len(frames), _TRIES))
+    other = recorded.first[tried] != recorded.first[frames][:, None]
+    gap = recorded.poses[tried, :2] - recorded.poses[frames, None, :2]
+    near = other[0] & (np.linalg.norm(gap[0], axis=-1) < _NEAR)
+    kind = _kinds(recorded)
+    alike = other[1] & (kind[tried[1]] == kind[frames][:, None])
+    alike &= np.linalg.norm(gap[1], axis=-1) > _NEAR
+    alike &= rng.random((len(frames), 1)) < 0.5
+    # The first that fits, or else the first on another drive.
+    chosen = np.where(near.any(axis=1), near.argmax(axis=1), other[0].argmax(axis=1))
+    anywhere = np.where(alike.any(axis=1), alike.argmax(axis=1), other[1].argmax(axis=1))
+    rows = np.arange(len(frames))
+    return np.stack([tried[0][rows, chosen], tried[1][rows, anywhere]], axis=1)
+
+
+def _kinds(recorded: RecordedWorld) -> NDArray[np.intp]:
+    """(F,) number of the type of the room in which each frame was recorded."""
+    kinds: dict[str, int] = {}
+    kind = np.full(len(recorded.poses), -1)
+    for room in recorded.scene.plan.rooms:
+        inside = room.contains(recorded.poses[:, :2])
+        kind[inside] = kinds.setdefault(room.kind, len(kinds))
+    return kind

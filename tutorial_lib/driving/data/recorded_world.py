@@ -1,0 +1,153 @@
+"""The drives that were recorded in one world, and pairs of places along them."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.driving.data.trajectories import CONTEXT_INTERVAL, Trajectory
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
+
+BEHIND, AHEAD = 1.0, 3.0
+"""Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
+CLOSE = 0.8
+"""Metres along the drive within which the last bit of the way is decided."""
+
+
+def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) -> NDArray[np.intp]:
+    """Frames of contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
+
+    Args:
+        frames: (N,) numbers i of the targets.
+        k: pictures on either side.
+        first: (N,) or one number, the first frame of the drive, which is repeated before it.
+        last: the same for the last frame, which is repeated after it.
+
+    Returns:
+        (N, 2k+1) in the order of time.
+
+    >>> frames_around([0, 10], 2, 0, 12).tolist()
+    [[0, 0, 0, 3, 6], [4, 7, 10, 12, 12]]
+    """
+    around = np.asarray(frames)[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1)
+    return np.clip(around, np.reshape(first, (-1, 1)), np.reshape(last, (-1, 1)))
+
+
+class RecordedWorld:
+    """All the drives recorded in one world, laid end to end.
+
+    Attributes:
+        scene: the world.
+        poses: (F, 3) of all frames.
+        speed, steering: (F,) m/s and rad.
+        arc: (F,) metres driven up to each frame, never falling from one drive to the next.
+        first, last: (F,) numbers of the first and last frame of the drive that a frame is from.
+    """
+
+    def __init__(self, scene: Scene, trajectories: Sequence[Trajectory]) -> None:
+        """Lay `trajectories` end to end."""
+        if not trajectories:
+            raise InputError("pairs: no drives to draw from; record some first")
+        self.scene = scene
+        self.trajectories = tuple(trajectories)
+        lengths = np.array([len(trajectory) for trajectory in trajectories])
+        ends = np.cumsum(lengths)
+        self.poses = np.concatenate([trajectory.poses for trajectory in trajectories])
+        self.speed = np.concatenate([trajectory.speed for trajectory in trajectories])
+        self.steering = np.concatenate([trajectory.steering for trajectory in trajectories])
+        self.first = np.repeat(ends - lengths, lengths)
+        self.last = np.repeat(ends - 1, lengths)
+        # A gap wider than any pair keeps a search along the arc within its drive.
+        gap = np.repeat(np.arange(len(lengths)) * 100.0, lengths)
+        length = np.cumsum([0.0] + [t.arc_length[-1] for t in trajectories[:-1]])
+        arcs = np.concatenate([trajectory.arc_length for trajectory in trajectories])
+        self.arc = arcs + gap + np.repeat(length, lengths)
+
+    def context(self, frames: NDArray[np.intp], k: int) -> NDArray[np.intp]:
+        """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
+
+        Args:
+            frames: (N,) numbers i of the targets.
+            k: pictures on either side.
+
+        Returns:
+            (N, 2k+1); beyond either end of a drive its first or last frame is repeated.
+
+        Raises:
+            InputError: when a drive is shorter than one context, or there is no such frame.
+        """
+        frames = self._checked(frames)
+        if k < 0:
+            raise InputError(f"context: k = {k}; give k >= 0")
+        needed = 2 * k * CONTEXT_INTERVAL + 1
+        shortest = (self.last - self.first + 1)[frames].min(initial=needed)
+        if shortest < needed:
+            raise InputError(
+                f"context: k = {k} needs a drive of {needed} frames and one has {shortest}; record "
+                "longer ones or give a smaller k"
+            )
+        return frames_around(frames, k, self.first[frames], self.last[frames])
+
+    def observe(self, frames: NDArray[np.intp], camera: Camera | None = None) -> Observation:
+        """What the robot sensed at frames (N,): pictures are rendered, the rest was recorded.
+
+        Args:
+            frames: their numbers.
+            camera: takes the pictures; the usual one unless given.
+
+        Raises:
+            InputError: when there is no such frame, or lasers have different numbers of beams.
+        """
+        frames = self._checked(frames)
+        laser, odometry = self._sensed
+        image, _ = (Camera() if camera is None else camera).look(self.scene, self.poses[frames])
+        senses = (laser[frames], odometry[frames], self.speed[frames], self.steering[frames])
+        return Observation(image, None, *senses)
+
+    @cached_property
+    def _sensed(self) -> tuple[NDArray[np.float32], Array]:
+        """Laser (F, B) and odometry (F, 3) of all frames; only to observe are they needed."""
+        if len({trajectory.laser.shape[1] for trajectory in self.trajectories}) > 1:
+            raise InputError("drives: lasers with different numbers of beams; take them apart")
+        laser = np.concatenate([trajectory.laser for trajectory in self.trajectories])
+        return laser, np.concatenate([trajectory.odometry for trajectory in self.trajectories])
+
+    def _checked(self, frames: ArrayLike) -> NDArray[np.intp]:
+        """Frames (N,) that there are."""
+        frames = np.asarray(frames)
+        if frames.dtype.kind not in "iu" or frames.ndim != 1:
+            raise InputError(f"frames: {frames}; give (N,) whole numbers")
+        if len(frames) and not 0 <= frames.min() <= frames.max() < len(self.poses):
+            raise InputError(f"frames: {frames}; there are 0 to {len(self.poses) - 1}")
+        return frames
+
+    def frame_at(self, frames: NDArray[np.intp], ahead: Array) -> NDArray[np.intp]:
+        """(N,) the frame so many metres `ahead` (N,) of each frame, or the end of the drive."""
+        found = np.searchsorted(self.arc, self.arc[frames] + ahead)
+        return np.clip(found, self.first[frames], self.last[frames])
+
+    def draw(
+        self, targets: int, starts: int, rng: np.random.Generator, close: float = 0.0
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Pairs of frames along one drive, the target 1 m behind to 3 m ahead (Table I).
+
+        Args:
+            targets: G, how many targets.
+            starts: S, for each.
+            rng: draws them.
+            close: share of the pairs that are within `CLOSE` instead, as at the end of a drive.
+
+        Returns:
+            (G * S,) frames to drive from, those of one target in a row, and (G,) targets.
+        """
+        frames, count = rng.integers(len(self.poses), size=targets), targets * starts
+        ahead = rng.uniform(-BEHIND, AHEAD, size=count)
+        if close:
+            near = rng.random(count) < close
+            ahead = np.where(near, rng.uniform(-CLOSE, CLOSE, size=count), ahead)
+        return self.frame_at(np.repeat(frames, starts), -ahead), frames

@@ -1,0 +1,135 @@
+"""How errands end under a controller: what reachability is learnt from (Meng 2020, III-C)."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.data.reachability_pairs import Errands
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.rollouts import Driver, drive
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+FLEET = 1_024
+"""Robots that are driven at once: few steps are made with only the last of them under way."""
+VERSION = 1
+"""Of the file's layout."""
+
+Pilot = Callable[[RecordedWorld, NDArray[np.intp]], Driver]
+"""Gets ready to drive robots to frames (N,) of recorded drives, and drives them."""
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """N errands in one world, and how each ended.
+
+    Attributes:
+        errands: where they led.
+        driven: (N,) whether a robot was sent. Hopeless errands count as failed without that: who
+            chances upon such a target (`experiment calibration --ablation audit` says how many do)
+            could not have known.
+        reached: (N,) whether the target was reached in time, and nothing was touched. Who touches
+            something has not (the authors left such drives out; here there are 5 in 150,000).
+        collided: (N,) whether something was touched.
+        seconds: (N,) until it ended.
+    """
+
+    errands: Errands
+    driven: NDArray[np.bool_]
+    reached: NDArray[np.bool_]
+    collided: NDArray[np.bool_]
+    seconds: Array
+
+    def __len__(self) -> int:
+        return len(self.errands)
+
+    def some(self, numbers: NDArray) -> "Outcomes":
+        """Those of the given numbers, or under a mask."""
+        rest = (getattr(self, field.name)[numbers] for field in fields(self)[1:])
+        return Outcomes(self.errands.some(numbers), *rest)
+
+
+def run_errands(
+    recorded: RecordedWorld,
+    errands: Errands,
+    pilot: Pilot,
+    camera: Camera | None = None,
+    all_of_them: bool = False,
+) -> Outcomes:
+    """Send a robot on each errand and see what becomes of it.
+
+    Args:
+        recorded: the world.
+        errands: N of them.
+        pilot: drives; it has no memory.
+        camera: that the robots carry; the usual one unless given.
+        all_of_them: whether robots are sent on hopeless errands, too.
+    """
+    count = len(errands)
+    driven = np.ones(count, dtype=bool) if all_of_them else ~errands.hopeless
+    reached, collided, seconds = np.zeros(count, bool), np.zeros(count, bool), np.zeros(count)
+    # Those that take equally long are sent together.
+    order = np.flatnonzero(driven)[np.argsort(errands.limit[driven], kind="stable")]
+    sensors = None if camera is None else Sensors(camera=camera)
+    for first in range(0, len(order), FLEET):
+        some = order[first : first + FLEET]
+        simulation = Simulation(recorded.scene, errands.starts[some], sensors=sensors)
+        driver, goals = (
+            pilot(recorded, errands.targets[some]),
+            recorded.poses[errands.targets[some]],
+        )
+        drives = drive(simulation, driver, goals[:, :2], errands.limit[some], settle=True)
+        reached[some], collided[some] = drives.reached, drives.collided
+        seconds[some] = drives.seconds
+    return Outcomes(errands, driven, reached, collided, seconds)
+
+
+def save_outcomes(path: str | Path, outcomes: Outcomes, recipe: str) -> None:
+    """Write outcomes into an `.npz` file, whole or not at all.
+
+    Args:
+        path: of the file.
+        outcomes: of one world.
+        recipe: what they came from, to know them again.
+    """
+    with atomic_path(path) as temporary, temporary.open("wb") as file:
+        np.savez(file, version=np.array(VERSION), recipe=np.array(recipe), **_columns(outcomes))
+
+
+def load_outcomes(path: str | Path, recipe: str) -> Outcomes:
+    """Read what `save_outcomes` wrote.
+
+    Raises:
+        InputError: when the file is missing, damaged or of another recipe; it says what to do.
+    """
+    advice = "delete the file and record it again"
+    if not Path(path).is_file():
+        raise InputError(f"{path}: there is no such file; record it")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays: dict[str, NDArray[Any]] = {name: file[name] for name in file.files}
+        if int(arrays["version"]) != VERSION or str(arrays["recipe"]) != recipe:
+            raise InputError(f"{path}: outcomes of another recipe; {advice}")
+        errands = Errands(*(arrays[field.name] for field in fields(Errands)))
+        outcomes = Outcomes(errands, *(arrays[field.name] for field in fields(Outcomes)[1:]))
+        if len({len(column) for column in _columns(outcomes).values()}) > 1:
+            raise InputError(f"{path}: its columns differ in length; {advice}")
+    except InputError:
+        raise
+    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
+    except Exception as error:
+        raise InputError(f"{path}: damaged ({error}); {advice}") from error
+    return outcomes
+
+
+def _columns(outcomes: Outcomes) -> dict[str, NDArray[Any]]:
+    """Every array of outcomes by name."""
+    found = {field.name: getattr(outcomes.errands, field.name) for field in fields(Errands)}
+    return found | {field.name: getattr(outcomes, field.name) for field in fields(Outcomes)[1:]}

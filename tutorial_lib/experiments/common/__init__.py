@@ -1,0 +1,1 @@
+"""What experiments share: options, reports, statistics, stored results and agents."""

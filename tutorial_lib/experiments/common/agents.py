@@ -1,0 +1,133 @@
+"""The whole systems that are raced against each other, and how to put a piece of your own in."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.agents.agent import Agent
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.random import WanderingAgent
+from tutorial_lib.agents.sptm import SPTMAgent
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.errors import InputError
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.topology.planner import DijkstraPlanner
+
+CONTEXT = "k5"
+S_SHORTCUT = 0.99
+"""SPTM's, by a search on validation worlds."""
+PIECES = {
+    "agent": ("learn", "set_out"),
+    "planner": ("plan",),
+    "localizer": ("localize",),
+    "reachability": ("prepare", "probability"),
+}
+"""What an own class may be, by the methods that it has."""
+
+
+def meng(**changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute of the agent
+    """The system of Meng 2020 with the shipped networks, but for what is `changed`."""
+    parts: dict[str, Any] = {
+        "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
+        "controller": RMPController(),
+        "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
+    }
+    return MengAgent(**{**parts, **changed})
+
+
+def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the agent
+    """SPTM with the same controller and follower, but for what is `changed`."""
+    parts: dict[str, Any] = {
+        "similarity": ReachabilityNetwork("sptm"),
+        "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
+        "controller": RMPController(),
+        "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
+        "s_shortcut": S_SHORTCUT,
+    }
+    return SPTMAgent(**{**parts, **changed})
+
+
+def wanderer(rng: np.random.Generator) -> WanderingAgent:
+    """The random agent."""
+    return WanderingAgent(WaypointNetwork(f"waypoint_{CONTEXT}"), RMPController(), rng)
+
+
+def custom(where: str) -> Agent:
+    """An agent with a piece of somebody's own, from "FILE.py:CLASS".
+
+    The class is made without arguments. One that has `learn` and `set_out` is a whole agent; one
+    that has `plan`, `localize`, or `prepare` and `probability` takes the place of that piece of
+    `meng`.
+
+    Raises:
+        InputError: when there is no such file or class, it cannot be made, or it is no such piece.
+    """
+    piece = _made(where)
+    kinds = [kind for kind, methods in PIECES.items() if all(hasattr(piece, m) for m in methods)]
+    if not kinds:
+        known = "; ".join(f"{kind}: {', '.join(methods)}" for kind, methods in PIECES.items())
+        raise InputError(f"--agent {where}: has the methods of no piece ({known})")
+    if kinds[0] == "agent":
+        return piece
+    if kinds[0] == "localizer":
+        return meng(planner=DijkstraPlanner(localizer=piece))
+    return meng(**{kinds[0]: piece})
+
+
+def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+    """Run something with a piece of somebody's own; a fault of theirs becomes a clear report.
+
+    Raises:
+        InputError: with the file, the line and what went wrong.
+    """
+    try:
+        return run(*arguments)
+    except InputError as error:
+        raise InputError(f"--agent {where}: {error}") from error
+    except (Exception, SystemExit) as error:
+        raise InputError(f"--agent {where}: {_told(where, error)}") from error
+
+
+def _made(where: str) -> Any:  # noqa: ANN401
+    file, _, name = where.rpartition(":")
+    path = Path(file)
+    if not file or not name.isidentifier():
+        raise InputError(f"--agent {where}: give FILE.py:CLASS, as in my_agent.py:MyPlanner")
+    if not path.is_file():
+        raise InputError(f"--agent {where}: there is no file {file}")
+    spec = importlib.util.spec_from_file_location(f"custom_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise InputError(f"--agent {where}: {file} is no Python file; its name ends in .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module.__name__] = module
+    try:
+        spec.loader.exec_module(module)
+        known = getattr(module, name, None)
+        if known is None:
+            raise InputError(f"--agent {where}: {file} has no {name}")
+        return known()
+    except InputError:
+        raise
+    except (Exception, SystemExit) as error:
+        raise InputError(f"--agent {where}: {_told(where, error)}") from error
+
+
+def _told(where: str, error: BaseException) -> str:
+    """What went wrong, and in which line of their file."""
+    file = Path(where.rpartition(":")[0]).resolve()
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename).resolve() == file
+    ]
+    # A SyntaxError has no frame in the file that it is about.
+    line = lines[-1] if lines else getattr(error, "lineno", None)
+    at = f"{file.name}, line {line}: " if line else ""
+    return f"{at}{type(error).__name__}: {error}"

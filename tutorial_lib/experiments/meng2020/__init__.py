@@ -1,0 +1,1 @@
+"""Tables and figures of Meng 2020."""

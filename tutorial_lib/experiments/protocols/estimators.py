@@ -1,0 +1,69 @@
+"""Who says whether a target can be reached: the rows of the calibration table."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.learning.estimators import ReachabilityNetwork
+from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.similarity import ImageSimilarity
+
+CONTROLLERS = {"k0": "waypoint_k0", "k2": "waypoint_k2", "k5": "waypoint_k5", "laser": "laser_k2"}
+"""Weights of C_WP by the name of a row."""
+_AT_ONCE = 1_024
+
+
+@dataclass(frozen=True)
+class Judge:
+    """One estimator of reachability.
+
+    Attributes:
+        reachability: is asked.
+        controller: whose outcomes it is to foretell, one of `CONTROLLERS`.
+        k: pictures of context on either side of a target.
+    """
+
+    reachability: Reachability
+    controller: str
+    k: int
+
+    def targets(self, recorded: RecordedWorld, frames: NDArray[np.intp]) -> object:
+        """Recorded frames (M,) as prepared targets."""
+        view = getattr(self.reachability, "view", VIEWS["camera16"])
+        poses = recorded.poses[recorded.context(frames, self.k)]
+        return self.reachability.prepare(view.render(recorded.scene, poses))
+
+    def judge(self, recorded: RecordedWorld, seen: Observation, targets: NDArray[np.intp]) -> Array:
+        """Probabilities (N,) that from what is `seen` (N) the frames (N,) are reached."""
+        frames, which = np.unique(targets, return_inverse=True)
+        prepared = self.targets(recorded, frames)
+        return self.ask_all(seen, prepared, np.arange(len(seen)), which)
+
+    def ask_all(
+        self, seen: Observation, prepared: object, rows: NDArray[np.intp], shown: NDArray[np.intp]
+    ) -> Array:
+        """Probabilities (N,) of pairs: observation numbers (N,) and target numbers (N,)."""
+        parts = np.array_split(np.arange(len(rows)), 1 + len(rows) // _AT_ONCE)
+        asked = [ask(self.reachability, seen[rows[p]], prepared[shown[p]]) for p in parts]
+        return np.concatenate(asked)
+
+
+def judges(names: tuple[str, ...]) -> dict[str, Judge]:
+    """The estimators of those names; SPTM's and plain similarity are held against k = 2."""
+    every = {name: (f"reach_{name}", name) for name in CONTROLLERS} | {"sptm": ("sptm", "k2")}
+    found = {}
+    for name in names:
+        if name == "image":
+            found[name] = Judge(ImageSimilarity(), "k2", 0)
+        else:
+            weights, controller = every[name]
+            network = ReachabilityNetwork(weights)
+            found[name] = Judge(network, controller, network.architecture.k)
+    return found

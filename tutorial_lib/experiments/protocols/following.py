@@ -1,0 +1,166 @@
+"""Recorded trajectories that are followed again by their anchors (Meng 2020, IV-A, IV-B)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.metrics import SLOWEST, covered
+from tutorial_lib.driving.rollouts import Driver, Robots, drive
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.log import Following
+from tutorial_lib.topology.following.run import Run
+from tutorial_lib.topology.mapping.sparsify import sparsify
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.world.worlds import local_world, scene_of
+
+WEIGHTS = {
+    "k0": ("waypoint_k0", "reach_k0"),
+    "k2": ("waypoint_k2", "reach_k2"),
+    "k5": ("waypoint_k5", "reach_k5"),
+    "laser": ("laser_k2", "reach_laser"),
+}
+"""C_WP and RE by context."""
+Disturb = Callable[[Simulation, Robots], None]
+"""Does something to the robots under way."""
+CARS = 48
+"""That set out in a world, for trajectories to choose from."""
+LENGTH = 15.0
+"""Metres of the trajectories, on average (Meng 2020, IV-B)."""
+UNDER_WAY = 2.0
+"""Metres driven before a trajectory begins. Cars set out from where they happen to stand, to and
+fro until they face the way they want to go; anchors so close together, each seen the other way
+round, cannot be told apart by overlap or waypoint, however many are kept."""
+_SHORTEST = 10.0
+_BUDGET = 2.0  # times the time that the slowest drive takes
+
+
+def trajectories(seed: int, count: int, rng: np.random.Generator) -> RecordedWorld:
+    """A world with `count` recorded trajectories of about `LENGTH` metres on average.
+
+    They begin once the cars are under way. There are fewer, where not as many are 10 m long.
+    """
+    name = local_world(seed)
+    scene = scene_of(name)
+    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
+    moved = [drive.since(UNDER_WAY) for drive in drives if drive.arc_length[-1] > 2 * UNDER_WAY]
+    found = [drive for drive in moved if drive.arc_length[-1] >= _SHORTEST] or moved
+    found = sorted(rng.permutation(np.array(found, dtype=object)), key=_off_average)[:count]
+    return RecordedWorld(scene, found)
+
+
+def _off_average(drive: Any) -> float:  # noqa: ANN401 - a Trajectory
+    return abs(drive.arc_length[-1] - LENGTH)
+
+
+@dataclass(frozen=True)
+class Guide:
+    """C and RE with one context, in one world.
+
+    Attributes:
+        recorded: the trajectories.
+        context: one of `WEIGHTS`.
+    """
+
+    recorded: RecordedWorld
+    context: str
+
+    @cached_property
+    def predictor(self) -> WaypointNetwork:
+        """C_WP."""
+        return WaypointNetwork(WEIGHTS[self.context][0])
+
+    @cached_property
+    def reachability(self) -> ReachabilityNetwork:
+        """RE."""
+        return ReachabilityNetwork(WEIGHTS[self.context][1])
+
+    @property
+    def k(self) -> int:
+        """Pictures of context on either side of an anchor."""
+        return self.predictor.architecture.k
+
+    def pictures(self, frames: NDArray[np.intp]) -> NDArray:
+        """Frames (N,) in their context, (N, 2k+1, H, W, C)."""
+        poses = self.recorded.poses[self.recorded.context(frames, self.k)]
+        return self.predictor.view.render(self.recorded.scene, poses)
+
+    def anchors(self, trajectory: int, threshold: float) -> NDArray[np.intp]:
+        """Frames (A,) of the world that the sparsifier keeps of a trajectory."""
+        frames = frames_of(self.recorded, trajectory)
+        seen = self.recorded.observe(frames, self.predictor.view.camera)
+        prepared = self.reachability.prepare(self.pictures(frames))
+        return frames[sparsify(self.reachability, seen, prepared, threshold)]
+
+    def follow(
+        self,
+        trails: list[NDArray[np.intp]],
+        noise: float = 0.0,
+        rng: np.random.Generator | None = None,
+        people: Sequence[Person] = (),
+        disturb: Disturb | None = None,
+    ) -> tuple[Array, Array, Following]:
+        """Follow trails, each from its first frame, and say how far each was followed.
+
+        Args:
+            trails: frames (A,) of each robot's anchors, all of one trajectory.
+            noise: sigma of the actuation noise.
+            rng: of the noise.
+            people: who walk about.
+            disturb: is called before each step with the simulation and those under way.
+
+        Returns:
+            Metres (N,) that were covered, poses (T, N, 3), and what went on.
+        """
+        recorded, frames = self.recorded, np.concatenate(trails)
+        pictures = self.pictures(frames)
+        targets, prepared = self.predictor.prepare(pictures), self.reachability.prepare(pictures)
+        laid = Trails.end_to_end(targets, prepared, [len(trail) for trail in trails])
+        run = Follower(self.predictor, RMPController(), self.reachability).begin(laid)
+        ends = np.array([(trail[0], trail[-1]) for trail in trails])
+        simulation = Simulation(
+            recorded.scene,
+            recorded.poses[ends[:, 0]],
+            people=people,
+            control_noise=noise,
+            rng=rng,
+        )
+        length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
+        limit = _BUDGET * length / SLOWEST + 10.0
+        drives = drive(simulation, driver(run, disturb), recorded.poses[ends[:, 1], :2], limit)
+        metres = []
+        for robot, (first, last) in enumerate(ends):
+            steps = round(drives.seconds[robot] / STEP)
+            touched = steps if drives.collided[robot] else None
+            track = drives.poses[: steps + 1, robot]
+            metres.append(covered(recorded.poses[first : last + 1], track, touched))
+        return np.array(metres), drives.poses, run.record()
+
+
+def driver(run: Run, disturb: Disturb | None = None) -> Driver:
+    """Drives the robots of a run; who is lost or done stands still."""
+
+    def act(simulation: Simulation, robots: Robots) -> Array:
+        if disturb is not None:
+            disturb(simulation, robots)
+        return run.act(simulation.observe(robots), robots)
+
+    return act
+
+
+def frames_of(recorded: RecordedWorld, trajectory: int) -> NDArray[np.intp]:
+    """The frames of one trajectory."""
+    first = np.unique(recorded.first)[trajectory]
+    return np.arange(first, recorded.last[first] + 1)

@@ -1,0 +1,148 @@
+"""The courses of Table I: episodes under one condition in one world."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.data.demonstrations import demonstrate
+from tutorial_lib.driving.data.episodes import Episodes, draw_episodes, with_obstacles
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.rollout_outcomes import Pilot
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.rollouts import Driver, Drives, drive
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.world.importers import import_map
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.visibility import mutual_overlap
+from tutorial_lib.world.worlds import local_world, scene_of
+
+WORLDS = tuple(range(20_000, 20_020))
+NOISE = 1 / 3
+OBSTACLES = 2
+CARS = 24
+"""That record the drives of a world."""
+OVERLAPPING = 0.7
+"""Both overlaps beyond which the authors' code takes a target for reached too."""
+_EPISODES, _QUICK_EPISODES = 100, 40
+_SPARE, _LONG = 5, 2.0  # times as many episodes, so long, among which are those with room
+
+
+@dataclass(frozen=True)
+class Course:
+    """What all controllers drive under one condition in one world.
+
+    Attributes:
+        episodes: starts and targets.
+        people: obstacles on the way.
+        noise: sigma of the factor on both controls.
+        seed: of the noise; another one in every world.
+    """
+
+    episodes: Episodes
+    people: list[Person]
+    noise: float = 0.0
+    seed: tuple[int, int] = (0, 0)
+
+    def run(self, driver: Driver, sensors: Sensors | None = None) -> Drives:
+        """Drive all episodes at once."""
+        episodes = self.episodes
+        simulation = Simulation(
+            episodes.recorded.scene,
+            episodes.starts,
+            people=self.people,
+            control_noise=self.noise,
+            sensors=sensors,
+            rng=np.random.default_rng(self.seed),
+        )
+        return drive(simulation, driver, episodes.goals[:, :2], episodes.limit)
+
+    def matched(self, drives: Drives) -> NDArray[np.bool_]:
+        """(N,) whether a drive reached its target, or ever saw what its target sees."""
+        caster, goals = self.episodes.recorded.scene.caster, self.episodes.goals
+        matched = drives.reached.copy()
+        for robot in np.flatnonzero(~drives.reached):
+            # A drive that touched something ended with that.
+            steps = round(drives.seconds[robot] / STEP) + (not drives.collided[robot])
+            track = drives.poses[:steps, robot]
+            both = mutual_overlap(caster, track, np.broadcast_to(goals[robot], track.shape))
+            matched[robot] = (both > OVERLAPPING).all(axis=1).any()
+        return matched
+
+
+def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
+    """The worlds that were asked for, and how many episodes each has."""
+    worlds = options.worlds or (WORLDS[:10] if options.quick else WORLDS)
+    return worlds, _QUICK_EPISODES if options.quick else _EPISODES
+
+
+def courses(place: Any, count: int, seed: int) -> dict[str, Course]:  # noqa: ANN401
+    """The conditions of one world; shifted colours only where a world is generated.
+
+    Obstacles stand in episodes of their own, drawn from those that are long and wide enough.
+    """
+    recorded, paths, rng = _explored(place, seed)
+    episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
+    found = {
+        "clean": Course(episodes, [], seed=seeds),
+        "noise": Course(episodes, [], NOISE, seeds),
+    }
+    spare = draw_episodes(recorded, paths, _SPARE * count, rng, _LONG, fewer=True)
+    blocked, obstacles = with_obstacles(spare, OBSTACLES, count, rng)
+    if len(blocked):
+        found["obstacles"] = Course(blocked, obstacles, seed=seeds)
+    if isinstance(place, int):
+        scene = scene_of(local_world(place, "shifted"))
+        shifted = RecordedWorld(scene, recorded.trajectories)
+        found["shifted"] = Course(episodes.within(shifted), [], seed=seeds)
+    return found
+
+
+def clean_course(place: Any, count: int, seed: int) -> Course:  # noqa: ANN401
+    """Only the first condition of `courses`."""
+    recorded, paths, rng = _explored(place, seed)
+    return Course(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
+
+
+def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
+    """What everything random in one world is drawn with."""
+    return seed, place if isinstance(place, int) else 0
+
+
+def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:  # noqa: ANN401
+    """A world with drives recorded in it, its geodesics, and what draws everything else."""
+    generated = isinstance(place, int)
+    name = local_world(place) if generated else str(place)
+    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
+    rng = np.random.default_rng(seeds_of(place, seed))
+    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
+    return RecordedWorld(scene, drives), GridPaths(scene.clearance), rng
+
+
+def attempt(course: Course, pilot: Pilot, sensors: Sensors | None = None) -> dict[str, Array]:
+    """One pilot on one course; each value is (N,).
+
+    How it went: reached, collided, and matched (see `Course.matched`). What it was like: metres
+    ahead along the drive, bearing of the target in rad, the smaller overlap of the two first
+    pictures, and metres of clearance at start or target, whichever is less.
+    """
+    episodes = course.episodes
+    drives = course.run(pilot(episodes.recorded, episodes.targets), sensors)
+    scene, starts, goals = episodes.recorded.scene, episodes.starts, episodes.goals
+    seen = to_local(starts, goals[:, :2])
+    room = np.stack([scene.clearance.at(poses[:, :2]) for poses in (starts, goals)])
+    return {
+        "reached": drives.reached.astype(float),
+        "collided": drives.collided.astype(float),
+        "matched": course.matched(drives).astype(float),
+        "ahead": episodes.ahead,
+        "bearing": np.abs(np.arctan2(seen[:, 1], seen[:, 0])),
+        "overlap": mutual_overlap(scene.caster, starts, goals).min(axis=1),
+        "clearance": room.min(axis=0),
+    }

@@ -1,0 +1,206 @@
+"""Buildings in which maps are made: places, the drives between them, and trials (Table II)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import permutations
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.data.demonstrations import SHORTEST, demonstrate_between
+from tutorial_lib.driving.data.perturbation import PAPER_JITTER, Jitter, jittered
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.trajectories import Trajectory
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.importers import import_map
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.worlds import map_world, scene_of
+
+PLACES = 10
+"""That are joined pairwise: 90 trajectories (Meng 2020, IV-C)."""
+ROOMY = 0.45
+"""Metres of clearance that a place has."""
+ANYWHERE_JITTER = Jitter(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
+"""Of starts that lie on a drive, but do not look along it."""
+_FAR = 3.0  # metres from a start to its goal at least
+_SPARE, _SPARE_ANYWHERE = 1.1, 1.5  # times as many trials are drawn, since some have no room
+_LOOK = 1.0  # metres of the way by which a car is placed that sets out on it
+_TURNS = np.array([0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2, np.pi])
+
+
+@dataclass(frozen=True, eq=False)
+class Building:
+    """A world with places that recorded drives join pairwise.
+
+    Attributes:
+        name: of the world.
+        scene: the world.
+        paths: its geodesics.
+        places: (P, 2) metres.
+        recorded: the drives, one for each pair.
+        pairs: (D, 2) the places that each drive joins.
+    """
+
+    name: str
+    scene: Scene
+    paths: GridPaths
+    places: Array
+    recorded: RecordedWorld
+    pairs: NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """Where robots start, and what pictures they are shown; none of this is on the map.
+
+    For each trial an oracle has driven from the same start to the same place, which took it
+    `seconds`. The goal's picture was taken where it arrived.
+
+    Attributes:
+        pairs: (N, 2) places at either end.
+        starts: (N, 3) poses, jittered.
+        recorded: the oracle's drives.
+        goals: (N,) frames of those.
+        seconds: (N,) that the oracle took.
+    """
+
+    pairs: NDArray[np.intp]
+    starts: Array
+    recorded: RecordedWorld
+    goals: NDArray[np.intp]
+    seconds: Array
+
+    def __len__(self) -> int:
+        return len(self.starts)
+
+    def some(self, numbers: NDArray[np.intp]) -> Trials:
+        """The trials of those numbers (M,)."""
+        parts = (self.pairs, self.starts, self.goals, self.seconds)
+        pairs, starts, goals, seconds = (part[numbers] for part in parts)
+        return Trials(pairs, starts, self.recorded, goals, seconds)
+
+    @property
+    def goal_poses(self) -> Array:
+        """(N, 3) where the goals' pictures were taken."""
+        return self.recorded.poses[self.goals]
+
+
+def building(
+    place: int | Path, seed: int, count: int = PLACES, palette: str = "standard"
+) -> Building:
+    """Choose places that cover a world, and record a drive for each ordered pair of them.
+
+    Args:
+        place: seed of a large generated world, or a map's file.
+        seed: of everything that is random.
+        count: places.
+        palette: of a generated world.
+
+    Raises:
+        InputError: when the world is too small for so many places.
+    """
+    generated = not isinstance(place, Path)
+    name = map_world(place, palette) if generated else place.name
+    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
+    return explored(name, scene, np.random.default_rng([seed, place if generated else 0]), count)
+
+
+def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLACES) -> Building:
+    """Choose places that cover a scene, and record a drive for each ordered pair of them.
+
+    Raises:
+        InputError: when the world is too small for so many places.
+    """
+    paths = GridPaths(scene.clearance)
+    places = spread_places(paths, count, rng)
+    pairs = np.array(list(permutations(range(count), 2)))
+    starts = facing(scene, paths, places, pairs)
+    drives = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], 0)
+    kept = [number for number, drive in enumerate(drives) if long_enough(drive)]
+    if not kept:
+        raise InputError(f"{name}: no drive between any two of {count} places; give a larger map")
+    recorded = RecordedWorld(scene, [drives[number] for number in kept])
+    return Building(name, scene, paths, places, recorded, pairs[kept])
+
+
+def trials(house: Building, count: int, rng: np.random.Generator) -> Trials:
+    """Draw trials between the places of a building; pairs come equally often.
+
+    A trial starts where the recorded drive of its pair did, but jittered as in Table I.
+    """
+    drives = np.resize(rng.permutation(len(house.pairs)), round(_SPARE * count) + 1)
+    first = np.unique(house.recorded.first)[drives]
+    starts, found = jittered(house.scene, house.recorded.poses[first], PAPER_JITTER, rng)
+    return _shown(house, starts[found], house.pairs[drives[found]], count)
+
+
+def trials_from_anywhere(house: Building, count: int, rng: np.random.Generator) -> Trials:
+    """Draw trials from somewhere on the recorded drives to any of the places (Fig. 9).
+
+    Many starts look far aside. The first place of their pair is that of the drive.
+    """
+    size = round(_SPARE_ANYWHERE * count)
+    frames = rng.integers(len(house.recorded.poses), size=size)
+    starts, found = jittered(house.scene, house.recorded.poses[frames], ANYWHERE_JITTER, rng)
+    drive = np.searchsorted(np.unique(house.recorded.first), frames, side="right") - 1
+    pairs = np.stack([house.pairs[drive, 0], rng.integers(len(house.places), size=len(frames))], 1)
+    far = np.linalg.norm(starts[:, :2] - house.places[pairs[:, 1]], axis=1) > _FAR
+    return _shown(house, starts[found & far], pairs[found & far], count)
+
+
+def _shown(house: Building, starts: Array, pairs: NDArray[np.intp], count: int) -> Trials:
+    """At most `count` trials, each with the picture that an oracle took at its end."""
+    places = house.places[pairs[:, 1]]
+    shown = demonstrate_between(house.name, house.scene, house.paths, starts, places, 0)
+    kept = [number for number, drive in enumerate(shown) if long_enough(drive)][:count]
+    oracle = RecordedWorld(house.scene, [shown[number] for number in kept])
+    goals = np.unique(oracle.last)
+    seconds = np.array([drive.timestamps[-1] for drive in oracle.trajectories])
+    return Trials(pairs[kept], starts[kept], oracle, goals, seconds)
+
+
+def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Array:
+    """Roomy places (count, 2), each as far from those before as can be: they cover the world.
+
+    Raises:
+        InputError: when there are not as many.
+    """
+    for roomy in (ROOMY, 0.0):
+        nodes = np.flatnonzero(paths.largest & (paths.clearance >= roomy))
+        if len(nodes) < count:
+            continue
+        nearest, chosen = np.full(len(nodes), np.inf), [int(rng.integers(len(nodes)))]
+        # The first is drawn only to find one that is far from it.
+        for number in range(count + 1):
+            field = paths.fields(paths.points[nodes[chosen[-1]]], shortest=True)
+            far = field.cost[0, nodes]
+            nearest = far if number <= 1 else np.minimum(nearest, far)
+            chosen.append(int(nearest.argmax()))
+        if nearest.max() > 0:
+            return paths.points[nodes[chosen[1:-1]]]
+    raise InputError(f"places: the world has no room for {count}; give a larger one, or fewer")
+
+
+def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp]) -> Array:
+    """Poses (D, 3) at the first place of each pair (D, 2) that look along the way to the other."""
+    fields = paths.fields(places)
+    poses = np.empty((len(pairs), 3))
+    for number, (start, goal) in enumerate(pairs):
+        way = fields.path(places[start], goal)
+        far = np.linalg.norm(way - way[0], axis=1)
+        ahead = way[min(int(np.searchsorted(far, _LOOK)), len(way) - 1)] - way[0]
+        heading = np.arctan2(ahead[1], ahead[0])
+        tried = np.column_stack([np.tile(way[0], (len(_TURNS), 1)), heading + _TURNS])
+        poses[number] = tried[is_free(scene, BicycleCar(), tried).argmax()]
+    return poses
+
+
+def long_enough(drive: Trajectory | None) -> bool:
+    """Whether a drive arrived, and has frames enough for a context."""
+    return drive is not None and len(drive) >= SHORTEST

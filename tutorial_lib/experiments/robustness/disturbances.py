@@ -1,0 +1,214 @@
+"""How the follower recovers: pushed aside, turned, met by a person, or carried away."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.driving.rollouts import Robots
+from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.statistics import measured_over_worlds
+from tutorial_lib.experiments.protocols.following import Guide, trajectories
+from tutorial_lib.experiments.protocols.local_control import WORLDS
+from tutorial_lib.geometry import Array, compose
+from tutorial_lib.parallel import in_each_world
+from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.simulation import STEP, Simulation
+
+CONTEXT, THRESHOLD = "k2", 0.99
+ASIDE, TURNED = 0.5, np.deg2rad(40.0)
+"""Metres and rad by which cars are moved."""
+SOON = 5.0
+"""Seconds within which a car that was carried away must notice it."""
+_EACH, _QUICK_EACH = 8, 4
+_WHEN = (0.3, 0.7)  # shares of the trajectory between which something happens
+_AWAY = 4.0  # metres from its trajectory to where a car is carried, out of sight of all of it
+_TRIES = 400
+_CROSSING = 0.8  # metres that a person walks to either side of the way
+_WALKING = 0.25  # m/s
+
+Move = Callable[[RecordedWorld, int, Array, np.random.Generator], "Array | None"]
+"""Where to put the robot that follows a drive, by its number and pose; nothing where there is no
+such place."""
+
+
+def run(options: Options) -> Report:
+    """Disturb the following of the same trajectories in every way."""
+    begun = time.perf_counter()
+    worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
+    parts = in_each_world(disturb_all, worlds, options.quick, options.seed, label="disturbances")
+    rows = [_row(kind, [part[kind] for part in parts]) for kind in parts[0]]
+    took = time.perf_counter() - begun
+    return Report("disturbances", options.seed, worlds, options.quick, took, rows)
+
+
+def disturb_all(world: int, quick: bool, seed: int) -> dict[str, dict[str, Array]]:
+    """Every disturbance in one world; each value is (M,) over the robots that it came to.
+
+    A robot that does not get to the middle of its drive undisturbed counts nowhere.
+    """
+    rng = np.random.default_rng([seed, world])
+    recorded = trajectories(world, _QUICK_EACH if quick else _EACH, rng)
+    guide = Guide(recorded, CONTEXT)
+    trails = [guide.anchors(i, THRESHOLD) for i in range(len(recorded.trajectories))]
+    ends = np.array([(trail[0], trail[-1]) for trail in trails])
+    length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
+    due = recorded.arc[ends[:, 0]] + rng.uniform(*_WHEN, len(trails)) * length
+    middle = np.searchsorted(recorded.arc, due)
+    passing = Disturbance(recorded, middle, None, rng)
+    _, poses, following = guide.follow(trails, disturb=passing)
+    found = {"none": _outcomes(recorded, ends, poses, following.state, passing.step)}
+    for kind, move in MOVES.items():
+        moving = Disturbance(recorded, middle, move, rng)
+        _, poses, following = guide.follow(trails, disturb=moving)
+        step = np.where(passing.step < 0, -1, moving.step)
+        found[kind] = _outcomes(recorded, ends, poses, following.state, step)
+    people = [in_the_way(recorded, frame, robot, rng) for robot, frame in enumerate(middle)]
+    _, poses, following = guide.follow(trails, people=people)
+    # Where they would have met them, had they not slowed down before.
+    return {**found, "person": _outcomes(recorded, ends, poses, following.state, passing.step)}
+
+
+class Disturbance:
+    """Puts each robot elsewhere once, when it comes by a certain frame of its drive.
+
+    Attributes:
+        step: (N,) when that was, -1 for never.
+    """
+
+    def __init__(
+        self,
+        recorded: RecordedWorld,
+        frames: NDArray[np.intp],
+        move: Move | None,
+        rng: np.random.Generator,
+    ) -> None:
+        """`frames` (N,) one for each robot; `move` tells where to, or leaves it alone."""
+        self.recorded, self.frames, self.move, self.rng = recorded, frames, move, rng
+        self.step, self._steps = np.full(len(frames), -1), 0
+
+    def __call__(self, simulation: Simulation, robots: Robots) -> None:
+        """Move those that are there now."""
+        gap = simulation.poses[:, :2] - self.recorded.poses[self.frames, :2]
+        near = np.linalg.norm(gap, axis=1) < REACHED
+        for robot in robots[near[robots] & (self.step[robots] < 0)]:
+            if self.move is None:
+                self.step[robot] = self._steps
+                continue
+            here = simulation.poses[robot]
+            pose = self.move(self.recorded, self.frames[robot], here, self.rng)
+            if pose is not None:
+                simulation.place([robot], pose[None])
+                self.step[robot] = self._steps
+        self._steps += 1
+
+
+def pushed(
+    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
+) -> Array | None:
+    """`ASIDE` metres to the left or to the right."""
+    del frame
+    for side in rng.permutation([-ASIDE, ASIDE]):
+        there = compose(here, np.array([0.0, side, 0.0]))
+        in_sight = recorded.scene.caster.sees(here[None, :2], there[None, :2])[0]
+        if in_sight and is_free(recorded.scene, BicycleCar(), there[None])[0]:
+            return there
+    return None
+
+
+def turned(
+    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
+) -> Array | None:
+    """`TURNED` to the left or to the right."""
+    del frame
+    for angle in rng.permutation([-TURNED, TURNED]):
+        there = compose(here, np.array([0.0, 0.0, angle]))
+        if is_free(recorded.scene, BicycleCar(), there[None])[0]:
+            return there
+    return None
+
+
+def carried(
+    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
+) -> Array | None:
+    """To a place on another drive that is out of sight of all of its own."""
+    del here
+    own = recorded.poses[recorded.first[frame] : recorded.last[frame] + 1, :2]
+    for there in recorded.poses[rng.integers(len(recorded.poses), size=_TRIES)]:
+        far = np.linalg.norm(own - there[:2], axis=1).min() > _AWAY
+        far &= is_free(recorded.scene, BicycleCar(), there[None])[0]
+        if far and not recorded.scene.caster.sees(np.tile(there[:2], (len(own), 1)), own).any():
+            return there
+    return None
+
+
+MOVES: dict[str, Move] = {
+    "pushed": pushed,
+    "turned": turned,
+    "carried": carried,
+}
+"""Where a robot may be put."""
+
+
+def in_the_way(recorded: RecordedWorld, frame: int, robot: int, rng: np.random.Generator) -> Person:
+    """Somebody who walks to and fro across a drive, where there is room to."""
+    x, y, heading = recorded.poses[frame]
+    across = np.array([-np.sin(heading), np.cos(heading)])
+    reach = np.linspace(0.0, _CROSSING, 17)
+    sides = []
+    for side in (-across, across):
+        points = np.array([x, y]) + reach[:, None] * side
+        free = recorded.scene.clearance.at(points) > Person.radius
+        sides.append(points[max(int(free.cumprod().sum()) - 1, 0)])
+    route = np.array(sides)
+    walked = rng.uniform(0.0, np.linalg.norm(route[1] - route[0]))
+    return Person(route, speed=_WALKING, owner=robot, distance=float(walked))
+
+
+def _outcomes(
+    recorded: RecordedWorld,
+    ends: NDArray[np.intp],
+    poses: Array,
+    state: NDArray[np.int8],
+    step: NDArray[np.intp],
+) -> dict[str, Array]:
+    """How it went on from `step` (N,) for those who were not lost by then; (M,) each."""
+    gap = np.linalg.norm(poses[..., :2] - recorded.poses[ends[:, 1], :2], axis=-1)
+    lost = state == State.LOST
+    when = np.where(lost.any(axis=0), lost.argmax(axis=0), len(state))
+    columns = {
+        "finished": gap.min(axis=0) < REACHED,
+        "lost": lost[-1],
+        "soon": lost[-1] & (when - step <= SOON / STEP),
+        "seconds": STEP * (when - step),
+    }
+    counts = (step >= 0) & (when >= step)
+    return {name: column[counts].astype(float) for name, column in columns.items()}
+
+
+def _row(kind: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
+    where = np.repeat(np.arange(len(parts)), [len(part["lost"]) for part in parts])
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    lost = joined["lost"] > 0
+    row: dict[str, Any] = {"disturbance": kind, "trajectories": len(where)}
+    for name in ("finished", "soon"):
+        shares = (None, None, None)  # where there was no place to put anybody
+        if len(where):
+            shares = measured_over_worlds(_mean, where, joined[name])
+        row |= dict(zip((name, f"{name}_low", f"{name}_high"), shares, strict=True))
+    row["lost"] = _mean(joined["lost"]) if len(where) else None
+    row["seconds"] = float(np.median(joined["seconds"][lost])) if lost.any() else None
+    return row
+
+
+def _mean(column: Array) -> float:
+    return float(column.mean())

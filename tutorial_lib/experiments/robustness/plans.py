@@ -1,0 +1,127 @@
+"""Are the generated plans sound, and can a car drive in them?"""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import walls_crossed
+from tutorial_lib.driving.rollouts import Drives
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.parallel import in_each_world
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.floorplan import FloorPlan
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.importers import import_map
+from tutorial_lib.world.occupancy import check_closed
+from tutorial_lib.world.placing import random_free_poses
+from tutorial_lib.world.plan_json import plan_from_json, plan_to_json
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.simulation import Simulation
+
+WORLDS = tuple(range(20_000, 20_200))
+GOALS = 20
+_DRIVEN, _QUICKLY_DRIVEN = 10, 5  # plans a family
+
+
+def run(options: Options) -> Report:
+    """Generate every world in every family; validate all and drive in some.
+
+    With `options.map` the only plan is that file's.
+    """
+    begun = time.perf_counter()
+    worlds = options.worlds or (WORLDS[:20] if options.quick else WORLDS)
+    driven = worlds[: _QUICKLY_DRIVEN if options.quick else _DRIVEN]
+    jobs = [(family, world, world in driven) for family in FAMILIES for world in worlds]
+    if options.map is not None:
+        worlds, jobs = (), [(str(options.map), 0, True)]
+    found = in_each_world(examine, jobs, options.seed, label="plans")
+    rows, notes = [], []
+    for family in dict.fromkeys(job[0] for job in jobs):
+        mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]
+        drives = sum(f["drives"] for _, f in mine)
+        rows.append(
+            {
+                "family": family if options.map is None else options.map.name,
+                "plans": len(mine),
+                "valid": sum(not f["fault"] for _, f in mine),
+                "drives": drives,
+                "success": sum(f["reached"] for _, f in mine) / max(drives, 1),
+                "walls_crossed": sum(f["walls_crossed"] for _, f in mine),
+            }
+        )
+        notes += [f"{family} {job[1]}: {f['fault']}" for job, f in mine if f["fault"]]
+    took = time.perf_counter() - begun
+    return Report("plans", options.seed, worlds, options.quick, took, rows, tuple(notes))
+
+
+def examine(job: tuple[str, int, bool], seed: int) -> dict[str, Any]:
+    """Validate one plan and, where asked for, drive in it to `GOALS` random goals.
+
+    Args:
+        job: family, one of `FAMILIES`, or a map's file; seed of the plan; whether to drive.
+        seed: of starts and goals.
+    """
+    family, world, driven = job
+    found = {"fault": "", "drives": 0, "reached": 0, "walls_crossed": 0}
+    rng = np.random.default_rng([seed, world])
+    try:
+        plan = make_plan(family, world)
+        scene = Scene(plan)
+        paths = GridPaths(scene.clearance)
+        again = plan_to_json(make_plan(family, world))
+        found["fault"] = find_fault(plan, again, scene, paths, rng)
+        drives = drive_about(scene, paths, GOALS, rng) if driven else None
+    except InputError as error:
+        if family not in FAMILIES:
+            raise
+        return found | {"fault": str(error)}
+    if drives is not None:
+        crossed = walls_crossed(scene.caster, drives.poses)
+        found |= {"drives": GOALS, "reached": int(drives.reached.sum()), "walls_crossed": crossed}
+    return found
+
+
+def make_plan(family: str, world: int) -> FloorPlan:
+    """The plan of a family and seed, or that of a map's file."""
+    return generate(family, world) if family in FAMILIES else import_map(family, world)
+
+
+def find_fault(
+    plan: FloorPlan, again: str, scene: Scene, paths: GridPaths, rng: np.random.Generator
+) -> str:
+    """What is wrong with a plan, or nothing; `again` is the JSON of a second try."""
+    text = plan_to_json(plan)
+    if again != text:
+        return "the same seed gave another plan"
+    if plan_to_json(plan_from_json(text)) != text:
+        return "saving and loading changed it"
+    try:
+        check_closed(plan)
+    except InputError as error:
+        return str(error)
+    if plan.family in FAMILIES:
+        for number, room in enumerate(plan.rooms):
+            if not (room.contains(paths.points) & paths.largest).any():
+                return f"room {number} ({room.kind}) cannot be reached by the car"
+        if not 100.0 <= plan.area <= 500.0:
+            return f"its area is {plan.area:.0f} m2"
+    places = paths.points[rng.integers(len(paths.points), size=100)]
+    poses = np.column_stack([places, rng.uniform(-np.pi, np.pi, len(places))])
+    if not np.isfinite(scene.caster.cast(poses, Laser(beams=360).fan).distance).all():
+        return "a ray escaped"
+    return ""
+
+
+def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator) -> Drives:
+    """Drive `count` cars from random free poses to random places."""
+    places = paths.points[paths.largest]
+    starts = random_free_poses(scene, BicycleCar(), places, count, rng)
+    goals = places[rng.integers(len(places), size=count)]
+    return OracleCourier(paths, goals).drive(Simulation(scene, starts))

@@ -1,0 +1,1 @@
+"""Following a path of anchors by sight (Meng 2020, III-H)."""

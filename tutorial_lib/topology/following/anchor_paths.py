@@ -1,0 +1,135 @@
+"""What a fleet is to follow: a sequence of anchors for each robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.driving.control.composed import checked_waypoints
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation, Reachability, Targets, WaypointPredictor
+from tutorial_lib.topology.query import ask
+
+
+@dataclass(frozen=True)
+class Trails:
+    """The trails of N robots among A anchors, which they may share.
+
+    Attributes:
+        targets: the anchors as the waypoint predictor is asked about them; an array of numbers
+            selects from them.
+        prepared: the same anchors as `Reachability.prepare` made them.
+        paths: for each robot the numbers of its anchors, in order; frames of a trajectory or
+            vertices of a map, for instance.
+
+    Raises:
+        InputError: when a path is empty or leads beyond the anchors.
+    """
+
+    targets: Targets
+    prepared: Any
+    paths: Sequence[ArrayLike]
+
+    def __post_init__(self) -> None:
+        if len(self.targets) != len(self.prepared):
+            raise InputError(
+                f"trails: {len(self.targets)} targets but {len(self.prepared)} prepared for "
+                "reachability; give the same anchors to both"
+            )
+        if not len(self.paths):
+            raise InputError("trails: none; give one path for each robot")
+        for number, path in enumerate(self.paths):
+            path = np.asarray(path)
+            if path.ndim != 1 or not len(path) or path.dtype.kind not in "iu":
+                raise InputError(f"trails: path {number} is {path}; give (L,) numbers, L >= 1")
+            if not 0 <= path.min() <= path.max() < len(self.targets):
+                raise InputError(
+                    f"trails: path {number} is {path}; anchors are 0 to {len(self.targets) - 1}"
+                )
+
+    @classmethod
+    def end_to_end(cls, targets: Targets, prepared: Any, lengths: Sequence[int]) -> Trails:  # noqa: ANN401
+        """Trails of so many anchors each, that lie one after the other among the targets."""
+        bounds = np.cumsum([0, *lengths])
+        return cls(targets, prepared, [np.arange(*ends) for ends in pairwise(bounds.tolist())])
+
+    def __len__(self) -> int:
+        return len(self.paths)
+
+    @cached_property
+    def lengths(self) -> NDArray[np.intp]:
+        """(N,) anchors of each trail."""
+        return np.array([len(np.asarray(path)) for path in self.paths])
+
+    @cached_property
+    def _numbers(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """All paths laid end to end, and (N,) where each begins."""
+        return np.concatenate([np.asarray(path) for path in self.paths]), (
+            np.cumsum(self.lengths) - self.lengths
+        )
+
+    def _anchors(self, robots: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.intp]:
+        laid, begins = self._numbers
+        return laid[begins[robots] + places]
+
+    def probabilities(
+        self,
+        reachability: Reachability,
+        observations: Observation,
+        robots: NDArray[np.intp],
+        places: NDArray[np.intp],
+        asked: NDArray[np.bool_],
+    ) -> Array:
+        """How probable it is that robots reach anchors of their trails, all in one call.
+
+        Args:
+            reachability: RE.
+            observations: M robots.
+            robots: (M,) their numbers.
+            places: (M, W) of the anchors along the trails.
+            asked: (M, W) which of them to ask about; those that do not exist never are.
+
+        Returns:
+            (M, W), not a number where nobody asked.
+        """
+        rows, columns = np.nonzero(asked & self.exist(robots, places))
+        found = np.full(places.shape, np.nan)
+        anchors = self._anchors(robots[rows], places[rows, columns])
+        found[rows, columns] = ask(reachability, observations[rows], self.prepared[anchors])
+        return found
+
+    def waypoints(
+        self,
+        predictor: WaypointPredictor,
+        observations: Observation,
+        robots: NDArray[np.intp],
+        places: NDArray[np.intp],
+        asked: NDArray[np.bool_],
+    ) -> tuple[Array, Array]:
+        """Waypoints (M, W, 2) and mean overlaps (M, W) of anchors, as for `probabilities`."""
+        rows, columns = np.nonzero(asked & self.exist(robots, places))
+        waypoints, overlaps = np.full((*places.shape, 2), np.nan), np.full(places.shape, np.nan)
+        if len(rows):
+            anchors = self._anchors(robots[rows], places[rows, columns])
+            told = predictor.predict(observations[rows], self.targets[anchors])
+            waypoints[rows, columns] = checked_waypoints(told[0], len(rows))
+            overlaps[rows, columns] = _checked_overlaps(told[1], len(rows)).mean(axis=1)
+        return waypoints, overlaps
+
+    def exist(self, robots: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.bool_]:
+        """(M, W) which of the `places` (M, W) there are on the trails of `robots` (M,)."""
+        return (places >= 0) & (places < self.lengths[robots, None])
+
+
+def _checked_overlaps(overlaps: ArrayLike, pairs: int) -> Array:
+    overlaps = np.asarray(overlaps, dtype=float)
+    if overlaps.shape != (pairs, 2) or not np.isfinite(overlaps).all():
+        raise InputError(f"overlaps: {overlaps.shape}; give finite (N, 2) for {pairs} pairs")
+    return overlaps

@@ -1,0 +1,129 @@
+"""Which observations of a dense trajectory to keep (Meng 2020, III-D)."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.driving.data.recorded_world import frames_around
+from tutorial_lib.errors import InputError
+from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.topology.query import ask
+
+
+def sparsify(
+    reachability: Reachability,
+    observations: Observation,
+    prepared: Any,  # noqa: ANN401 - whatever the estimator made
+    threshold: float,
+    window: int = 32,
+) -> NDArray[np.intp]:
+    """Keep as few frames as the controller needs (Meng 2020, III-D).
+
+    From anchor i the next one is the largest j such that RE(o_i, o_k) > `threshold` for every k in
+    (i, j]. Where not even i + 1 can be reached so surely, it is kept, since one must get on.
+
+    Args:
+        reachability: RE.
+        observations: T frames of the trajectory, in order.
+        prepared: the same frames as targets, T of them, from `reachability.prepare`; anything that
+            an array of numbers selects from.
+        threshold: p_sparsify; the higher it is, the more frames are kept.
+        window: frames asked about in one call, which changes the time it takes and nothing else.
+
+    Returns:
+        (A,) numbers of the anchors, rising; the first frame and the last are always among them.
+
+    Raises:
+        InputError: when there are fewer than two frames, not as many targets, a threshold or window
+            makes no sense, or `reachability` tells no probabilities.
+    """
+    frames = len(observations)
+    _check_frames(frames)
+    if len(prepared) != frames:
+        raise InputError(
+            f"sparsify: {len(prepared)} prepared targets for {frames} observations; prepare every "
+            "frame of this trajectory"
+        )
+    if not 0.0 < threshold < 1.0:
+        raise InputError(f"sparsify: threshold {threshold}; give a probability between 0 and 1")
+    if window < 1:
+        raise InputError(f"sparsify: window {window}; give a whole number, 1 or greater")
+    anchors = [0]
+    while anchors[-1] < frames - 1:
+        here = farthest = anchors[-1]
+        all_hold = True
+        while all_hold and farthest < frames - 1:
+            ahead = np.arange(farthest + 1, min(farthest + window, frames - 1) + 1)
+            repeated = observations[np.full(len(ahead), here)]
+            holds = ask(reachability, repeated, prepared[ahead]) > threshold
+            all_hold = bool(holds.all())
+            farthest += len(ahead) if all_hold else int(holds.argmin())
+        anchors.append(max(farthest, here + 1))
+    return np.array(anchors)
+
+
+def every_nth(frames: int, n: int) -> NDArray[np.intp]:
+    """Keep every n-th of so many frames, as SPTM does, and the last one.
+
+    Raises:
+        InputError: when there are fewer than two frames, or n is not positive.
+
+    >>> every_nth(8, 3).tolist()
+    [0, 3, 6, 7]
+    """
+    _check_frames(frames)
+    if n < 1:
+        raise InputError(f"every_nth: n = {n}; give a whole number, 1 or greater")
+    return np.append(np.arange(0, frames - 1, n), frames - 1)
+
+
+def contextified(pictures: NDArray, k: int) -> NDArray:
+    """Every frame of a trajectory with its context, as a target (Meng 2020, III-B).
+
+    Args:
+        pictures: (T, ...) of one trajectory.
+        k: pictures on either side, `CONTEXT_INTERVAL` frames apart.
+
+    Returns:
+        (T, 2k+1, ...); beyond either end the first or last picture is repeated.
+
+    Raises:
+        InputError: when there is no picture, or k is negative.
+    """
+    if not len(pictures):
+        raise InputError("contextified: a trajectory without a picture; give (T, ...)")
+    _check_context(k)
+    last = len(pictures) - 1
+    return pictures[frames_around(np.arange(len(pictures)), k, 0, last)]
+
+
+def stored_frames(anchors: ArrayLike, frames: int, k: int) -> int:
+    """How many frames of a trajectory must be kept for its anchors with their contexts.
+
+    Args:
+        anchors: (A,) frames.
+        frames: T, of the whole trajectory.
+        k: see `contextified`.
+
+    Raises:
+        InputError: when an anchor is no frame, or k is negative.
+
+    >>> stored_frames([0, 10], 12, 2)  # 0, 3, 6 and 4, 7, 10, 11
+    7
+    """
+    anchors = np.asarray(anchors)
+    if anchors.ndim != 1 or not np.isin(anchors, np.arange(frames)).all():
+        raise InputError(f"stored_frames: anchors {anchors}; give (A,) of 0 to {frames - 1}")
+    _check_context(k)
+    return len(np.unique(frames_around(anchors, k, 0, frames - 1)))
+
+
+def _check_frames(frames: int) -> None:
+    if frames < 2:
+        raise InputError(f"trajectory: {frames} frames; give two at least, a start and an end")
+
+
+def _check_context(k: int) -> None:
+    if k < 0:
+        raise InputError(f"context: k = {k}; give a whole number, 0 or greater")

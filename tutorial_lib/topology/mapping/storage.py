@@ -1,0 +1,181 @@
+"""Maps on disk: a JSON file with the graph, and beside it an `.npz` file with what was seen.
+
+The graph names the file of arrays that it belongs to by a digest, and is written last: whoever is
+interrupted while saving still has the old map.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path, write_text
+from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.topomap import TopoMap
+
+VERSION = 1
+"""Of the files' layout."""
+_SEEN = ("image", "laser", "odometry", "speed", "steering")
+
+
+def save_map(path: str | Path, topomap: TopoMap) -> None:
+    """Write a map to `path` (JSON) and to an `.npz` file beside it.
+
+    Raises:
+        InputError: when the map is empty, or the name does not end in `.json`.
+    """
+    path = _json(path)
+    if not len(topomap):
+        raise InputError(f"{path}: an empty map; add a trajectory before saving it")
+    alive = topomap.alive
+    arrays = _arrays(topomap, alive)
+    digest = _digest(arrays)
+    beside = path.with_name(f"{path.stem}-{digest[:12]}.npz")
+    with atomic_path(beside) as temporary, temporary.open("wb") as file:
+        np.savez_compressed(file, **arrays)
+    new = {int(old): number for number, old in enumerate(alive)}
+    edges = [
+        [new[source], new[target], edge["probability"], edge["driven"]]
+        for source, target, edge in topomap.graph.edges(data=True)
+    ]
+    trails = [[new[v] for v in trail if v in new] for trail in topomap.trails]
+    graph = {
+        "version": VERSION,
+        "arrays": beside.name,
+        "digest": digest,
+        "settings": asdict(topomap.settings),
+        "edges": edges,
+        "trails": trails,
+    }
+    write_text(path, json.dumps(graph))
+    for stale in path.parent.glob(f"{path.stem}-{'[0-9a-f]' * 12}.npz"):
+        if stale != beside:
+            stale.unlink()
+
+
+def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
+    """Read what `save_map` wrote; RE is asked about it from now on.
+
+    Raises:
+        InputError: when a file is missing, damaged or of another version; it says which.
+    """
+    path = _json(path)
+    try:
+        graph = _graph(path)
+        arrays = _load(path.with_name(graph["arrays"]), graph["digest"])
+        return _topomap(graph, arrays, reachability)
+    except InputError as error:
+        raise InputError(f"{path}: {error}; build the map again and save it") from error
+
+
+def export_graphml(path: str | Path, topomap: TopoMap) -> None:
+    """Write the graph as GraphML, for programs that draw or analyse graphs."""
+    graph = nx.DiGraph()
+    for vertex in sorted(topomap.graph):
+        graph.add_node(
+            vertex,
+            trajectory=int(topomap.trajectory[vertex]),
+            place=int(topomap.place[vertex]),
+            timestamp=float(topomap.vertices.timestamps[vertex]),
+        )
+    graph.add_edges_from(topomap.graph.edges(data=True))
+    with atomic_path(path) as temporary:
+        nx.write_graphml(graph, temporary)
+
+
+def _json(path: str | Path) -> Path:
+    path = Path(path)
+    if path.suffix != ".json":
+        raise InputError(f"{path}: the name of a map ends in .json; give another name")
+    return path
+
+
+def _arrays(topomap: TopoMap, alive: NDArray[np.intp]) -> dict[str, NDArray[Any]]:
+    seen = topomap.vertices.observations[alive]
+    arrays = {name: np.asarray(getattr(seen, name)) for name in _SEEN}
+    return arrays | {
+        "contexts": topomap.vertices.contexts[alive],
+        "timestamps": topomap.vertices.timestamps[alive],
+        "trajectory": topomap.trajectory[alive],
+        "place": topomap.place[alive],
+    }
+
+
+def _digest(arrays: dict[str, NDArray[Any]]) -> str:
+    digest = hashlib.sha256()
+    for name in sorted(arrays):
+        digest.update(f"{name} {arrays[name].dtype} {arrays[name].shape}".encode())
+        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+    return digest.hexdigest()
+
+
+def _graph(path: Path) -> dict[str, Any]:
+    """The graph's file, so far as it is one."""
+    if not path.is_file():
+        raise InputError("there is no such file")
+    try:
+        graph = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise InputError(f"damaged, or not JSON ({error})") from error
+    if not isinstance(graph, dict) or graph.get("version") != VERSION:
+        raise InputError(f"not a map of version {VERSION}")
+    missing = {"arrays", "digest", "settings", "edges", "trails"} - set(graph)
+    if missing:
+        raise InputError(f"{', '.join(sorted(missing))}: missing")
+    name = graph["arrays"]
+    if not isinstance(name, str) or not name or Path(name).name != name:
+        raise InputError(f"arrays: {name!r} is not the name of a file beside it")
+    return graph
+
+
+def _load(path: Path, digest: str) -> dict[str, NDArray[Any]]:
+    """The arrays that belong to a graph."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
+    except Exception as error:
+        raise InputError(f"{path.name}: missing or damaged ({error})") from error
+    if _digest(arrays) != digest:
+        raise InputError(f"{path.name}: does not belong to this map")
+    return arrays
+
+
+def _topomap(
+    graph: dict[str, Any], arrays: dict[str, NDArray[Any]], reachability: Reachability
+) -> TopoMap:
+    try:
+        found = TopoMap(reachability, MapSettings(**graph["settings"]))
+        seen = Observation(depth=None, **{name: arrays[name] for name in _SEEN})
+        found.make_vertices(
+            seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
+        )
+        found.trails = [[int(vertex) for vertex in trail] for trail in graph["trails"]]
+        for number, trail in enumerate(found.trails):
+            gone = sorted({*trail} - {*found.graph})
+            if gone:
+                raise InputError(f"trajectory {number} leads over {gone}, which are not there")
+        for vertex in found.alive:
+            trail, place = found.trail_of(int(vertex))
+            if place < 0 or trail[place] != vertex:
+                raise InputError(f"vertex {vertex} is not where its trajectory has it")
+        for source, target, probability, driven in graph["edges"]:
+            if source not in found.graph or target not in found.graph:
+                raise InputError(f"edge {source} to {target}; the map has {len(found)} vertices")
+            if not 0.0 <= probability <= 1.0:
+                raise InputError(f"edge {source} to {target}: probability {probability}")
+            found.connect(source, target, probability, driven)
+    except InputError:
+        raise
+    except (TypeError, ValueError, KeyError, IndexError) as error:
+        raise InputError(f"damaged ({error!r})") from error
+    return found

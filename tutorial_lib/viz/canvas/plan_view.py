@@ -1,0 +1,196 @@
+"""A floor plan from above, and what moves on it, as RGB arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.geometry import to_world
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.world.materials import PERIOD, TEXEL, TEXELS
+from tutorial_lib.world.scene import Scene
+
+Picture = NDArray[np.uint8]
+
+_SHIFT = 4  # OpenCV draws with coordinates in 1/16 of a pixel
+_WALL_THICKNESS = 0.15  # metres drawn behind a wall's face
+
+
+class PlanView:
+    """Draws on a picture of a scene from above."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        width: int = 720,
+        height: int = 720,
+        margin: int = 16,
+        bounds: ArrayLike | None = None,
+    ) -> None:
+        """Fit the scene, or what lies within `bounds`, into a picture.
+
+        Args:
+            scene: what to draw.
+            width: pixels.
+            height: pixels.
+            margin: pixels around it.
+            bounds: x0, y0, x1, y1 in metres; the whole plan unless given.
+        """
+        given = scene.plan.bounds if bounds is None else bounds
+        x0, y0, x1, y1 = np.asarray(given, dtype=float)
+        self.scale = min((width - 2 * margin) / (x1 - x0), (height - 2 * margin) / (y1 - y0))
+        self._middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
+        self._centre = np.array([width / 2, height / 2])
+        self.size = (height, width)
+        self.base = self._draw_scene(scene)
+
+    def pixels(self, points: ArrayLike) -> NDArray[np.float64]:
+        """Columns and rows (..., 2) of points (..., 2) in metres."""
+        offset = (np.asarray(points, dtype=float) - self._middle) * [self.scale, -self.scale]
+        return self._centre + offset
+
+    def polyline(
+        self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], width: float
+    ) -> None:
+        """Draw a line through points (P, 2), `width` pixels wide."""
+        if len(np.asarray(points)) > 1:
+            corners = [self._fixed(points)]
+            thickness = max(1, round(width))
+            cv2.polylines(picture, corners, False, colour, thickness, cv2.LINE_AA, _SHIFT)
+
+    def polygon(
+        self,
+        picture: Picture,
+        points: ArrayLike,
+        colour: tuple[int, int, int],
+        opacity: float = 1.0,
+    ) -> None:
+        """Fill a polygon (P, 2), letting what lies under it show through."""
+        corners = self._fixed(points)
+        if opacity >= 1.0:
+            cv2.fillPoly(picture, [corners], colour, cv2.LINE_AA, _SHIFT)
+            return
+        layer = picture.copy()
+        cv2.fillPoly(layer, [corners], colour, cv2.LINE_AA, _SHIFT)
+        cv2.addWeighted(layer, opacity, picture, 1 - opacity, 0, dst=picture)
+
+    def disc(
+        self, picture: Picture, centre: ArrayLike, radius: float, colour: tuple[int, int, int]
+    ) -> None:
+        """Draw a disc of `radius` metres."""
+        x, y = self._fixed(centre)[0].tolist()
+        size = max(2, round(radius * self.scale * 2**_SHIFT))
+        cv2.circle(picture, (x, y), size, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
+
+    def points(
+        self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], radius: float
+    ) -> None:
+        """Draw points (P, 2) as dots of `radius` pixels."""
+        for point in np.asarray(points, dtype=float).reshape(-1, 2):
+            self.disc(picture, point, radius / self.scale, colour)
+
+    def robot(self, picture: Picture, pose: ArrayLike, footprint: ArrayLike) -> None:
+        """Draw a robot at `pose` (3,) with its nose in a lighter colour."""
+        footprint = np.asarray(footprint, dtype=float)
+        front, half = footprint[:, 0].max(), np.abs(footprint[:, 1]).max()
+        self.polygon(picture, to_world(pose, footprint), colours.ROBOT)
+        nose = [[front, 0.0], [front * 0.55, half * 0.8], [front * 0.55, -half * 0.8]]
+        self.polygon(picture, to_world(pose, nose), colours.PAPER)
+
+    def arrow(
+        self,
+        picture: Picture,
+        pose: ArrayLike,
+        colour: tuple[int, int, int] = colours.ROBOT,
+        size: float = 10.0,
+    ) -> None:
+        """Mark a pose (3,) by an arrowhead of `size` pixels, for maps on which a car is tiny."""
+        head = np.array([[1.3, 0.0], [-0.9, 0.9], [-0.5, 0.0], [-0.9, -0.9]])
+        rim = head * (size + 3.0) / self.scale
+        self.polygon(picture, to_world(pose, rim), colours.PAPER)
+        self.polygon(picture, to_world(pose, head * size / self.scale), colour)
+
+    def goal(self, picture: Picture, point: ArrayLike) -> None:
+        """Draw a goal at `point` (2,) as a ring around a dot."""
+        for radius, colour in ((0.34, colours.GOAL), (0.24, colours.PAPER), (0.12, colours.GOAL)):
+            self.disc(picture, point, radius, colour)
+
+    def seen(
+        self, picture: Picture, pose: ArrayLike, ends: ArrayLike, opacity: float = 0.5
+    ) -> None:
+        """Tint what a robot at `pose` (3,) sees: up to the `ends` (P, 2) of its rays, in order."""
+        ends = np.asarray(ends, dtype=float).reshape(-1, 2)
+        outline = np.concatenate([np.asarray(pose, dtype=float)[None, :2], ends])
+        self.polygon(picture, outline, colours.VIEW, opacity)
+        self.polyline(picture, np.concatenate([outline, outline[:1]]), colours.VIEW, 1.5)
+
+    def rays(
+        self,
+        picture: Picture,
+        pose: ArrayLike,
+        ends: ArrayLike,
+        colour: tuple[int, int, int] = colours.LASER,
+    ) -> None:
+        """Draw rays from `pose` (3,) to their `ends` (P, 2), with a dot where each one ends."""
+        for end in np.asarray(ends, dtype=float).reshape(-1, 2):
+            self.polyline(picture, [np.asarray(pose, dtype=float)[:2], end], colour, 1)
+        self.points(picture, ends, colour, 3.0)
+
+    def _fixed(self, points: ArrayLike) -> NDArray[np.int32]:
+        """(P, 2) pixels in OpenCV's fixed point, whose whole numbers are pixels' middles."""
+        pixels = self.pixels(np.asarray(points, dtype=float).reshape(-1, 2)) - 0.5
+        return np.round(pixels * 2**_SHIFT).astype(np.int32)
+
+    def _draw_scene(self, scene: Scene) -> Picture:
+        picture = np.full((*self.size, 3), colours.PAPER, np.uint8)
+        free = self._free(scene)
+        reach = 2 * round(_WALL_THICKNESS * self.scale) + 1
+        near = cv2.dilate(free, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach)))
+        picture[near > 0] = colours.SOLID
+        picture[free > 0] = colours.ROOMS["hallway"]
+        for room in scene.plan.rooms:
+            mask = np.zeros(self.size, np.uint8)
+            cv2.fillPoly(mask, [self._fixed(room.outline)], 1, shift=_SHIFT)
+            picture[(mask & free) > 0] = colours.ROOMS[room.kind]
+        for piece in scene.plan.furniture:
+            material = next(m for m in scene.plan.materials if m.name == piece.material)
+            self.polygon(picture, piece.outline, material.colour)
+        for start, end, colour in _strokes(scene):
+            self.polyline(picture, [start, end], colour, max(2.0, 0.06 * self.scale))
+        return picture
+
+    def _free(self, scene: Scene) -> NDArray[np.uint8]:
+        """(H, W) 1 where the floor is."""
+        grid = scene.clearance
+        rows, columns = np.indices(self.size)
+        offset = (np.stack([columns, rows], axis=-1) + 0.5 - self._centre) / self.scale
+        points = offset * [1, -1] + self._middle
+        cells = (points - grid.origin) / grid.resolution - 0.5
+        depth = cv2.remap(
+            grid.clearance,
+            cells[..., 0].astype(np.float32),
+            cells[..., 1].astype(np.float32),
+            cv2.INTER_LINEAR,
+        )
+        return (depth > grid.resolution / 2).astype(np.uint8)
+
+
+def _strokes(
+    scene: Scene, piece: float = 0.1
+) -> Iterable[tuple[NDArray[np.float64], NDArray[np.float64], tuple[int, int, int]]]:
+    """Short strokes along every wall and furniture side, in the colours that the camera sees."""
+    plan = scene.plan
+    for segment, material, offset in zip(
+        plan.segments, plan.segment_materials, plan.segment_offsets, strict=True
+    ):
+        run = segment[2:] - segment[:2]
+        length = float(np.hypot(*run))
+        count = max(1, round(length / piece))
+        ends = segment[:2] + np.linspace(0, 1, count + 1)[:, None] * run
+        middles = (offset + (np.arange(count) + 0.5) * length / count) % PERIOD
+        texels = plan.atlas[material, (middles / TEXEL).astype(int) % TEXELS]
+        for start, end, colour in zip(ends, ends[1:], texels.astype(int).tolist(), strict=False):
+            yield start, end, tuple(colour)

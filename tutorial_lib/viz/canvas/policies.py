@@ -1,0 +1,57 @@
+"""Motion policies drawn: what they ask for as arrows, how much they care as ellipses."""
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+
+_CORNERS = 40  # of the polygon that stands for an ellipse
+
+
+def draw_arrows(
+    view: PlanView,
+    picture: Picture,
+    points: ArrayLike,
+    vectors: ArrayLike,
+    colour: tuple[int, int, int] = colours.INK,
+) -> None:
+    """Draw an arrow from each of `points` (P, 2) along `vectors` (P, 2), both in metres."""
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    ends = view.pixels(points + np.asarray(vectors, dtype=float).reshape(-1, 2))
+    for start, end in zip(view.pixels(points), ends, strict=True):
+        length = max(float(np.linalg.norm(end - start)), 1e-9)
+        corners = [tuple(np.round(16 * corner).astype(int).tolist()) for corner in (start, end)]
+        cv2.arrowedLine(picture, *corners, colour, 1, cv2.LINE_AA, 4, min(0.5, 6.0 / length))
+
+
+def draw_metrics(
+    view: PlanView,
+    picture: Picture,
+    points: ArrayLike,
+    metrics: ArrayLike,
+    size: float = 0.06,
+    most: float = 3.0,
+    colour: tuple[int, int, int] = colours.GOAL,
+) -> None:
+    """Draw metrics (P, 2, 2) at `points` (P, 2) as ellipses: long where they weigh most.
+
+    Half an axis is `size` metres times the root of the weight along it, at most `most` times.
+    """
+    points = np.asarray(points, dtype=float).reshape(-1, 2)
+    metrics = np.asarray(metrics, dtype=float).reshape(-1, 2, 2)
+    for point, metric in zip(points, metrics, strict=True):
+        view.polyline(picture, point + ellipse(metric, size, most), colour, 1)
+
+
+def ellipse(metric: ArrayLike, size: float, most: float) -> NDArray[np.float64]:
+    """The outline (P, 2) in metres that stands for a metric (2, 2); see `draw_metrics`.
+
+    >>> np.abs(ellipse([[4.0, 0.0], [0.0, 1.0]], 0.1, 3.0)).max(axis=0).round(6).tolist()
+    [0.2, 0.1]
+    """
+    weights, axes = np.linalg.eigh(np.asarray(metric, dtype=float))
+    reach = size * np.minimum(np.sqrt(np.maximum(weights, 0.0)), most)
+    turn = np.linspace(0.0, 2 * np.pi, _CORNERS + 1)
+    return np.stack([np.cos(turn), np.sin(turn)], axis=1) * reach @ axes.T

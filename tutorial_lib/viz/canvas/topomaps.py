@@ -1,0 +1,96 @@
+"""Topological maps drawn on the plan, though they know nothing of it (Meng 2020, Figs. 4 and 8)."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Iterable, Sequence
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+from tutorial_lib.world.materials import Colour
+
+_GOLDEN = 0.618034  # of the circle of hues from one trajectory to the next
+_ASIDE = 0.05  # metres to the right of its line that an edge is drawn, so that two ways are seen
+_HEAD = 0.62  # share of an edge at which its arrowhead lies
+
+
+def hue(number: int) -> Colour:
+    """A colour for each trajectory; neighbours differ much."""
+    red, green, blue = colorsys.hsv_to_rgb((0.58 + number * _GOLDEN) % 1.0, 0.75, 0.8)
+    return round(255 * red), round(255 * green), round(255 * blue)
+
+
+def draw_topomap(
+    view: PlanView,
+    picture: Picture,
+    topomap: TopoMap,
+    poses: ArrayLike,
+    size: float = 4.0,
+    width: float = 1.2,
+) -> None:
+    """Draw a map: an arrowhead for each vertex, in the colour of its trajectory, and its edges.
+
+    Args:
+        view: of the plan.
+        picture: to draw on.
+        topomap: the map.
+        poses: (V, 3) where its vertices were seen, see `navigation.vertex_poses`.
+        size: pixels of a vertex.
+        width: pixels of an edge.
+    """
+    poses = np.asarray(poses, dtype=float)
+    draw_edges(view, picture, poses, topomap.graph.edges, colours.FAINT, width)
+    for vertex in topomap.alive:
+        view.arrow(picture, poses[vertex], hue(int(topomap.trajectory[vertex])), size)
+
+
+def draw_edges(
+    view: PlanView,
+    picture: Picture,
+    poses: Array,
+    edges: Iterable[tuple[int, int]],
+    colour: Colour,
+    width: float = 1.2,
+    heads: bool = False,
+) -> None:
+    """Draw edges between vertices at poses (V, 3), each a little to the right of its line."""
+    for source, target in edges:
+        first, last = poses[source, :2], poses[target, :2]
+        along = last - first
+        length = float(np.linalg.norm(along))
+        if not length:
+            continue
+        along = along / length
+        aside = _ASIDE * np.array([along[1], -along[0]])
+        view.polyline(picture, np.stack([first + aside, last + aside]), colour, width)
+        if heads:
+            middle = first + _HEAD * length * along + aside
+            view.arrow(picture, [*middle, np.arctan2(along[1], along[0])], colour, 3.0 + width)
+
+
+def draw_plan(
+    view: PlanView,
+    picture: Picture,
+    poses: ArrayLike,
+    vertices: Sequence[int],
+    here: ArrayLike | None = None,
+    goal: ArrayLike | None = None,
+    colour: Colour = colours.PATH,
+) -> None:
+    """Draw a way over vertices at poses (V, 3), from where the robot is to the goal, if given."""
+    poses = np.asarray(poses, dtype=float)
+    places = [poses[vertex] for vertex in vertices]
+    places = [*([] if here is None else [np.asarray(here, dtype=float)]), *places]
+    places = [*places, *([] if goal is None else [np.asarray(goal, dtype=float)])]
+    for first, last in pairwise(places):
+        view.polyline(picture, np.stack([first[:2], last[:2]]), colour, 3.0)
+    for vertex in vertices:
+        view.arrow(picture, poses[vertex], colour, 6.0)
+    if goal is not None:
+        view.goal(picture, np.asarray(goal, dtype=float)[:2])

@@ -1,0 +1,1 @@
+"""Charts, panels, films, and pictures put together."""

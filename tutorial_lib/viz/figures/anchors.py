@@ -1,0 +1,256 @@
+"""Anchors along a drive, a follower's states, and how far it gets (Meng 2020, Figs. 5 to 7)."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.geometry import to_world
+from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.closeups import around
+from tutorial_lib.viz.figures.panels import TITLE, camera_picture, label, side_by_side, stacked
+from tutorial_lib.world.simulation import STEP
+
+STATES = {
+    State.SEARCH: colours.FAINT,
+    State.FOLLOW: colours.ROBOT,
+    State.DEAD_RECKONING: colours.LASER,
+    State.LOST: colours.INK,
+    State.DONE: colours.GOAL,
+}
+"""A colour for each state of a follower."""
+CONTEXTS = {"k0": colours.LASER, "k2": colours.GOAL, "k5": colours.ROBOT, "laser": colours.PATH}
+"""A colour for each controller, by its context."""
+_BAR = 22  # pixels of a ribbon's height
+_JUMP = 0.25  # metres between two steps that nobody drives
+
+
+def state_name(state: int) -> str:
+    """A state as it is spoken of.
+
+    >>> state_name(2)
+    'dead reckoning'
+    """
+    return State(state).name.replace("_", " ").lower()
+
+
+def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
+    """Draw the dense frames of a recorded drive (T, 3), a small dot each."""
+    view.points(picture, np.asarray(poses, dtype=float)[:, :2], colours.PATH, radius)
+
+
+def draw_anchors(
+    view: PlanView,
+    picture: Picture,
+    poses: ArrayLike,
+    numbered: bool = False,
+    size: float = 6.0,
+    colour: tuple[int, int, int] = colours.GOAL,
+) -> None:
+    """Draw anchors at poses (A, 3) as arrowheads, and write their places beside them if asked."""
+    for place, pose in enumerate(np.asarray(poses, dtype=float)):
+        view.arrow(picture, pose, colour, size)
+        if numbered:
+            write_beside(view, picture, str(place), pose)
+
+
+def write_beside(
+    view: PlanView, picture: Picture, text: str, pose: ArrayLike, off: float = 18.0
+) -> None:
+    """Write a word to the left of a pose (3,), `off` pixels from it."""
+    beside = to_world(pose, [0.0, off / view.scale])
+    (wide, high), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
+    corner = view.pixels(beside) + np.array([-wide / 2, high / 2])
+    label(picture, text, *np.round(corner).astype(int).tolist(), 0.5)
+
+
+def anchors_picture(
+    view: PlanView,
+    poses: ArrayLike,
+    anchors: ArrayLike,
+    margin: float = 0.8,
+    numbered: bool = False,
+) -> Picture:
+    """A drive's frames (T, 3) and its `anchors` (A,), cut out of the plan: a panel of Fig. 5."""
+    poses, picture = np.asarray(poses, dtype=float), view.base.copy()
+    draw_frames(view, picture, poses)
+    draw_anchors(view, picture, poses[np.asarray(anchors)], numbered)
+    return around(view, picture, poses[:, :2], margin)
+
+
+def draw_states(
+    view: PlanView, picture: Picture, poses: ArrayLike, states: ArrayLike, width: float = 3.0
+) -> None:
+    """Draw where a robot was, poses (T, 3), in the colours of its states (T,).
+
+    The line is broken where the robot was put elsewhere.
+    """
+    poses, states = np.asarray(poses, dtype=float), np.asarray(states)
+    jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP
+    changes = np.flatnonzero(np.diff(states).astype(bool) | jumps) + 1
+    for first, last in zip([0, *changes], [*changes, len(states)], strict=True):
+        joined = last < len(states) and not jumps[last - 1]
+        places = poses[first : last + joined, :2]
+        view.polyline(picture, places, STATES[State(states[first])], width)
+
+
+def state_ribbon(states: ArrayLike, width: int = 960, longest: int | None = None) -> Picture:
+    """What a follower was doing over time, as a bar of colours with seconds under it.
+
+    Args:
+        states: (T,) one for each control step.
+        width: pixels of `longest` steps.
+        longest: steps that fill the width; all of these unless given.
+    """
+    states = np.asarray(states)
+    longest = max(longest or len(states), 1)
+    bar = np.full((_BAR + 20, width, 3), colours.PAPER, np.uint8)
+    edges = np.round(np.arange(len(states) + 1) * width / longest).astype(int)
+    for state, left, right in zip(states, edges, edges[1:], strict=False):
+        bar[:_BAR, left:right] = STATES[State(state)]
+    spacing = 5 if longest * STEP <= 60 else 20
+    for second in range(0, int(longest * STEP) + 1, spacing):
+        column = min(round(second / STEP * width / longest), width - 1)
+        bar[_BAR : _BAR + 4, column] = colours.SOLID
+        label(bar, f"{second} s", min(column, width - 40), _BAR + 17, 0.4, colours.SOLID)
+    return bar
+
+
+def state_legend(width: int = 960) -> Picture:
+    """The names of the states beside their colours."""
+    line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
+    for place, (state, colour) in enumerate(STATES.items()):
+        left = 4 + place * 170
+        line[8:22, left : left + 22] = colour
+        label(line, state_name(state), left + 30, 21, 0.5)
+    return line
+
+
+def follower_strip(
+    view: PlanView,
+    base: Picture,
+    poses: ArrayLike,
+    states: ArrayLike,
+    steps: Sequence[int],
+    footprint: ArrayLike,
+    reach: float = 1.6,
+    side: int = 230,
+    discs: Mapping[int, NDArray[np.float64]] | None = None,
+) -> Picture:
+    """Moments of a drive around the robot, each framed in the colour of its state.
+
+    Args:
+        view: the plan.
+        base: it with what does not move, such as anchors.
+        poses: (T, 3) of the robot.
+        states: (T,).
+        steps: numbers of the moments to show.
+        footprint: (K, 2) of the robot.
+        reach: metres shown around the robot.
+        side: pixels of each picture.
+        discs: for steps people and obstacles, (D, 3) as x, y, radius.
+    """
+    poses, panels, titles = np.asarray(poses, dtype=float), [], []
+    for step in steps:
+        picture = base.copy()
+        draw_states(view, picture, poses[: step + 1], np.asarray(states)[: step + 1], 4)
+        for x, y, radius in (discs or {}).get(step, ()):
+            view.disc(picture, [x, y], radius, colours.PERSON)
+        view.robot(picture, poses[step], footprint)
+        panel = around(view, picture, poses[step, :2], reach, square=True)
+        panel = cv2.resize(panel, (side, side), interpolation=cv2.INTER_AREA)
+        colour = STATES[State(states[step])]
+        cv2.rectangle(panel, (2, 2), (side - 3, side - 3), colour, 5)
+        panels.append(panel)
+        titles.append(f"{step * STEP:.1f} s: {state_name(states[step])}")
+    return side_by_side(panels, titles, gap=8)
+
+
+def numbered_views(
+    view: PlanView,
+    picture: Picture,
+    poses: ArrayLike,
+    images: Sequence[NDArray[np.uint8]],
+    width: int = 252,
+    columns: int = 2,
+    margin: float = 0.8,
+    points: ArrayLike | None = None,
+) -> Picture:
+    """A drive on the plan, and what was seen at numbered places of it (Fig. 6).
+
+    The pictures stand beside the plan, or below it where it is wide.
+
+    Args:
+        view: the plan.
+        picture: it, with the drive; the numbers are drawn on it.
+        poses: (P, 3) of the numbered places.
+        images: (H, W, 3) seen there.
+        width: pixels of each image.
+        columns: of images.
+        margin: metres around the drive.
+        points: (Q, 2) that the cut-out plan must hold, besides the numbered places.
+    """
+    poses = np.asarray(poses, dtype=float)
+    views = []
+    for place, (pose, image) in enumerate(zip(poses, images, strict=True), 1):
+        _badge(picture, str(place), view.pixels(pose[:2]))
+        panel = camera_picture(image, width)
+        _badge(panel, str(place), np.array([15.0, 15.0]))
+        views.append(panel)
+    held = poses[:, :2] if points is None else np.concatenate([points, poses[:, :2]])
+    rows = [side_by_side(views[i : i + columns], gap=6) for i in range(0, len(views), columns)]
+    plan, seen = around(view, picture, held, margin), stacked(rows, gap=6)
+    arrange = stacked if plan.shape[1] > 1.3 * plan.shape[0] else side_by_side
+    return arrange([plan, seen], gap=12)
+
+
+def cover_chart(
+    rows: Sequence[Mapping[str, Any]],
+    against: str = "sparsity",
+    width: float = 9.0,
+    levels: Mapping[str, float] | None = None,
+) -> Picture:
+    """How much of the trajectories is followed against how little of them is kept (Fig. 7).
+
+    Args:
+        rows: of `experiment meng_fig7` under one condition. Thresholds are written beside k = 5.
+        against: "sparsity" or "stored".
+        width: inches.
+        levels: cover rates to compare with, from 0 to 1, as lines with these names.
+    """
+    figure, (axis,) = chart(width, 4.4)
+    for name, level in (levels or {}).items():
+        axis.axhline(100 * level, color=colours.unit(colours.FAINT), linewidth=1.0, linestyle=":")
+        words = {"fontsize": 9, "color": colours.unit(colours.SOLID), "va": "center", "ha": "left"}
+        axis.text(1.01, 100 * level, name, transform=axis.get_yaxis_transform(), **words)
+    for method, context in dict.fromkeys((row["method"], str(row["context"])) for row in rows):
+        own = [r for r in rows if (r["method"], str(r["context"])) == (method, context)]
+        own.sort(key=lambda row: row[against])
+        name = context if context in CONTEXTS else f"k{context}"
+        colour = colours.unit(CONTEXTS.get(name, colours.INK))
+        x, y = ([100 * row[key] for row in own] for key in (against, "cover_rate"))
+        off = [[100 * abs(row[end] - row["cover_rate"]) for row in own] for end in ("low", "high")]
+        style = {"color": colour, "linestyle": "-" if method == "meng" else "--"}
+        mark = "o" if method == "meng" else "s"
+        axis.errorbar(x, y, off, marker=mark, elinewidth=1, label=f"{method} {name}", **style)
+        for row, *at in zip(own, x, y, strict=True):
+            if method == "meng" and against == "sparsity" and name == "k5":
+                words = {"xytext": (3, 5), "textcoords": "offset points", "fontsize": 9}
+                axis.annotate(f"{row['threshold']:g}", at, color=colour, **words)
+    kept = "anchors" if against == "sparsity" else "frames kept with their context"
+    axis.set(xlabel=f"{kept}, % of the frames", ylabel="length covered, %", ylim=(None, 101))
+    figure.legend(loc="outside upper center", ncols=6, fontsize=10, frameon=False)
+    return from_figure(figure)
+
+
+def _badge(picture: Picture, text: str, pixel: NDArray[np.float64]) -> None:
+    """A number on a disc."""
+    column, row = np.round(pixel).astype(int).tolist()
+    cv2.circle(picture, (column, row), 12, colours.INK, cv2.FILLED, cv2.LINE_AA)
+    (wide, high), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
+    label(picture, text, column - wide // 2, row + high // 2, 0.5, colours.PAPER)

@@ -1,0 +1,73 @@
+"""A part of a map, and what two pictures have in common, for a closer look."""
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+from tutorial_lib.viz.figures.panels import camera_picture
+
+
+def around(
+    view: PlanView, picture: Picture, points: ArrayLike, margin: float = 0.8, square: bool = False
+) -> Picture:
+    """The part of a map that holds `points` (P, 2) and `margin` metres around them.
+
+    A `square` one is as wide as it is high. What lies beyond the map is white.
+    """
+    pixels = view.pixels(np.asarray(points, dtype=float).reshape(-1, 2))
+    low, high = pixels.min(axis=0), pixels.max(axis=0)
+    if square:
+        middle, half = (low + high) / 2, (high - low).max() / 2
+        low, high = middle - half, middle + half
+    low = np.floor(low - margin * view.scale).astype(int)
+    size = np.ceil(high + margin * view.scale).astype(int) - low
+    if square:
+        size[:] = size.max()
+    width, height = size.tolist()
+    cut = np.full((height, width, 3), colours.PAPER, np.uint8)
+    rows, columns = picture.shape[:2]
+    left, top = np.maximum(low, 0)
+    right, bottom = np.minimum(low + size, (columns, rows))
+    if right > left and bottom > top:
+        cut[top - low[1] : bottom - low[1], left - low[0] : right - low[0]] = picture[
+            top:bottom, left:right
+        ]
+    return cut
+
+
+def matches_picture(
+    current: NDArray[np.uint8],
+    target: NDArray[np.uint8],
+    shares: ArrayLike,
+    truth: ArrayLike,
+    side: int = 416,
+) -> Picture:
+    """Which columns of one picture are found again in which columns of the other.
+
+    Rows of the square are the current picture's columns, from its left at the top to its right;
+    columns are the target's. The pictures stand along its sides.
+
+    Args:
+        current: (H, W, 3).
+        target: (H, W, 3).
+        shares: (R, C) how sure it is that column r is seen again in column c; the darker.
+        truth: (T, 2) where it really is seen again, as shares of width of both pictures, 0 to 1.
+        side: pixels of the square.
+    """
+    dark = np.clip(np.asarray(shares, dtype=float), 0.0, 1.0)[..., None] ** 0.6
+    tones = colours.PAPER + dark * (np.array(colours.ROBOT) - colours.PAPER)
+    square = cv2.resize(tones.astype(np.uint8), (side, side), interpolation=cv2.INTER_NEAREST)
+    for across, along in np.asarray(truth, dtype=float).reshape(-1, 2):
+        centre = round(16 * side * along), round(16 * side * across)
+        cv2.circle(square, centre, 40, colours.LASER, cv2.FILLED, cv2.LINE_AA, 4)
+    cv2.rectangle(square, (0, 0), (side - 1, side - 1), colours.FAINT, 1)
+    above = camera_picture(target, side)
+    beside = np.ascontiguousarray(camera_picture(current, side).transpose(1, 0, 2))
+    edge, gap = len(above), 6
+    picture = np.full((side + edge + gap, side + edge + gap, 3), colours.PAPER, np.uint8)
+    picture[:edge, edge + gap :] = above
+    picture[edge + gap :, :edge] = beside
+    picture[edge + gap :, edge + gap :] = square
+    return picture

@@ -1,0 +1,79 @@
+"""The rules of map building drawn: tables of reachabilities, and sequences laid side by side."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.viz.figures.panels import label
+
+HOLDS, FAILS, PALE = (214, 236, 228), (250, 226, 214), (244, 244, 244)
+"""Tints of a cell: an edge, none, and one that means nothing."""
+_CELL, _HEAD = 46, 46  # pixels
+
+
+def table(
+    values: ArrayLike,
+    chosen: ArrayLike,
+    rings: ArrayLike | None = None,
+    names: tuple[str, str] = ("from", "to"),
+    blank: bool = False,
+) -> Picture:
+    """A table of numbers (R, C); `chosen` cells are green, the others red.
+
+    Args:
+        values: (R, C); what is no finite number is left empty.
+        chosen: (R, C) bool.
+        rings: (R, C) bool, cells with a frame around them.
+        names: what rows and columns are.
+        blank: leave the others white in place of red.
+    """
+    values, chosen = np.asarray(values, dtype=float), np.asarray(chosen, dtype=bool)
+    rows, columns = values.shape
+    size = (rows * _CELL + _HEAD + 1, columns * _CELL + _HEAD + 1, 3)
+    picture = np.full(size, colours.PAPER, np.uint8)
+    for row, column in np.ndindex(rows, columns):
+        left, top = column * _CELL + _HEAD, row * _CELL + _HEAD
+        tint = HOLDS if chosen[row, column] else PALE if blank else FAILS
+        picture[top : top + _CELL - 2, left : left + _CELL - 2] = tint
+        value = values[row, column]
+        if np.isfinite(value):
+            label(picture, f"{value:.2f}", left + 5, top + 28, 0.45)
+        if rings is not None and np.asarray(rings)[row, column]:
+            corner = (left + _CELL - 4, top + _CELL - 4)
+            cv2.rectangle(picture, (left + 1, top + 1), corner, colours.GOAL, 2)
+    for row in range(rows):
+        label(picture, str(row), 16, row * _CELL + _HEAD + 30, 0.6, colours.SOLID)
+    for column in range(columns):
+        label(picture, str(column), column * _CELL + _HEAD + 14, 34, 0.6, colours.SOLID)
+    label(picture, names[0], 2, _HEAD - 4, 0.4, colours.SOLID)
+    label(picture, names[1], _HEAD, 12, 0.4, colours.SOLID)
+    return picture
+
+
+def sequences(row: Sequence[str], column: Sequence[str], pairs: Sequence[float]) -> Picture:
+    """Two rows of anchors, one above the other, with the RE of each aligned pair between them.
+
+    Args:
+        row: names of the anchors of the trajectory that comes.
+        column: names of the vertices beside them, as many.
+        pairs: RE of each pair; the least one is red.
+    """
+    wide, high = 104, 190
+    picture = np.full((high, wide * len(row) + 20, 3), colours.PAPER, np.uint8)
+    for line, names in ((34, row), (156, column)):
+        cv2.line(picture, (20, line), (picture.shape[1] - 20, line), colours.FAINT, 2)
+        for place, name in enumerate(names):
+            centre = (10 + wide * place + wide // 2, line)
+            tone = colours.ROBOT if line < 90 else colours.PATH
+            cv2.circle(picture, centre, 22, tone, cv2.FILLED, cv2.LINE_AA)
+            label(picture, name, centre[0] - 8 * len(name), line + 7, 0.6, colours.PAPER)
+    for place, value in enumerate(pairs):
+        across = 10 + wide * place + wide // 2
+        tone = colours.LASER if value == min(pairs) else colours.SOLID
+        cv2.arrowedLine(picture, (across, 60), (across, 130), tone, 2, cv2.LINE_AA, 0, 0.15)
+        label(picture, f"{value:.2f}", across + 6, 100, 0.5, tone)
+    return picture

@@ -1,0 +1,101 @@
+"""Films and pictures on disk."""
+
+import io
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path
+from tutorial_lib.viz.canvas import colours
+
+Picture = NDArray[np.uint8]
+
+
+def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: float) -> None:
+    """Write a WebM film (VP8), which every browser plays; whole or not at all.
+
+    Args:
+        path: ends in .webm.
+        frames: (H, W, 3) uint8 RGB, all of one size.
+        frames_per_second: of the film.
+
+    Raises:
+        InputError: when there are no frames, their sizes are odd or differ, the name is not a
+            WebM film's, or this OpenCV cannot write one.
+    """
+    if not len(frames):
+        raise InputError(f"{path}: no frames to write; give at least one")
+    if Path(path).suffix != ".webm":
+        raise InputError(f"{path}: a film's name ends in .webm; rename it")
+    height, width = frames[0].shape[:2]
+    if height % 2 or width % 2:
+        raise InputError(f"{path}: frames of {width} x {height} pixels; give even numbers")
+    with atomic_path(path) as temporary:
+        code = cv2.VideoWriter.fourcc(*"VP80")
+        with _hushed():
+            writer = cv2.VideoWriter(str(temporary), code, frames_per_second, (width, height))
+        if not writer.isOpened():
+            raise InputError(
+                f"{path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
+            )
+        for frame in frames:
+            if frame.shape != frames[0].shape:  # OpenCV would drop it without a word
+                raise InputError(f"{path}: frames differ in size; give all the same")
+            writer.write(frame[..., ::-1])
+        writer.release()
+
+
+def write_picture(path: str | Path, picture: Picture) -> None:
+    """Write an RGB picture (H, W, 3) as PNG; whole or not at all."""
+    with atomic_path(path) as temporary:
+        if not cv2.imwrite(str(temporary), picture[..., ::-1]):
+            raise OSError(f"{path}: OpenCV could not write the picture")
+
+
+def png(picture: Picture) -> bytes:
+    """An RGB picture (H, W, 3) as the bytes of a PNG file of at most 256 colours.
+
+    That is a third of the size of one with all colours, and a page of pictures adds up.
+
+    Raises:
+        InputError: when it is no such picture.
+    """
+    picture = np.ascontiguousarray(picture)
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
+        raise InputError(f"picture: {picture.shape} {picture.dtype}; give (H, W, 3) uint8")
+    # Means of colours will do for walls, but the car, the goal and the floors keep their own.
+    kept = [*colours.THINGS, *colours.ROOMS.values()]
+    means = Image.fromarray(picture).quantize(256 - len(kept), method=Image.Quantize.MEDIANCUT)
+    palette = (means.getpalette() or [])[: 768 - 3 * len(kept)]
+    palette += [0] * (768 - 3 * len(kept) - len(palette))
+    numbers, codes = np.array(means), picture @ np.array([1 << 16, 1 << 8, 1])
+    for number, (red, green, blue) in enumerate(kept, 256 - len(kept)):
+        numbers[codes == (red << 16) + (green << 8) + blue] = number
+        palette += [red, green, blue]
+    few = Image.fromarray(numbers)
+    few.putpalette(palette)
+    buffer = io.BytesIO()
+    few.save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+@contextmanager
+def _hushed() -> Iterator[None]:
+    """Keep FFmpeg's remark about VP8's tag, which is of no consequence, off the terminal."""
+    sys.stderr.flush()
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)

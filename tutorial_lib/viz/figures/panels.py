@@ -1,0 +1,203 @@
+"""Pictures put together for the notebooks: side by side, with titles, as a strip of a film."""
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+from tutorial_lib.world.raycast import Discs, Fan
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera, PanoramicCamera
+
+TITLE = 30
+"""Pixels of a title's line; its letters can still be read at half the width."""
+_FONT, _SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.62
+
+
+def label(
+    picture: Picture,
+    text: str,
+    x: int,
+    y: int,
+    size: float = _SIZE,
+    colour: tuple[int, int, int] = colours.INK,
+) -> None:
+    """Write on a picture; (x, y) is the lower left corner of the first letter. Latin letters only.
+
+    OpenCV knows no others and draws question marks in their place.
+    """
+    cv2.putText(picture, text, (x, y), _FONT, size, colour, 1, cv2.LINE_AA)
+
+
+def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = False) -> Picture:
+    """A camera's image (H, W, 3) at people's size, `width` x `width / 3` pixels.
+
+    The camera sees 120 degrees from left to right and 60 from top to bottom, which is 3 to 1 on its
+    image plane, whatever its number of rows. `smooth` blends the pixels; otherwise each is a tile.
+    """
+    image = _checked(image)
+    how = cv2.INTER_CUBIC if smooth else cv2.INTER_NEAREST
+    return cv2.resize(image, (width, round(width / 3)), interpolation=how)
+
+
+def faded(picture: Picture, share: float = 0.5) -> Picture:
+    """A picture made paler by a share from 0 to 1, so that what is drawn on it stands out."""
+    return cv2.addWeighted(picture, 1 - share, np.full_like(picture, 255), share, 0)
+
+
+def side_by_side(
+    pictures: Sequence[Picture],
+    titles: Sequence[str] = (),
+    *,
+    height: int | None = None,
+    gap: int = 16,
+) -> Picture:
+    """Put pictures beside each other, each with its title above it.
+
+    Args:
+        pictures: (H, W, 3) uint8 each, of any size; untitled ones stand level in the middle.
+        titles: one for each picture, or none at all.
+        height: pixels to which every picture is scaled; as they are unless given.
+        gap: white pixels between two.
+
+    Raises:
+        InputError: when there is nothing to show, or another number of titles.
+    """
+    return _arranged(pictures, titles, height, gap, along=1)
+
+
+def stacked(
+    pictures: Sequence[Picture],
+    titles: Sequence[str] = (),
+    *,
+    width: int | None = None,
+    gap: int = 16,
+) -> Picture:
+    """Put pictures under each other, as `side_by_side` does beside each other."""
+    return _arranged(pictures, titles, width, gap, along=0)
+
+
+def evenly(total: int, count: int) -> NDArray[np.intp]:
+    """The numbers of `count` frames from the first to the last of `total`; all when fewer.
+
+    Raises:
+        InputError: when there are no frames to choose from.
+    """
+    if total < 1 or count < 1:
+        raise InputError("strip: no frames to show; give at least one, and a count >= 1")
+    return np.linspace(0, total - 1, min(count, total)).round().astype(np.intp)
+
+
+def film_strip(
+    frames: Sequence[Picture],
+    times: ArrayLike | None = None,
+    count: int = 4,
+    width: int = 960,
+    gap: int = 8,
+) -> Picture:
+    """A film as `count` frames from first to last, beside each other, their times under them.
+
+    Args:
+        frames: (H, W, 3) uint8 each, of one size.
+        times: (N,) seconds of the frames; none are written unless given.
+        count: frames to show; fewer when there are not so many.
+        width: pixels of the whole strip; frames are scaled down to fit, never up.
+        gap: white pixels between two.
+
+    Raises:
+        InputError: when there are no frames, or another number of times.
+    """
+    chosen = evenly(len(frames), count)
+    if times is not None and len(np.atleast_1d(times)) != len(frames):
+        raise InputError(f"strip: {len(frames)} frames; give as many times, or none")
+    pictures = [_checked(frames[i]) for i in chosen]
+    high, wide = pictures[0].shape[:2]
+    scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))
+    size = (max(1, int(wide * scale)), max(1, int(high * scale)))
+    pictures = [cv2.resize(p, size, interpolation=cv2.INTER_AREA) for p in pictures]
+    if times is not None:
+        under = [_line(f"{np.atleast_1d(times)[i]:.1f} s", size[0]) for i in chosen]
+        pictures = [np.concatenate(pair) for pair in zip(pictures, under, strict=True)]
+    return side_by_side(pictures, gap=gap)
+
+
+def draw_field_of_view(
+    view: PlanView,
+    picture: Picture,
+    scene: Scene,
+    pose: ArrayLike,
+    camera: Camera | PanoramicCamera | None = None,
+    discs: Discs | None = None,
+) -> None:
+    """Tint on a map what a camera at `pose` (3,) sees of the floor, up to the walls."""
+    camera = Camera() if camera is None else camera
+    view.seen(picture, pose, ray_ends(scene, pose, camera.fan.angles, discs))
+
+
+def ray_ends(scene: Scene, pose: ArrayLike, angles: ArrayLike, discs: Discs | None = None) -> Array:
+    """Points (B, 2) of the world that rays from `pose` (3,) meet; angles (B,) rad, 0 is ahead."""
+    pose, angles = np.asarray(pose, dtype=float), np.asarray(angles, dtype=float)
+    distance = scene.caster.cast(pose[None], Fan(angles), discs).distance[0]
+    turned = pose[2] + angles
+    return pose[:2] + distance[:, None] * np.stack([np.cos(turned), np.sin(turned)], axis=1)
+
+
+def _arranged(
+    pictures: Sequence[Picture], titles: Sequence[str], size: int | None, gap: int, along: int
+) -> Picture:
+    """Pictures in a row (`along` 1) or a column (0), scaled to `size` across it."""
+    if not len(pictures) or (len(titles) and len(titles) != len(pictures)):
+        raise InputError(
+            f"panels: {len(pictures)} pictures and {len(titles)} titles; "
+            "give at least one picture, and as many titles or none"
+        )
+    panels = [_checked(picture) for picture in pictures]
+    if size is not None:
+        panels = [_scaled(panel, size / panel.shape[1 - along]) for panel in panels]
+    if len(titles):
+        panels = [
+            np.concatenate([_line(t, p.shape[1]), p]) for t, p in zip(titles, panels, strict=True)
+        ]
+    across = max(panel.shape[1 - along] for panel in panels)
+    panels = [_padded(panel, across, 1 - along, bool(len(titles))) for panel in panels]
+    space = [gap, gap, 3]
+    space[1 - along] = across
+    white = np.full(space, colours.PAPER, np.uint8)
+    parts = [part for panel in panels for part in (panel, white)]
+    return np.concatenate(parts[:-1], axis=along)
+
+
+def _checked(picture: Picture) -> Picture:
+    picture = np.asarray(picture)
+    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
+        raise InputError(f"picture: {picture.shape} {picture.dtype}; give (H, W, 3) uint8")
+    return np.ascontiguousarray(picture)
+
+
+def _scaled(picture: Picture, scale: float) -> Picture:
+    height, width = picture.shape[:2]
+    how = cv2.INTER_AREA if scale < 1 else cv2.INTER_NEAREST
+    size = (max(1, round(width * scale)), max(1, round(height * scale)))
+    return cv2.resize(picture, size, interpolation=how)
+
+
+def _line(text: str, width: int) -> Picture:
+    """A white line with a text, its letters smaller where it would not fit."""
+    line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
+    (wide, _), _ = cv2.getTextSize(text, _FONT, _SIZE, 1)
+    label(line, text, 1, TITLE - 10, _SIZE * min(1.0, (width - 2) / max(wide, 1)))
+    return line
+
+
+def _padded(picture: Picture, size: int, axis: int, level: bool) -> Picture:
+    """Grow a picture to `size` pixels along an axis: white on both sides, or after it."""
+    more = size - picture.shape[axis]
+    before = 0 if level else more // 2
+    pads = [(0, 0)] * 3
+    pads[axis] = (before, more - before)
+    return np.pad(picture, pads, constant_values=255)

@@ -1,0 +1,87 @@
+"""Small graphs with their probabilities, to plan on with a pencil."""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any
+
+from matplotlib.patches import FancyArrowPatch
+
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.viz.figures.charts import chart, from_figure
+
+_PLACES = {
+    "here": (0.05, 0.5),
+    "A": (0.42, 0.93),
+    "B": (0.32, 0.64),
+    "C": (0.72, 0.55),
+    "D": (0.40, 0.28),
+    "E": (0.62, 0.06),
+    "goal": (0.95, 0.5),
+}
+
+
+def graph_picture(
+    graph: Mapping[Any, Mapping[Any, float]],
+    way: Sequence[Any] = (),
+    places: Mapping[Any, tuple[float, float]] | None = None,
+    width: float = 6.4,
+) -> Picture:
+    """A small graph with RE beside its edges; those of `way` stand out.
+
+    Args:
+        graph: for each vertex, those that an edge leads to, with RE.
+        way: vertices in order.
+        places: of the vertices, from (0, 0) to (1, 1); those of the pencil example unless given.
+        width: inches.
+    """
+    places = _PLACES if places is None else places
+    figure, (axis,) = chart(width, 0.62 * width)
+    axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
+    axis.axis("off")
+    taken = set(pairwise(way))
+    for source, edges in graph.items():
+        for target, probability in edges.items():
+            both = source in graph.get(target, {})
+            colour = colours.unit(colours.LASER if (source, target) in taken else colours.FAINT)
+            arrow = FancyArrowPatch(
+                places[source],
+                places[target],
+                connectionstyle=f"arc3,rad={-0.18 if both else 0.0}",
+                arrowstyle="-|>",
+                mutation_scale=14,
+                shrinkA=14,
+                shrinkB=14,
+                linewidth=3.0 if (source, target) in taken else 1.2,
+                color=colour,
+            )
+            axis.add_patch(arrow)
+            beside = _beside(places[source], places[target], both)
+            under = {"boxstyle": "round,pad=0.1", "color": "white", "alpha": 0.8}
+            axis.text(*beside, f"{probability:g}", bbox=under, **_words(10))
+    for vertex, (x, y) in places.items():
+        if vertex in graph:
+            on = vertex in way
+            box = {"boxstyle": "round,pad=0.35", "color": colours.unit(_tone(vertex, on))}
+            axis.text(x, y, str(vertex), **_words(12), color="white", bbox=box)
+    return from_figure(figure)
+
+
+def _beside(
+    first: tuple[float, float], last: tuple[float, float], both: bool
+) -> tuple[float, float]:
+    """Where the number of an edge stands."""
+    share, aside = (0.5, 0.11) if both else (0.5, 0.0)
+    along = (last[0] - first[0], last[1] - first[1])
+    x = first[0] + share * along[0] - aside * along[1]
+    return x, first[1] + share * along[1] + aside * along[0]
+
+
+def _tone(vertex: object, on: bool) -> tuple[int, int, int]:
+    if vertex in ("here", "goal"):
+        return colours.ROBOT if vertex == "here" else colours.GOAL
+    return colours.LASER if on else colours.SOLID
+
+
+def _words(size: int) -> dict[str, Any]:
+    return {"ha": "center", "va": "center", "fontsize": size}

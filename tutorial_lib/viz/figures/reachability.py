@@ -1,0 +1,118 @@
+"""Reachability drawn: probabilities on a map and along a drive, pairs of pictures, reliability."""
+
+import cv2
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+from tutorial_lib.viz.figures.charts import chart, from_figure
+from tutorial_lib.viz.figures.panels import camera_picture, label, side_by_side, stacked
+
+_Z = 1.96  # of a 95 % interval
+_MIDDLE = (240, 238, 232)  # the colour of one half
+_GAP = 0.06  # share of a cell that is left free
+
+
+def probability_colours(probability: ArrayLike) -> NDArray[np.uint8]:
+    """Colours (..., 3) of probabilities (...): red for 0, pale for one half, blue for 1.
+
+    >>> probability_colours([0.0, 1.0]).tolist()
+    [[213, 94, 0], [0, 114, 178]]
+    """
+    stops = np.array([colours.LASER, _MIDDLE, colours.ROBOT], dtype=float)
+    probability = np.asarray(probability, dtype=float)
+    parts = [np.interp(probability, [0.0, 0.5, 1.0], channel) for channel in stops.T]
+    return np.stack(parts, axis=-1).round().astype(np.uint8)
+
+
+def draw_cells(
+    view: PlanView,
+    picture: Picture,
+    places: ArrayLike,
+    probability: ArrayLike,
+    size: float,
+    opacity: float = 0.85,
+) -> None:
+    """Draw a square of `size` metres for each probability (N,) at `places` (N, 2 or 3)."""
+    half = size * (1 - _GAP) / 2
+    square = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    layer = picture.copy()
+    tones = probability_colours(probability).tolist()
+    for place, tone in zip(np.asarray(places, dtype=float), tones, strict=True):
+        view.polygon(layer, place[:2] + square, tuple(tone))
+    cv2.addWeighted(layer, opacity, picture, 1 - opacity, 0, dst=picture)
+
+
+def probability_bar(low: str = "never", high: str = "always", width: int = 200) -> Picture:
+    """A legend: the colours on `width` pixels between the words for 0 and 1."""
+    colourful = np.broadcast_to(probability_colours(np.linspace(0, 1, width)), (16, width, 3))
+    words = []
+    for word in (low, high):
+        words.append(np.full((22, 11 * len(word), 3), colours.PAPER, np.uint8))
+        label(words[-1], word, 2, 16)
+    return side_by_side([words[0], colourful, words[1]], gap=8)
+
+
+def pictured_pair(now: ArrayLike, target: ArrayLike, width: int = 300) -> Picture:
+    """What is seen (H, W, 3) above what should be seen."""
+    pictures = [camera_picture(np.asarray(image), width) for image in (now, target)]
+    return stacked(pictures, ["now", "target"], gap=4)
+
+
+def draw_reliability(
+    axis: Axes,
+    predicted: ArrayLike,
+    measured: ArrayLike,
+    count: ArrayLike | None = None,
+    **looks: object,
+) -> None:
+    """Draw a reliability diagram on an axis, with the diagonal of those who are right.
+
+    Args:
+        axis: to draw on.
+        predicted: (B,) mean probability of each bin.
+        measured: (B,) share that came true.
+        count: (B,) or one number, how many are in a bin; draws Wilson's 95 % intervals if given.
+        looks: of the line, such as label or color.
+    """
+    predicted, measured = np.asarray(predicted, float), np.asarray(measured, float)
+    axis.plot([0, 1], [0, 1], color=colours.unit(colours.FAINT), linewidth=1.2, zorder=1)
+    looks = {"marker": "o", "markersize": 6, "clip_on": False, **looks}
+    (line,) = axis.plot(predicted, measured, zorder=3, **looks)
+    if count is not None:
+        low, high = _interval(measured, np.broadcast_to(np.asarray(count, float), measured.shape))
+        axis.vlines(predicted, low, high, colors=line.get_color(), linewidth=1.2, zorder=2)
+    axis.set(xlim=(0, 1), ylim=(0, 1), xlabel="probability claimed", ylabel="share reached")
+    axis.set_aspect("equal")
+
+
+def along_drive(
+    metres: ArrayLike, probability: ArrayLike, now: int, reached: bool | None = None
+) -> Picture:
+    """How probable each target of a drive is (T,), the present one marked.
+
+    Args:
+        metres: (T,) along the drive from the start to each target.
+        probability: (T,) that it is reached.
+        now: number of the present target.
+        reached: what became of the drive to it, if there was one.
+    """
+    metres, probability = np.asarray(metres, float), np.asarray(probability, float)
+    figure, (axis,) = chart(4.6, 2.7)
+    axis.plot(metres, probability, color=colours.unit(colours.ROBOT), clip_on=False)
+    axis.axvline(metres[now], color=colours.unit(colours.GOAL), linewidth=1.5)
+    if reached is not None:
+        tone = colours.unit(colours.ROBOT if reached else colours.LASER)
+        axis.plot(metres[now], float(reached), "s", color=tone, markersize=9, clip_on=False)
+    axis.set(ylim=(0, 1), xlim=(metres[0], metres[-1]), ylabel="RE")
+    axis.set(xlabel="m along the drive to the target")
+    return from_figure(figure)
+
+
+def _interval(share: NDArray, count: NDArray) -> tuple[NDArray, NDArray]:
+    """Wilson's 95 % interval of shares (B,) of `count` (B,)."""
+    middle = share + _Z**2 / (2 * count)
+    half = _Z * np.sqrt(share * (1 - share) / count + _Z**2 / (4 * count**2))
+    return (middle - half) / (1 + _Z**2 / count), (middle + half) / (1 + _Z**2 / count)

@@ -1,0 +1,1 @@
+"""Output of notebook cells: widgets, films, and driving by hand."""

@@ -1,0 +1,167 @@
+"""A car to be driven by hand: a pure function that draws it, and a controller without Jupyter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import wrap
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+from tutorial_lib.viz.figures.dashboard import Moment, draw_laser, draw_map
+from tutorial_lib.viz.figures.panels import camera_picture, label, side_by_side
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+MAP, SIDE, MARGIN = 520, 414, 14
+ACTIONS = {
+    "left": (0.5, 0.45),
+    "forward": (0.5, 0.0),
+    "right": (0.5, -0.45),
+    "back left": (-0.3, 0.45),
+    "back": (-0.3, 0.0),
+    "back right": (-0.3, -0.45),
+    "stop": (0.0, 0.0),
+}
+"""Each button's speed in m/s and steering in rad."""
+STILL = 960
+"""Pixels that a static strip is wide."""
+
+
+def drive_picture(view: PlanView, moment: Moment) -> Picture:
+    """The map, the camera's picture and the laser at a moment, 962 x 548 pixels.
+
+    `view` must be `MAP` x `MAP` pixels.
+    """
+    picture = np.full((MAP + 2 * MARGIN, MAP + SIDE + 2 * MARGIN, 3), colours.PAPER, np.uint8)
+    picture[MARGIN : MARGIN + MAP, :MAP] = draw_map(view, moment)
+    left, top, high = MAP + 2 * MARGIN, MARGIN, round(SIDE / 3)
+    label(picture, "camera", left, top + 18)
+    top += 28
+    picture[top : top + high, left : left + SIDE] = camera_picture(
+        moment.observation.image[0], SIDE, smooth=True
+    )
+    top += high + 16
+    label(picture, "laser, 4 m around", left, top + 18)
+    side = MAP + MARGIN - top - 28
+    picture[top + 28 : top + 28 + side, left : left + side] = draw_laser(moment, side)
+    for i, (name, value) in enumerate(moment.lines):
+        label(picture, name, left + side + 14, top + 44 + 62 * i, 0.5, colours.SOLID)
+        label(picture, value, left + side + 14, top + 70 + 62 * i)
+    return picture
+
+
+class DriveController:
+    """A car that goes on for a while at each press of a button; the world waits in between.
+
+    Attributes:
+        simulation: the car and its world.
+        track: (2,) places where it has been, one for each control step.
+    """
+
+    def __init__(
+        self, scene: Scene, pose: ArrayLike, people: Sequence[Person] = (), steps: int = 5
+    ) -> None:
+        """Put a car into a scene.
+
+        Args:
+            scene: the world.
+            pose: (3,) where the car starts.
+            people: who walks about.
+            steps: control steps of 0.1 s that a press lasts.
+
+        Raises:
+            InputError: when the car cannot stand there, or `steps` is less than 1.
+        """
+        if steps < 1:
+            raise InputError(f"drive: {steps} steps for a press; give at least 1")
+        self.scene, self.people, self.steps = scene, tuple(people), steps
+        self._start = np.array(pose, dtype=float).reshape(3)
+        self.view = PlanView(scene, MAP, MAP)
+        self.reset()
+
+    def reset(self) -> None:
+        """Put the car back to its start, and everybody else too."""
+        sensors = Sensors(camera=Camera(rows=64, columns=192))
+        self.simulation = Simulation(
+            self.scene, self._start[None], people=self.people, sensors=sensors
+        )
+        self.track = [self.simulation.poses[0, :2]]
+
+    def press(self, name: str) -> None:
+        """Drive for `steps` control steps as the button of this name says.
+
+        Raises:
+            InputError: when there is no such button.
+        """
+        if name not in ACTIONS:
+            raise InputError(f"drive: no button {name!r}; use one of {', '.join(ACTIONS)}")
+        for _ in range(self.steps):
+            self.simulation.step([ACTIONS[name]])
+            self.track.append(self.simulation.poses[0, :2])
+
+    @property
+    def moment(self) -> Moment:
+        """The state as it is to be drawn."""
+        simulation = self.simulation
+        x, y, heading = simulation.poses[0]
+        lines = (
+            ("time", f"{simulation.seconds:.1f} s"),
+            ("speed", f"{simulation.speed[0]:+.2f} m/s"),
+            ("steering", f"{np.rad2deg(simulation.controls[0, 1]):+.0f} deg"),
+            ("heading", f"{np.rad2deg(wrap(heading)):+.0f} deg"),
+        )
+        return Moment(
+            pose=np.array([x, y, heading]),
+            footprint=simulation.body.footprint,
+            observation=simulation.observe(),
+            track=np.array(self.track),
+            path=np.empty((0, 2)),
+            goal=None,
+            discs=simulation.discs,
+            lines=lines,
+        )
+
+    @property
+    def text(self) -> str:
+        """One line on how it goes."""
+        driven = np.linalg.norm(np.diff(np.array(self.track), axis=0), axis=1).sum()
+        words = f"{driven:.1f} m driven in {self.simulation.seconds:.1f} s."
+        if self.simulation.touching[0]:
+            return f"{words} The car touches something: go back."
+        return words
+
+    def render(self) -> Picture:
+        """The picture of the present state."""
+        return drive_picture(self.view, self.moment)
+
+    def rehearse(self, presses: Sequence[str], count: int = 3) -> Picture:
+        """A strip of what a fresh car would show during some presses; this one stays where it is.
+
+        Args:
+            presses: names of buttons.
+            count: pictures, from before the first press to after the last.
+        """
+        fresh = DriveController(self.scene, self._start, self.people, self.steps)
+        shown = set(np.linspace(0, len(presses), count).round().astype(int).tolist())
+        pictures, titles = [], []
+        for i, name in enumerate(["", *presses]):
+            if name:
+                fresh.press(name)
+            if i in shown:
+                pictures.append(fresh.render())
+                titles.append(f"after {i} presses" if i else "at the start")
+        return still_strip(pictures, titles)
+
+
+def still_strip(pictures: Sequence[Picture], titles: Sequence[str]) -> Picture:
+    """Pictures side by side on a strip that is `STILL` pixels wide, or narrower."""
+    width = max(picture.shape[1] for picture in pictures)
+    scale = min(1.0, (STILL / len(pictures) - 16) / width)
+    height = round(max(picture.shape[0] for picture in pictures) * scale)
+    return side_by_side(pictures, titles, height=height)

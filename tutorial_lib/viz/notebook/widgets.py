@@ -1,0 +1,195 @@
+"""Things to play with in a notebook: thin shells of ipywidgets around what needs no Jupyter.
+
+A pure function draws a state, a controller changes it (both in `by_hand` for the car), and a shell
+connects them to buttons and sliders. The shells' callbacks need no browser either: click a button
+with `.click()`, move a slider by its `.value`.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import ipywidgets
+import numpy as np
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.viz.figures.film import png
+from tutorial_lib.viz.notebook.teleop import ACTIONS, DriveController, drive_picture, still_strip
+
+__all__ = [
+    "DriveController",
+    "DrivePanel",
+    "Shell",
+    "SliderPanel",
+    "drive",
+    "drive_picture",
+    "sliders",
+]
+
+
+class Shell(ipywidgets.VBox):
+    """A box that leaves a static picture in the notebook as well.
+
+    Both are in one output: a live notebook shows the widget, a page that cannot shows the picture.
+    """
+
+    def __init__(self, children: Sequence[ipywidgets.Widget], still: Callable[[], Picture]) -> None:
+        """Take the box's contents, and what draws the static picture when it is displayed."""
+        super().__init__(children)
+        self.still = still
+
+    def _repr_mimebundle_(self, **keywords: Any) -> dict[str, Any]:  # noqa: ANN401 - IPython's
+        bundle = super()._repr_mimebundle_(**keywords)
+        return {**bundle, "image/png": base64.b64encode(png(self.still())).decode("ascii")}
+
+
+class DrivePanel(Shell):
+    """Buttons, a picture and a line of text for a `DriveController`.
+
+    Attributes:
+        buttons: by their names, "start again" among them.
+        picture: what is shown, as PNG.
+        line: how it goes.
+    """
+
+    def __init__(self, controller: DriveController, rehearsal: Sequence[str]) -> None:
+        """Connect buttons to `controller`; `rehearsal` are the presses of the static strip."""
+        self.controller = controller
+        self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
+        self.buttons = {
+            name: ipywidgets.Button(description=name, layout=ipywidgets.Layout(width="7.5em"))
+            for name in (*ACTIONS, "start again")
+        }
+        for button in self.buttons.values():
+            button.on_click(self._pressed)
+        row = list(self.buttons.values())
+        rows = [ipywidgets.HBox(row[:3]), ipywidgets.HBox(row[3:6]), ipywidgets.HBox(row[6:])]
+        self._refresh()
+        super().__init__([self.picture, self.line, *rows], lambda: controller.rehearse(rehearsal))
+
+    def _pressed(self, button: ipywidgets.Button) -> None:
+        if button.description == "start again":
+            self.controller.reset()
+        else:
+            self.controller.press(button.description)
+        self._refresh()
+
+    def _refresh(self) -> None:
+        _put(self.picture, self.controller.render())
+        self.line.value = _words(self.controller.text)
+
+
+def drive(
+    controller: DriveController,
+    rehearsal: Sequence[str] = ("forward", "forward", "left", "left", "left", "forward"),
+) -> DrivePanel:
+    """Buttons to drive a car by, as a cell's last line."""
+    return DrivePanel(controller, rehearsal)
+
+
+class SliderPanel(Shell):
+    """Sliders, a picture and a line of text; see `sliders`.
+
+    Attributes:
+        controls: the sliders and menus by name.
+        picture: what is shown, as PNG.
+        line: the numbers.
+    """
+
+    def __init__(
+        self,
+        render: Callable[..., tuple[Picture, str]],
+        ranges: dict[str, tuple[float, float, float, float] | Sequence[str]],
+    ) -> None:
+        """Make a control for each range and draw the first picture."""
+        self._render = render
+        self.controls = {name: _control(name, span) for name, span in ranges.items()}
+        self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
+        self._show(*render(**self.values))
+        for control in self.controls.values():
+            control.observe(self._changed, names="value")
+        super().__init__([*self.controls.values(), self.picture, self.line], self._strip)
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """What the controls say now."""
+        return {name: control.value for name, control in self.controls.items()}
+
+    def _changed(self, _: object) -> None:
+        try:
+            self._show(*self._render(**self.values))
+        except Exception as error:  # else it would be lost: a callback has no cell to print in
+            self.line.value = _words(f"{type(error).__name__}: {error}", "b")
+
+    def _show(self, picture: Picture, text: str) -> None:
+        _put(self.picture, picture)
+        self.line.value = _words(text)
+
+    def _strip(self) -> Picture:
+        """The pictures at the first control's low, present and high value."""
+        name, control = next(iter(self.controls.items()))
+        if isinstance(control, ipywidgets.Dropdown):
+            chosen = list(control.options)[:3]
+        else:
+            chosen = sorted({control.min, control.value, control.max})
+        pictures, titles = [], []
+        for value in chosen:
+            pictures.append(self._render(**{**self.values, name: value})[0])
+            shown = value if isinstance(value, str) else f"{value:g}"
+            titles.append(f"{_spoken(name)}: {shown}")
+        return still_strip(pictures, titles)
+
+
+def sliders(
+    render: Callable[..., tuple[Picture, str]],
+    **ranges: tuple[float, float, float, float] | Sequence[str],
+) -> SliderPanel:
+    """Sliders that change a picture and a line of numbers, as a cell's last line.
+
+    Args:
+        render: called as ``render(**values)``; returns a picture (H, W, 3) uint8 RGB and a text.
+        ranges: for each argument of `render` either ``(low, high, step, value)`` for a slider,
+            of whole numbers if all four are, or a list of words for a menu.
+
+    Raises:
+        InputError: when a range is neither, or there is none.
+    """
+    if not ranges:
+        raise InputError("sliders: no range; give name=(low, high, step, value)")
+    return SliderPanel(render, ranges)
+
+
+def _control(name: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.Widget:
+    look = {
+        "description": _spoken(name),
+        "style": {"description_width": "10em"},
+        "layout": ipywidgets.Layout(width="32em", max_width="100%"),
+    }
+    span = tuple(span)
+    if span and all(isinstance(word, str) for word in span):
+        return ipywidgets.Dropdown(options=span, value=span[0], **look)
+    if len(span) != 4 or not (span[0] <= span[3] <= span[1] and span[2] > 0):
+        raise InputError(f"sliders: {name}={span}; give (low, high, step, value) or words")
+    low, high, step, value = span
+    whole = all(isinstance(number, int | np.integer) for number in span)
+    kind = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
+    return kind(value=value, min=low, max=high, step=step, **look)
+
+
+def _put(image: ipywidgets.Image, picture: Picture) -> None:
+    """Show a picture at its own size, or smaller where the page is narrower."""
+    # In a box an image would otherwise be stretched to the width of the page.
+    image.layout.width, image.layout.max_width = f"{picture.shape[1]}px", "100%"
+    image.value = png(picture)
+
+
+def _spoken(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _words(text: str, tag: str = "span") -> str:
+    return f'<{tag} style="font-size:1.1em">{html.escape(text)}</{tag}>'
