@@ -30,7 +30,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.demos.navigation_demo import navigate_once
 from tutorial_lib.experiments.demos.oracle_demo import choose_places, place_people
@@ -46,7 +46,7 @@ from tutorial_lib.viz.figures.panels import (
     stacked,
 )
 from tutorial_lib.viz.notebook.display import play, show
-from tutorial_lib.viz.notebook.widgets import DriveController, drive, sliders
+from tutorial_lib.viz.notebook.widgets import TeleopController, drive, sliders
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_ros_map
 from tutorial_lib.world.noise import WheelOdometry
@@ -148,7 +148,7 @@ stops = [goal, start[:2], goal]
 
 leader, actions = Simulation(home, start), []
 for stop in stops:  # one car drives there, back and there again, and we write down what it does
-    courier = OracleCourier(paths, [stop])
+    courier = OraclePolicy(paths, [stop])
     while np.linalg.norm(leader.poses[0, :2] - stop) > 0.3:
         actions.append(courier.act(leader))
         leader.step(actions[-1])
@@ -220,7 +220,7 @@ show(
 # the laser. Cover the map with your hand.
 
 # %%
-car = DriveController(home, start)
+car = TeleopController(home, start)
 drive(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
 # %% [markdown]
@@ -261,7 +261,7 @@ sliders(draw_world, family=FAMILIES, seed=(0, 30, 1, 5))
 # %%
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-courier, view = OracleCourier(paths, [goal]), PlanView(home, 240, 330)
+courier, view = OraclePolicy(paths, [goal]), PlanView(home, 240, 330)
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
     simulation.step(courier.act(simulation))

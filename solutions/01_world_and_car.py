@@ -25,7 +25,7 @@ from tutorial_lib.checks.nb01.world_and_car import (
     check_to_local,
     check_wall_share,
 )
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative, to_world
 from tutorial_lib.viz.canvas import colours
@@ -511,7 +511,7 @@ far = paths.points[np.where(np.isfinite(ways.cost[0]), ways.cost[0], 0).argmax()
 way = ways.path(far)
 start = np.array([*way[0], np.arctan2(*(way[4] - way[0])[::-1])])
 simulation = Simulation(scene, start, sensors=Sensors(camera=Camera(rows=64)))
-courier = OracleCourier(paths, way[-1])
+courier = OraclePolicy(paths, way[-1])
 track, kept = [simulation.poses[0]], []
 while np.linalg.norm(simulation.poses[0, :2] - way[-1]) > 0.3 and len(track) < 1000:
     if len(track) % 80 == 1:

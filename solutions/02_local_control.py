@@ -36,7 +36,7 @@ from tutorial_lib.driving.control.rmp import RMPController, control_jacobian, po
 from tutorial_lib.driving.control.rmp_arcs import cover
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.episodes import draw_episodes
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER, jittered
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import drive
@@ -488,7 +488,7 @@ def waypoint_label(start, track, source, target, sees):
 waypoint_label = check_waypoint_label.use(waypoint_label)
 
 # %% [markdown]
-# Now on a real drive. Five starts are *jittered*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as the paper's authors do, so that the network also sees what a car sees that has strayed. **Predict:** the
+# Now on a real drive. Five starts are *perturbed*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as the paper's authors do, so that the network also sees what a car sees that has strayed. **Predict:** the
 # target is beyond a corner. Where will the green waypoints of the starts lie: all at the same place?
 
 # %%
@@ -509,8 +509,11 @@ def short_of_target(number):
 
 corner_case = max(np.flatnonzero(hidden & far_enough), key=short_of_target)
 source, target = sources[corner_case], episodes.targets[corner_case]
-beside, found = jittered(
-    scene, np.repeat(recorded.poses[[source]], 5, axis=0), PAPER_JITTER, np.random.default_rng(2)
+beside, found = perturbed(
+    scene,
+    np.repeat(recorded.poses[[source]], 5, axis=0),
+    PAPER_PERTURBATION,
+    np.random.default_rng(2),
 )
 picture = view.base.copy()
 view.polyline(picture, recorded.poses[source : target + 1, :2], colours.PATH, 3)
@@ -771,7 +774,13 @@ print(f"before: {outcomes['before'].reached.sum()} of {len(forty)} targets reach
 
 # %%
 lessons = Source(
-    [recorded], small_network, jitter=PAPER_JITTER, worlds=1, targets=240, close=0.0, vary=False
+    [recorded],
+    small_network,
+    perturbation=PAPER_PERTURBATION,
+    worlds=1,
+    targets=240,
+    close=0.0,
+    vary=False,
 )
 other_pairs = [replace(lessons, targets=64, starts=2).block([1, 0])]
 
@@ -795,7 +804,7 @@ trained, progress = train(
     small_network,
     lessons,
     other_pairs,
-    Settings(steps=600, rate=4e-3, warm_up=40, every=60),
+    Settings(steps=600, rate=4e-3, warmup_steps=40, every=60),
     on_look=lambda _, progress: handle.update(loss_chart(progress.history)),
 )
 

@@ -32,7 +32,7 @@ from tutorial_lib.checks.nb03.rollout_labels import (
 from tutorial_lib.driving.control.composed import ComposedController
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.demonstrations import demonstrate
-from tutorial_lib.driving.data.reachability_pairs import draw_errands, errands_of
+from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs, reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import drive
@@ -100,12 +100,12 @@ def frame_near(pose):
 
 
 def starts_around(target, reach=2.1, step=0.3):
-    """Errands to a frame from all free places of a grid around it, with the frame's heading."""
+    """ReachabilityPairs to a frame from all free places of a grid around it, with the frame's heading."""
     goal, aside = recorded.poses[target], np.arange(-reach, reach + step / 2, step)
     places = goal[:2] + np.stack(np.meshgrid(aside, aside), axis=-1).reshape(-1, 2)
     poses = np.column_stack([places, np.full(len(places), goal[2])])
     poses = poses[is_free(scene, car, poses)]
-    return errands_of(recorded, paths, poses, np.full(len(poses), target))
+    return reachability_pairs(recorded, paths, poses, np.full(len(poses), target))
 
 
 def draw_target(view, picture, goal):
@@ -328,7 +328,7 @@ for number, (name, seed) in enumerate(SEEDS.items()):
         place = scene_of(local_world(seed))
         world = RecordedWorld(place, demonstrate(local_world(seed), place, 16, seed=0))
     ways = paths if world is recorded else GridPaths(world.scene.clearance)
-    drawn = draw_errands(world, ways, 120, np.random.default_rng(number))
+    drawn = draw_reachability_pairs(world, ways, 120, np.random.default_rng(number))
     drawn = drawn.some(np.flatnonzero(drawn.seen)[:250])
     drives, touched = send(world, drawn, by_sight)
     goals = world.poses[drawn.targets]
@@ -623,7 +623,7 @@ show(from_figure(figure))
 frames = np.linspace(0, len(recorded.poses) - 1, 120).round().astype(int)
 rows, columns = (pairs.ravel() for pairs in np.meshgrid(frames, frames, indexing="ij"))
 rows, columns = rows[rows != columns], columns[rows != columns]
-queries = errands_of(recorded, paths, recorded.poses[rows], columns)
+queries = reachability_pairs(recorded, paths, recorded.poses[rows], columns)
 asked = reachability.calibration(
     all_logits(reachability, recorded, queries.starts, queries.targets)
 )
@@ -719,7 +719,9 @@ def asked_from(turned):
 def driven_to(target, turned):
     """The track to a target, and whether it was reached."""
     pose, _ = asked_from(turned)
-    drives, _ = send(recorded, errands_of(recorded, paths, pose[None], along[[target]]), by_sight)
+    drives, _ = send(
+        recorded, reachability_pairs(recorded, paths, pose[None], along[[target]]), by_sight
+    )
     return drives.poses[: round(drives.seconds[0] / STEP) + 1, 0], bool(drives.reached[0])
 
 

@@ -38,7 +38,7 @@ from tutorial_lib.experiments.meng2020 import fig6
 from tutorial_lib.experiments.meng2020.fig5 import spearman
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide, frames_of
 from tutorial_lib.geometry import compose, relative, to_local, to_world, wrap
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import PlanView
@@ -669,10 +669,10 @@ def follow(guide, trails, starts, people=(), disturb=None, noise=0.0, limit=700)
 
 
 def trails_of(guide, kept):
-    """Trails of anchors, frames (A,) of recorded drives, one for each robot."""
+    """AnchorPaths of anchors, frames (A,) of recorded drives, one for each robot."""
     pictures = guide.pictures(np.concatenate(kept))
     prepared = guide.predictor.prepare(pictures), guide.reachability.prepare(pictures)
-    return Trails.end_to_end(*prepared, [len(trail) for trail in kept])
+    return AnchorPaths.end_to_end(*prepared, [len(trail) for trail in kept])
 
 
 # %% [markdown]
@@ -1067,7 +1067,7 @@ print(
 
 # %% [markdown]
 # <details><summary>What follows?</summary>
-# The chain of anchors silently supposes that whoever has reached one of them stands there <i>as the recorded car did</i>. Where the way is driven forwards, arriving at a place mostly means arriving with its heading, and nobody notices. In a manoeuvre it does not. It is not that the pictures are too far apart. Remedies would be a heading in the definition of "reached", or to ask $\mathcal{RE}$ from jittered starts before a
+# The chain of anchors silently supposes that whoever has reached one of them stands there <i>as the recorded car did</i>. Where the way is driven forwards, arriving at a place mostly means arriving with its heading, and nobody notices. In a manoeuvre it does not. It is not that the pictures are too far apart. Remedies would be a heading in the definition of "reached", or to ask $\mathcal{RE}$ from perturbed starts before a
 # frame is thrown away (extra 4), or not to follow manoeuvres at all: a car that wants to turn round can do that without pictures.
 #
 # And mind what has happened to Fig. 7. An experiment that leaves out the beginnings answers another question, "how well are anchors followed under way?", and gives a better number. That is legitimate as long as it is said.

@@ -308,7 +308,7 @@ show(side_by_side(panels, titles))
 #
 # ## 3 · Reuse
 #
-# Drives overlap. To keep the common part once is enough. The paper's rule: anchor $\hat o_i$ of a drive that comes is not needed if there is a vertex $\hat o$ that can take its place,
+# Rollouts overlap. To keep the common part once is enough. The paper's rule: anchor $\hat o_i$ of a drive that comes is not needed if there is a vertex $\hat o$ that can take its place,
 #
 # $$ \mathcal{RE}(\hat o_{i-1}, \hat o) > p_\text{reuse} \quad\text{and}\quad \mathcal{RE}(\hat o, \hat o_{i+1}) > p_\text{reuse}. $$
 #

@@ -49,7 +49,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import Trials, building, trials
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.heading_search import ASIDE
 from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
@@ -110,7 +110,7 @@ show(graph_picture(BY_HAND))
 # With a negative length each further step makes a way <i>shorter</i>; going round a circle for ever is best, and Dijkstra's algorithm is wrong or does not end. $1 - \mathcal{RE}$ is nearly right, since $-\log p \approx 1 - p$ near 1. For edges above 0.99 nobody would notice; for the doubtful ones at the ends of a way it makes too little of the doubt: in the small graph above it chooses the way over E.
 # </details>
 #
-# ### Exercise 1 · `most_probable_way` (medium, 15 minutes)
+# ### Exercise 1 · `most_probable_path` (medium, 15 minutes)
 #
 # The graph is a dictionary of dictionaries: `graph[v][w]` is $\mathcal{RE}$ of the edge from `v` to `w`, and every vertex has an entry, if an empty one.
 #
@@ -119,8 +119,8 @@ show(graph_picture(BY_HAND))
 # <details><summary>Hint 3: one line</summary>through = length - math.log(p); if through &lt; least.get(w, math.inf): least[w], before[w] = through, v; heapq.heappush(heap, (through, w)). In the end the probability is math.exp(-least[goal]).</details>
 
 
-# %% exercise="most_probable_way"
-def most_probable_way(graph, start, goal):
+# %% exercise="most_probable_path"
+def most_probable_path(graph, start, goal):
     """The most probable way from start to goal.
 
     graph: dictionary of dictionaries, graph[v][w] is RE from v to w, above 0 and at most 1.
@@ -149,7 +149,7 @@ def most_probable_way(graph, start, goal):
 
 
 # %%
-most_probable_way = check_most_probable_way.use(most_probable_way)
+most_probable_path = check_most_probable_way.use(most_probable_path)
 
 # %% [markdown]
 # ## 2 · From what is seen to what is to be seen
@@ -285,7 +285,7 @@ for i in range(0, len(asked), 3):
 
 # %%
 example = asked.pairs.tolist().index([0, 1])
-way, probability = most_probable_way(
+way, probability = most_probable_path(
     join_ends(graph, from_here[example], to_goals[example], rules.p_query, rules.p_query),
     HERE,
     GOAL,
@@ -371,7 +371,7 @@ print(
 # Whoever refuses tells the way and its probability all the same: perhaps somebody wants to overrule it.
 #
 # <details><summary>Hint 1: concept</summary>Two plans at most, by the functions of exercises 1 and 2. Only what is asked of the goal differs.</details>
-# <details><summary>Hint 2: approach</summary>join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal), then most_probable_way from HERE to GOAL. An empty list is false in Python: if way: ...</details>
+# <details><summary>Hint 2: approach</summary>join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal), then most_probable_path from HERE to GOAL. An empty list is false in Python: if way: ...</details>
 # <details><summary>Hint 3: one line</summary>return way, probability, "" if probability &gt;= rules.least else "too improbable"</details>
 
 
@@ -384,11 +384,11 @@ def decide(graph, from_here, to_goals, rules):
     """
     ### BEGIN SOLUTION
     joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    way, probability = most_probable_way(joined, HERE, GOAL)
+    way, probability = most_probable_path(joined, HERE, GOAL)
     if way:
         return way, probability, "" if probability >= rules.least else "too improbable"
     joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    way, probability = most_probable_way(joined, HERE, GOAL)
+    way, probability = most_probable_path(joined, HERE, GOAL)
     return way, probability, "not on the map" if way else "no way"
     ### END SOLUTION
 
@@ -435,11 +435,11 @@ show(
 #
 # ### Exercise 4 · `travel` (medium, 10 minutes)
 #
-# `plan(shunned)` plans from where the car is now, past a set of vertices, and returns a way from `HERE` to `GOAL`, or `[]` when it refuses. `drive(way)` drives, and returns `None` on arrival; otherwise the **place** along the way of the vertex that could not be reached: 1 for the first after `HERE`. After the first plan there may be `replans` more. Only vertices of the map are shunned, never `GOAL`: who cannot reach it just plans anew.
+# `plan(excluded)` plans from where the car is now, past a set of vertices, and returns a way from `HERE` to `GOAL`, or `[]` when it refuses. `drive(way)` drives, and returns `None` on arrival; otherwise the **place** along the way of the vertex that could not be reached: 1 for the first after `HERE`. After the first plan there may be `replans` more. Only vertices of the map are excluded, never `GOAL`: who cannot reach it just plans anew.
 #
 # <details><summary>Hint 1: concept</summary>A loop of replans + 1 rounds: plan, give up if refused, drive, return on arrival, remember what could not be reached.</details>
 # <details><summary>Hint 2: approach</summary>The set lives outside of the loop, so that it grows. way[stopped] is the vertex; the GOAL is none of the map's, so there is nothing to shun if it could not be reached from the last vertex.</details>
-# <details><summary>Hint 3: one line</summary>if way[stopped] != GOAL: shunned.add(way[stopped])</details>
+# <details><summary>Hint 3: one line</summary>if way[stopped] != GOAL: excluded.add(way[stopped])</details>
 
 
 # %% exercise="travel"
@@ -447,20 +447,20 @@ def travel(plan, drive, replans):
     """Plan, drive, and plan anew when lost.
 
     plan, drive: see above. replans: how many plans there may be after the first.
-    Returns whether the goal was reached, and the set of the vertices that are shunned by then.
+    Returns whether the goal was reached, and the set of the vertices that are excluded by then.
     """
     ### BEGIN SOLUTION
-    shunned = set()
+    excluded = set()
     for _ in range(replans + 1):
-        way = plan(shunned)
+        way = plan(excluded)
         if not way:
-            return False, shunned
+            return False, excluded
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
+            return True, excluded
         if way[stopped] != GOAL:
-            shunned.add(way[stopped])
-    return False, shunned
+            excluded.add(way[stopped])
+    return False, excluded
     ### END SOLUTION
 
 
@@ -481,12 +481,12 @@ PATIENCE, GLANCE = 20.0, 10  # seconds of looking around; steps between two look
 WHEN = 120  # steps
 
 
-def without(graph, shunned):
+def without(graph, excluded):
     """A graph without some vertices."""
     return {
-        v: {w: p for w, p in out.items() if w not in shunned}
+        v: {w: p for w, p in out.items() if w not in excluded}
         for v, out in graph.items()
-        if v not in shunned
+        if v not in excluded
     }
 
 
@@ -505,16 +505,16 @@ class Errand:
         self.simulation.step(actions)
         self.track.append(self.simulation.poses[0])
 
-    def plan(self, shunned):
+    def plan(self, excluded):
         for turned in range(int(PATIENCE / STEP)):
             seen = self.simulation.observe()
             if turned % GLANCE == 0:
                 ends = seen_from(seen), leads_to(seen, self.goal)
-                way, probability, reason = decide(without(graph, shunned), *ends, rules)
+                way, probability, reason = decide(without(graph, excluded), *ends, rules)
                 if not reason:
                     break
             self.step(agent.controller.act(seen, np.array([[0.0, ASIDE]])))
-        self.log.append((len(self.track), sorted(shunned), way, probability, reason))
+        self.log.append((len(self.track), sorted(excluded), way, probability, reason))
         return [] if reason else way
 
     def drive(self, way):
@@ -523,7 +523,9 @@ class Errand:
             contexts.insert(0, topomap.vertices.contexts[np.array(way[1:-1])])
         contexts = np.concatenate(contexts)
         prepared = agent.predictor.prepare(contexts), agent.reachability.prepare(contexts)
-        run = self.follower.begin(Trails.end_to_end(*prepared, [len(contexts)]), np.zeros(1, int))
+        run = self.follower.begin(
+            AnchorPaths.end_to_end(*prepared, [len(contexts)]), np.zeros(1, int)
+        )
         while not run.over.all() and len(self.track) < self.limit:
             self.step(run.act(self.simulation.observe(), np.array([0])))
         return None if run.done[0] else int(run.active[0]) + 1
@@ -534,7 +536,7 @@ crossing = of_pair[4, 0]
 on_way = [v for v in decided[crossing][0] if v >= 0]
 off = np.min([metres_off(alive.tolist(), poses[v]) for v in on_way], axis=0)
 errand = Errand(crossing, poses[alive[off.argmax()]])
-arrived, shunned = travel(errand.plan, errand.drive, replans=8)
+arrived, excluded = travel(errand.plan, errand.drive, replans=8)
 track = np.array(errand.track)
 gap = np.linalg.norm(track[-1, :2] - asked.goal_poses[crossing, :2])
 print(
@@ -583,8 +585,8 @@ class YourPlanner:
     def __init__(self, edges=None):
         self.edges = edges
 
-    def plan(self, observation, goals, topomap, shunned=()):
-        edges = without(self.edges or graph, shunned)
+    def plan(self, observation, goals, topomap, excluded=()):
+        edges = without(self.edges or graph, excluded)
         near, ends = seen_from(observation), leads_to(observation, goals)
         way, _, reason = decide(edges, near, ends, rules)
         joined = join_ends(edges, near, ends, rules.p_query, rules.p_query)
@@ -604,11 +606,11 @@ def fleet(numbers, planner, replans):
     agent.planner, agent.replans = planner, replans
     journeys = []
 
-    def set_out(_):
-        journeys.append(agent.set_out([goals[i] for i in numbers]))
+    def start(_):
+        journeys.append(agent.start([goals[i] for i in numbers]))
         return journeys[0]
 
-    return navigate(house, some_of(asked, numbers), set_out), journeys[0]
+    return navigate(house, some_of(asked, numbers), start), journeys[0]
 
 
 PAIRS = [[0, 2], [4, 2], [4, 3], [4, 1], [2, 1], [1, 4]]
@@ -1217,7 +1219,7 @@ class Hasty:
 
     price = 0.02
 
-    def plan(self, observation, goals, topomap, shunned=()):
+    def plan(self, observation, goals, topomap, excluded=()):
         """Plan from one observation to one of the goals, past some vertices; see `Plan`."""
         dear = copy.copy(topomap)
         dear.graph = nx.DiGraph()
@@ -1225,7 +1227,7 @@ class Hasty:
         for v, w, edge in topomap.graph.edges(data=True):
             weight = edge["weight"] + self.price
             dear.graph.add_edge(v, w, probability=edge["probability"], weight=weight)
-        return DijkstraPlanner().plan(observation, goals, dear, shunned)
+        return DijkstraPlanner().plan(observation, goals, dear, excluded)
 
 
 print("planner      steps   probability   metres, on average over the trials where it sets out")
@@ -1250,7 +1252,7 @@ for name, planner in (("library's", DijkstraPlanner()), ("Hasty", Hasty())):
 # Most ways stay as they are, and three drop a vertex at an end. One saves seven steps by a first edge that was believed from a single look, and leads to a vertex 19 m away. Whoever pays for steps likes wormholes.
 # </details>
 #
-# Other pieces can be brought in the same way: a class with `localize` (where am I?), with `prepare` and `probability` (another $\mathcal{RE}$), or with `learn` and `set_out` (a whole agent).
+# Other pieces can be brought in the same way: a class with `localize` (where am I?), with `prepare` and `probability` (another $\mathcal{RE}$), or with `learn` and `start` (a whole agent).
 #
 # ## Optional extras
 #

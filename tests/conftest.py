@@ -55,7 +55,7 @@ def make_box(width=10.0, height=10.0, pillars=()):
 
 
 def in_turn(work, places, *arguments, label):
-    """`in_each_world` without other processes, in which a test would have changed nothing."""
+    """`for_each` without other processes, in which a test would have changed nothing."""
     assert label
     return [work(place, *arguments) for place in places]
 

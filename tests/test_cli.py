@@ -67,11 +67,11 @@ def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
 
 
 def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
-    class Asleep(oracle_demo.OracleCourier):
+    class Asleep(oracle_demo.OraclePolicy):
         def act(self, simulation):
             return np.zeros((1, 2))
 
-    monkeypatch.setattr(oracle_demo, "OracleCourier", Asleep)
+    monkeypatch.setattr(oracle_demo, "OraclePolicy", Asleep)
     save_plan(make_box(6.0, 6.0), "box.json")
     assert main(["demo", "--oracle", "--map", "box.json"]) == 1
     assert not json.loads(Path("demo.json").read_text())["reached"]

@@ -126,9 +126,9 @@ class Planner(Protocol):
         observation: Observation,
         goals: Targets,
         topomap: Any,  # noqa: ANN401
-        shunned: Collection[int] = (),
+        excluded: Collection[int] = (),
     ) -> Any:  # noqa: ANN401
-        """A path over the map with its probability, or a refusal; not over what is shunned."""
+        """A path over the map with its probability, or a refusal; not over what is excluded."""
 
 
 @runtime_checkable

@@ -1,34 +1,34 @@
-"""The same work in many worlds, on all cores."""
+"""The same work on many worlds, on all cores."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
-from tutorial_lib.learning.estimators import use_threads
 
-
-def in_each_world(
-    work: Callable[..., Any], places: Sequence[Any], *arguments: object, label: str
+def for_each(
+    work: Callable[..., Any],
+    items: Iterable[Any],
+    *arguments: object,
+    label: str,
+    jobs: int = -1,
 ) -> list[Any]:
-    """What `work(place, *arguments)` finds in each place, in their order.
+    """What `work(item, *arguments)` returns for each item, in their order.
 
-    Networks use one thread in each worker, so that the workers do not wait for each other.
+    Workers share the cores: where as many processes run as there are cores, numpy and torch use one
+    thread in each. `joblib.parallel_config` moves the work to another backend, such as Dask.
 
     Args:
-        work: a function of a module; what it takes and gives can be pickled.
-        places: worlds, or maps' files.
+        work: a function of a module; its arguments and results can be pickled.
+        items: worlds, files, or tuples of what one piece of work needs.
         arguments: the same for all.
-        label: of the bar that tells how far it is.
+        label: of the progress bar.
+        jobs: processes; -1 for as many as there are cores.
     """
-    run_all = Parallel(n_jobs=-1, return_as="generator")
-    found = run_all(delayed(_alone)(work, place, *arguments) for place in places)
-    return list(tqdm(found, total=len(places), desc=label, disable=None))
-
-
-def _alone(work: Callable[..., Any], place: object, *arguments: object) -> Any:  # noqa: ANN401
-    use_threads(1)
-    return work(place, *arguments)
+    items = list(items)
+    run_all = Parallel(n_jobs=jobs, return_as="generator")
+    found = run_all(delayed(work)(item, *arguments) for item in items)
+    return list(tqdm(found, total=len(items), desc=label, disable=None))

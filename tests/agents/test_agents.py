@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.made_up_maps import edges_of, numbered, sensed, table_map
-from tutorial_lib.agents.agent import Agent, Experience, Journey
+from tutorial_lib.agents.agent import Agent, Experience, Navigation
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.navigator import MapJourney
-from tutorial_lib.agents.oracle import OracleJourney
-from tutorial_lib.agents.random import WanderingAgent
+from tutorial_lib.agents.navigator import MapNavigation
+from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.sptm import MostAlike, SPTMAgent, window_median
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
@@ -109,9 +109,9 @@ class Ways:
     def __init__(self, *plans):
         self.plans, self.asked = list(plans), []
 
-    def __call__(self, observation, goals, shunned):
+    def __call__(self, observation, goals, excluded):
         assert len(observation) == 1
-        self.asked.append((float(observation.odometry[0, 0]), goals, set(shunned)))
+        self.asked.append((float(observation.odometry[0, 0]), goals, set(excluded)))
         return self.plans[min(len(self.asked), len(self.plans)) - 1]
 
 
@@ -121,7 +121,7 @@ def journey_of(find_way, goals, places=range(-4, 9), replans=5, wall=np.inf):
     reachability.wall = wall
     topomap = line_map(places, reachability)
     follower = Follower(LinePredictor(), LineController(), reachability)
-    return MapJourney(find_way, follower, topomap, goals, replans)
+    return MapNavigation(find_way, follower, topomap, goals, replans)
 
 
 SURE = (0.99,)
@@ -133,7 +133,7 @@ SURE = (0.99,)
 def test_a_plan_is_followed_to_its_goal():
     ways = Ways(Plan((5, 6, 7, 8), 1, SURE))  # vertex v is at v - 4
     journey, line = journey_of(ways, [goals_at(-3, 5.5)]), Line([0.2])
-    assert isinstance(journey, Journey)
+    assert isinstance(journey, Navigation)
     assert journey.plans == [None]
     line.go(journey, 1)
     assert journey.plans == [ways.plans[0]]
@@ -151,7 +151,7 @@ def test_each_robot_goes_to_its_own_goal():
     goals = [goals_at(3.5), goals_at(7, -2.5), goals_at(0.6)]
     wanted = {id(goal): place for goal, place in zip(goals, plans, strict=True)}
 
-    def find_way(observation, goals, shunned):
+    def find_way(observation, goals, excluded):
         return plans[wanted[id(goals)]]
 
     journey, line = journey_of(find_way, goals), Line([0.0, 0.1, -0.2])
@@ -168,9 +168,9 @@ def test_who_is_lost_plans_anew_and_shuns_what_it_could_not_reach():
     line = Line([0.0], wall=2.4)
     line.go(journey, 140)
     assert len(ways.asked) == 2
-    place, _, shunned = ways.asked[1]
+    place, _, excluded = ways.asked[1]
     assert place == pytest.approx(2.4, abs=0.5)
-    assert shunned == {7}
+    assert excluded == {7}
     line.go(journey, 300)
     assert journey.arrived[0]
     assert line.x[0] == pytest.approx(-3, abs=0.25)
@@ -185,7 +185,7 @@ def test_what_was_shunned_once_is_shunned_for_good():
     line = Line([2.0], wall=2.4)
     line.go(journey, 400)
     # The goal itself is no vertex.
-    assert [shunned for _, _, shunned in ways.asked] == [set(), {7}, {7, 8}, {7, 8, 9}]
+    assert [excluded for _, _, excluded in ways.asked] == [set(), {7}, {7, 8}, {7, 8, 9}]
     assert journey.given_up[0]
 
 
@@ -269,7 +269,7 @@ def test_a_robot_alone_does_as_in_a_fleet():
     starts, goals = [0.0, 0.6, -1.2], [goals_at(3), goals_at(5), goals_at(-3)]
     planner = DijkstraPlanner(least=0.0)
 
-    def set_out(goals):
+    def start(goals):
         journey = journey_of(None, goals)
         for a in range(12):
             journey._topomap.connect(a, a + 1, 0.999)
@@ -277,11 +277,11 @@ def test_a_robot_alone_does_as_in_a_fleet():
         journey._find_way = lambda o, g, s: planner.plan(o, g, journey._topomap, s)
         return journey
 
-    fleet, together = set_out(goals), Line(starts)
+    fleet, together = start(goals), Line(starts)
     together.go(fleet, 200)
     assert fleet.arrived.all()
     for robot in range(3):
-        one, alone = set_out([goals[robot]]), Line([starts[robot]])
+        one, alone = start([goals[robot]]), Line([starts[robot]])
         alone.go(one, 200)
         assert alone.x[0] == together.x[robot]
         assert one.history[0] == fleet.history[robot]
@@ -305,7 +305,7 @@ def test_a_journey_over_an_empty_map_leads_to_what_is_in_sight():
     follower = Follower(LinePredictor(), LineController(), reachability)
     topomap, planner = TopoMap(reachability), DijkstraPlanner()
     goals = [goals_at(1.0), goals_at(9.0)]
-    journey = MapJourney(
+    journey = MapNavigation(
         lambda o, g, s: planner.plan(o, g, topomap, s), follower, topomap, goals, 5
     )
     line = Line([0.0, 0.0])
@@ -366,7 +366,7 @@ def test_it_finds_its_way_over_several_drives():
     agent = meng()
     agent.learn([drive(0, 6), drive(5, 12, 50.0)])
     line = Line([0.1, 2.0, 6.0])
-    journey = agent.set_out([goals_at(11.5), goals_at(7.3), goals_at(30.0)])
+    journey = agent.start([goals_at(11.5), goals_at(7.3), goals_at(30.0)])
     line.go(journey, 400)
     assert journey.arrived.tolist() == [True, True, False]
     assert journey.given_up.tolist() == [False, False, True]
@@ -380,7 +380,7 @@ def test_what_was_blocked_since_is_tried_no_more_than_it_may_be():
     agent = meng(reachability=reachability, replans=2, planner=DijkstraPlanner(least=0.0))
     agent.learn([drive(0, 12)])
     reachability.wall = 5.0
-    journey, line = agent.set_out([goals_at(11.0)]), Line([0.1], wall=5.0)
+    journey, line = agent.start([goals_at(11.0)]), Line([0.1], wall=5.0)
     line.go(journey, 900)
     assert journey.given_up[0]
     assert line.x[0] <= 5.0
@@ -395,20 +395,20 @@ def test_the_agent_plans_past_what_it_shuns_with_the_planner_it_was_given():
         def __init__(self):
             self.asked = []
 
-        def plan(self, observation, goals, topomap, shunned):
-            self.asked.append((observation, goals, topomap, shunned))
+        def plan(self, observation, goals, topomap, excluded):
+            self.asked.append((observation, goals, topomap, excluded))
             return Plan(refusal="no", probabilities=(0.1,))
 
     agent = meng(planner=Asked())
     agent.learn([drive(0, 3)])
     goals = goals_at(2.0)
-    journey = agent.set_out([goals])
+    journey = agent.start([goals])
     journey.act(Line([0.5]).observe(), np.array([0]))
-    ((observation, asked, topomap, shunned),) = agent.planner.asked
+    ((observation, asked, topomap, excluded),) = agent.planner.asked
     assert observation.odometry[0, 0] == 0.5
     assert asked is goals
     assert topomap is agent.topomap
-    assert shunned == set()
+    assert excluded == set()
 
 
 # SPTM.
@@ -499,10 +499,10 @@ def test_sptm_takes_the_way_over_the_fewest_edges():
     plan = agent._find_way(Line([0.1]).observe(), goals_at(40.0, 11.1), set())
     assert plan == Plan((0, 1, 2, 9, 10, 11), 1)
     assert not plan.refusal
-    shunned = agent._find_way(Line([0.1]).observe(), goals_at(11.1), {5})
-    assert shunned == Plan((0, 1, 2, 9, 10, 11), 0)
+    excluded = agent._find_way(Line([0.1]).observe(), goals_at(11.1), {5})
+    assert excluded == Plan((0, 1, 2, 9, 10, 11), 0)
     assert "no way" in agent._find_way(Line([0.1]).observe(), goals_at(11.1), {9}).refusal
-    # Here and there are where they are, shunned or not.
+    # Here and there are where they are, excluded or not.
     assert agent._find_way(Line([0.1]).observe(), goals_at(1.2), {0, 1}).vertices == (0, 1)
 
 
@@ -518,7 +518,7 @@ def test_sptm_refuses_where_no_way_leads():
 def test_sptm_drives_by_the_same_follower():
     agent = sptm(every=20)
     agent.learn([drive(0, 6), drive(5.5, 12, 50.0)])
-    journey, line = agent.set_out([goals_at(11.0), goals_at(3.2)]), Line([0.1, 1.0])
+    journey, line = agent.start([goals_at(11.0), goals_at(3.2)]), Line([0.1, 1.0])
     line.go(journey, 400)
     assert journey.arrived.all()
     assert line.x == pytest.approx([11.0, 3.2], abs=0.25)
@@ -534,8 +534,8 @@ def test_an_oracle_drives_each_robot_to_its_goal_and_stops(box):
     starts = np.array([[2.0, 2.0, 0.0], [8.0, 2.0, np.pi / 2], [2.0, 8.0, 0.0]])
     goals = np.array([[8.0, 3.0, 0.0], [7.0, 8.0, 1.0], [2.1, 8.0, 0.0]])
     simulation = Simulation(box, starts)
-    journey = OracleJourney(simulation, paths, goals)
-    assert isinstance(journey, Journey)
+    journey = OracleNavigation(simulation, paths, goals)
+    assert isinstance(journey, Navigation)
     last = np.zeros(3)
     for step in range(400):
         robots = np.flatnonzero(~journey.arrived)
@@ -572,12 +572,12 @@ class Knowing:
 
 def wander(goals, seed=0):
     """A journey to goals: for each robot poses (x, how little is seen from there, 0)."""
-    agent = WanderingAgent(Knowing(), LineController(), np.random.default_rng(seed))
+    agent = RandomAgent(Knowing(), LineController(), np.random.default_rng(seed))
     agent.learn([])
     assert isinstance(agent, Agent)
     shown = [np.array(some, dtype=float).reshape(-1, 3) for some in goals]
-    journey = agent.set_out([Goals(sensed(some), some[:, None]) for some in shown])
-    assert isinstance(journey, Journey)
+    journey = agent.start([Goals(sensed(some), some[:, None]) for some in shown])
+    assert isinstance(journey, Navigation)
     return agent, journey
 
 

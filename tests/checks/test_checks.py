@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tutorial_lib.checks.framework.check import Check, WrongAnswer, check, expect_close
-from tutorial_lib.checks.framework.timeout import patiently
+from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb01 import world_and_car
 from tutorial_lib.checks.nb02 import local_control
 from tutorial_lib.checks.nb03 import rollout_labels as reachability
@@ -137,18 +137,18 @@ def test_a_function_that_never_ends_is_ended_before_it_fills_the_memory():
 
     before = sys.gettrace()
     with pytest.raises(WrongAnswer, match="it never ends"):
-        patiently(endless, 1, otherwise="it never ends", lines=1_000)
+        within_line_limit(endless, 1, otherwise="it never ends", lines=1_000)
     assert 400 < len(kept) <= 1_000
     assert sys.gettrace() is before
 
 
 def test_a_patient_call_returns_what_the_function_does_and_raises_what_it_raises():
-    assert patiently(lambda a, b: a + b, 1, 2, otherwise="") == 3
+    assert within_line_limit(lambda a, b: a + b, 1, 2, otherwise="") == 3
     with pytest.raises(ZeroDivisionError):
-        patiently(lambda: 1 / 0, otherwise="")
+        within_line_limit(lambda: 1 / 0, otherwise="")
     # What is called by it counts as well.
     with pytest.raises(WrongAnswer, match="too long"):
-        patiently(lambda: [one() for _ in range(100)], otherwise="too long", lines=50)
+        within_line_limit(lambda: [one() for _ in range(100)], otherwise="too long", lines=50)
 
 
 def one():

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import SETTLED, drive, geodesic_limit
 from tutorial_lib.errors import InputError
@@ -110,7 +110,7 @@ def test_a_drive_that_cannot_end_is_refused(box, goals, limit):
 def test_the_courier_acts_for_some_as_for_all(pillars):
     rng = np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(1, 2, (6, 2)), rng.uniform(-3, 3, 6)])
-    courier = OracleCourier(GridPaths(pillars.clearance), rng.uniform([7, 5], [9, 9], (6, 2)))
+    courier = OraclePolicy(GridPaths(pillars.clearance), rng.uniform([7, 5], [9, 9], (6, 2)))
     simulation = Simulation(pillars, starts)
     for _ in range(5):
         everybody = courier.act(simulation)
@@ -216,7 +216,7 @@ def test_settling_changes_nothing_for_those_who_drive(pillars):
     rng = np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(1, 2, (8, 2)), rng.uniform(-3, 3, 8)])
     goals = rng.uniform([7, 5], [9, 9], (8, 2))
-    courier = OracleCourier(GridPaths(pillars.clearance), goals)
+    courier = OraclePolicy(GridPaths(pillars.clearance), goals)
     both = [
         drive(Simulation(pillars, starts), courier.act, goals, 30.0, settle=settle)
         for settle in (False, True)

@@ -3,7 +3,11 @@ import pytest
 
 from tests.conftest import make_box, make_drive
 from tests.world.test_visibility import brute_share
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER, TRAINING_JITTER, jittered
+from tutorial_lib.driving.data.perturbation import (
+    PAPER_PERTURBATION,
+    TRAINING_PERTURBATION,
+    perturbed,
+)
 from tutorial_lib.geometry import to_local, to_world
 from tutorial_lib.learning import pairs as pairs_module
 from tutorial_lib.learning.labels import (
@@ -56,7 +60,7 @@ def near(recorded):
     rng = np.random.default_rng(4)
     targets = rng.integers(len(recorded.poses), size=90)
     sources = recorded.frame_at(targets, rng.uniform(-6.0, 1.0, 90))
-    starts, _ = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng)
+    starts, _ = perturbed(recorded.scene, recorded.poses[sources], PAPER_PERTURBATION, rng)
     return starts, sources, targets
 
 
@@ -105,7 +109,7 @@ def test_along_a_corridor_the_target_itself_is_the_waypoint():
     rng = np.random.default_rng(0)
     sources = rng.integers(0, 150, 40)
     targets = sources + rng.integers(1, 60, 40)
-    starts, _ = jittered(corridor, track[sources], PAPER_JITTER, rng)
+    starts, _ = perturbed(corridor, track[sources], PAPER_PERTURBATION, rng)
     found, there = waypoint_labels(corridor.caster, starts, track, sources, targets)
     assert there.all()
     assert to_world(starts, found) == pytest.approx(track[targets, :2], abs=1e-9)
@@ -156,7 +160,7 @@ def test_labels_are_what_their_definitions_say():
 
 
 def drawn(recorded, seed=0, k=2):
-    return draw_pairs(recorded, 60, 4, k, TRAINING_JITTER, np.random.default_rng(seed))
+    return draw_pairs(recorded, 60, 4, k, TRAINING_PERTURBATION, np.random.default_rng(seed))
 
 
 def frames_of(recorded, poses):
@@ -176,7 +180,7 @@ def test_pairs_lie_along_one_drive(recorded):
     frame = np.hypot(*frame.T)[np.diff(recorded.first) == 0].max()
     assert -1.0 - frame <= ahead.min() < -0.8
     assert 2.8 < ahead.max() <= 3.0
-    # Seen from the source, the start is where the jitter put it: at its side.
+    # Seen from the source, the start is where the perturbation put it: at its side.
     aside = to_local(recorded.poses[pairs.sources], pairs.starts[..., :2])
     assert aside[..., 0] == pytest.approx(0.0, abs=1e-9)
     assert 0.1 < np.abs(aside[..., 1]).mean() < 0.4
@@ -192,14 +196,14 @@ def test_pairs_to_learn_from_start_where_a_car_can_stand(recorded):
 
 
 def test_pairs_without_a_place_to_start_or_go_are_not_learnt_from(recorded, monkeypatch):
-    def half(scene, poses, jitter, rng):
+    def half(scene, poses, perturbation, rng):
         return poses.copy(), np.arange(len(poses)) % 2 == 0
 
     def third(caster, starts, track, sources, targets):
         found, _ = waypoint_labels(caster, starts, track, sources, targets)
         return found, np.arange(len(starts)) % 3 > 0
 
-    monkeypatch.setattr(pairs_module, "jittered", half)
+    monkeypatch.setattr(pairs_module, "perturbed", half)
     monkeypatch.setattr(pairs_module, "waypoint_labels", third)
     number = np.arange(240)
     assert (drawn(recorded).valid.ravel() == ((number % 2 == 0) & (number % 3 > 0))).all()

@@ -10,9 +10,9 @@ from scipy.spatial import cKDTree
 
 from tests.conftest import make_drive
 from tests.learning.test_training import PoseView
-from tutorial_lib.driving.data.reachability_pairs import STARTS, draw_errands
+from tutorial_lib.driving.data.reachability_pairs import STARTS, draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Outcomes
+from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative
 from tutorial_lib.learning.batches import Batch, batches
@@ -31,15 +31,15 @@ ARRAYS = [field.name for field in fields(Batch)]
 
 
 def made_up(world, targets, seed):
-    """Errands whose ends were drawn by lot."""
+    """ReachabilityPairs whose ends were drawn by lot."""
     rng = np.random.default_rng(seed)
-    errands = draw_errands(world, GridPaths(world.scene.clearance), targets, rng)
+    errands = draw_reachability_pairs(world, GridPaths(world.scene.clearance), targets, rng)
     every = np.column_stack([errands.starts, errands.targets])
     errands = errands.some(np.sort(np.unique(every, axis=0, return_index=True)[1]))  # none twice
     count = len(errands)
     driven = rng.random(count) < 0.8
     reached = driven & (rng.random(count) < 0.6)
-    return Outcomes(errands, driven, reached, driven & ~reached, np.zeros(count))
+    return RolloutOutcomes(errands, driven, reached, driven & ~reached, np.zeros(count))
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +99,7 @@ def same(one, two):
     return all(np.array_equal(getattr(one, name), getattr(two, name)) for name in ARRAYS)
 
 
-# Errands and their outcomes.
+# ReachabilityPairs and their outcomes.
 
 
 def test_labels_of_a_block_are_those_of_its_errands(source, lessons):

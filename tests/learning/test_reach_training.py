@@ -145,7 +145,7 @@ def test_training_begins_with_the_weights_that_it_is_given(lessons, pictured):
 
 def test_a_stopped_training_goes_on_to_the_same_weights(lessons, pictured, tmp_path):
     source = OutcomeSource(lessons, SMALL, mined=0.0, worlds=2, targets=4)
-    settings = Settings(steps=6, targets=4, warm_up=2, every=3)
+    settings = Settings(steps=6, targets=4, warmup_steps=2, every=3)
 
     class StoppedError(Exception):
         pass
@@ -173,7 +173,7 @@ class Fixed(OutcomeSource):
 def test_outcomes_by_lot_can_be_learnt_by_heart(lessons):
     fixed = Fixed(lessons, SMALL, mined=0.0, worlds=1, targets=8, vary=False)
     block = fixed.block([])
-    settings = Settings(steps=80, targets=8, rate=5e-3, warm_up=10, every=20)
+    settings = Settings(steps=80, targets=8, rate=5e-3, warmup_steps=10, every=20)
     network, progress = train(SMALL, fixed, [block], settings)
     begun, least = (
         reach_loss(outputs, block).mean().item()

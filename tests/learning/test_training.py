@@ -22,7 +22,7 @@ from tutorial_lib.world.visibility import mutual_overlap
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 ARRAYS = [field.name for field in fields(Batch)]
 TINY = Architecture(1, "pair")
-SETTINGS = Settings(steps=20, targets=4, warm_up=5, every=4)
+SETTINGS = Settings(steps=20, targets=4, warmup_steps=5, every=4)
 
 
 @pytest.fixture(scope="module")
@@ -350,8 +350,8 @@ def finished(source, validation):
 
 
 def test_the_rate_rises_and_falls():
-    settings = Settings(steps=1000, rate=0.01, warm_up=100)
-    rates = [settings.rate_at(step) for step in range(1000)]
+    settings = Settings(steps=1000, rate=0.01, warmup_steps=100)
+    rates = [settings.learning_rate_at(step) for step in range(1000)]
     assert rates[0] == pytest.approx(0.01 / 100, rel=0.02)
     assert max(rates) == pytest.approx(0.01, rel=0.05)
     assert 90 <= int(np.argmax(rates)) <= 100
@@ -562,7 +562,7 @@ class Fixed(Source):
 def test_a_tiny_problem_is_learnt(worlds, encoder):
     architecture = Architecture(0, encoder)
     fixed = Fixed(worlds[:1], architecture, worlds=1, targets=8, vary=False)
-    settings = Settings(steps=100, targets=8, rate=3e-3, warm_up=10, every=10)
+    settings = Settings(steps=100, targets=8, rate=3e-3, warmup_steps=10, every=10)
     block = fixed.block([])
     network, progress = train(architecture, fixed, [block], settings)
     first, last = progress.history[0], progress.history[progress.best]

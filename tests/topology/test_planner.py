@@ -43,11 +43,11 @@ def questions(draw):
         p_query=draw(st.sampled_from([0.1, 0.5])),
         p_goal=draw(st.sampled_from([0.5, 0.9, 0.985])),
     )
-    shunned = set(np.flatnonzero(rng.random(count) < 0.2).tolist()) if draw(st.booleans()) else ()
-    return topomap, count, list(range(count + 1, size)), planner, shunned
+    excluded = set(np.flatnonzero(rng.random(count) < 0.2).tolist()) if draw(st.booleans()) else ()
+    return topomap, count, list(range(count + 1, size)), planner, excluded
 
 
-def ways(topomap, here, goals, p_query, p_goal, shunned):
+def ways(topomap, here, goals, p_query, p_goal, excluded):
     """All ways without a circle: vertices, number of the goal, probability."""
     re, graph = topomap.vertices.reachability.table, topomap.graph
     found = []
@@ -58,7 +58,7 @@ def ways(topomap, here, goals, p_query, p_goal, shunned):
             if last > p_goal:
                 found.append((tuple(way), number, probability * last))
         for v in graph:
-            if v in way or v in shunned:
+            if v in way or v in excluded:
                 continue
             if way and graph.has_edge(way[-1], v):
                 go_on([*way, v], probability * graph.edges[way[-1], v]["probability"])
@@ -72,12 +72,12 @@ def ways(topomap, here, goals, p_query, p_goal, shunned):
 @settings(max_examples=250)
 @given(questions())
 def test_a_plan_is_the_most_probable_way_there_is(drawn):
-    topomap, here, goals, planner, shunned = drawn
+    topomap, here, goals, planner, excluded = drawn
     before = nx.to_dict_of_dicts(topomap.graph.copy())
-    plan = planner.plan(numbered([here]), goals_of(goals), topomap, shunned)
+    plan = planner.plan(numbered([here]), goals_of(goals), topomap, excluded)
     assert nx.to_dict_of_dicts(topomap.graph) == before
-    sure = ways(topomap, here, goals, planner.p_query, planner.p_goal, shunned)
-    some = ways(topomap, here, goals, planner.p_query, planner.p_query, shunned)
+    sure = ways(topomap, here, goals, planner.p_query, planner.p_goal, excluded)
+    some = ways(topomap, here, goals, planner.p_query, planner.p_query, excluded)
     if sure or some:
         most = max(way[2] for way in sure or some)
         assert plan.probability == pytest.approx(most, rel=1e-9)
@@ -89,7 +89,7 @@ def test_a_plan_is_the_most_probable_way_there_is(drawn):
         assert plan == Plan(refusal=plan.refusal)
         assert "no way leads" in plan.refusal
         assert plan.probability == 0.0
-    assert not set(plan.vertices) & set(shunned)
+    assert not set(plan.vertices) & set(excluded)
 
 
 def line(count=4, here=1.0, goal=1.0, edge=0.9):
@@ -172,8 +172,8 @@ def test_a_shunned_vertex_is_gone_round_or_ends_the_way():
     plan = planner.plan(here, goals, topomap, {1})
     assert plan.vertices == (0, 2, 3)
     assert plan.probability == pytest.approx(0.63)
-    for shunned in ({0}, {3}, {2}):
-        assert "no way" in planner.plan(here, goals, topomap, shunned).refusal
+    for excluded in ({0}, {3}, {2}):
+        assert "no way" in planner.plan(here, goals, topomap, excluded).refusal
     assert planner.plan(here, goals, topomap, {99}).vertices == (0, 1, 2, 3)
     assert len(topomap) == 4
 

@@ -487,31 +487,31 @@ def decide__right_in_a_loop(graph, from_here, to_goals, rules):
 
 def travel__shuns_what_it_left(plan, drive, replans):
     """not the one before it"""
-    shunned = set()
+    excluded = set()
     for _ in range(replans + 1):
-        way = plan(shunned)
+        way = plan(excluded)
         if not way:
-            return False, shunned
+            return False, excluded
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
+            return True, excluded
         if way[stopped - 1] != HERE:
-            shunned.add(way[stopped - 1])
-    return False, shunned
+            excluded.add(way[stopped - 1])
+    return False, excluded
 
 
 def travel__forgets_the_first(plan, drive, replans):
     """not only the last one"""
-    shunned = set()
+    excluded = set()
     for _ in range(replans + 1):
-        way = plan(shunned)
+        way = plan(excluded)
         if not way:
-            return False, shunned
+            return False, excluded
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
-        shunned = {way[stopped]} - {GOAL}
-    return False, shunned
+            return True, excluded
+        excluded = {way[stopped]} - {GOAL}
+    return False, excluded
 
 
 def travel__shuns_the_whole_way(plan, drive, replans):
@@ -543,17 +543,17 @@ def travel__shuns_the_goal(plan, drive, replans):
 
 def travel__drives_the_old_way(plan, drive, replans):
     """yours drives along the old one"""
-    shunned = set()
-    way = plan(shunned)
+    excluded = set()
+    way = plan(excluded)
     if not way:
-        return False, shunned
+        return False, excluded
     for _ in range(replans + 1):
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
+            return True, excluded
         if way[stopped] != GOAL:
-            shunned.add(way[stopped])
-    return False, shunned
+            excluded.add(way[stopped])
+    return False, excluded
 
 
 def travel__gives_up_too_soon(plan, drive, replans):
@@ -573,14 +573,14 @@ def travel__tries_once(plan, drive, replans):
 
 def travel__drives_on_nothing(plan, drive, replans):
     """a refusal, and yours drives all the same"""
-    shunned = set()
+    excluded = set()
     for _ in range(replans + 1):
-        way = plan(shunned)
+        way = plan(excluded)
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
-        shunned.add(way[stopped])
-    return False, shunned
+            return True, excluded
+        excluded.add(way[stopped])
+    return False, excluded
 
 
 def travel__never_ends(plan, drive, replans):
@@ -597,28 +597,28 @@ def travel__tells_only_the_end(plan, drive, replans):
 
 
 def travel__right_by_recursion(plan, drive, replans):
-    def go(shunned, left):
-        way = plan(shunned)
+    def go(excluded, left):
+        way = plan(excluded)
         if not way:
-            return False, shunned
+            return False, excluded
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
-        more = shunned | ({way[stopped]} if way[stopped] >= 0 else set())
+            return True, excluded
+        more = excluded | ({way[stopped]} if way[stopped] >= 0 else set())
         return go(more, left - 1) if left else (False, more)
 
     return go(frozenset(), replans)
 
 
 def travel__right_while_plans_are_left(plan, drive, replans):
-    shunned, made = set(), 0
-    while made <= replans and (way := plan(set(shunned))):
+    excluded, made = set(), 0
+    while made <= replans and (way := plan(set(excluded))):
         made, stopped = made + 1, drive(way)
         if stopped is None:
-            return True, shunned
+            return True, excluded
         if way[stopped] not in (HERE, GOAL):
-            shunned.add(way[stopped])
-    return False, shunned
+            excluded.add(way[stopped])
+    return False, excluded
 
 
 def tally__blames_all(trips):
@@ -736,16 +736,16 @@ def _counted(trips, judged):
 
 
 def _travelled(plan, drive, replans, shun=None):
-    shunned = set()
+    excluded = set()
     for _ in range(replans + 1):
-        way = plan(shunned)
+        way = plan(excluded)
         if not way:
-            return False, shunned
+            return False, excluded
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
-        shunned |= shun(way, stopped) if shun else {way[stopped]} - {GOAL}
-    return False, shunned
+            return True, excluded
+        excluded |= shun(way, stopped) if shun else {way[stopped]} - {GOAL}
+    return False, excluded
 
 
 def _copied(graph):

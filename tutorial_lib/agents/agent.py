@@ -42,7 +42,7 @@ class Experience:
 
 
 @runtime_checkable
-class Journey(Protocol):
+class Navigation(Protocol):
     """N robots on their ways.
 
     Attributes:
@@ -64,5 +64,5 @@ class Agent(Protocol):
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Learn a building from drives through it."""
 
-    def set_out(self, goals: Sequence[Goals]) -> Journey:
+    def start(self, goals: Sequence[Goals]) -> Navigation:
         """Send robots that stand somewhere in that building to one goal each."""

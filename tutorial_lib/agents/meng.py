@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tutorial_lib.agents.agent import Experience
-from tutorial_lib.agents.navigator import MapJourney
+from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.interfaces import Controller, Observation, Reachability, WaypointPredictor
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings
@@ -55,10 +55,10 @@ class MengAgent:
             )
             add_trajectory(self.topomap, anchors)
 
-    def set_out(self, goals: Sequence[Goals]) -> MapJourney:
+    def start(self, goals: Sequence[Goals]) -> MapNavigation:
         """Send robots to one goal each."""
         follower = Follower(self.predictor, self.controller, self.reachability, self.follower)
-        return MapJourney(self._find_way, follower, self.topomap, goals, self.replans)
+        return MapNavigation(self._find_way, follower, self.topomap, goals, self.replans)
 
-    def _find_way(self, observation: Observation, goals: Goals, shunned: set[int]) -> Plan:
-        return self.planner.plan(observation, goals, self.topomap, shunned)
+    def _find_way(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
+        return self.planner.plan(observation, goals, self.topomap, excluded)

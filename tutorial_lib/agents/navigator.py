@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.agent import Robots
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.heading_search import ASIDE
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -27,7 +27,7 @@ FindWay = Callable[[Observation, Goals, set[int]], Plan]
 """Plans from what one robot sees to a goal, past some vertices."""
 
 
-class MapJourney:
+class MapNavigation:
     """N robots on their ways, each to its own goal.
 
     Attributes:
@@ -68,7 +68,7 @@ class MapJourney:
             contexts.insert(0, topomap.vertices.contexts[np.arange(len(topomap.vertices))])
         self._first = np.cumsum([len(topomap.vertices), *(len(goal) for goal in goals)])
         laid = np.concatenate(contexts)
-        trails = Trails(
+        trails = AnchorPaths(
             follower.predictor.prepare(laid),
             follower.reachability.prepare(laid),
             [[first] for first in self._first[:-1]],
@@ -117,13 +117,13 @@ class MapJourney:
         # Who was under way takes any way rather than none.
         if not plan.refusal or (plan.probability > 0 and self._lost[robot]):
             self._looked[robot], self.plans[robot] = 0, plan
-            self.run.set_out(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
+            self.run.start(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
         elif plan.probability > 0:
             # It knows a way, and does not trust it: to look elsewhere will not help.
             self.plans[robot], self.given_up[robot] = plan, True
 
     def _lose(self, robot: int) -> None:
-        """Plan anew in the next step; what could not be reached is shunned from now on."""
+        """Plan anew in the next step; what could not be reached is excluded from now on."""
         plan, ahead = self.plans[robot], int(self.run.active[robot])
         if plan is not None and 0 <= ahead < len(plan.vertices):
             self._shunned[robot] |= self._beside(plan.vertices[ahead])

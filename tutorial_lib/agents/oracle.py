@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from tutorial_lib.agents.agent import Robots
-from tutorial_lib.driving.control.oracle import OracleCourier
-from tutorial_lib.driving.data.demonstrations import DRIVER
+from tutorial_lib.driving.control.oracle import OraclePolicy
+from tutorial_lib.driving.data.demonstrations import DEMONSTRATOR
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.geometry import Array
@@ -14,8 +14,8 @@ from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.simulation import Simulation
 
 
-class OracleJourney:
-    """A `Journey` of robots that follow geodesics.
+class OracleNavigation:
+    """A `Navigation` of robots that follow geodesics.
 
     Attributes:
         arrived: (N,) who is there.
@@ -25,7 +25,7 @@ class OracleJourney:
     def __init__(self, simulation: Simulation, paths: GridPaths, goals: Array) -> None:
         """Send the robots of a simulation to `goals` (N, 2 or 3), metres."""
         self._simulation = simulation
-        self._courier = OracleCourier(paths, goals[:, :2], DRIVER)
+        self._courier = OraclePolicy(paths, goals[:, :2], DEMONSTRATOR)
         self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
 
     def act(self, observations: Observation, robots: Robots) -> Array:

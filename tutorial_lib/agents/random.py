@@ -16,7 +16,7 @@ from tutorial_lib.topology.planner import Goals
 
 
 @dataclass(frozen=True)
-class WanderingAgent:
+class RandomAgent:
     """The random `Agent` that brackets the others.
 
     Attributes:
@@ -32,21 +32,21 @@ class WanderingAgent:
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Nothing."""
 
-    def set_out(self, goals: Sequence[Goals]) -> WanderingJourney:
+    def start(self, goals: Sequence[Goals]) -> RandomNavigation:
         """Send robots off, each with its own goal in mind."""
-        return WanderingJourney(self, goals)
+        return RandomNavigation(self, goals)
 
 
-class WanderingJourney:
-    """A `Journey` of robots that drive at random.
+class RandomNavigation:
+    """A `Navigation` of robots that drive at random.
 
     Attributes:
         arrived: (N,) who sees one of its goal's pictures as from where it was taken.
         given_up: (N,) nobody.
     """
 
-    def __init__(self, agent: WanderingAgent, goals: Sequence[Goals]) -> None:
-        """See `WanderingAgent.set_out`."""
+    def __init__(self, agent: RandomAgent, goals: Sequence[Goals]) -> None:
+        """See `RandomAgent.start`."""
         self._agent = agent
         self._control = ComposedController(RandomWaypoints(agent.rng), agent.controller)
         self._robot = np.repeat(np.arange(len(goals)), [len(goal) for goal in goals])

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.agent import Experience
-from tutorial_lib.agents.navigator import MapJourney
+from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
@@ -94,10 +94,10 @@ class SPTMAgent:
             if abs(source - target) > 1 or not self._on_one(source, target):
                 self.topomap.connect(int(source), int(target), alike[source, target])
 
-    def set_out(self, goals: Sequence[Goals]) -> MapJourney:
+    def start(self, goals: Sequence[Goals]) -> MapNavigation:
         """Send robots to one goal each."""
         follower = Follower(self.predictor, self.controller, self.reachability, self.follower)
-        return MapJourney(self._find_way, follower, self.topomap, goals, self.replans)
+        return MapNavigation(self._find_way, follower, self.topomap, goals, self.replans)
 
     def _keep(self, experience: Experience) -> None:
         seen, topomap = experience.observations, self.topomap
@@ -128,14 +128,14 @@ class SPTMAgent:
     def _on_one(self, source: int, target: int) -> bool:
         return self.topomap.trajectory[source] == self.topomap.trajectory[target]
 
-    def _find_way(self, observation: Observation, goals: Goals, shunned: set[int]) -> Plan:
+    def _find_way(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
         """The way over the fewest edges, between the places that are most alike."""
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")
         here = int(alive[self.localizer.localize(observation, self.topomap)[0].argmax()])
         there = alive[self.localizer.localize(goals.observations, self.topomap).argmax(axis=1)]
-        graph = nx.restricted_view(graph, shunned - {here, *there.tolist()}, [])
+        graph = nx.restricted_view(graph, excluded - {here, *there.tolist()}, [])
         reached = nx.single_source_shortest_path(graph, here)
         ways = {goal: reached[int(v)] for goal, v in enumerate(there) if int(v) in reached}
         if not ways:

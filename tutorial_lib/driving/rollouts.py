@@ -17,14 +17,14 @@ SETTLED = 1.0
 _STILL = 1e-4  # metres or rad a step
 Robots = NDArray[np.intp]
 """(M,) numbers of the robots that are still under way."""
-Driver = Callable[[Simulation, Robots], Array]
+Policy = Callable[[Simulation, Robots], Array]
 """Gives the actions (M, 2) of those robots; see `Simulation.observe` for what they sense."""
 Record = Callable[[Simulation, Robots, Array], None]
 """Is shown the simulation before each step, the robots under way and their actions (M, 2)."""
 
 
 @dataclass(frozen=True)
-class Drives:
+class Rollouts:
     """How a fleet's drives ended.
 
     Attributes:
@@ -42,13 +42,13 @@ class Drives:
 
 def drive(
     simulation: Simulation,
-    driver: Driver,
+    driver: Policy,
     goals: ArrayLike,
     limit: ArrayLike,
     reached: float = REACHED,
     record: Record | None = None,
     settle: bool = False,
-) -> Drives:
+) -> Rollouts:
     """Drive until every robot has reached its goal, touched something or run out of time.
 
     The driver is asked only for the robots that are still under way; the others stand still.
@@ -89,7 +89,7 @@ def drive(
             moved = np.abs(track[-1] - track[-2]).max(axis=1) > _STILL
             still = np.where(moved, 0.0, still + STEP)
             over |= still >= SETTLED
-    return Drives(arrived, simulation.collided & ~arrived, seconds, np.stack(track))
+    return Rollouts(arrived, simulation.collided & ~arrived, seconds, np.stack(track))
 
 
 def geodesic_limit(paths: GridPaths, starts: ArrayLike, goals: ArrayLike) -> Array:

@@ -10,7 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from tutorial_lib.driving.data.perturbation import TRAINING_JITTER, Jitter
+from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION, Perturbation
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative, to_world
@@ -76,7 +76,7 @@ class Source:
         drives: of all worlds.
         architecture: of the network that is to learn.
         driver: whose actions are to be learnt; needed for the output "action".
-        jitter: of the starts.
+        perturbation: of the starts.
         worlds: that a block is made of.
         targets: of each of them.
         starts: of each target.
@@ -88,7 +88,7 @@ class Source:
     drives: Sequence[RecordedWorld]
     architecture: Architecture
     driver: Controller | None = None
-    jitter: Jitter = TRAINING_JITTER
+    perturbation: Perturbation = TRAINING_PERTURBATION
     worlds: int = 16
     targets: int = 64
     starts: int = STARTS
@@ -101,7 +101,7 @@ class Source:
         """What its blocks depend on, so far as it can be told in a few words."""
         return {
             "frames": sum(len(recorded.poses) for recorded in self.drives),
-            "jitter": asdict(self.jitter),
+            "perturbation": asdict(self.perturbation),
             "block": [self.worlds, self.targets, self.starts],
             "close": self.close,
             "clutter": self.clutter,
@@ -120,7 +120,13 @@ class Source:
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
         pairs = draw_pairs(
-            recorded, self.targets, self.starts, self.architecture.k, self.jitter, rng, self.close
+            recorded,
+            self.targets,
+            self.starts,
+            self.architecture.k,
+            self.perturbation,
+            rng,
+            self.close,
         )
         view, count = self.architecture.looks_at, self.targets * self.starts
         discs = clutter(pairs.starts.reshape(-1, 3), self.clutter, rng)

@@ -10,19 +10,18 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from joblib import Parallel, delayed
 from numpy.typing import NDArray
-from tqdm.auto import tqdm
 
-from tutorial_lib.driving.data.reachability_pairs import Errands, errands_of
+from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs, reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Outcomes, run_errands
+from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.learning.outcome_data import kept_outcomes
 from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.weights import digest_of, load_card
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 OWN = 3.0
@@ -52,8 +51,8 @@ class Search:
         recorded: RecordedWorld,
         paths: GridPaths,
         rng: np.random.Generator,
-    ) -> tuple[Errands, int]:
-        """Errands of which the network is sure, by target, and how many it was asked about.
+    ) -> tuple[ReachabilityPairs, int]:
+        """Pairs of which the network is sure, by target, and how many it was asked about.
 
         If there are too many hopeless ones, the surest are kept; of the others, some are drawn.
         """
@@ -66,7 +65,7 @@ class Search:
         probability = reachability.calibration(logits)
         sure = np.flatnonzero(probability > self.sure)
         sure = sure[np.argsort(-probability[sure], kind="stable")]
-        found = errands_of(recorded, paths, recorded.poses[start[sure]], target[sure])
+        found = reachability_pairs(recorded, paths, recorded.poses[start[sure]], target[sure])
         hopeless = np.flatnonzero(found.hopeless)[: self.hopeless]
         others = rng.permutation(np.flatnonzero(~found.hopeless))[: self.pairs]
         rows = np.concatenate([hopeless, others])
@@ -104,7 +103,7 @@ def mined_outcomes(
     work: Path,
     search: Search | None = None,
     jobs: int = 2,
-) -> list[Outcomes]:
+) -> list[RolloutOutcomes]:
     """Search each world, and send the controller on what was found; files that are there are kept.
 
     Args:
@@ -120,31 +119,27 @@ def mined_outcomes(
     folder.mkdir(parents=True, exist_ok=True)
     calibrated = digest_of(reachability.network), reachability.calibration
     recipe = f"{calibrated} {load_card(controller).sha256[:16]} {search}"
-    run_all = Parallel(n_jobs=jobs, return_as="generator")
-    names = [recorded.trajectories[0].world for recorded in drives]
-    found = run_all(
-        delayed(_mined)(folder / f"{name.replace('/', '-')}.npz", recipe, *rest)
-        for name, *rest in (
-            (name, reachability, controller, recorded, search)
-            for name, recorded in zip(names, drives, strict=True)
-        )
-    )
-    return list(tqdm(found, total=len(drives), desc="hard negatives", disable=None))
+    items = [
+        (folder / f"{recorded.trajectories[0].world.replace('/', '-')}.npz", recorded)
+        for recorded in drives
+    ]
+    arguments = (recipe, reachability, controller, search)
+    return for_each(_mined, items, *arguments, label="hard negatives", jobs=jobs)
 
 
 def _mined(
-    path: Path,
+    item: tuple[Path, RecordedWorld],
     recipe: str,
     reachability: ReachabilityNetwork,
     controller: str,
-    recorded: RecordedWorld,
     search: Search,
-) -> Outcomes:
-    def drive() -> Outcomes:
-        use_threads(1)  # worlds are searched side by side
+) -> RolloutOutcomes:
+    path, recorded = item
+
+    def drive() -> RolloutOutcomes:
         paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng(len(recorded.poses))
         errands, _ = search.find(reachability, recorded, paths, rng)
         predictor = WaypointNetwork(controller)
-        return run_errands(recorded, errands, by_waypoints(predictor), predictor.view.camera)
+        return roll_out_pairs(recorded, errands, by_waypoints(predictor), predictor.view.camera)
 
     return kept_outcomes(path, recipe, drive)

@@ -7,24 +7,23 @@ from pathlib import Path
 from zlib import crc32
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
 from tutorial_lib.driving.data.demonstrations import record_demonstrations
-from tutorial_lib.driving.data.reachability_pairs import draw_errands
+from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import (
-    Outcomes,
+    RolloutOutcomes,
     load_outcomes,
-    run_errands,
+    roll_out_pairs,
     save_outcomes,
 )
 from tutorial_lib.driving.data.trajectories import load_trajectories
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.learning.weights import load_card
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import scene_of
 
 SEED = 1
@@ -47,7 +46,7 @@ def record_outcomes(
     Args:
         worlds: their names.
         controller: name of the weights of C_WP.
-        targets: of each world, see `draw_errands`.
+        targets: of each world, see `draw_reachability_pairs`.
         cars: whose demonstrations the targets lie on.
         work: folder for demonstrations and outcomes.
         jobs: processes.
@@ -59,12 +58,9 @@ def record_outcomes(
     recipe = recipe_of(controller, targets, cars)
     folder = work / "outcomes" / controller
     folder.mkdir(parents=True, exist_ok=True)
-    run_all = Parallel(n_jobs=jobs, return_as="generator")
-    files = run_all(
-        delayed(_record)(world, drive, controller, targets, recipe, folder)
-        for world, drive in zip(worlds, drives, strict=True)
-    )
-    return list(tqdm(files, total=len(worlds), desc=f"outcomes of {controller}", disable=None))
+    items = list(zip(worlds, drives, strict=True))
+    label = f"outcomes of {controller}"
+    return for_each(_record, items, controller, targets, recipe, folder, label=label, jobs=jobs)
 
 
 def recipe_of(controller: str, targets: int, cars: int) -> str:
@@ -73,13 +69,13 @@ def recipe_of(controller: str, targets: int, cars: int) -> str:
 
 
 def _record(
-    world: str, drives: Path, controller: str, targets: int, recipe: str, folder: Path
+    item: tuple[str, Path], controller: str, targets: int, recipe: str, folder: Path
 ) -> Path:
     """Record one world, unless its file is there."""
+    world, drives = item
     path = folder / f"{world.replace('/', '-')}.npz"
 
-    def send() -> Outcomes:
-        use_threads(1)  # worlds are recorded side by side
+    def send() -> RolloutOutcomes:
         recorded = RecordedWorld(scene_of(world), load_trajectories(drives))
         return outcomes_in(recorded, world, controller, targets)
 
@@ -87,7 +83,9 @@ def _record(
     return path
 
 
-def kept_outcomes(path: Path, recipe: str, record: Callable[[], Outcomes]) -> Outcomes:
+def kept_outcomes(
+    path: Path, recipe: str, record: Callable[[], RolloutOutcomes]
+) -> RolloutOutcomes:
     """The outcomes in the file, or else those that `record` finds, which are kept there."""
     try:
         return load_outcomes(path, recipe)
@@ -97,9 +95,11 @@ def kept_outcomes(path: Path, recipe: str, record: Callable[[], Outcomes]) -> Ou
         return outcomes
 
 
-def outcomes_in(recorded: RecordedWorld, world: str, controller: str, targets: int) -> Outcomes:
+def outcomes_in(
+    recorded: RecordedWorld, world: str, controller: str, targets: int
+) -> RolloutOutcomes:
     """Draw errands in one world and send the controller on them."""
     rng = np.random.default_rng([SEED, crc32(world.encode())])
-    errands = draw_errands(recorded, GridPaths(recorded.scene.clearance), targets, rng)
+    errands = draw_reachability_pairs(recorded, GridPaths(recorded.scene.clearance), targets, rng)
     predictor = WaypointNetwork(controller)
-    return run_errands(recorded, errands, by_waypoints(predictor), predictor.view.camera)
+    return roll_out_pairs(recorded, errands, by_waypoints(predictor), predictor.view.camera)

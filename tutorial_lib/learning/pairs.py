@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.data.perturbation import Jitter, jittered
+from tutorial_lib.driving.data.perturbation import Perturbation, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.labels import Labels, label, waypoint_labels
@@ -37,7 +37,7 @@ def draw_pairs(
     targets: int,
     starts: int,
     k: int,
-    jitter: Jitter,
+    perturbation: Perturbation,
     rng: np.random.Generator,
     close: float = 0.0,
 ) -> Pairs:
@@ -48,13 +48,13 @@ def draw_pairs(
         targets: G, how many targets.
         starts: S, how many starts for each.
         k: frames of context on either side.
-        jitter: of the starts.
+        perturbation: of the starts.
         rng: of everything drawn.
         close: see `RecordedWorld.draw`.
     """
     scene = recorded.scene
     sources, frames = recorded.draw(targets, starts, rng, close)
-    moved, found = jittered(scene, recorded.poses[sources], jitter, rng)
+    moved, found = perturbed(scene, recorded.poses[sources], perturbation, rng)
     goals = np.repeat(frames, starts)
     waypoints, sees = waypoint_labels(scene.caster, moved, recorded.poses, sources, goals)
     return Pairs(

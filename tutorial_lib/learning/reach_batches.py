@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.reachability_pairs import STARTS
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Outcomes
+from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.batches import Batch, joined, posed
 from tutorial_lib.learning.networks import Architecture
@@ -29,8 +29,8 @@ class Lessons:
     """
 
     recorded: RecordedWorld
-    outcomes: Outcomes
-    mined: Outcomes | None = None
+    outcomes: RolloutOutcomes
+    mined: RolloutOutcomes | None = None
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class OutcomeSource:
         return joined([self._part(lesson, some, count, rng) for some, count in shares if count])
 
     def _part(
-        self, lesson: Lessons, outcomes: Outcomes, targets: int, rng: np.random.Generator
+        self, lesson: Lessons, outcomes: RolloutOutcomes, targets: int, rng: np.random.Generator
     ) -> Batch:
         recorded, errands = lesson.recorded, outcomes.errands
         frames, rows = by_target(errands.targets, targets, rng)

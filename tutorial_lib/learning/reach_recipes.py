@@ -156,7 +156,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
 
 
 def lessons_of(recipe: ReachRecipe, worlds: list[str], work: Path, jobs: int) -> list[Lessons]:
-    """Errands in `worlds` and how they ended, recorded where they are missing."""
+    """ReachabilityPairs in `worlds` and how they ended, recorded where they are missing."""
     targets = recipe.targets if worlds[0] == training_world(FIRST_WORLD) else VALIDATION_TARGETS
     files = record_outcomes(worlds, recipe.controller, targets, CARS, work, jobs)
     known = recipe_of(recipe.controller, targets, CARS)

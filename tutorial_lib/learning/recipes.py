@@ -5,16 +5,15 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-from joblib import Parallel, delayed
-
-from tutorial_lib.driving.data.demonstrations import DRIVER, record_demonstrations
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER
+from tutorial_lib.driving.data.demonstrations import DEMONSTRATOR, record_demonstrations
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import load_trajectories
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import local_world, scene_of, training_world
 
 WORK = Path(".training")
@@ -78,11 +77,13 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     """
     begun = time.monotonic()
     learnt, unseen = worlds_of(recipe)
-    imitated = DRIVER if recipe.architecture.outputs == "action" else None
+    imitated = DEMONSTRATOR if recipe.architecture.outputs == "action" else None
     drives = recorded_drives(learnt, recipe.cars, work)
     source = Source(drives, recipe.architecture, imitated)
     drives = recorded_drives(unseen, recipe.cars, work)
-    others = replace(source, drives=drives, jitter=PAPER_JITTER, close=0.0, clutter=0.0, vary=False)
+    others = replace(
+        source, drives=drives, perturbation=PAPER_PERTURBATION, close=0.0, clutter=0.0, vary=False
+    )
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
     prepared = time.monotonic() - begun
     network, progress = train(
@@ -115,7 +116,7 @@ def record_for(recipe: Recipe, work: Path) -> list[Path]:
 def recorded_drives(worlds: Sequence[str], cars: int, work: Path) -> list[RecordedWorld]:
     """Demonstrations in `worlds`, recorded where they are missing."""
     paths = record_demonstrations(worlds, cars, SEED, work / "demonstrations")
-    scenes = Parallel(n_jobs=2)(delayed(scene_of)(world) for world in worlds)
+    scenes = for_each(scene_of, worlds, label="scenes", jobs=2)
     recorded = [load_trajectories(path) for path in paths]
     return [
         RecordedWorld(scene, found) for scene, found in zip(scenes, recorded, strict=True) if found

@@ -26,7 +26,7 @@ class Settings:
         steps: batches at most.
         targets: of a batch; each has `STARTS` pairs.
         rate: the highest learning rate of Adam; it falls to nothing along half a cosine.
-        warm_up: batches until it is reached.
+        warmup_steps: batches until it is reached.
         every: batches between two looks at the validation worlds.
         patience: looks without a better result after which training ends.
         threads: of torch; the result depends on it in the last digits.
@@ -36,15 +36,15 @@ class Settings:
     steps: int = 20_000
     targets: int = 16
     rate: float = 2e-3
-    warm_up: int = 200
+    warmup_steps: int = 200
     every: int = 1_000
     patience: int = 6
     threads: int = 1
     seed: int = 0
 
-    def rate_at(self, step: int) -> float:
+    def learning_rate_at(self, step: int) -> float:
         """The learning rate of a step."""
-        rise = min(1.0, (step + 1) / self.warm_up)
+        rise = min(1.0, (step + 1) / self.warmup_steps)
         return self.rate * rise * 0.5 * (1.01 + math.cos(math.pi * step / self.steps))
 
 
@@ -160,7 +160,7 @@ class _State:
     def learn(self, batch: Batch) -> None:
         """One step down the gradient."""
         for group in self.optimizer.param_groups:
-            group["lr"] = self.settings.rate_at(self.progress.step)
+            group["lr"] = self.settings.learning_rate_at(self.progress.step)
         loss = total_loss(self.network, batch)
         self.optimizer.zero_grad()
         loss.backward()

@@ -95,7 +95,7 @@ class DijkstraPlanner:
         observation: Observation,
         goals: Goals,
         topomap: TopoMap,
-        shunned: Collection[int] = (),
+        excluded: Collection[int] = (),
     ) -> Plan:
         """Plan from one observation to the goal that is reached most probably.
 
@@ -105,7 +105,7 @@ class DijkstraPlanner:
             observation: of one robot.
             goals: where it may go.
             topomap: the map.
-            shunned: vertices that could not be reached a while ago; no way leads over them.
+            excluded: vertices that could not be reached a while ago; no way leads over them.
 
         Raises:
             InputError: when there is not one observation, or a probability is none.
@@ -113,7 +113,7 @@ class DijkstraPlanner:
         if len(observation) != 1:
             raise InputError(f"plan: {len(observation)} observations; give one")
         graph = topomap.graph.copy()
-        graph.remove_nodes_from(shunned)
+        graph.remove_nodes_from(excluded)
         here, told = self._from_here(topomap, observation)
         starts = [(_HERE, int(v), p) for v, p in zip(here, told, strict=True) if int(v) in graph]
         _add(graph, starts, self.p_query)

@@ -5,7 +5,7 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.driving.control.arcs import ArcController
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit, walls_crossed
 from tutorial_lib.errors import InputError
@@ -20,7 +20,7 @@ from tutorial_lib.world.simulation import Simulation
 
 def drive(scene, starts, goals, people=()):
     paths = GridPaths(scene.clearance)
-    return OracleCourier(paths, goals).drive(Simulation(scene, starts, people=people))
+    return OraclePolicy(paths, goals).drive(Simulation(scene, starts, people=people))
 
 
 def test_it_is_a_controller():
@@ -66,7 +66,7 @@ def test_it_drives_around_somebody_who_stands_in_the_way(box):
 
 def test_it_stops_at_the_goal_and_does_not_circle(box):
     simulation = Simulation(box, [[3.0, 5.0, 0.0]])
-    courier = OracleCourier(GridPaths(box.clearance), [[6.0, 5.0]])
+    courier = OraclePolicy(GridPaths(box.clearance), [[6.0, 5.0]])
     for _ in range(100):
         simulation.step(courier.act(simulation))
     assert np.linalg.norm(simulation.poses[0, :2] - [6.0, 5.0]) < 0.2
@@ -97,7 +97,7 @@ def test_the_time_limit_is_that_of_the_paper():
 def test_goals_that_cannot_be_reached_are_told_at_once(box):
     paths = GridPaths(box.clearance)
     with pytest.raises(InputError, match="give as many"):
-        OracleCourier(paths, [[5.0, 5.0]]).act(Simulation(box, [[3, 3, 0], [6, 6, 0]]))
+        OraclePolicy(paths, [[5.0, 5.0]]).act(Simulation(box, [[3, 3, 0], [6, 6, 0]]))
     one, other = make_box(4.0, 4.0), make_box(6.0, 6.0)
     apart = Scene(
         replace(

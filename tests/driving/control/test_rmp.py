@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.conftest import make_box
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.control.rmp import (
     RMPController,
     control_jacobian,
@@ -37,7 +37,7 @@ each_body = pytest.mark.parametrize("body", BODIES, ids=lambda body: type(body).
 
 def drive(scene, starts, goals, body=None, people=()):
     body = BicycleCar() if body is None else body
-    courier = OracleCourier(GridPaths(scene.clearance), goals, RMPController(body=body))
+    courier = OraclePolicy(GridPaths(scene.clearance), goals, RMPController(body=body))
     return courier.drive(Simulation(scene, starts, body=body, people=people))
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.driving.data.demonstrations import (
-    DRIVER,
+    DEMONSTRATOR,
     FARTHEST,
     NEAREST,
     SHORTEST,
@@ -45,7 +45,7 @@ def content(trajectories):
 
 
 class Blind:
-    """Drives straight ahead, whatever is there."""
+    """Rollouts straight ahead, whatever is there."""
 
     def act(self, observations, waypoints):
         return np.tile([0.5, 0.0], (len(observations), 1))
@@ -59,7 +59,7 @@ class Noting:
 
     def act(self, observations, waypoints):
         self.seen.append(observations)
-        return DRIVER.act(observations, waypoints)
+        return DEMONSTRATOR.act(observations, waypoints)
 
 
 def test_most_drives_arrive_and_say_where_they_were_made(shown):
@@ -267,11 +267,11 @@ def test_who_does_not_arrive_leaves_a_gap(monkeypatch):
         """The usual driver, but for those in the upper half, who drive straight at a wall."""
 
         def act(self, observations, waypoints):
-            actions = DRIVER.act(observations, waypoints)
+            actions = DEMONSTRATOR.act(observations, waypoints)
             upper = observations.laser[:, 72] < 3.0  # to the left
             return np.where(upper[:, None], [0.5, 0.0], actions)
 
-    monkeypatch.setattr("tutorial_lib.driving.data.demonstrations.DRIVER", Half())
+    monkeypatch.setattr("tutorial_lib.driving.data.demonstrations.DEMONSTRATOR", Half())
     found = demonstrate_between("box", scene, paths, starts, goals, 0)
     assert found[0] is not None
     assert found[1] is None

@@ -9,7 +9,7 @@ from tests.conftest import drive_of, make_box, make_drive
 from tutorial_lib.driving import geodesics
 from tutorial_lib.driving.data import episodes as module
 from tutorial_lib.driving.data.episodes import RADIUS, Episodes, draw_episodes, with_obstacles
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER, Jitter, jittered
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, Perturbation, perturbed
 from tutorial_lib.driving.data.recorded_world import AHEAD, BEHIND, CLOSE, RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import geodesic_limit
@@ -23,7 +23,7 @@ from tutorial_lib.world.worlds import scene_of
 
 CAR = BicycleCar()
 PASSED_AT, CLEAR = module._BESIDE, module._CLEAR
-WIDE = Jitter(aside=0.6, wide=0.5, wide_turn=1.0)
+WIDE = Perturbation(aside=0.6, wide=0.5, wide_turn=1.0)
 
 
 def halves():
@@ -44,7 +44,7 @@ def halves():
 
 def test_jitter_shifts_to_the_side_and_turns():
     poses = np.random.default_rng(0).uniform(-3, 3, (4000, 3))
-    moved = relative(poses, PAPER_JITTER.apply(poses, np.random.default_rng(1)))
+    moved = relative(poses, PAPER_PERTURBATION.apply(poses, np.random.default_rng(1)))
     assert moved[:, 0] == pytest.approx(0.0, abs=1e-12)
     assert moved[:, 1:].mean(axis=0) == pytest.approx(0.0, abs=0.02)
     assert moved[:, 1].std() == pytest.approx(0.3, rel=0.05)
@@ -54,15 +54,15 @@ def test_jitter_shifts_to_the_side_and_turns():
 
 def test_no_shift_is_wider_than_the_most():
     poses = np.zeros((2000, 3))
-    aside = Jitter(aside=1.0, most=0.7).apply(poses, np.random.default_rng(0))[:, 1]
+    aside = Perturbation(aside=1.0, most=0.7).apply(poses, np.random.default_rng(0))[:, 1]
     assert aside.min() == -0.7
     assert aside.max() == 0.7
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
 def test_a_share_of_the_turns_is_wide(share):
-    jitter = Jitter(turn=0.01, wide_turn=1.0, wide=share)
-    turn = jitter.apply(np.zeros((4000, 3)), np.random.default_rng(0))[:, 2]
+    perturbation = Perturbation(turn=0.01, wide_turn=1.0, wide=share)
+    turn = perturbation.apply(np.zeros((4000, 3)), np.random.default_rng(0))[:, 2]
     # Of the wide ones 4 % are smaller than 0.05, and of the others none are larger.
     assert (np.abs(turn) > 0.05).mean() == pytest.approx(0.96 * share, abs=0.03)
 
@@ -71,7 +71,7 @@ def test_jittered_poses_are_free_and_see_where_they_come_from(pillars):
     rng = np.random.default_rng(0)
     poses = np.column_stack([rng.uniform(0.3, 9.7, (400, 2)), rng.uniform(-3, 3, 400)])
     poses = poses[is_free(pillars, CAR, poses)]
-    moved, found = jittered(pillars, poses, WIDE, rng)
+    moved, found = perturbed(pillars, poses, WIDE, rng)
     assert found.mean() > 0.95
     assert is_free(pillars, CAR, moved[found]).all()
     assert pillars.caster.sees(poses[found, :2], moved[found, :2]).all()
@@ -81,7 +81,7 @@ def test_jittered_poses_are_free_and_see_where_they_come_from(pillars):
 
 def test_nobody_is_put_behind_a_thin_wall():
     poses = np.tile([4.6, 5.0, np.pi / 2], (200, 1))
-    moved, found = jittered(halves(), poses, WIDE, np.random.default_rng(0))
+    moved, found = perturbed(halves(), poses, WIDE, np.random.default_rng(0))
     assert found.all()
     assert (moved[:, 0] < 5.0).all()
     assert (WIDE.apply(poses, np.random.default_rng(0))[:, 0] > 5.2).any()
@@ -91,7 +91,7 @@ def test_who_finds_no_place_stays_and_is_told():
     corridor = Scene(make_box(10.0, 0.3))  # the car is 0.24 m wide and as good as never fits
     poses = np.tile([[5.0, 0.15, np.pi / 2]], (20, 1))
     kept = poses.copy()
-    moved, found = jittered(corridor, poses, Jitter(turn=0.01), np.random.default_rng(0))
+    moved, found = perturbed(corridor, poses, Perturbation(turn=0.01), np.random.default_rng(0))
     assert not found.any()
     assert (moved == kept).all()
     assert (poses == kept).all()
@@ -100,25 +100,25 @@ def test_who_finds_no_place_stays_and_is_told():
 def test_a_wider_body_needs_more_room():
     corridor, broad = Scene(make_box(10.0, 2.0)), BicycleCar(width=0.7)
     poses = np.tile([5.0, 1.0, 0.0], (100, 1))
-    jitter = Jitter(aside=0.6, turn=0.01)
+    perturbation = Perturbation(aside=0.6, turn=0.01)
     for body in (CAR, broad):
-        moved, found = jittered(corridor, poses, jitter, np.random.default_rng(0), body)
+        moved, found = perturbed(corridor, poses, perturbation, np.random.default_rng(0), body)
         assert found.all()
         assert is_free(corridor, body, moved).all()
-    slim = jittered(corridor, poses, jitter, np.random.default_rng(0))[0]
+    slim = perturbed(corridor, poses, perturbation, np.random.default_rng(0))[0]
     assert not is_free(corridor, broad, slim).all()
 
 
 def test_the_same_seed_jitters_alike(pillars):
     poses = np.tile([1.0, 1.0, 0.5], (30, 1))
     one, two, other = (
-        jittered(pillars, poses, WIDE, np.random.default_rng(seed))[0] for seed in (3, 3, 4)
+        perturbed(pillars, poses, WIDE, np.random.default_rng(seed))[0] for seed in (3, 3, 4)
     )
     assert (one == two).all()
     assert (one != other).any()
 
 
-# Drives laid end to end.
+# Rollouts laid end to end.
 
 
 @pytest.fixture(scope="module")
@@ -258,7 +258,7 @@ def test_episodes_know_how_far_ahead_their_targets_are(recorded, episodes):
     sources = recorded.frame_at(episodes.targets, -episodes.ahead - 1e-9)
     local = relative(recorded.poses[sources], episodes.starts)
     assert local[:, 0] == pytest.approx(0.0, abs=1e-6)
-    assert np.abs(local[:, 1]).max() <= PAPER_JITTER.most
+    assert np.abs(local[:, 1]).max() <= PAPER_PERTURBATION.most
     assert 0.1 < np.abs(local[:, 1]).mean() < 0.4
 
 
@@ -318,7 +318,7 @@ def far(recorded):
     rng = np.random.default_rng(0)
     targets = rng.integers(len(recorded.poses), size=150)
     sources = recorded.frame_at(targets, -rng.uniform(2.5, 5.0, 150))
-    starts, found = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng)
+    starts, found = perturbed(recorded.scene, recorded.poses[sources], PAPER_PERTURBATION, rng)
     ahead = recorded.arc[targets] - recorded.arc[sources]
     limit = np.arange(150.0)
     return Episodes(recorded, starts, targets, ahead, limit).some(np.flatnonzero(found))

@@ -1,4 +1,4 @@
-"""Errands: from where to where, how far that is, and what is seen of the target."""
+"""ReachabilityPairs: from where to where, how far that is, and what is seen of the target."""
 
 from dataclasses import replace
 
@@ -11,16 +11,16 @@ from scipy.spatial import cKDTree
 from tests.conftest import make_box, make_drive
 from tutorial_lib.driving import geodesics
 from tutorial_lib.driving.data import reachability_pairs as module
-from tutorial_lib.driving.data.perturbation import TRAINING_JITTER
+from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION
 from tutorial_lib.driving.data.reachability_pairs import (
     FAR,
     OTHER,
     SAME,
     SEEN,
     STARTS,
-    Errands,
-    draw_errands,
-    errands_of,
+    ReachabilityPairs,
+    draw_reachability_pairs,
+    reachability_pairs,
 )
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
@@ -41,7 +41,7 @@ def paths(recorded):
 
 @pytest.fixture(scope="module")
 def errands(recorded, paths):
-    return draw_errands(recorded, paths, 200, np.random.default_rng(0))
+    return draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(0))
 
 
 def two_rooms():
@@ -82,8 +82,8 @@ def test_every_errand_is_measured_for_itself(recorded, paths, errands):
 
 def test_the_way_back_is_as_long_and_sees_the_same_in_reverse(recorded, paths):
     here, there = np.random.default_rng(1).integers(len(recorded.poses), size=(2, 60))
-    out = errands_of(recorded, paths, recorded.poses[here], there)
-    back = errands_of(recorded, paths, recorded.poses[there], here)
+    out = reachability_pairs(recorded, paths, recorded.poses[here], there)
+    back = reachability_pairs(recorded, paths, recorded.poses[there], here)
     assert out.geodesic == pytest.approx(back.geodesic)
     assert (out.overlap == back.overlap[:, ::-1]).all()
     assert (out.overlap[:, 0] != out.overlap[:, 1]).mean() > 0.1
@@ -91,7 +91,7 @@ def test_the_way_back_is_as_long_and_sees_the_same_in_reverse(recorded, paths):
 
 def test_who_is_there_already_has_no_way_to_go_and_sees_all(recorded, paths):
     frames = np.arange(5, 900, 100)
-    there = errands_of(recorded, paths, recorded.poses[frames], frames)
+    there = reachability_pairs(recorded, paths, recorded.poses[frames], frames)
     assert there.geodesic == pytest.approx(0.0)
     assert there.overlap.min() > 0.95
     assert there.limit == pytest.approx(5.0)
@@ -101,13 +101,13 @@ def test_errands_without_a_way_are_left_out():
     recorded = two_rooms()
     paths, frames = GridPaths(recorded.scene.clearance), np.array([0, 100, 40, 150, 3])
     starts = recorded.poses[[20, 20, 120, 160, 60]]
-    found = errands_of(recorded, paths, starts, frames)
+    found = reachability_pairs(recorded, paths, starts, frames)
     assert found.targets.tolist() == [0, 150, 3]
     assert (found.starts == starts[[0, 3, 4]]).all()
     assert (found.overlap == mutual_overlap(
         recorded.scene.caster, starts[[0, 3, 4]], recorded.poses[[0, 150, 3]]
     )).all()  # fmt: skip
-    drawn = draw_errands(recorded, paths, 40, np.random.default_rng(0))
+    drawn = draw_reachability_pairs(recorded, paths, 40, np.random.default_rng(0))
     assert np.isfinite(drawn.geodesic).all()
     assert len(drawn) == pytest.approx(40 * SAME, abs=8)  # other drives are in the other room
 
@@ -121,7 +121,7 @@ shares = st.floats(0.0, 1.0)
 def test_an_errand_is_never_both_seen_and_hopeless(rows):
     first, second, geodesic = np.array(rows).T
     nothing = np.zeros(len(rows))
-    some = Errands(
+    some = ReachabilityPairs(
         np.stack([nothing] * 3, axis=1),
         nothing.astype(int),
         np.column_stack([first, second]),
@@ -147,7 +147,9 @@ def test_an_errand_is_never_both_seen_and_hopeless(rows):
     ],
 )
 def test_what_is_seen_and_what_is_hopeless(overlap, metres, seen, hopeless):
-    one = Errands(np.zeros((1, 3)), np.zeros(1, int), np.array([overlap]), np.array([metres]))
+    one = ReachabilityPairs(
+        np.zeros((1, 3)), np.zeros(1, int), np.array([overlap]), np.array([metres])
+    )
     assert one.seen.tolist() == [seen]
     assert one.hopeless.tolist() == [hopeless]
 
@@ -165,8 +167,10 @@ def test_some_errands_keep_what_is_theirs(errands, numbers):
 
 
 def test_the_same_seed_draws_the_same_errands(recorded, paths, errands):
-    assert equal(draw_errands(recorded, paths, 200, np.random.default_rng(0)), errands)
-    assert not equal(draw_errands(recorded, paths, 200, np.random.default_rng(1)), errands)
+    assert equal(draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(0)), errands)
+    assert not equal(
+        draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(1)), errands
+    )
 
 
 def test_starts_of_one_target_come_in_a_row(errands):
@@ -190,17 +194,17 @@ def test_a_third_of_the_starts_lies_on_a_drive_and_the_others_beside_one(recorde
     assert on_it.mean() == pytest.approx(0.35, abs=0.05)
     beside = cKDTree(recorded.poses[:, :2]).query(errands.starts[~on_it, :2])[0]
     assert 0.03 < np.median(beside) < 0.4
-    assert beside.max() <= TRAINING_JITTER.most + 1e-9
+    assert beside.max() <= TRAINING_PERTURBATION.most + 1e-9
 
 
 def test_where_nobody_can_start_beside_a_drive_only_starts_on_it_remain(
     recorded, paths, monkeypatch
 ):
-    def nowhere(scene, poses, jitter, rng):
+    def nowhere(scene, poses, perturbation, rng):
         return np.full(poses.shape, 1e6), np.zeros(len(poses), dtype=bool)
 
-    monkeypatch.setattr(module, "jittered", nowhere)
-    found = draw_errands(recorded, paths, 100, np.random.default_rng(0))
+    monkeypatch.setattr(module, "perturbed", nowhere)
+    found = draw_reachability_pairs(recorded, paths, 100, np.random.default_rng(0))
     assert cKDTree(recorded.poses).query(found.starts)[0].max() == 0.0
     assert len(found) == pytest.approx(0.35 * 500, abs=40)
 
@@ -209,11 +213,11 @@ def test_where_nobody_can_start_beside_a_drive_only_starts_on_it_remain(
 def unshifted(recorded, paths, monkeypatch):
     """Frames (G, 5) that starts were drawn from, and their targets (G, 1)."""
 
-    def stay(scene, poses, jitter, rng):
+    def stay(scene, poses, perturbation, rng):
         return poses.copy(), np.ones(len(poses), dtype=bool)
 
-    monkeypatch.setattr(module, "jittered", stay)
-    found = draw_errands(recorded, paths, 400, np.random.default_rng(2))
+    monkeypatch.setattr(module, "perturbed", stay)
+    found = draw_reachability_pairs(recorded, paths, 400, np.random.default_rng(2))
     gap, sources = cKDTree(recorded.poses).query(found.starts)
     assert gap.max() == 0.0
     assert len(found) == 400 * STARTS
@@ -272,7 +276,9 @@ def test_half_of_those_anywhere_start_in_a_room_of_the_same_type(recorded, unshi
 
 def test_where_there_is_only_one_drive_all_starts_are_on_it(box):
     recorded = RecordedWorld(box, [make_drive([(1.0, 1.0), (9.0, 1.0), (9.0, 8.0)])])
-    found = draw_errands(recorded, GridPaths(box.clearance), 30, np.random.default_rng(0))
+    found = draw_reachability_pairs(
+        recorded, GridPaths(box.clearance), 30, np.random.default_rng(0)
+    )
     assert len(found) == 30 * STARTS
 
 

@@ -8,14 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.conftest import make_drive
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.data import rollout_outcomes as module
-from tutorial_lib.driving.data.reachability_pairs import Errands, draw_errands, errands_of
+from tutorial_lib.driving.data.reachability_pairs import (
+    ReachabilityPairs,
+    draw_reachability_pairs,
+    reachability_pairs,
+)
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import (
-    Outcomes,
+    RolloutOutcomes,
     load_outcomes,
-    run_errands,
+    roll_out_pairs,
     save_outcomes,
 )
 from tutorial_lib.driving.geodesics import GridPaths
@@ -25,8 +29,8 @@ from tutorial_lib.geometry import to_local
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
 
-ERRANDS = [field.name for field in fields(Errands)]
-ENDS = [field.name for field in fields(Outcomes)][1:]
+ERRANDS = [field.name for field in fields(ReachabilityPairs)]
+ENDS = [field.name for field in fields(RolloutOutcomes)][1:]
 
 
 def homing(recorded, frames):
@@ -47,27 +51,29 @@ def asleep(recorded, frames):
 
 @pytest.fixture(scope="module")
 def world(pillars):
-    """Drives around pillars."""
+    """Rollouts around pillars."""
     ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)], [(1.0, 9.0), (9.0, 9.0)]
     return RecordedWorld(pillars, [make_drive(way) for way in ways])
 
 
 @pytest.fixture(scope="module")
 def errands(world):
-    drawn = draw_errands(world, GridPaths(world.scene.clearance), 13, np.random.default_rng(0))
+    drawn = draw_reachability_pairs(
+        world, GridPaths(world.scene.clearance), 13, np.random.default_rng(0)
+    )
     return drawn.some(np.flatnonzero(~drawn.hopeless)[:60])
 
 
 @pytest.fixture(scope="module")
 def outcomes(world, errands):
-    return run_errands(world, errands, homing)
+    return roll_out_pairs(world, errands, homing)
 
 
 @pytest.fixture(scope="module")
 def hidden(recorded):
-    """Errands in an office, of which some are hopeless."""
+    """ReachabilityPairs in an office, of which some are hopeless."""
     paths = GridPaths(recorded.scene.clearance)
-    drawn = draw_errands(recorded, paths, 40, np.random.default_rng(1))
+    drawn = draw_reachability_pairs(recorded, paths, 40, np.random.default_rng(1))
     some = np.concatenate([np.flatnonzero(drawn.hopeless)[:8], np.flatnonzero(~drawn.hopeless)[:8]])
     return drawn.some(np.random.default_rng(0).permutation(some))
 
@@ -109,7 +115,7 @@ def test_the_size_of_the_fleet_changes_nothing(world, errands, outcomes, monkeyp
         return homing(recorded, frames)
 
     monkeypatch.setattr(module, "FLEET", fleet)
-    same(run_errands(world, errands, pilot), outcomes)
+    same(roll_out_pairs(world, errands, pilot), outcomes)
     assert max(sent) <= fleet
     assert sum(sent) == len(errands)
 
@@ -121,7 +127,7 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
         sent.extend(frames.tolist())
         return asleep(recorded, frames)
 
-    some = run_errands(recorded, hidden, pilot)
+    some = roll_out_pairs(recorded, hidden, pilot)
     assert 0 < hidden.hopeless.sum() < len(hidden)
     assert sorted(sent) == sorted(hidden.targets[~hidden.hopeless].tolist())
     assert (some.driven == ~hidden.hopeless).all()
@@ -129,7 +135,7 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
         assert not getattr(some, name)[~some.driven].any()
     assert (some.seconds[some.driven] > 0).all()
     sent.clear()
-    every = run_errands(recorded, hidden, pilot, all_of_them=True)
+    every = roll_out_pairs(recorded, hidden, pilot, all_of_them=True)
     assert sorted(sent) == sorted(hidden.targets.tolist())
     assert every.driven.all()
     for name in ("reached", "collided", "seconds"):
@@ -137,7 +143,7 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
 
 
 def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, hidden):
-    found = run_errands(recorded, hidden, asleep, all_of_them=True)
+    found = roll_out_pairs(recorded, hidden, asleep, all_of_them=True)
     gap = np.hypot(*(hidden.starts - recorded.poses[hidden.targets])[:, :2].T)
     assert (found.reached == (gap < 0.3)).all()
     assert found.seconds.max() <= SETTLED + 0.15
@@ -146,10 +152,10 @@ def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, 
 
 def test_who_knows_the_way_arrives(recorded, hidden):
     def pilot(recorded, frames):
-        courier = OracleCourier(GridPaths(recorded.scene.clearance), recorded.poses[frames, :2])
+        courier = OraclePolicy(GridPaths(recorded.scene.clearance), recorded.poses[frames, :2])
         return courier.act
 
-    found = run_errands(recorded, hidden, pilot, all_of_them=True)
+    found = roll_out_pairs(recorded, hidden, pilot, all_of_them=True)
     assert found.reached.mean() >= 0.85
     assert (found.seconds <= hidden.limit + 0.1).all()
 
@@ -165,16 +171,16 @@ def test_robots_carry_the_camera_that_they_are_given(world, errands):
         return driver
 
     two = errands.some(np.array([0, 1]))
-    run_errands(world, two, pilot)
+    roll_out_pairs(world, two, pilot)
     usual = set(seen)
     seen.clear()
-    run_errands(world, two, pilot, Camera(rows=64))
+    roll_out_pairs(world, two, pilot, Camera(rows=64))
     assert usual == {(Sensors().camera.rows, 64, 3)} != set(seen) == {(64, 64, 3)}
 
 
 def test_no_errands_have_no_outcomes(world, errands):
     none = errands.some(np.array([], dtype=int))
-    found = run_errands(world, none, asleep)
+    found = roll_out_pairs(world, none, asleep)
     assert len(found) == 0
     assert found.seconds.shape == (0,)
 
@@ -196,7 +202,7 @@ def test_some_outcomes_keep_their_errands(outcomes, numbers):
 def made_up(count, seed=0):
     """Outcomes that anything may have led to."""
     rng = np.random.default_rng(seed)
-    errands = Errands(
+    errands = ReachabilityPairs(
         rng.normal(size=(count, 3)),
         np.sort(rng.integers(9, size=count)),
         rng.random((count, 2)),
@@ -204,7 +210,9 @@ def made_up(count, seed=0):
     )
     reached = rng.random(count) < 0.5
     collided = ~reached & (rng.random(count) < 0.3)
-    return Outcomes(errands, rng.random(count) < 0.6, reached, collided, rng.uniform(0, 9, count))
+    return RolloutOutcomes(
+        errands, rng.random(count) < 0.6, reached, collided, rng.uniform(0, 9, count)
+    )
 
 
 @given(st.integers(0, 30), st.integers(0, 100), st.text(max_size=20))
@@ -321,7 +329,7 @@ def test_a_whole_world_is_kept_and_found_again(tmp_path, world, outcomes):
     save_outcomes(tmp_path / "world.npz", outcomes, "k2 and so on")
     kept = load_outcomes(tmp_path / "world.npz", "k2 and so on")
     same(kept, outcomes)
-    errands = errands_of(
+    errands = reachability_pairs(
         world, GridPaths(world.scene.clearance), kept.errands.starts, kept.errands.targets
     )
     assert errands.overlap == pytest.approx(kept.errands.overlap)

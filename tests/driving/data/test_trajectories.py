@@ -1,6 +1,7 @@
 import subprocess
 import sys
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -211,7 +212,7 @@ KILLED = """
 import sys, numpy as np
 sys.path.insert(0, {tests!r})
 from tests.driving.data.test_trajectories import make
-from tutorial_lib.driving import trajectories
+from tutorial_lib.driving.data import trajectories
 def stuck(file, **arrays):
     file.write(b"half a file")
     file.flush()
@@ -226,7 +227,7 @@ def test_a_save_that_is_killed_leaves_the_old_file(tmp_path):
     path = tmp_path / "some.npz"
     save_trajectories(path, [make(5)])
     before = path.read_bytes()
-    tests = str(__file__).rpartition("/")[0]
+    tests = str(Path(__file__).parents[3])
     script = KILLED.format(tests=tests, path=str(path))
     process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE)
     assert process.stdout.readline() == b"writing\n"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import needs
-from tutorial_lib.driving.data.reachability_pairs import FAR, draw_errands
+from tutorial_lib.driving.data.reachability_pairs import FAR, draw_reachability_pairs
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.benchmarks import reachability
 from tutorial_lib.experiments.common.report import Options
@@ -75,14 +75,14 @@ def test_where_no_errand_was_so_long_the_audit_says_nothing(monkeypatch):
 
 def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, monkeypatch):
     monkeypatch.setattr(calibration_audit, "recorded_drives", lambda *arguments: [recorded])
-    sent, run_errands = [], calibration_audit.run_errands
+    sent, roll_out_pairs = [], calibration_audit.roll_out_pairs
 
     def run(world, errands, pilot, all_of_them=False):
         assert all_of_them
         sent.append(errands)
-        return run_errands(world, errands, pilot, all_of_them=all_of_them)
+        return roll_out_pairs(world, errands, pilot, all_of_them=all_of_them)
 
-    monkeypatch.setattr(calibration_audit, "run_errands", run)
+    monkeypatch.setattr(calibration_audit, "roll_out_pairs", run)
     metres, reached = calibration_audit.chances(216, 3, 0)
     (errands,) = sent
     assert errands.hopeless.all()
@@ -92,7 +92,7 @@ def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, m
     assert set(reached) <= {0.0, 1.0}
     # They are some of the usual errands.
     paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng([0, 216])
-    drawn = draw_errands(recorded, paths, 6, rng)
+    drawn = draw_reachability_pairs(recorded, paths, 6, rng)
     assert set(metres) <= set(drawn.geodesic)
 
 

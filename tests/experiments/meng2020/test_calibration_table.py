@@ -12,13 +12,13 @@ import pytest
 from tests.conftest import needs
 from tests.learning.test_reach_batches import made_up
 from tests.learning.test_training import PoseView
-from tutorial_lib.driving.data.rollout_outcomes import Outcomes
+from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.meng2020 import calibration
 from tutorial_lib.experiments.protocols import estimators, geometry_bound, reachability
-from tutorial_lib.experiments.protocols.estimators import Judge
+from tutorial_lib.experiments.protocols.estimators import Estimator
 from tutorial_lib.experiments.protocols.reachability import Asker, Sizes, examine, far_pairs
 from tutorial_lib.geometry import to_local, wrap
 from tutorial_lib.learning.calibration import auc, brier, reliability
@@ -26,7 +26,7 @@ from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.topology.similarity import ImageSimilarity
 from tutorial_lib.world.visibility import mutual_overlap
 
-IMAGE = Judge(ImageSimilarity(), "k0", 0)
+IMAGE = Estimator(ImageSimilarity(), "k0", 0)
 WEIGHTS = ("reach_k0", "reach_k2", "reach_k5", "reach_laser", "sptm")
 
 
@@ -44,7 +44,7 @@ def test_each_judge_has_its_weights_its_controller_and_its_context(monkeypatch):
         return SimpleNamespace(name=name, architecture=Architecture(k, outputs="reachability"))
 
     monkeypatch.setattr(estimators, "ReachabilityNetwork", named)
-    found = estimators.judges(calibration.ALL)
+    found = estimators.estimators(calibration.ALL)
     assert isinstance(found.pop("image").reachability, ImageSimilarity)
     assert {name: (j.reachability.name, j.controller, j.k) for name, j in found.items()} == {
         "k0": ("reach_k0", "k0", 0),
@@ -53,13 +53,13 @@ def test_each_judge_has_its_weights_its_controller_and_its_context(monkeypatch):
         "laser": ("reach_laser", "laser", 2),
         "sptm": ("sptm", "k2", 0),
     }
-    assert list(estimators.judges(("sptm", "image"))) == ["sptm", "image"]
+    assert list(estimators.estimators(("sptm", "image"))) == ["sptm", "image"]
 
 
 @needs(*WEIGHTS)
 def test_each_judge_s_network_has_the_context_that_it_is_given(recorded):
     frames = np.array([40, 90])
-    for name, judge in estimators.judges(calibration.ALL[:5]).items():
+    for name, judge in estimators.estimators(calibration.ALL[:5]).items():
         assert judge.reachability.architecture.k == judge.k, name
         told = judge.judge(recorded, recorded.observe(frames), frames + 5)
         assert ((told > 0) & (told < 1)).all()
@@ -89,7 +89,7 @@ def test_each_pair_is_judged_for_itself(recorded, monkeypatch, at_once):
 def test_targets_are_shown_in_their_context_as_the_network_views_them(recorded):
     fake = SimpleNamespace(view=PoseView(), prepare=lambda contexts: contexts)
     frames = np.array([100, 0, 700])
-    shown = Judge(fake, "k2", 2).targets(recorded, frames)
+    shown = Estimator(fake, "k2", 2).targets(recorded, frames)
     assert (shown[:, :, 0, :, 0] == recorded.poses[recorded.context(frames, 2)]).all()
 
 
@@ -195,12 +195,12 @@ def asker(recorded, paths, monkeypatch):
         assert all_of_them
         driven.append(errands)
         ends = np.arange(len(errands)) % 3 > 0
-        return Outcomes(errands, ends | True, ends, ~ends, np.zeros(len(errands)))
+        return RolloutOutcomes(errands, ends | True, ends, ~ends, np.zeros(len(errands)))
 
     monkeypatch.setattr(reachability, "_driven", drive)
 
     def made(reach=25):
-        judge = Judge(Knowing(recorded, reach), "k0", 0)
+        judge = Estimator(Knowing(recorded, reach), "k0", 0)
         return Asker(recorded, paths, judge, np.random.default_rng(0)), driven
 
     return made
@@ -258,7 +258,7 @@ def test_where_nobody_is_sure_nothing_is_driven(asker, recorded):
 def world():
     """One small world, examined by two that are the same judge."""
     patch = pytest.MonkeyPatch()
-    patch.setattr(reachability, "judges", lambda names: dict.fromkeys(names, IMAGE))
+    patch.setattr(reachability, "estimators", lambda names: dict.fromkeys(names, IMAGE))
     patch.setattr(reachability, "_CARS", 4)
     model = SimpleNamespace(predict_proba=lambda x: np.column_stack([1 - x[:, 8], x[:, 8]]))
     sizes = Sizes(targets=4, far=30, anchors=8, edges=2, consecutive=2)

@@ -29,12 +29,12 @@ use_threads(1)
 def drives(box, monkeypatch):
     """Lets the cars of a world drive so many metres each, once along a line."""
 
-    def set_out(*lengths):
+    def start(*lengths):
         made = [make_drive([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in lengths]
         monkeypatch.setattr(following, "scene_of", lambda name: box)
         monkeypatch.setattr(following, "demonstrate", lambda *arguments: made)
 
-    return set_out
+    return start
 
 
 def lengths_of(recorded):

@@ -45,10 +45,10 @@ def house():
 @pytest.fixture(autouse=True)
 def one_house(house, monkeypatch):
     """Whichever world is asked for, it is this room."""
-    for module in (*MODULES, map):
+    for module in (*MODULES, map_building):
         monkeypatch.setattr(module, "building", lambda *_, **__: house)
-        if hasattr(module, "in_each_world"):
-            monkeypatch.setattr(module, "in_each_world", in_turn)
+        if hasattr(module, "for_each"):
+            monkeypatch.setattr(module, "for_each", in_turn)
 
 
 def saved(report):
@@ -118,7 +118,7 @@ def test_fig_9_is_recalibrated_on_validation_worlds_only(monkeypatch):
         share = 0.5 if world in fig9.VALIDATION else 0.02
         return np.stack([told, rng.random(2_000) < share * told])
 
-    monkeypatch.setattr(fig9, "gamble", gamble)
+    monkeypatch.setattr(fig9, "run_world", gamble)
     report = fig9.run(Options(worlds=(20_000, 20_001)))
     assert asked == [*fig9.VALIDATION, 20_000, 20_001]
     rows = saved(report)["rows"]
@@ -138,7 +138,7 @@ def test_fig_9_notes_how_far_told_and_measured_are_apart(monkeypatch):
         told = rng.uniform(0.02, 1.0, 3_000)
         return np.stack([told, rng.random(3_000) < told**3])
 
-    monkeypatch.setattr(fig9, "gamble", gamble)
+    monkeypatch.setattr(fig9, "run_world", gamble)
     plain, mended = fig9.run(QUICK).notes
     assert "product of RE" in plain
     assert "recalibrated" in mended
@@ -157,7 +157,7 @@ def test_plans_of_fig_9_are_tried_whatever_the_chances(house, monkeypatch):
     sent = []
     navigate = fig9.navigate
     monkeypatch.setattr(fig9, "navigate", lambda *a: sent.append(navigate(*a)) or sent[-1])
-    told, came_true = fig9.gamble(20_000, QUICK)
+    told, came_true = fig9.run_world(20_000, QUICK)
     assert told.shape == came_true.shape == (len(sent[0].success),)
     assert ((told >= 0) & (told <= 1)).all()
     assert (came_true == sent[0].success).all()
@@ -258,7 +258,7 @@ def test_each_threshold_is_a_row_over_all_worlds(monkeypatch):
         1: {keys[0]: result([1, 1], 10), keys[1]: result([0, 1], 30)},
         2: {keys[0]: result([1, 0], 20), keys[1]: result([0, 0], 50)},
     }
-    monkeypatch.setattr(table2_thresholds, "vary", lambda world, _: found[world])
+    monkeypatch.setattr(table2_thresholds, "run_world", lambda world, _: found[world])
     report = table2.run(Options(ablation="thresholds", worlds=(1, 2)))
     assert report.name == "meng_table2_thresholds"
     first, second = saved(report)["rows"]
@@ -296,7 +296,7 @@ def test_all_thresholds_are_tried_on_the_same_trials_and_without_planning_anew(m
             agent.learn(list(buildings_experiences(house))) or measured(house, trials, agent)
         ),
     )
-    found = table2_thresholds.vary(20_000, QUICK)
+    found = table2_thresholds.run_world(20_000, QUICK)
     assert list(found) == [
         ("meng", 0.9, 8),
         ("meng", 0.99, 8),

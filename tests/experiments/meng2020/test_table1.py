@@ -11,7 +11,7 @@ from tutorial_lib.experiments.benchmarks import control
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table1_ablations
 from tutorial_lib.experiments.protocols import local_control
-from tutorial_lib.experiments.protocols.controllers import contenders
+from tutorial_lib.experiments.protocols.controllers import controllers
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import LocalNetwork
 from tutorial_lib.learning.policies import by_waypoints
@@ -26,7 +26,7 @@ CONDITIONS = {"clean", "noise", "obstacles", "shifted"}
 
 @pytest.fixture(scope="module")
 def course():
-    return local_control.courses(WORLD, 12, seed=0)
+    return local_control.conditions(WORLD, 12, seed=0)
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_all_conditions_share_their_starts_and_targets(course):
 
 
 def test_the_clean_course_alone_is_the_same(course):
-    alone = local_control.clean_course(WORLD, 12, seed=0).episodes
+    alone = local_control.clean_condition(WORLD, 12, seed=0).episodes
     assert (alone.starts == course["clean"].episodes.starts).all()
     assert (alone.targets == course["clean"].episodes.targets).all()
 
@@ -76,7 +76,7 @@ def test_a_random_controller_and_an_oracle_bracket_the_others(course):
     clean = course["clean"]
     reached = {
         name: local_control.attempt(clean, pilot)["reached"].mean()
-        for name, pilot in contenders((0, WORLD)).items()
+        for name, pilot in controllers((0, WORLD)).items()
     }
     assert reached["oracle"] >= 0.9
     assert reached["random"] <= 0.4
@@ -86,7 +86,9 @@ def test_a_random_controller_and_an_oracle_bracket_the_others(course):
 
 def test_the_same_seed_gives_the_same_outcome(course):
     noisy = course["noise"]
-    both = [local_control.attempt(noisy, contenders((0, WORLD))["k2"])["reached"] for _ in range(2)]
+    both = [
+        local_control.attempt(noisy, controllers((0, WORLD))["k2"])["reached"] for _ in range(2)
+    ]
     assert (both[0] == both[1]).all()
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from tests.conftest import in_turn, make_box, needs
-from tutorial_lib.agents.agent import Agent, Experience, Journey
+from tutorial_lib.agents.agent import Agent, Experience, Navigation
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.oracle import OracleJourney
+from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.cli import main
 from tutorial_lib.driving.data.demonstrations import SHORTEST
 from tutorial_lib.driving.geodesics import GridPaths
@@ -289,7 +289,7 @@ def test_who_says_to_have_arrived_is_judged_by_place_and_heading(house):
     assert outcome.gap == pytest.approx(aside, abs=1e-9)
     assert outcome.seconds == pytest.approx(np.full(6, 0.3))
     assert outcome.poses.shape == (4, 6, 3)
-    assert isinstance(journey, Journey)
+    assert isinstance(journey, Navigation)
 
 
 def test_trials_end_one_by_one(house):
@@ -334,12 +334,12 @@ def test_who_pushes_against_a_wall_is_stuck(house):
 def test_an_oracle_arrives_everywhere_in_time(house, asked):
     made = []
 
-    def set_out(simulation):
+    def start(simulation):
         assert (simulation.poses == asked.starts).all()
-        made.append(OracleJourney(simulation, house.paths, asked.goal_poses))
+        made.append(OracleNavigation(simulation, house.paths, asked.goal_poses))
         return made[0]
 
-    outcome = navigate(house, asked, set_out)
+    outcome = navigate(house, asked, start)
     assert (outcome.ending == "arrived").all()
     assert outcome.success.mean() >= 0.9
     assert (outcome.seconds < asked.seconds + 3).all()
@@ -356,7 +356,7 @@ class Mine:
     def learn(self, experiences):
         self.learned = len(experiences)
 
-    def set_out(self, goals):
+    def start(self, goals):
         assert self.learned == 6
         return Walk(len(goals))
 
@@ -444,7 +444,7 @@ def test_an_agent_is_a_file_and_a_class(where, words, tmp_path, monkeypatch):
         ("x = 1\n", "own.py has no Mine$"),
         (
             "class Mine:\n    def drive(self): ...\n",
-            "has the methods of no piece .agent: learn, set",
+            "has the methods of no piece .agent: learn, start",
         ),
         ("class Mine:\n    def learn(self): ...\n", "has the methods of no piece"),
         ("class Mine:\n    def prepare(self): ...\n", "reachability: prepare, probability"),
@@ -536,12 +536,12 @@ def test_a_planner_after_the_interface_is_good_enough(house, own):
     text = (
         "from tutorial_lib.topology.planner import Plan\n\n\n"
         "class Mine:\n"
-        "    def plan(self, observation, goals, topomap, shunned=()):\n"
+        "    def plan(self, observation, goals, topomap, excluded=()):\n"
         "        return Plan(refusal='no way')\n"
     )
     agent = agents.custom(own(text))
     asked = at_goals(house, np.zeros(1), np.zeros(1))
-    journey = agent.set_out(goals_of(asked, VIEWS["camera16"], 5))
+    journey = agent.start(goals_of(asked, VIEWS["camera16"], 5))
     seen = next(experiences(house)).observations[0]
     assert journey.act(seen, np.array([0])).shape == (1, 2)
 
@@ -564,7 +564,7 @@ def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsy
         raise AssertionError("it was driven")
 
     monkeypatch.setattr(table2, "building", never)
-    monkeypatch.setattr(table2, "in_each_world", never)
+    monkeypatch.setattr(table2, "for_each", never)
     for where in ("nowhere.py:Mine", own("class Mine\n")):
         assert main(["experiment", "meng_table2", "--quick", "--agent", where]) == 2
         told = capsys.readouterr().err
@@ -582,7 +582,7 @@ def test_a_race_is_run_by_all_on_the_same_trials(plan, own, monkeypatch):
     monkeypatch.setattr(table2, "QUICK_PLACES", 3)
     monkeypatch.setattr(table2, "QUICK_TRIALS", 4)
     monkeypatch.setattr(navigation, "GRACE", 1.0)
-    monkeypatch.setattr(table2, "in_each_world", in_turn)
+    monkeypatch.setattr(table2, "for_each", in_turn)
     report = table2.run(Options(quick=True, map=plan, agent=own(WHOLE)))
     rows = {row["method"]: row for row in report.rows}
     assert list(rows) == ["meng", "sptm", "random", "oracle", "custom"]

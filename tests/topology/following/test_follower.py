@@ -7,10 +7,10 @@ import pytest
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Controller, Observation, Reachability, WaypointPredictor
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.following.heading_search import Turning
-from tutorial_lib.topology.following.log import Following
+from tutorial_lib.topology.following.heading_search import HeadingSearch
+from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
     State,
@@ -87,7 +87,7 @@ def make(anchors=range(9), starts=(0.0,), reachability=None, first=0, paths=None
     follower = Follower(CorridorPredictor(), CorridorController(), reachability, settings)
     paths = [np.arange(len(anchors))] * len(starts) if paths is None else paths
     firsts = None if first is None else np.full(len(starts), first)
-    run = follower.begin(Trails(anchors, reachability.prepare(anchors), paths), firsts)
+    run = follower.begin(AnchorPaths(anchors, reachability.prepare(anchors), paths), firsts)
     return Corridor(starts), run
 
 
@@ -457,7 +457,9 @@ def make_turntable(anchors, hidden, start=0.0, **settings):
         TurntableReachability(hidden),
         FollowerSettings(**settings),
     )
-    return Turntable([start]), follower.begin(Trails(anchors, anchors, [range(len(anchors))]), [0])
+    return Turntable([start]), follower.begin(
+        AnchorPaths(anchors, anchors, [range(len(anchors))]), [0]
+    )
 
 
 @pytest.mark.parametrize("heading", [1.3, -1.3])
@@ -501,7 +503,7 @@ def turn(turning, overlap, at=True, gap=0.0, wants=True, first=1):
 
 
 def test_it_turns_back_when_the_overlap_shrinks():
-    turning = Turning(1)
+    turning = HeadingSearch(1)
     assert [turn(turning, overlap) for overlap in (0.5, 0.48, 0.45)] == [1, 1, 1]
     assert turn(turning, 0.41) == -1
     assert [turn(turning, overlap) for overlap in (0.36, 0.45, 0.6)] == [-1, -1, -1]
@@ -509,7 +511,7 @@ def test_it_turns_back_when_the_overlap_shrinks():
 
 
 def test_it_begins_at_the_anchor_and_goes_on_near_it():
-    turning = Turning(1)
+    turning = HeadingSearch(1)
     assert turn(turning, 0.5, at=False, gap=0.4) == 0
     assert turn(turning, 0.5, first=-1) == -1
     assert turn(turning, 0.5, at=False, gap=0.4) == -1
@@ -517,7 +519,7 @@ def test_it_begins_at_the_anchor_and_goes_on_near_it():
 
 
 def test_only_coming_nearer_is_getting_on():
-    turning = Turning(1)
+    turning = HeadingSearch(1)
     for gap in (1.0, 0.9, 0.8):
         turn(turning, 0.5, gap=gap, at=False, wants=False)
     assert turning.tried[0] == 0.0
@@ -529,7 +531,7 @@ def test_only_coming_nearer_is_getting_on():
 
 
 def test_who_turns_gets_a_waypoint_beside_it():
-    turning = Turning(3)
+    turning = HeadingSearch(3)
     turning.side[:] = [0, 1, -1]
     waypoints = turning.waypoints(np.array([2, 0, 1]), np.full((3, 2), 7.0))
     assert waypoints.tolist() == [[0.0, -1.0], [7.0, 7.0], [0.0, 1.0]]
@@ -620,7 +622,7 @@ def test_robots_may_share_anchors_and_visit_them_in_any_order():
 
 
 def test_trails_lie_end_to_end():
-    trails = Trails.end_to_end(np.zeros(7), np.zeros(7), [2, 4, 1])
+    trails = AnchorPaths.end_to_end(np.zeros(7), np.zeros(7), [2, 4, 1])
     assert [list(path) for path in trails.paths] == [[0, 1], [2, 3, 4, 5], [6]]
     assert trails.lengths.tolist() == [2, 4, 1]
     assert len(trails) == 3
@@ -637,7 +639,7 @@ def test_who_was_lost_sets_out_on_another_trail():
     go(corridor, run, 25)
     assert run.lost[0]
     reachability.arranged = lambda p, t: p
-    run.set_out(0, [1, 0])
+    run.start(0, [1, 0])
     assert (run.state[0], run.active[0], run.visited[0]) == (FOLLOW, 0, -1)
     go(corridor, run, 100)
     assert run.done[0]
@@ -649,7 +651,7 @@ def test_who_has_arrived_sets_out_again():
     corridor, run = make(anchors=range(5), paths=[[1, 2]])
     go(corridor, run, 60)
     assert run.done[0]
-    run.set_out(0, np.array([3, 4]))
+    run.start(0, np.array([3, 4]))
     assert not run.over[0]
     go(corridor, run, 100)
     assert run.done[0]
@@ -660,7 +662,7 @@ def test_only_the_one_that_sets_out_is_concerned():
     (together, run), (alone, other) = (make(starts=[0.0, 0.0, 0.0]) for _ in range(2))
     for corridor, some in ((together, run), (alone, other)):
         go(corridor, some, 20)
-    run.set_out(1, [4, 3, 2, 1, 0])
+    run.start(1, [4, 3, 2, 1, 0])
     for corridor, some in ((together, run), (alone, other)):
         go(corridor, some, 150)
     assert together.x[[0, 2]].tolist() == alone.x[[0, 2]].tolist()
@@ -680,7 +682,7 @@ def test_doubts_are_left_behind_when_one_sets_out_anew():
         go(corridor, run, 16)
         assert run.state[0] == RECKON
         reachability.arranged = lambda p, t: p
-        run.set_out(0, np.arange(round(corridor.x[0]), 30))
+        run.start(0, np.arange(round(corridor.x[0]), 30))
         assert run.state[0] == FOLLOW
     go(corridor, run, 10)
     assert not run.lost[0]
@@ -692,7 +694,7 @@ def test_the_old_waypoint_is_forgotten():
     corridor, run = make(anchors=[0.0, 1.5, -1.5], paths=[[1]], reachability=reachability)
     go(corridor, run, 8)
     assert corridor.x[0] > 0.2
-    run.set_out(0, [2])
+    run.start(0, [2])
     blind(reachability)
     go(corridor, run, 10)
     assert run.record().waypoint[-1, 0, 0] == pytest.approx(-1.5)
@@ -705,7 +707,7 @@ def test_a_trail_beyond_the_anchors_is_refused_and_changes_nothing(path):
     go(corridor, run, 10)
     before = run.active.copy(), run.trails
     with pytest.raises(InputError, match="trails: path 1 is"):
-        run.set_out(1, path)
+        run.start(1, path)
     assert (run.active == before[0]).all()
     assert run.trails is before[1]
     go(corridor, run, 200)
@@ -772,14 +774,14 @@ def test_settings_that_make_no_sense_are_refused(values, words):
 )
 def test_trails_that_lead_nowhere_are_refused(targets, prepared, paths, words):
     with pytest.raises(InputError, match=f"trails: .*{words}"):
-        Trails(targets, prepared, paths)
+        AnchorPaths(targets, prepared, paths)
 
 
 @pytest.mark.parametrize("starts", [[9], [-2], [0, 0], [0.5], [[0]]])
 def test_starts_beyond_the_trail_are_refused(starts):
     parts = CorridorPredictor(), CorridorController(), CorridorReachability()
     with pytest.raises(InputError, match=r"starts: .*give .N,. anchors of 1 trails"):
-        Follower(*parts).begin(Trails(np.zeros(9), np.zeros(9), [range(9)]), starts)
+        Follower(*parts).begin(AnchorPaths(np.zeros(9), np.zeros(9), [range(9)]), starts)
 
 
 def test_observations_and_numbers_must_fit():
@@ -836,7 +838,7 @@ def test_a_record_is_read_as_it_was_written(tmp_path):
     go(corridor, run, 40)
     record = run.record()
     record.save(tmp_path / "run.npz")
-    again = Following.load(tmp_path / "run.npz")
+    again = FollowerLog.load(tmp_path / "run.npz")
     assert len(again) == 40
     for name in ("state", "active", "visited", "probability", "overlap", "waypoint"):
         mine, theirs = getattr(record, name), getattr(again, name)
@@ -848,7 +850,7 @@ def test_a_record_is_read_as_it_was_written(tmp_path):
 def test_a_run_that_has_not_begun_can_be_recorded(tmp_path):
     _, run = make(starts=[0.0, 1.0])
     run.record().save(tmp_path / "run.npz")
-    assert Following.load(tmp_path / "run.npz").state.shape == (0, 2)
+    assert FollowerLog.load(tmp_path / "run.npz").state.shape == (0, 2)
 
 
 def test_what_was_recorded_stays_as_it_was():
@@ -866,7 +868,7 @@ def test_damaged_records_are_named(tmp_path):
     go(corridor, run, 3)
     path = tmp_path / "run.npz"
     with pytest.raises(InputError, match=r"run.npz: there is no such file"):
-        Following.load(path)
+        FollowerLog.load(path)
     run.record().save(path)
     good = dict(np.load(path))
     for change in (
@@ -878,11 +880,11 @@ def test_damaged_records_are_named(tmp_path):
     ):
         np.savez(path, **{**good, **change})
         with pytest.raises(InputError, match=r"run.npz: no record of a run .*record it again"):
-            Following.load(path)
+            FollowerLog.load(path)
     del good["overlap"]
     np.savez(path, **good)
     with pytest.raises(InputError, match=r"run.npz: no record of a run"):
-        Following.load(path)
+        FollowerLog.load(path)
     path.write_bytes(b"not a file of arrays")
     with pytest.raises(InputError, match=r"run.npz: no record of a run"):
-        Following.load(path)
+        FollowerLog.load(path)

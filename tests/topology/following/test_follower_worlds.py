@@ -10,7 +10,7 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative, to_local
 from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.world.noise import WheelOdometry
@@ -96,7 +96,7 @@ class Trial:
             targets = predictor.prepare(predictor.view.render(self.scene, contexts))
         follower = Follower(predictor, RMPController(), self.reachability)
         lengths = [len(anchors) for anchors in self.anchors]
-        trails = Trails.end_to_end(targets, self.reachability.prepare(self.poses), lengths)
+        trails = AnchorPaths.end_to_end(targets, self.reachability.prepare(self.poses), lengths)
         self.run = follower.begin(trails, np.zeros(len(lengths), dtype=int))
         self.tracks = [self.simulation.poses]
         return self
@@ -116,7 +116,7 @@ class Trial:
 
 @pytest.fixture(scope="module")
 def under_way(recorded):
-    """Drives without their first metres, in which cars turn round."""
+    """Rollouts without their first metres, in which cars turn round."""
     return RecordedWorld(recorded.scene, [drive.since(2.0) for drive in recorded.trajectories])
 
 

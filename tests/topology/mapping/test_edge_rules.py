@@ -17,8 +17,12 @@ from tutorial_lib.topology.mapping.edge_rules import (
     reusable,
     weight,
 )
-from tutorial_lib.topology.mapping.edge_search import laid_out, searched, weakest_aligned
-from tutorial_lib.topology.mapping.growing_batch import Shelf, joined
+from tutorial_lib.topology.mapping.edge_search import (
+    along_trajectories,
+    search_edges,
+    weakest_aligned,
+)
+from tutorial_lib.topology.mapping.growing_batch import GrowingBatch, joined
 from tutorial_lib.topology.mapping.retrieval import Index, likeness, most_alike
 
 seeds = st.integers(0, 2**32 - 1)
@@ -37,7 +41,7 @@ def observations(numbers, depth=None):
 
 @given(st.lists(st.integers(0, 6), min_size=1, max_size=20), st.data())
 def test_a_shelf_selects_as_if_all_batches_were_one(lengths, data):
-    shelf, bounds = Shelf(), np.cumsum([0, *lengths])
+    shelf, bounds = GrowingBatch(), np.cumsum([0, *lengths])
     for first, last in pairwise(bounds):
         shelf.append(np.arange(first, last)[:, None] * [1, 10])
     assert len(shelf) == bounds[-1]
@@ -48,7 +52,7 @@ def test_a_shelf_selects_as_if_all_batches_were_one(lengths, data):
 
 def test_a_shelf_selects_between_batches_too():
     # What was selected before a batch came is the same after it.
-    shelf, numbers = Shelf(), np.array([4, 0, 2, 2])
+    shelf, numbers = GrowingBatch(), np.array([4, 0, 2, 2])
     shelf.append(np.arange(5))
     before = shelf[numbers]
     for _ in range(9):
@@ -69,7 +73,7 @@ class Counted(list):
 
 
 def test_a_long_shelf_is_seldom_copied():
-    shelf, Counted.copied = Shelf(), 0
+    shelf, Counted.copied = GrowingBatch(), 0
     for number in range(1024):
         shelf.append(Counted([number]))
     # To copy all each time would be half a million.
@@ -77,7 +81,7 @@ def test_a_long_shelf_is_seldom_copied():
 
 
 def test_observations_are_put_on_a_shelf():
-    shelf = Shelf()
+    shelf = GrowingBatch()
     for numbers in ([0, 1, 2], [3], [4, 5], [6, 7, 8, 9]):
         shelf.append(observations(numbers))
     some = shelf[[9, 0, 5, 5, 3]]
@@ -101,7 +105,7 @@ def test_observations_joined_keep_depth_only_where_all_have_it():
 def test_what_cannot_be_joined_is_named():
     with pytest.raises(InputError, match="dict has no method `joined`; let `prepare` return"):
         joined([{"a": 1}, {"a": 2}])
-    shelf = Shelf()
+    shelf = GrowingBatch()
     shelf.append([1, 2])
     with pytest.raises(InputError, match="map: list has no method"):
         shelf.append([3, 4])
@@ -202,7 +206,7 @@ def chains(lengths, reach=1):
     bounds = np.cumsum([0, *lengths])
     trails = [list(range(*ends)) for ends in pairwise(bounds.tolist())]
     owner = np.repeat(np.arange(len(lengths)), lengths)
-    return laid_out(trails, owner, np.arange(bounds[-1]) - bounds[owner], reach)
+    return along_trajectories(trails, owner, np.arange(bounds[-1]) - bounds[owner], reach)
 
 
 def ends_of(lengths):
@@ -233,7 +237,7 @@ def test_vertices_are_laid_out_along_the_trajectories_they_were_made_for(lengths
                 made.append((number, place))
         trails.append(trail)
     trajectory, place = np.array(made, dtype=int).reshape(-1, 2).T
-    found = laid_out(trails, trajectory, place, reach)
+    found = along_trajectories(trails, trajectory, place, reach)
     assert found.shape == (len(made), 2 * reach + 1)
     for v, (number, at) in enumerate(made):
         for step in range(-reach, reach + 1):
@@ -330,7 +334,7 @@ def test_a_search_asks_about_what_is_beside_a_yes_and_nothing_else(drawn, seed):
     rng = np.random.default_rng(seed)
     begin, worth = rng.random(table.shape) < 0.3, rng.random(table.shape) < 0.8
     ask = Asked(table)
-    told = searched(ask, begin.copy(), worth, along, 0.8)
+    told = search_edges(ask, begin.copy(), worth, along, 0.8)
     wanted, todo = set(), list(zip(*np.nonzero(begin), strict=True))
     while todo:
         row, column = todo.pop()
@@ -351,15 +355,15 @@ def test_a_search_asks_about_what_is_beside_a_yes_and_nothing_else(drawn, seed):
 def test_a_search_does_not_cross_the_end_of_a_trajectory():
     begin, worth = np.zeros((4, 4), dtype=bool), np.ones((4, 4), dtype=bool)
     begin[1, 1] = True
-    told = searched(lambda rows, columns: np.ones(len(rows)), begin, worth, chains([2, 2]), 0.5)
+    told = search_edges(lambda rows, columns: np.ones(len(rows)), begin, worth, chains([2, 2]), 0.5)
     assert np.isnan(told[:, 2:]).all()
     assert not np.isnan(told[:3, :2]).all()
 
 
 def test_a_search_without_seeds_asks_nothing():
     pairs = np.zeros((2, 3), dtype=bool)
-    assert np.isnan(searched(None, pairs, ~pairs, chains([3]), 0.5)).all()
-    assert np.isnan(searched(None, ~pairs, pairs, chains([3]), 0.5)).all()
+    assert np.isnan(search_edges(None, pairs, ~pairs, chains([3]), 0.5)).all()
+    assert np.isnan(search_edges(None, ~pairs, pairs, chains([3]), 0.5)).all()
 
 
 # Linking.

@@ -381,7 +381,7 @@ def test_a_trajectory_that_is_known_altogether_makes_no_vertices():
 
 
 def city():
-    """Drives along the streets of a small city, some of them twice."""
+    """Rollouts along the streets of a small city, some of them twice."""
     corners = [(0, 0), (8, 0), (8, 8), (0, 8)]
     drives = [street(*corners, (0, 0)), street((0, 4), (8, 4)), street((4, 8), (4, 0))]
     drives += [street((0, 0), (8, 0), (8, 4), aside=0.15), street(*corners[::-1], aside=-0.1)]

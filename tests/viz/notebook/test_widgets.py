@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.errors import InputError
-from tutorial_lib.viz.notebook.teleop import ACTIONS, DriveController, drive_picture
+from tutorial_lib.viz.notebook.teleop import ACTIONS, TeleopController, teleop_picture
 from tutorial_lib.viz.notebook.widgets import drive, sliders
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
@@ -20,7 +20,7 @@ def decoded(data):
 
 @pytest.fixture
 def controller():
-    return DriveController(Scene(make_box()), POSE)
+    return TeleopController(Scene(make_box()), POSE)
 
 
 def test_each_button_moves_the_car_its_own_way(controller):
@@ -53,7 +53,7 @@ def test_a_press_lasts_a_few_steps_and_leaves_a_track(controller):
 
 
 def test_a_wall_stops_the_car_and_the_text_says_what_to_do():
-    controller = DriveController(Scene(make_box()), [9.0, 5.0, 0.0])
+    controller = TeleopController(Scene(make_box()), [9.0, 5.0, 0.0])
     for _ in range(6):
         controller.press("forward")
     assert controller.simulation.poses[0, 0] < 9.7
@@ -65,7 +65,7 @@ def test_a_wall_stops_the_car_and_the_text_says_what_to_do():
 
 def test_people_walk_while_the_car_waits():
     person = Person([[2.0, 2.0], [2.0, 8.0]], speed=0.5)
-    controller = DriveController(Scene(make_box()), POSE, [person])
+    controller = TeleopController(Scene(make_box()), POSE, [person])
     before = controller.render()
     controller.press("stop")
     assert (controller.render() != before).any()
@@ -75,14 +75,14 @@ def test_wrong_presses_and_starts_are_refused(controller):
     with pytest.raises(InputError, match="forward"):
         controller.press("fly")
     with pytest.raises(InputError, match="steps"):
-        DriveController(controller.scene, POSE, steps=0)
+        TeleopController(controller.scene, POSE, steps=0)
     with pytest.raises(InputError, match="start"):
-        DriveController(controller.scene, [20.0, 5.0, 0.0])
+        TeleopController(controller.scene, [20.0, 5.0, 0.0])
 
 
 def test_the_picture_follows_the_state_and_changes_nothing(controller):
     first = controller.render()
-    assert (first == drive_picture(controller.view, controller.moment)).all()
+    assert (first == teleop_picture(controller.view, controller.moment)).all()
     assert first.dtype == np.uint8
     controller.rehearse(["forward", "left"])
     assert (controller.render() == first).all()

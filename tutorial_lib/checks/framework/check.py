@@ -69,7 +69,7 @@ class Check:
         self.__doc__ = judge.__doc__
 
     def __call__(self, student: Function) -> Result:
-        """Judge a student's function."""
+        """Estimator a student's function."""
         try:
             picture = self.judge(student)
         except NotImplementedError:

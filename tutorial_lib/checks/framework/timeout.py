@@ -10,7 +10,7 @@ from typing import Any
 from tutorial_lib.checks.framework.check import WrongAnswer
 
 
-def patiently(
+def within_line_limit(
     function: Callable[..., Any], *arguments: object, otherwise: str, lines: int = 500_000
 ) -> Any:  # noqa: ANN401 - whatever the function returns
     """What a function returns, if it has done so after some lines of Python.

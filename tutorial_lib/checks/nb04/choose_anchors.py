@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, call, check
-from tutorial_lib.checks.framework.timeout import patiently
+from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
 from tutorial_lib.checks.nb04.memory import check_frames_to_keep, check_tracked_waypoint
 from tutorial_lib.checks.nb04.move_on import check_move_on
@@ -102,7 +102,7 @@ def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """The drive done by hand, drives where all or nothing can be reached, and longer ones."""
     answers = []
     for name, reach, threshold in _ANCHOR_CASES:
-        got = patiently(call, student, reach, threshold, otherwise=_ENDLESS)
+        got = within_line_limit(call, student, reach, threshold, otherwise=_ENDLESS)
         answers.append(frame_numbers(f"choose_anchors, {name}", got))
     right = [choose_anchors(reach, threshold) for _, reach, threshold in _ANCHOR_CASES]
     picture = _tables(right[0], answers[0])

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb06.graphs import Graph, Vertex, most_probable_way, random_graph
+from tutorial_lib.checks.nb06.graphs import Graph, Vertex, most_probable_path, random_graph
 from tutorial_lib.checks.nb06.join_ends import GOAL, HERE, SMALL_MAP, join_ends, untouched
 from tutorial_lib.topology.planner import DijkstraPlanner
 
@@ -44,7 +44,7 @@ def _decided(
     def found(p_goal: float) -> tuple[list[Vertex], float]:
         p_here = rules.p_goal if fault == "p_goal from here" else rules.p_query
         joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
-        way, probability = most_probable_way(joined, HERE, GOAL)
+        way, probability = most_probable_path(joined, HERE, GOAL)
         if fault == "last step" and way:
             return way, joined[way[-2]][GOAL]
         return way, probability

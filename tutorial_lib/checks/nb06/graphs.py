@@ -29,7 +29,7 @@ BY_HAND: Graph = {
 """A small graph, to plan on with a pencil."""
 
 
-def most_probable_way(graph: Graph, start: Vertex, goal: Vertex) -> Way:
+def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Way:
     """The most probable way over a graph, and its probability; [] and 0 where there is none.
 
     Args:

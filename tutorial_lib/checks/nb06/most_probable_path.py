@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.timeout import patiently
+from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb06.graphs import (
     BY_HAND,
     Graph,
     Vertex,
     Way,
-    most_probable_way,
+    most_probable_path,
     probability_of,
     random_graph,
 )
@@ -26,9 +26,9 @@ from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
 _ENDLESS = (
-    "most_probable_way: your function never ends. Each vertex is dealt with once, when it is taken "
-    "from the heap for the first time; and no length may be below 0, as -RE is: going round a "
-    "circle would make a way shorter, and from where one came would lead round it, too"
+    "most_probable_path: your function never ends. Each vertex is dealt with once, when it is "
+    "taken from the heap for the first time; and no length may be below 0, as -RE is: going round "
+    "a circle would make a way shorter, and from where one came would lead round it, too"
 )
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
@@ -46,18 +46,18 @@ _CASES: tuple[tuple[str, Graph, Vertex, Vertex], ...] = (
 )
 
 
-@check(most_probable_way, (random_graph(80, 4, 3), 0, 79))
+@check(most_probable_path, (random_graph(80, 4, 3), 0, 79))
 def check_most_probable_way(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """The graph done by hand, chains, cycles, larger graphs, and goals that cannot be reached."""
-    answers, right = [], [most_probable_way(*case[1:]) for case in _CASES]
+    answers, right = [], [most_probable_path(*case[1:]) for case in _CASES]
     for name, graph, start, goal in _CASES:
-        answers.append(_asked(f"most_probable_way, {name}", student, graph, start, goal))
+        answers.append(_asked(f"most_probable_path, {name}", student, graph, start, goal))
     ways = (right[0][0], answers[0][0])
     picture = side_by_side([graph_picture(BY_HAND, way) for way in ways], ["target", "yours"])
     for case, got, want in zip(_CASES, answers, right, strict=True):
         if _same(case[1], got, want):
             continue
-        what = f"most_probable_way, {case[0]}"
+        what = f"most_probable_path, {case[0]}"
         for words, mistake in MISTAKES.items():
             wrong = [mistake(*c[1:]) for c in _CASES]
             if all(_same(c[1], a, w) for c, a, w in zip(_CASES, answers, wrong, strict=True)):
@@ -70,10 +70,10 @@ def _asked(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) 
     """A student's answer, if it has the right form."""
     given = {v: dict(out) for v, out in graph.items()}
     try:
-        got = patiently(student, given, *ends, otherwise=_ENDLESS)
+        got = within_line_limit(student, given, *ends, otherwise=_ENDLESS)
     except (KeyError, IndexError) as error:
         words = "where the goal cannot be reached there is no way back from it; return [], 0.0"
-        words = words if not most_probable_way(graph, *ends)[0] else "is there such a vertex?"
+        words = words if not most_probable_path(graph, *ends)[0] else "is there such a vertex?"
         raise WrongAnswer(f"{what}: {type(error).__name__}, {error}; {words}") from None
     if given != graph:
         raise WrongAnswer(f"{what}: your function changes the graph; leave it as it is")

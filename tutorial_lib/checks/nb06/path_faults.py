@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 
-from tutorial_lib.checks.nb06.graphs import Graph, Vertex, Way, most_probable_way, probability_of
+from tutorial_lib.checks.nb06.graphs import Graph, Vertex, Way, most_probable_path, probability_of
 
 
 def _searched(
@@ -58,7 +58,7 @@ def _told(change: Callable[..., Way]) -> Callable[..., Way]:
     """The right way, told in another form."""
 
     def answer(graph: Graph, start: Vertex, goal: Vertex) -> Way:
-        way, probability = most_probable_way(graph, start, goal)
+        way, probability = most_probable_path(graph, start, goal)
         if not way:
             return way, probability
         return change(way, probability, [graph[v][w] for v, w in pairwise(way)])

@@ -15,11 +15,11 @@ from tutorial_lib.checks.nb06.join_ends import GOAL, HERE
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans past some vertices; no vertices where it refuses."""
 Drive = Callable[[list[Vertex]], int | None]
-"""Drives along a way, and says which place of it could not be reached; None on arrival."""
+"""Rollouts along a way, and says which place of it could not be reached; None on arrival."""
 
 
 def travel(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
-    """Plan, drive, and plan anew when lost; whether the goal was reached, and what is shunned.
+    """Plan, drive, and plan anew when lost; whether the goal was reached, and what is excluded.
 
     Args:
         plan: plans past some vertices.
@@ -31,28 +31,28 @@ def travel(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
 
 def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple[bool, set[Vertex]]:
     """The journey, with a `fault` if one is named."""
-    shunned: set[Vertex] = set()
+    excluded: set[Vertex] = set()
     rounds = {"too few": replans, "too many": replans + 2, "once": 1}.get(fault, replans + 1)
     way: list[Vertex] = []
     for number in range(rounds):
         if not (fault == "same way" and number):
-            way = plan(set(shunned))
+            way = plan(set(excluded))
         if not way and fault != "drives on nothing":
-            return False, shunned
+            return False, excluded
         stopped = drive(way)
         if stopped is None:
-            return True, shunned
+            return True, excluded
         place = stopped - 1 if fault == "behind" else stopped
         vertex = way[place] if way else GOAL
         if fault == "forgets":
-            shunned = set()
+            excluded = set()
         if fault == "whole way":
-            shunned |= {v for v in way if v not in (HERE, GOAL)}
+            excluded |= {v for v in way if v not in (HERE, GOAL)}
         elif fault == "all ahead":
-            shunned |= {v for v in way[stopped:] if v != GOAL}
+            excluded |= {v for v in way[stopped:] if v != GOAL}
         elif (vertex not in (HERE, GOAL) or fault == "goal") and fault != "shuns nothing":
-            shunned.add(stopped if fault == "place" else vertex)
-    return False, shunned
+            excluded.add(stopped if fault == "place" else vertex)
+    return False, excluded
 
 
 class _Story:
@@ -61,14 +61,14 @@ class _Story:
     def __init__(self, ways: Sequence[list[Vertex]], stops: Sequence[int | None]) -> None:
         self.ways, self.stops, self.log = list(ways), list(stops), []
 
-    def plan(self, shunned: set[Vertex]) -> list[Vertex]:
-        """The first way that leads past what is shunned."""
-        if not isinstance(shunned, set | frozenset | list | tuple):
-            raise WrongAnswer(f"plan got {shunned!r}; give it the set of what is shunned")
-        self.log.append(("plan", tuple(sorted(shunned))))
+    def plan(self, excluded: set[Vertex]) -> list[Vertex]:
+        """The first way that leads past what is excluded."""
+        if not isinstance(excluded, set | frozenset | list | tuple):
+            raise WrongAnswer(f"plan got {excluded!r}; give it the set of what is excluded")
+        self.log.append(("plan", tuple(sorted(excluded))))
         if len(self.log) > 40:
             raise WrongAnswer("your function never ends; count the plans")
-        return next((list(way) for way in self.ways if not set(way) & set(shunned)), [])
+        return next((list(way) for way in self.ways if not set(way) & set(excluded)), [])
 
     def drive(self, way: list[Vertex]) -> int | None:
         """The next stop."""
@@ -95,7 +95,7 @@ _MISLED = {
     "shun every vertex that could not be reached so far, not only the last one": "forgets",
     "only one vertex could not be reached; who shuns the whole way leaves no other": "whole way",
     "only way[stopped] was tried in vain; what comes after it was never tried": "all ahead",
-    "what could not be reached must be shunned, or the next plan is the same": "shuns nothing",
+    "what could not be reached must be excluded, or the next plan is the same": "shuns nothing",
     "stopped counts along the way; shun the vertex there, way[stopped]": "place",
     "the goal is no vertex of the map; who cannot reach it plans anew, but shuns nothing": "goal",
     "who is lost needs a new plan; yours drives along the old one": "same way",
@@ -112,7 +112,7 @@ def _told(travels: Callable[..., Any], case: tuple[Any, ...]) -> tuple[Any, ...]
     return travels(story.plan, story.drive, replans), story.log
 
 
-@check(travel, (lambda shunned: [HERE, 1, GOAL], lambda way: None, 3))
+@check(travel, (lambda excluded: [HERE, 1, GOAL], lambda way: None, 3))
 def check_travel(student: Callable[..., Any]) -> None:
     """Nine journeys: to the goal at once, after being lost, refused, and in vain."""
     right, answers = [_told(travel, case) for case in _JOURNEYS], []
@@ -137,13 +137,13 @@ def _ending(what: str, got: Any) -> tuple[bool, set[Vertex]]:  # noqa: ANN401 - 
     if got is None:
         raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
     if not isinstance(got, tuple | list) or len(got) != 2:
-        raise WrongAnswer(f"{what}: return whether it arrived, and the set of what is shunned")
-    arrived, shunned = got
+        raise WrongAnswer(f"{what}: return whether it arrived, and the set of what is excluded")
+    arrived, excluded = got
     if not isinstance(arrived, bool | np.bool_):
         raise WrongAnswer(f"{what}: {arrived!r} came back; return True on arrival, False otherwise")
-    if not isinstance(shunned, set | frozenset | list | tuple):
-        raise WrongAnswer(f"{what}: return the set of the vertices that are shunned")
-    return bool(arrived), set(shunned)
+    if not isinstance(excluded, set | frozenset | list | tuple):
+        raise WrongAnswer(f"{what}: return the set of the vertices that are excluded")
+    return bool(arrived), set(excluded)
 
 
 def _differ(got: tuple[Any, ...], want: tuple[Any, ...]) -> str:
@@ -151,9 +151,9 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...]) -> str:
         if yours != right:
             kind, told = yours
             if (kind, right[0]) == ("plan", "plan"):
-                return f"yours plans past {list(told)}; {list(right[1])} is to be shunned"
+                return f"yours plans past {list(told)}; {list(right[1])} is to be excluded"
             return f"yours calls {kind} with {list(told)}, where {right[0]} was to be called"
     if len(got[1]) != len(want[1]):
         return f"yours calls plan and drive {len(got[1])} times, but {len(want[1])} is right"
     arrived = "it arrives" if want[0][0] else "it does not arrive"
-    return f"{got[0]} came back; {arrived}, and shunned is {want[0][1] or 'empty'}"
+    return f"{got[0]} came back; {arrived}, and excluded is {want[0][1] or 'empty'}"

@@ -26,7 +26,7 @@ _HORIZON = 2.5  # metres within which the laser's points matter
 
 @dataclass(frozen=True)
 class ArcController:
-    """Drives a car to a waypoint by the laser; a `Controller`.
+    """Rollouts a car to a waypoint by the laser; a `Controller`.
 
     Attributes:
         car: the body.

@@ -5,15 +5,15 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control.arcs import ArcController
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
-from tutorial_lib.driving.rollouts import Drives, Robots, drive, geodesic_limit
+from tutorial_lib.driving.rollouts import Robots, Rollouts, drive, geodesic_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import Controller
 from tutorial_lib.world.simulation import Simulation
 
 
-class OracleCourier:
-    """Drives each robot of a simulation to its own goal."""
+class OraclePolicy:
+    """Rollouts each robot of a simulation to its own goal."""
 
     def __init__(
         self,
@@ -53,7 +53,7 @@ class OracleCourier:
         targets = self.fields.waypoints(poses[:, :2], robots, caster, self.reach)
         return self.controller.act(simulation.observe(robots), to_local(poses, targets))
 
-    def drive(self, simulation: Simulation) -> Drives:
+    def drive(self, simulation: Simulation) -> Rollouts:
         """Drive until every robot has reached its goal, touched something or run out of time.
 
         Raises:

@@ -129,7 +129,7 @@ def resolve(forces: Array, metrics: Array, damping: float = 1e-6) -> Array:
 
 @dataclass(frozen=True)
 class RMPController:
-    """Drives a body to a waypoint by the laser and policies; a `Controller`.
+    """Rollouts a body to a waypoint by the laser and policies; a `Controller`.
 
     Attributes:
         body: a car or a differential drive.

@@ -9,10 +9,8 @@ from pathlib import Path
 from zlib import crc32
 
 import numpy as np
-from joblib import Parallel, delayed
-from tqdm.auto import tqdm
 
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
@@ -26,6 +24,7 @@ from tutorial_lib.driving.rollouts import Robots, drive, geodesic_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
@@ -35,7 +34,7 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 _LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
-DRIVER = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
+DEMONSTRATOR = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
 """Parks exactly, since an oracle's waypoints are exact. With other settings other drives would be
 recorded, and networks trained on them would not be those that come with the library."""
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
@@ -57,7 +56,7 @@ def demonstrate(
         scene: that world.
         count: cars that set out.
         seed: of starts, goals and noise.
-        controller: drives to the waypoints; `DRIVER` unless given.
+        controller: drives to the waypoints; `DEMONSTRATOR` unless given.
         control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
 
     Returns:
@@ -71,7 +70,7 @@ def demonstrate(
     paths = GridPaths(scene.clearance)
     starts, goals, limit = _errands(scene, paths, count, rng)
     simulation = _fleet(scene, starts, control_noise, rng)
-    courier = OracleCourier(paths, goals, DRIVER if controller is None else controller)
+    courier = OraclePolicy(paths, goals, DEMONSTRATOR if controller is None else controller)
     found = _recorded(world, seed, simulation, courier, limit)
     return [drive for drive in found if drive is not None and len(drive) >= SHORTEST]
 
@@ -97,7 +96,7 @@ def demonstrate_between(
     """
     simulation = _fleet(scene, starts, 0.0, None)
     limit = geodesic_limit(paths, starts, goals)
-    return _recorded(world, seed, simulation, OracleCourier(paths, goals, DRIVER), limit)
+    return _recorded(world, seed, simulation, OraclePolicy(paths, goals, DEMONSTRATOR), limit)
 
 
 def record_demonstrations(
@@ -132,11 +131,9 @@ def record_demonstrations(
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     names = list(dict.fromkeys(worlds))
-    run_all = Parallel(n_jobs=jobs, return_as="generator")
     recipe = (count, seed, folder, control_noise)
-    paths = run_all(delayed(_record)(name, *recipe) for name in names)
-    bar = tqdm(paths, total=len(names), desc="demonstrations", disable=None)
-    done = dict(zip(names, bar, strict=True))
+    paths = for_each(_record, names, *recipe, label="demonstrations", jobs=jobs)
+    done = dict(zip(names, paths, strict=True))
     return [done[name] for name in worlds]
 
 
@@ -179,7 +176,7 @@ def _fleet(
 
 
 def _recorded(
-    world: str, seed: int, simulation: Simulation, courier: OracleCourier, limit: Array
+    world: str, seed: int, simulation: Simulation, courier: OraclePolicy, limit: Array
 ) -> list[Trajectory | None]:
     """What each robot sensed on its way, None for one that did not arrive."""
     recorder = _Recorder()

@@ -6,7 +6,7 @@ from itertools import combinations, pairwise, product
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER, jittered
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import BEHIND, RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
@@ -72,7 +72,7 @@ def draw_episodes(
 ) -> Episodes:
     """Targets from 1 m behind to 3 m ahead along a drive (Meng 2020, Table I).
 
-    Starts are jittered as in the authors' code. Three things that the paper leaves open: a start
+    Starts are perturbed as in the authors' code. Three things that the paper leaves open: a start
     has 5 cm to spare all around, it is not yet within 0.3 m of its target, and the two pictures may
     have nothing in common.
 
@@ -90,7 +90,9 @@ def draw_episodes(
     sources, targets = recorded.draw(_SPARE * count, 1, rng)
     ahead = recorded.arc[targets] - recorded.arc[sources]
     sources, targets = sources[ahead >= least], targets[ahead >= least]
-    starts, found = jittered(recorded.scene, recorded.poses[sources], PAPER_JITTER, rng, _ROOMY)
+    starts, found = perturbed(
+        recorded.scene, recorded.poses[sources], PAPER_PERTURBATION, rng, _ROOMY
+    )
     # A pose that already is at its target shows nothing.
     gap = np.linalg.norm(starts[:, :2] - recorded.poses[targets, :2], axis=1)
     good = np.flatnonzero(found & (gap >= REACHED))[: count + count // 10 + 5]

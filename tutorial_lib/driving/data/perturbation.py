@@ -12,7 +12,7 @@ from tutorial_lib.world.scene import Scene
 
 
 @dataclass(frozen=True)
-class Jitter:
+class Perturbation:
     """How far from a recorded drive a robot may find itself.
 
     Attributes:
@@ -38,16 +38,16 @@ class Jitter:
         return compose(poses, np.stack([np.zeros(count), aside, turn], axis=1))
 
 
-PAPER_JITTER = Jitter()
+PAPER_PERTURBATION = Perturbation()
 """As the authors' code has it; what Table I starts from."""
-TRAINING_JITTER = Jitter(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
+TRAINING_PERTURBATION = Perturbation(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
 """Wider than the paper's: a car that manoeuvres looks far aside."""
 
 
-def jittered(
+def perturbed(
     scene: Scene,
     poses: Array,
-    jitter: Jitter,
+    perturbation: Perturbation,
     rng: np.random.Generator,
     body: Body | None = None,
     tries: int = 8,
@@ -62,7 +62,7 @@ def jittered(
         missing = np.flatnonzero(~found)
         if not len(missing):
             break
-        tried = jitter.apply(poses[missing], rng)
+        tried = perturbation.apply(poses[missing], rng)
         good = is_free(scene, body, tried)
         good &= scene.caster.sees(tried[:, :2], poses[missing, :2])
         moved[missing[good]] = tried[good]

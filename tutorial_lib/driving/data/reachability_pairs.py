@@ -1,4 +1,4 @@
-"""Errands: from anywhere to a frame of a recorded drive, to learn which of them end well.
+"""ReachabilityPairs: from anywhere to a frame of a recorded drive, to learn which of them end well.
 
 Meng 2020 (III-C, IV) draws both places from one drive with probability 0.6 and from two otherwise.
 """
@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.data.perturbation import TRAINING_JITTER, jittered
+from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
@@ -30,7 +30,7 @@ _TRIES = 24  # other places that are looked at for one that is near, or that loo
 
 
 @dataclass(frozen=True)
-class Errands:
+class ReachabilityPairs:
     """N starts and targets in one world.
 
     Attributes:
@@ -48,9 +48,9 @@ class Errands:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def some(self, numbers: NDArray) -> "Errands":
+    def some(self, numbers: NDArray) -> "ReachabilityPairs":
         """Those of the given numbers, or under a mask."""
-        return Errands(*(getattr(self, field.name)[numbers] for field in fields(self)))
+        return ReachabilityPairs(*(getattr(self, field.name)[numbers] for field in fields(self)))
 
     @property
     def seen(self) -> NDArray[np.bool_]:
@@ -68,14 +68,14 @@ class Errands:
         return time_limit(self.geodesic)
 
 
-def draw_errands(
+def draw_reachability_pairs(
     recorded: RecordedWorld, paths: GridPaths, targets: int, rng: np.random.Generator
-) -> Errands:
-    """Errands to random frames of recorded drives.
+) -> ReachabilityPairs:
+    """ReachabilityPairs to random frames of recorded drives.
 
     Of the `STARTS` starts of each target three are on its own drive, mostly within a few metres.
     One is on another drive near by, and one anywhere: half of those in a room of the same type.
-    Starts are jittered, but for a third of them.
+    Starts are perturbed, but for a third of them.
 
     Args:
         recorded: the drives of one world.
@@ -94,21 +94,23 @@ def draw_errands(
     own = np.repeat(frames, SAME)
     sources[:, :SAME] = recorded.frame_at(own, -along.ravel()).reshape(targets, SAME)
     sources[:, SAME:] = _elsewhere(recorded, frames, rng)
-    starts, found = jittered(recorded.scene, recorded.poses[sources.ravel()], TRAINING_JITTER, rng)
+    starts, found = perturbed(
+        recorded.scene, recorded.poses[sources.ravel()], TRAINING_PERTURBATION, rng
+    )
     kept = rng.random(len(starts)) < _AS_RECORDED
     starts[kept] = recorded.poses[sources.ravel()[kept]]
     ready = np.flatnonzero(found | kept)
-    return errands_of(recorded, paths, starts[ready], np.repeat(frames, STARTS)[ready])
+    return reachability_pairs(recorded, paths, starts[ready], np.repeat(frames, STARTS)[ready])
 
 
-def errands_of(
+def reachability_pairs(
     recorded: RecordedWorld, paths: GridPaths, starts: Array, targets: NDArray[np.intp]
-) -> Errands:
+) -> ReachabilityPairs:
     """Measure the errands from `starts` (N, 3) to frames `targets` (N,) that have a way."""
     goals = recorded.poses[targets]
     overlap = mutual_overlap(recorded.scene.caster, starts, goals)
     geodesic = paths.between(starts[:, :2], goals[:, :2])
-    return Errands(starts, targets, overlap, geodesic).some(np.isfinite(geodesic))
+    return ReachabilityPairs(starts, targets, overlap, geodesic).some(np.isfinite(geodesic))
 
 
 def _elsewhere(

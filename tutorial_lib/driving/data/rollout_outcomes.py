@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.data.reachability_pairs import Errands
+from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.rollouts import Driver, drive
+from tutorial_lib.driving.rollouts import Policy, drive
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
 from tutorial_lib.geometry import Array
@@ -22,12 +22,12 @@ FLEET = 1_024
 VERSION = 1
 """Of the file's layout."""
 
-Pilot = Callable[[RecordedWorld, NDArray[np.intp]], Driver]
+PolicyFactory = Callable[[RecordedWorld, NDArray[np.intp]], Policy]
 """Gets ready to drive robots to frames (N,) of recorded drives, and drives them."""
 
 
 @dataclass(frozen=True)
-class Outcomes:
+class RolloutOutcomes:
     """N errands in one world, and how each ended.
 
     Attributes:
@@ -41,7 +41,7 @@ class Outcomes:
         seconds: (N,) until it ended.
     """
 
-    errands: Errands
+    errands: ReachabilityPairs
     driven: NDArray[np.bool_]
     reached: NDArray[np.bool_]
     collided: NDArray[np.bool_]
@@ -50,19 +50,19 @@ class Outcomes:
     def __len__(self) -> int:
         return len(self.errands)
 
-    def some(self, numbers: NDArray) -> "Outcomes":
+    def some(self, numbers: NDArray) -> "RolloutOutcomes":
         """Those of the given numbers, or under a mask."""
         rest = (getattr(self, field.name)[numbers] for field in fields(self)[1:])
-        return Outcomes(self.errands.some(numbers), *rest)
+        return RolloutOutcomes(self.errands.some(numbers), *rest)
 
 
-def run_errands(
+def roll_out_pairs(
     recorded: RecordedWorld,
-    errands: Errands,
-    pilot: Pilot,
+    errands: ReachabilityPairs,
+    pilot: PolicyFactory,
     camera: Camera | None = None,
     all_of_them: bool = False,
-) -> Outcomes:
+) -> RolloutOutcomes:
     """Send a robot on each errand and see what becomes of it.
 
     Args:
@@ -88,10 +88,10 @@ def run_errands(
         drives = drive(simulation, driver, goals[:, :2], errands.limit[some], settle=True)
         reached[some], collided[some] = drives.reached, drives.collided
         seconds[some] = drives.seconds
-    return Outcomes(errands, driven, reached, collided, seconds)
+    return RolloutOutcomes(errands, driven, reached, collided, seconds)
 
 
-def save_outcomes(path: str | Path, outcomes: Outcomes, recipe: str) -> None:
+def save_outcomes(path: str | Path, outcomes: RolloutOutcomes, recipe: str) -> None:
     """Write outcomes into an `.npz` file, whole or not at all.
 
     Args:
@@ -103,7 +103,7 @@ def save_outcomes(path: str | Path, outcomes: Outcomes, recipe: str) -> None:
         np.savez(file, version=np.array(VERSION), recipe=np.array(recipe), **_columns(outcomes))
 
 
-def load_outcomes(path: str | Path, recipe: str) -> Outcomes:
+def load_outcomes(path: str | Path, recipe: str) -> RolloutOutcomes:
     """Read what `save_outcomes` wrote.
 
     Raises:
@@ -117,8 +117,10 @@ def load_outcomes(path: str | Path, recipe: str) -> Outcomes:
             arrays: dict[str, NDArray[Any]] = {name: file[name] for name in file.files}
         if int(arrays["version"]) != VERSION or str(arrays["recipe"]) != recipe:
             raise InputError(f"{path}: outcomes of another recipe; {advice}")
-        errands = Errands(*(arrays[field.name] for field in fields(Errands)))
-        outcomes = Outcomes(errands, *(arrays[field.name] for field in fields(Outcomes)[1:]))
+        errands = ReachabilityPairs(*(arrays[field.name] for field in fields(ReachabilityPairs)))
+        outcomes = RolloutOutcomes(
+            errands, *(arrays[field.name] for field in fields(RolloutOutcomes)[1:])
+        )
         if len({len(column) for column in _columns(outcomes).values()}) > 1:
             raise InputError(f"{path}: its columns differ in length; {advice}")
     except InputError:
@@ -129,7 +131,11 @@ def load_outcomes(path: str | Path, recipe: str) -> Outcomes:
     return outcomes
 
 
-def _columns(outcomes: Outcomes) -> dict[str, NDArray[Any]]:
+def _columns(outcomes: RolloutOutcomes) -> dict[str, NDArray[Any]]:
     """Every array of outcomes by name."""
-    found = {field.name: getattr(outcomes.errands, field.name) for field in fields(Errands)}
-    return found | {field.name: getattr(outcomes, field.name) for field in fields(Outcomes)[1:]}
+    found = {
+        field.name: getattr(outcomes.errands, field.name) for field in fields(ReachabilityPairs)
+    }
+    return found | {
+        field.name: getattr(outcomes, field.name) for field in fields(RolloutOutcomes)[1:]
+    }

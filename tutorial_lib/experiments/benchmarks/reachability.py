@@ -8,9 +8,9 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from tutorial_lib.driving.data.demonstrations import demonstrate
-from tutorial_lib.driving.data.reachability_pairs import draw_errands
+from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import run_errands
+from tutorial_lib.driving.data.rollout_outcomes import roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
@@ -65,10 +65,10 @@ def measure(world: int, seed: int, targets: int, anchors: int) -> dict[str, tupl
     name = world_name("apartment", world)
     scene, rng = scene_of(name), np.random.default_rng(seed)
     recorded = RecordedWorld(scene, demonstrate(name, scene, _CARS, seed))
-    errands = draw_errands(recorded, GridPaths(scene.clearance), targets, rng)
+    errands = draw_reachability_pairs(recorded, GridPaths(scene.clearance), targets, rng)
     pilot = by_waypoints(WaypointNetwork("waypoint_k2"))
     begun = time.perf_counter()
-    outcomes = run_errands(recorded, errands, pilot)
+    outcomes = roll_out_pairs(recorded, errands, pilot)
     driven = int(outcomes.driven.sum()), time.perf_counter() - begun
     network = ReachabilityNetwork("reach_k2")
     frames = np.sort(rng.choice(len(recorded.poses), anchors, replace=False))

@@ -13,7 +13,7 @@ import numpy as np
 
 from tutorial_lib.agents.agent import Agent
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.random import WanderingAgent
+from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.errors import InputError
@@ -24,7 +24,7 @@ CONTEXT = "k5"
 S_SHORTCUT = 0.99
 """SPTM's, by a search on validation worlds."""
 PIECES = {
-    "agent": ("learn", "set_out"),
+    "agent": ("learn", "start"),
     "planner": ("plan",),
     "localizer": ("localize",),
     "reachability": ("prepare", "probability"),
@@ -54,15 +54,15 @@ def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the ag
     return SPTMAgent(**{**parts, **changed})
 
 
-def wanderer(rng: np.random.Generator) -> WanderingAgent:
+def random_agent(rng: np.random.Generator) -> RandomAgent:
     """The random agent."""
-    return WanderingAgent(WaypointNetwork(f"waypoint_{CONTEXT}"), RMPController(), rng)
+    return RandomAgent(WaypointNetwork(f"waypoint_{CONTEXT}"), RMPController(), rng)
 
 
 def custom(where: str) -> Agent:
     """An agent with a piece of somebody's own, from "FILE.py:CLASS".
 
-    The class is made without arguments. One that has `learn` and `set_out` is a whole agent; one
+    The class is made without arguments. One that has `learn` and `start` is a whole agent; one
     that has `plan`, `localize`, or `prepare` and `probability` takes the place of that piece of
     `meng`.
 

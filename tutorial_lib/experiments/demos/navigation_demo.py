@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tutorial_lib.agents.navigator import MapJourney
+from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.driving.geodesics import path_length
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
@@ -79,7 +79,7 @@ def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[DriveF
     asked, rooms, away = farthest(house, trials(house, _TRIALS, np.random.default_rng(seed)))
     people = people_beside(asked, scene)
     simulation = Simulation(scene, asked.starts, people=people)
-    journey = agent.set_out(goals_of(asked, VIEWS["camera16"], K))
+    journey = agent.start(goals_of(asked, VIEWS["camera16"], K))
     poses = vertex_poses(house, agent.topomap)
     moments, track = _drive(simulation, journey, asked, poses)
     gap = float(np.linalg.norm(simulation.poses[0, :2] - asked.goal_poses[0, :2]))
@@ -129,7 +129,7 @@ def view_of(house: Building, topomap: TopoMap, poses: Array) -> PlanView:
 
 
 def _drive(
-    simulation: Simulation, journey: MapJourney, asked: Trials, poses: Array
+    simulation: Simulation, journey: MapNavigation, asked: Trials, poses: Array
 ) -> tuple[list[Moment], Array]:
     """Drive until the car declares to be there, gives up, or time is up."""
     goal, robots = asked.goal_poses[0], np.array([0])
@@ -149,7 +149,7 @@ def _drive(
 
 def moment(
     simulation: Simulation,
-    journey: MapJourney,
+    journey: MapNavigation,
     track: Array,
     poses: Array,
     goal: Array,

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import CLEARANCE, DistanceFields, GridPaths, path_length
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
@@ -83,7 +83,7 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     sensors = Sensors(camera=Camera(rows=64, columns=192))
     people = place_people(way, scene)
     simulation = Simulation(scene, start[None], people=people, sensors=sensors)
-    moments, track = _drive(simulation, OracleCourier(paths, goal), fields)
+    moments, track = _drive(simulation, OraclePolicy(paths, goal), fields)
     gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
     outcome = Outcome(
         name="demo",
@@ -168,7 +168,7 @@ def place_people(way: Array, scene: Scene) -> list[Person]:
 
 
 def _drive(
-    simulation: Simulation, courier: OracleCourier, fields: DistanceFields
+    simulation: Simulation, courier: OraclePolicy, fields: DistanceFields
 ) -> tuple[list[Moment], Array]:
     """Drive until the car stands at the goal, touches something or time is up."""
     goal, track, moments = fields.goals[0], [simulation.poses[0, :2]], []

@@ -17,7 +17,7 @@ from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.protocols.reachability import SURE, Sizes, examine
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import auc, brier, reliability
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 
 LIKELY = 0.9
 """What no far pair may reach."""
@@ -38,7 +38,7 @@ def run(options: Options) -> Report:
     names, sizes = (_QUICK, QUICK) if options.quick else (ALL, FULL)
     controllers = tuple(dict.fromkeys(name for name in names if name in CONTROLLERS))
     bounds = {name: fitted(name) for name in controllers}
-    found = in_each_world(examine, worlds, names, bounds, sizes, options.seed, label="calibration")
+    found = for_each(examine, worlds, names, bounds, sizes, options.seed, label="calibration")
     rows = [_row(name, [world[name] for world in found]) for name in names]
     rows.append(_geometry_row([world["k2"] for world in found], rows[names.index("k2")]))
     notes = (

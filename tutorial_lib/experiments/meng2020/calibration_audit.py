@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.driving.data.reachability_pairs import draw_errands
-from tutorial_lib.driving.data.rollout_outcomes import run_errands
+from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs
+from tutorial_lib.driving.data.rollout_outcomes import roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import over_worlds
@@ -17,7 +17,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.learning.recipes import WORK, recorded_drives
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import training_world
 
 WORLDS = tuple(range(216, 240))
@@ -34,7 +34,7 @@ def run(options: Options) -> Report:
     worlds = options.worlds or WORLDS
     count = _QUICK_ERRANDS if options.quick else ERRANDS
     recorded_drives([training_world(world) for world in worlds], _CARS, WORK)
-    parts = in_each_world(chances, worlds, count, options.seed, label="audit")
+    parts = for_each(chances, worlds, count, options.seed, label="audit")
     geodesic, reached = (np.concatenate(column) for column in zip(*parts, strict=True))
     where = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
     rows: list[dict[str, Any]] = []
@@ -55,8 +55,8 @@ def chances(world: int, count: int, seed: int) -> tuple[Array, Array]:
     """Metres (N,) to hopeless targets of one training world, and whether they were reached (N,)."""
     rng = np.random.default_rng([seed, world])
     (recorded,) = recorded_drives([training_world(world)], _CARS, WORK)
-    errands = draw_errands(recorded, GridPaths(recorded.scene.clearance), 2 * count, rng)
+    errands = draw_reachability_pairs(recorded, GridPaths(recorded.scene.clearance), 2 * count, rng)
     errands = errands.some(rng.permutation(np.flatnonzero(errands.hopeless))[:count])
     pilot = by_waypoints(WaypointNetwork("waypoint_k2"))
-    outcomes = run_errands(recorded, errands, pilot, all_of_them=True)
+    outcomes = roll_out_pairs(recorded, errands, pilot, all_of_them=True)
     return errands.geodesic, outcomes.reached.astype(float)

@@ -16,7 +16,7 @@ from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, building, trials
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.views import VIEWS
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 
 SHARES = (0.2, 0.4, 0.6, 0.8, 1.0)
 TRIALS, QUICK_TRIALS = 60, 20
@@ -30,7 +30,7 @@ def run(options: Options) -> Report:
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
-    parts = in_each_world(prune, worlds, options, label="meng_fig10")
+    parts = for_each(run_world, worlds, options, label="meng_fig10")
     rows = [_row(share, [part[share] for part in parts]) for share in SHARES]
     peak = max(row["success"] for row in rows)
     found = {row["share"]: row["success"] / peak for row in rows}
@@ -39,7 +39,7 @@ def run(options: Options) -> Report:
     return Report("meng_fig10", options.seed, worlds, options.quick, took, rows, notes)
 
 
-def prune(world: int, options: Options) -> dict[float, dict[str, Array]]:
+def run_world(world: int, options: Options) -> dict[float, dict[str, Array]]:
     """One world: what came of each trial with each share of the trajectories."""
     house = building(world, options.seed, PLACES)
     count = QUICK_TRIALS if options.quick else TRIALS
@@ -61,7 +61,7 @@ def prune(world: int, options: Options) -> dict[float, dict[str, Array]]:
 
 
 def _sender(agent: Any, goals: list[Any]) -> Any:  # noqa: ANN401
-    return lambda _: agent.set_out(goals)
+    return lambda _: agent.start(goals)
 
 
 def _among(pairs: NDArray[np.intp], known: NDArray[np.intp]) -> NDArray[np.bool_]:

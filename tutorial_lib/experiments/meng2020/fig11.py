@@ -40,7 +40,7 @@ def run(options: Options) -> Report:
     kept = np.sort(rng.permutation(len(house.pairs))[: round(SHARE * len(house.pairs))])
     asked, agent = trials(house, _TRIALS, rng), agents.meng()
     agent.learn(list(experiences(house, kept.tolist())))
-    journey = agent.set_out(goals_of(asked, VIEWS["camera16"], K))
+    journey = agent.start(goals_of(asked, VIEWS["camera16"], K))
     outcome = navigate(house, asked, lambda _: journey)
     known = {tuple(pair) for pair in house.pairs[kept].tolist()}
     best, most = -1, 0

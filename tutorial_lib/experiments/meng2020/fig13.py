@@ -1,4 +1,4 @@
-"""Fig. 13 of Meng 2020: how maps grow with what was observed."""
+"""Fig. 13 of Meng 2020: how maps run_world with what was observed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from tutorial_lib.agents.agent import Experience
 from tutorial_lib.driving.data.demonstrations import demonstrate_between
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER, jittered
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options, Report
@@ -21,7 +21,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     building,
     long_enough,
 )
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 
 FRAMES, QUICK_FRAMES = 100_000, 20_000
 EVERY = 10_000
@@ -33,7 +33,7 @@ def run(options: Options) -> Report:
     """Drive from place to place for hours, and count vertices."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:2] if options.quick else WORLDS)
-    parts = in_each_world(grow, worlds, options, label="meng_fig13")
+    parts = for_each(run_world, worlds, options, label="meng_fig13")
     rows = [row for part in parts for row in part]
     notes = []
     if not options.quick:
@@ -47,7 +47,7 @@ def run(options: Options) -> Report:
     return Report("meng_fig13", options.seed, worlds, options.quick, took, rows, tuple(notes))
 
 
-def grow(world: int, options: Options) -> list[dict[str, Any]]:
+def run_world(world: int, options: Options) -> list[dict[str, Any]]:
     """The rows of one world."""
     house = building(world, options.seed, PLACES)
     rng = np.random.default_rng([options.seed, world, 5])
@@ -67,10 +67,10 @@ def grow(world: int, options: Options) -> list[dict[str, Any]]:
 
 
 def more_drives(house: Building, rng: np.random.Generator) -> RecordedWorld:
-    """Some more drives between the places, from jittered starts."""
+    """Some more drives between the places, from perturbed starts."""
     drives = rng.integers(len(house.pairs), size=_DRIVES)
     first = np.unique(house.recorded.first)[drives]
-    starts, _ = jittered(house.scene, house.recorded.poses[first], PAPER_JITTER, rng)
+    starts, _ = perturbed(house.scene, house.recorded.poses[first], PAPER_PERTURBATION, rng)
     places = house.places[house.pairs[drives, 1]]
     made = demonstrate_between(house.name, house.scene, house.paths, starts, places, 0)
     return RecordedWorld(house.scene, [drive for drive in made if long_enough(drive)])

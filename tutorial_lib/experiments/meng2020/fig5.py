@@ -14,7 +14,7 @@ from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.geometry import Array, wrap
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 
 CONTEXTS = ("k2", "k5", "laser")
 THRESHOLD = 0.99
@@ -33,7 +33,7 @@ def run(options: Options) -> Report:
     """
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:5] if options.quick else WORLDS)
-    parts = in_each_world(place_anchors, worlds, options.seed, label="meng_fig5")
+    parts = for_each(place_anchors, worlds, options.seed, label="meng_fig5")
     rows: list[dict[str, Any]] = []
     for context in CONTEXTS:
         found = [part[context] for part in parts]

@@ -12,7 +12,7 @@ from tutorial_lib.experiments.common.statistics import in_points, measured_over_
 from tutorial_lib.experiments.protocols.following import Guide, frames_of, trajectories
 from tutorial_lib.experiments.protocols.local_control import NOISE, WORLDS
 from tutorial_lib.geometry import Array
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.sparsify import every_nth, stored_frames
 
 CONTEXTS = ("k0", "k2", "k5")
@@ -31,7 +31,7 @@ def run(options: Options) -> Report:
     """Follow the same trajectories by anchors chosen in every way."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    parts = in_each_world(follow_all, worlds, options.quick, options.seed, label="meng_fig7")
+    parts = for_each(follow_all, worlds, options.quick, options.seed, label="meng_fig7")
     where = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))["length"]) for p in parts])
     joined = {
         key: {name: np.concatenate([part[key][name] for part in parts]) for name in columns}

@@ -21,7 +21,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import fit_isotonic, logit, reliability
 from tutorial_lib.learning.views import VIEWS
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 VALIDATION = tuple(range(10_000, 10_005))
@@ -39,7 +39,7 @@ def run(options: Options) -> Report:
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
     every = [*VALIDATION, *worlds]
-    parts = in_each_world(gamble, every, options, label="meng_fig9")
+    parts = for_each(run_world, every, options, label="meng_fig9")
     first, second = np.hstack(parts[: len(VALIDATION)]), np.hstack(parts[len(VALIDATION) :])
     mend = fit_isotonic(_logits(first[0]), first[1], _KNOTS)
     rows, notes = [], []
@@ -54,7 +54,7 @@ def run(options: Options) -> Report:
     return Report("meng_fig9", options.seed, worlds, options.quick, took, rows, tuple(notes))
 
 
-def gamble(world: int, options: Options) -> Array:
+def run_world(world: int, options: Options) -> Array:
     """In one world, (2, N): the probabilities of plans, and whether they were driven to the end."""
     house = building(world, options.seed, PLACES)
     agent = agents.meng(planner=ANY_WAY, replans=0)
@@ -62,7 +62,7 @@ def gamble(world: int, options: Options) -> Array:
     count = QUICK_TRIALS if options.quick else TRIALS
     rng = np.random.default_rng([options.seed, world, 4])
     asked = trials_from_anywhere(house, count, rng)
-    journey = agent.set_out(goals_of(asked, VIEWS["camera16"], K))
+    journey = agent.start(goals_of(asked, VIEWS["camera16"], K))
     outcome = navigate(house, asked, lambda _: journey)
     told = np.array([plans[0].probability for plans in journey.history])
     return np.stack([told, outcome.success.astype(float)])

@@ -10,10 +10,15 @@ import numpy as np
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
 from tutorial_lib.experiments.meng2020 import table1_ablations
-from tutorial_lib.experiments.protocols.controllers import contenders
-from tutorial_lib.experiments.protocols.local_control import attempt, courses, seeds_of, worlds_of
+from tutorial_lib.experiments.protocols.controllers import controllers
+from tutorial_lib.experiments.protocols.local_control import (
+    attempt,
+    conditions,
+    seeds_of,
+    worlds_of,
+)
 from tutorial_lib.geometry import Array
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 
 PAPER = {"direct": 0.46, "k0": 0.88, "k2": 0.91, "k5": 0.95}
 """Table I of the paper, which is clean. Its direct control has k = 0, ours k = 2."""
@@ -45,7 +50,7 @@ def run(options: Options) -> Report:
     if options.map is not None:
         worlds, places = (), [options.map]
         count = count if options.quick else 2 * count
-    parts = in_each_world(race, places, count, options.seed, label="meng_table1")
+    parts = for_each(run_world, places, count, options.seed, label="meng_table1")
     results = _joined(parts)
     rows = [_row(results, *key) for key in results]
     took = time.perf_counter() - begun
@@ -54,7 +59,7 @@ def run(options: Options) -> Report:
     return Report("meng_table1", options.seed, worlds, options.quick, took, rows, notes, where)
 
 
-def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed or a file
+def run_world(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed or a file
     """Let every controller drive every condition of one world.
 
     Args:
@@ -63,8 +68,8 @@ def race(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed
         seed: of drives, episodes and noise.
     """
     found: Results = {}
-    pilots = contenders(seeds_of(place, seed))
-    for condition, course in courses(place, count, seed).items():
+    pilots = controllers(seeds_of(place, seed))
+    for condition, course in conditions(place, count, seed).items():
         for name, pilot in pilots.items():
             found[name, condition] = attempt(course, pilot)
     return found

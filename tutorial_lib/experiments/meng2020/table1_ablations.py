@@ -7,18 +7,17 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from joblib import Parallel, delayed
 
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
-from tutorial_lib.experiments.protocols.local_control import attempt, clean_course, worlds_of
+from tutorial_lib.experiments.protocols.local_control import attempt, clean_condition, worlds_of
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.learning.recipes import WORK, Recipe, record_for, train_local
 from tutorial_lib.learning.training import Settings
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.simulation import Sensors
 
 STEPS = 4_000
@@ -66,9 +65,9 @@ def run(options: Options) -> Report:
     if options.quick:
         variants = [_quickly(recipe) for recipe in variants]
     record_for(max(variants, key=lambda recipe: recipe.worlds), WORK)
-    trained = Parallel(n_jobs=2)(delayed(_train)(recipe) for recipe in variants)
+    trained = for_each(_train, variants, label="training", jobs=2)
     predictors = [network for network, _ in trained]
-    parts = in_each_world(_race, worlds, predictors, count, options.seed, label="ablation")
+    parts = for_each(_race, worlds, predictors, count, options.seed, label="ablation")
     where = np.repeat(np.arange(len(worlds)), count)
     outcomes = [np.concatenate(found) for found in zip(*parts, strict=True)]
     rows: list[dict[str, Any]] = []
@@ -112,7 +111,7 @@ def _train(recipe: Recipe) -> tuple[WaypointNetwork, Any]:
 
 def _race(world: int, predictors: list[WaypointNetwork], count: int, seed: int) -> list[Array]:
     """Whether each variant reached each target of one world."""
-    course = clean_course(world, count, seed)
+    course = clean_condition(world, count, seed)
     return [
         attempt(course, by_waypoints(p), Sensors(camera=p.view.camera))["reached"]
         for p in predictors

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.agents.agent import Agent
-from tutorial_lib.agents.oracle import OracleJourney
+from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
@@ -20,7 +20,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, building, trials
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 
 WORLDS = tuple(range(20_000, 20_005))
 TRIALS, QUICK_PLACES, QUICK_TRIALS = 200, 6, 40
@@ -39,7 +39,7 @@ def run(options: Options) -> Report:
         worlds, places = (), [options.map]
     if options.agent:  # before anything is driven
         agents.custom(options.agent)
-    parts = in_each_world(race, places, options, label="meng_table2")
+    parts = for_each(run_world, places, options, label="meng_table2")
     rows = [
         _row(place, house, method, found)
         for place, (house, results) in zip(places, parts, strict=True)
@@ -51,7 +51,7 @@ def run(options: Options) -> Report:
     return Report("meng_table2", options.seed, worlds, options.quick, took, rows, notes, where)
 
 
-def race(place: Any, options: Options) -> tuple[dict[str, Any], dict[str, Result]]:  # noqa: ANN401
+def run_world(place: Any, options: Options) -> tuple[dict[str, Any], dict[str, Result]]:  # noqa: ANN401
     """All methods in one world: what the world is like, and their results.
 
     Args:
@@ -65,11 +65,11 @@ def race(place: Any, options: Options) -> tuple[dict[str, Any], dict[str, Result
     entries: dict[str, Agent] = {
         "meng": agents.meng(),
         "sptm": agents.sptm(),
-        "random": agents.wanderer(np.random.default_rng(seeds)),
+        "random": agents.random_agent(np.random.default_rng(seeds)),
     }
     found = {name: attempt(house, asked, agent) for name, agent in entries.items()}
     found["oracle"] = Result(
-        navigate(house, asked, lambda sim: OracleJourney(sim, house.paths, asked.goal_poses))
+        navigate(house, asked, lambda sim: OracleNavigation(sim, house.paths, asked.goal_poses))
     )
     if options.agent:
         own = agents.custom(options.agent)

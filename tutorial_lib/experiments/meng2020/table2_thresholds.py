@@ -13,7 +13,7 @@ from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.experiments.protocols.navigation import Result, attempt, measured
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, building, trials
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
 WORLDS = tuple(range(10_000, 10_003))
@@ -30,13 +30,13 @@ def run(options: Options) -> Report:
     """Table II with other thresholds, and without planning anew."""
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
-    parts = in_each_world(vary, worlds, options, label="thresholds")
+    parts = for_each(run_world, worlds, options, label="thresholds")
     rows = [_row(key, [part[key] for part in parts]) for key in parts[0]]
     took = time.perf_counter() - begun
     return Report("meng_table2_thresholds", options.seed, worlds, options.quick, took, rows)
 
 
-def vary(world: int, options: Options) -> dict[Key, Result]:
+def run_world(world: int, options: Options) -> dict[Key, Result]:
     """All variants in one world, on the same trials."""
     house = building(world, options.seed, PLACES)
     count = QUICK_TRIALS if options.quick else TRIALS

@@ -6,31 +6,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Pilot
+from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import Driver
+from tutorial_lib.driving.rollouts import Policy
 from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints, directly
 
 
-def contenders(seed: tuple[int, int]) -> dict[str, Pilot]:
+def controllers(seed: tuple[int, int]) -> dict[str, PolicyFactory]:
     """The rows of Table I by name, bracketed by a random one and an oracle.
 
     `seed` is that of the random one.
     """
     rmp = RMPController()
 
-    def at_random(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Driver:
+    def at_random(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
         del recorded, frames
         controller = ComposedController(RandomWaypoints(np.random.default_rng(seed)), rmp)
         return lambda simulation, robots: controller.act(simulation.observe(robots), None)
 
-    def oracle(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Driver:
+    def oracle(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
         paths = GridPaths(recorded.scene.clearance)
-        return OracleCourier(paths, recorded.poses[frames, :2], rmp).act
+        return OraclePolicy(paths, recorded.poses[frames, :2], rmp).act
 
     return {
         "random": at_random,

@@ -21,7 +21,7 @@ _AT_ONCE = 1_024
 
 
 @dataclass(frozen=True)
-class Judge:
+class Estimator:
     """One estimator of reachability.
 
     Attributes:
@@ -55,15 +55,15 @@ class Judge:
         return np.concatenate(asked)
 
 
-def judges(names: tuple[str, ...]) -> dict[str, Judge]:
+def estimators(names: tuple[str, ...]) -> dict[str, Estimator]:
     """The estimators of those names; SPTM's and plain similarity are held against k = 2."""
     every = {name: (f"reach_{name}", name) for name in CONTROLLERS} | {"sptm": ("sptm", "k2")}
     found = {}
     for name in names:
         if name == "image":
-            found[name] = Judge(ImageSimilarity(), "k2", 0)
+            found[name] = Estimator(ImageSimilarity(), "k2", 0)
         else:
             weights, controller = every[name]
             network = ReachabilityNetwork(weights)
-            found[name] = Judge(network, controller, network.architecture.k)
+            found[name] = Estimator(network, controller, network.architecture.k)
     return found

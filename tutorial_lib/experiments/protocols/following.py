@@ -14,12 +14,12 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import SLOWEST, covered
-from tutorial_lib.driving.rollouts import Driver, Robots, drive
+from tutorial_lib.driving.rollouts import Policy, Robots, drive
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.following.log import Following
+from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.run import Run
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.world.people import Person
@@ -111,7 +111,7 @@ class Guide:
         rng: np.random.Generator | None = None,
         people: Sequence[Person] = (),
         disturb: Disturb | None = None,
-    ) -> tuple[Array, Array, Following]:
+    ) -> tuple[Array, Array, FollowerLog]:
         """Follow trails, each from its first frame, and say how far each was followed.
 
         Args:
@@ -127,7 +127,7 @@ class Guide:
         recorded, frames = self.recorded, np.concatenate(trails)
         pictures = self.pictures(frames)
         targets, prepared = self.predictor.prepare(pictures), self.reachability.prepare(pictures)
-        laid = Trails.end_to_end(targets, prepared, [len(trail) for trail in trails])
+        laid = AnchorPaths.end_to_end(targets, prepared, [len(trail) for trail in trails])
         run = Follower(self.predictor, RMPController(), self.reachability).begin(laid)
         ends = np.array([(trail[0], trail[-1]) for trail in trails])
         simulation = Simulation(
@@ -149,8 +149,8 @@ class Guide:
         return np.array(metres), drives.poses, run.record()
 
 
-def driver(run: Run, disturb: Disturb | None = None) -> Driver:
-    """Drives the robots of a run; who is lost or done stands still."""
+def driver(run: Run, disturb: Disturb | None = None) -> Policy:
+    """Rollouts the robots of a run; who is lost or done stands still."""
 
     def act(simulation: Simulation, robots: Robots) -> Array:
         if disturb is not None:

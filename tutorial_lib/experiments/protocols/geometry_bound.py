@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.driving.data.reachability_pairs import Errands
+from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Outcomes, load_outcomes
+from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, load_outcomes
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
 from tutorial_lib.geometry import Array, relative
@@ -21,7 +21,7 @@ WORLDS = tuple(range(200, 216))
 _TARGETS, _CARS = 200, 16
 
 
-def features(recorded: RecordedWorld, errands: Errands) -> Array:
+def features(recorded: RecordedWorld, errands: ReachabilityPairs) -> Array:
     """(N, 10) what is given: where the target is, what is seen of it, and how tight it is."""
     goals, starts = recorded.poses[errands.targets], errands.starts
     scene, seen = recorded.scene, relative(starts, goals)
@@ -45,7 +45,7 @@ def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
     worlds, weights = [training_world(seed) for seed in WORLDS], CONTROLLERS[controller]
     files = record_outcomes(worlds, weights, _TARGETS, _CARS, WORK)
     known = recipe_of(weights, _TARGETS, _CARS)
-    outcomes: list[Outcomes] = [load_outcomes(file, known) for file in files]
+    outcomes: list[RolloutOutcomes] = [load_outcomes(file, known) for file in files]
     drives = recorded_drives(worlds, _CARS, WORK)
     given = [features(world, o.errands) for world, o in zip(drives, outcomes, strict=True)]
     model = HistGradientBoostingClassifier(max_iter=300, learning_rate=0.06, random_state=0)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.episodes import Episodes, draw_episodes, with_obstacles
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Pilot
+from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import Driver, Drives, drive
+from tutorial_lib.driving.rollouts import Policy, Rollouts, drive
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.importers import import_map
@@ -35,7 +35,7 @@ _SPARE, _LONG = 5, 2.0  # times as many episodes, so long, among which are those
 
 
 @dataclass(frozen=True)
-class Course:
+class Condition:
     """What all controllers drive under one condition in one world.
 
     Attributes:
@@ -50,7 +50,7 @@ class Course:
     noise: float = 0.0
     seed: tuple[int, int] = (0, 0)
 
-    def run(self, driver: Driver, sensors: Sensors | None = None) -> Drives:
+    def run(self, driver: Policy, sensors: Sensors | None = None) -> Rollouts:
         """Drive all episodes at once."""
         episodes = self.episodes
         simulation = Simulation(
@@ -63,7 +63,7 @@ class Course:
         )
         return drive(simulation, driver, episodes.goals[:, :2], episodes.limit)
 
-    def matched(self, drives: Drives) -> NDArray[np.bool_]:
+    def matched(self, drives: Rollouts) -> NDArray[np.bool_]:
         """(N,) whether a drive reached its target, or ever saw what its target sees."""
         caster, goals = self.episodes.recorded.scene.caster, self.episodes.goals
         matched = drives.reached.copy()
@@ -82,7 +82,7 @@ def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
     return worlds, _QUICK_EPISODES if options.quick else _EPISODES
 
 
-def courses(place: Any, count: int, seed: int) -> dict[str, Course]:  # noqa: ANN401
+def conditions(place: Any, count: int, seed: int) -> dict[str, Condition]:  # noqa: ANN401
     """The conditions of one world; shifted colours only where a world is generated.
 
     Obstacles stand in episodes of their own, drawn from those that are long and wide enough.
@@ -90,24 +90,24 @@ def courses(place: Any, count: int, seed: int) -> dict[str, Course]:  # noqa: AN
     recorded, paths, rng = _explored(place, seed)
     episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
     found = {
-        "clean": Course(episodes, [], seed=seeds),
-        "noise": Course(episodes, [], NOISE, seeds),
+        "clean": Condition(episodes, [], seed=seeds),
+        "noise": Condition(episodes, [], NOISE, seeds),
     }
     spare = draw_episodes(recorded, paths, _SPARE * count, rng, _LONG, fewer=True)
     blocked, obstacles = with_obstacles(spare, OBSTACLES, count, rng)
     if len(blocked):
-        found["obstacles"] = Course(blocked, obstacles, seed=seeds)
+        found["obstacles"] = Condition(blocked, obstacles, seed=seeds)
     if isinstance(place, int):
         scene = scene_of(local_world(place, "shifted"))
         shifted = RecordedWorld(scene, recorded.trajectories)
-        found["shifted"] = Course(episodes.within(shifted), [], seed=seeds)
+        found["shifted"] = Condition(episodes.within(shifted), [], seed=seeds)
     return found
 
 
-def clean_course(place: Any, count: int, seed: int) -> Course:  # noqa: ANN401
-    """Only the first condition of `courses`."""
+def clean_condition(place: Any, count: int, seed: int) -> Condition:  # noqa: ANN401
+    """Only the first condition of `conditions`."""
     recorded, paths, rng = _explored(place, seed)
-    return Course(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
+    return Condition(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
 
 
 def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
@@ -125,10 +125,12 @@ def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.rando
     return RecordedWorld(scene, drives), GridPaths(scene.clearance), rng
 
 
-def attempt(course: Course, pilot: Pilot, sensors: Sensors | None = None) -> dict[str, Array]:
+def attempt(
+    course: Condition, pilot: PolicyFactory, sensors: Sensors | None = None
+) -> dict[str, Array]:
     """One pilot on one course; each value is (N,).
 
-    How it went: reached, collided, and matched (see `Course.matched`). What it was like: metres
+    How it went: reached, collided, and matched (see `Condition.matched`). What it was like: metres
     ahead along the drive, bearing of the target in rad, the smaller overlap of the two first
     pictures, and metres of clearance at start or target, whichever is less.
     """

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.agents.agent import Agent, Experience, Journey
+from tutorial_lib.agents.agent import Agent, Experience, Navigation
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.following import frames_of
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
@@ -32,7 +32,7 @@ K = 5
 _BETWEEN = 60.0  # seconds from one recorded drive to the next
 ENDINGS = ("arrived", "gave_up", "stuck", "late")
 
-SetOut = Callable[[Simulation], Journey]
+SetOut = Callable[[Simulation], Navigation]
 """Sends the robots of a simulation on their ways; only an oracle looks at it."""
 
 
@@ -83,11 +83,11 @@ class Result:
 
 
 def navigate(
-    house: Building, asked: Trials, set_out: SetOut, people: Sequence[Person] = ()
+    house: Building, asked: Trials, start: SetOut, people: Sequence[Person] = ()
 ) -> Outcome:
     """Drive all trials at once."""
     simulation = Simulation(house.scene, asked.starts, people=people)
-    journey, count = set_out(simulation), len(asked)
+    journey, count = start(simulation), len(asked)
     limit, goals = TIMES * asked.seconds + GRACE, asked.goal_poses
     over, touched, seconds = np.zeros(count, bool), np.zeros(count), np.zeros(count)
     ending = np.full(count, "late", dtype="U8")
@@ -175,7 +175,7 @@ def attempt(house: Building, asked: Trials, agent: Agent) -> Result:
 def measured(house: Building, asked: Trials, agent: Agent) -> Result:
     """What an agent that knows the building makes of the trials."""
     goals = goals_of(asked, VIEWS["camera16"], K)
-    outcome = navigate(house, asked, lambda _: agent.set_out(goals))
+    outcome = navigate(house, asked, lambda _: agent.start(goals))
     topomap = getattr(agent, "topomap", None)
     if topomap is None:
         return Result(outcome)

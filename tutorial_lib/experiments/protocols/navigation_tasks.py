@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.demonstrations import SHORTEST, demonstrate_between
-from tutorial_lib.driving.data.perturbation import PAPER_JITTER, Jitter, jittered
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, Perturbation, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.driving.geodesics import GridPaths
@@ -26,7 +26,7 @@ PLACES = 10
 """That are joined pairwise: 90 trajectories (Meng 2020, IV-C)."""
 ROOMY = 0.45
 """Metres of clearance that a place has."""
-ANYWHERE_JITTER = Jitter(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
+ANYWHERE_PERTURBATION = Perturbation(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
 """Of starts that lie on a drive, but do not look along it."""
 _FAR = 3.0  # metres from a start to its goal at least
 _SPARE, _SPARE_ANYWHERE = 1.1, 1.5  # times as many trials are drawn, since some have no room
@@ -64,7 +64,7 @@ class Trials:
 
     Attributes:
         pairs: (N, 2) places at either end.
-        starts: (N, 3) poses, jittered.
+        starts: (N, 3) poses, perturbed.
         recorded: the oracle's drives.
         goals: (N,) frames of those.
         seconds: (N,) that the oracle took.
@@ -132,11 +132,11 @@ def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLA
 def trials(house: Building, count: int, rng: np.random.Generator) -> Trials:
     """Draw trials between the places of a building; pairs come equally often.
 
-    A trial starts where the recorded drive of its pair did, but jittered as in Table I.
+    A trial starts where the recorded drive of its pair did, but perturbed as in Table I.
     """
     drives = np.resize(rng.permutation(len(house.pairs)), round(_SPARE * count) + 1)
     first = np.unique(house.recorded.first)[drives]
-    starts, found = jittered(house.scene, house.recorded.poses[first], PAPER_JITTER, rng)
+    starts, found = perturbed(house.scene, house.recorded.poses[first], PAPER_PERTURBATION, rng)
     return _shown(house, starts[found], house.pairs[drives[found]], count)
 
 
@@ -147,7 +147,7 @@ def trials_from_anywhere(house: Building, count: int, rng: np.random.Generator) 
     """
     size = round(_SPARE_ANYWHERE * count)
     frames = rng.integers(len(house.recorded.poses), size=size)
-    starts, found = jittered(house.scene, house.recorded.poses[frames], ANYWHERE_JITTER, rng)
+    starts, found = perturbed(house.scene, house.recorded.poses[frames], ANYWHERE_PERTURBATION, rng)
     drive = np.searchsorted(np.unique(house.recorded.first), frames, side="right") - 1
     pairs = np.stack([house.pairs[drive, 0], rng.integers(len(house.places), size=len(frames))], 1)
     far = np.linalg.norm(starts[:, :2] - house.places[pairs[:, 1]], axis=1) > _FAR

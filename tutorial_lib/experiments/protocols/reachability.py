@@ -13,14 +13,14 @@ from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.reachability_pairs import (
     FAR,
     SEEN,
-    Errands,
-    draw_errands,
-    errands_of,
+    ReachabilityPairs,
+    draw_reachability_pairs,
+    reachability_pairs,
 )
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import Outcomes, run_errands
+from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.protocols.estimators import CONTROLLERS, Judge, judges
+from tutorial_lib.experiments.protocols.estimators import CONTROLLERS, Estimator, estimators
 from tutorial_lib.experiments.protocols.geometry_bound import features
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
@@ -64,10 +64,10 @@ def examine(
     scene = scene_of(name)
     recorded = RecordedWorld(scene, demonstrate(name, scene, _CARS, int(rng.integers(2**31))))
     paths = GridPaths(scene.clearance)
-    errands = draw_errands(recorded, paths, sizes.targets, rng)
+    errands = draw_reachability_pairs(recorded, paths, sizes.targets, rng)
     starts, far = far_pairs(recorded, paths, sizes.far, rng)
     frames = np.sort(rng.choice(len(recorded.poses), sizes.anchors, replace=False))
-    every = judges(names)
+    every = estimators(names)
     outcomes = {c: _driven(recorded, errands, c) for c in {j.controller for j in every.values()}}
     given, found = features(recorded, errands), {}
     for name, judge in every.items():
@@ -93,7 +93,7 @@ class Asker:
 
     recorded: RecordedWorld
     paths: GridPaths
-    judge: Judge
+    judge: Estimator
     rng: np.random.Generator
 
     def judge_poses(self, starts: Array, targets: NDArray[np.intp]) -> Array:
@@ -136,7 +136,7 @@ class Asker:
     def _reached(self, starts: NDArray[np.intp], targets: NDArray[np.intp], count: int) -> Array:
         some = self.rng.permutation(len(starts))[:count]
         poses = self.recorded.poses[starts[some]]
-        errands = errands_of(self.recorded, self.paths, poses, targets[some])
+        errands = reachability_pairs(self.recorded, self.paths, poses, targets[some])
         if not len(errands):
             return np.empty(0)
         outcomes = _driven(self.recorded, errands, self.judge.controller, all_of_them=True)
@@ -162,11 +162,11 @@ def far_pairs(
 
 def _driven(
     recorded: RecordedWorld,
-    errands: Errands,
+    errands: ReachabilityPairs,
     controller: str,
     all_of_them: bool = False,
-) -> Outcomes:
+) -> RolloutOutcomes:
     predictor = WaypointNetwork(CONTROLLERS[controller])
-    return run_errands(
+    return roll_out_pairs(
         recorded, errands, by_waypoints(predictor), predictor.view.camera, all_of_them
     )

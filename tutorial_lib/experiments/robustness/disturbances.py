@@ -17,7 +17,7 @@ from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.geometry import Array, compose
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
@@ -45,7 +45,7 @@ def run(options: Options) -> Report:
     """Disturb the following of the same trajectories in every way."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    parts = in_each_world(disturb_all, worlds, options.quick, options.seed, label="disturbances")
+    parts = for_each(disturb_all, worlds, options.quick, options.seed, label="disturbances")
     rows = [_row(kind, [part[kind] for part in parts]) for kind in parts[0]]
     took = time.perf_counter() - begun
     return Report("disturbances", options.seed, worlds, options.quick, took, rows)

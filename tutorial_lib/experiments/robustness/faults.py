@@ -26,7 +26,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.views import VIEWS
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation
 
@@ -43,13 +43,13 @@ def run(options: Options) -> Report:
     """Send robots on ways that are blocked, and to goals in another building."""
     begun = time.perf_counter()
     worlds = options.worlds or (WORLDS[:3] if options.quick else WORLDS)
-    parts = in_each_world(suffer, worlds, options, label="faults")
+    parts = for_each(run_world, worlds, options, label="faults")
     rows = [_row(fault, [part[fault] for part in parts]) for fault in parts[0]]
     took = time.perf_counter() - begun
     return Report("faults", options.seed, worlds, options.quick, took, rows)
 
 
-def suffer(world: int, options: Options) -> dict[str, dict[str, Array]]:
+def run_world(world: int, options: Options) -> dict[str, dict[str, Array]]:
     """One world: for each fault, columns (N,) of what came of it."""
     count = QUICK_TRIALS if options.quick else TRIALS
     house, agent = building(world, options.seed, PLACES), agents.meng()
@@ -75,8 +75,8 @@ def with_blocked_ways(
         return {"none": nothing, "blocked": nothing}
     blocked = replace(asked.some(kept), seconds=2 * detours)
     goals = goals_of(blocked, VIEWS["camera16"], K)
-    free = navigate(house, blocked, lambda _: agent.set_out(goals))
-    journey = agent.set_out(goals)
+    free = navigate(house, blocked, lambda _: agent.start(goals))
+    journey = agent.start(goals)
     outcome = navigate(house, blocked, lambda _: journey, people)
     made = [sum(plan.probability > 0 for plan in plans) for plans in journey.history]
     return {

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.driving.control.oracle import OracleCourier
+from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import walls_crossed
-from tutorial_lib.driving.rollouts import Drives
+from tutorial_lib.driving.rollouts import Rollouts
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Options, Report
-from tutorial_lib.parallel import in_each_world
+from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import FAMILIES, generate
@@ -41,7 +41,7 @@ def run(options: Options) -> Report:
     jobs = [(family, world, world in driven) for family in FAMILIES for world in worlds]
     if options.map is not None:
         worlds, jobs = (), [(str(options.map), 0, True)]
-    found = in_each_world(examine, jobs, options.seed, label="plans")
+    found = for_each(examine, jobs, options.seed, label="plans")
     rows, notes = [], []
     for family in dict.fromkeys(job[0] for job in jobs):
         mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]
@@ -119,9 +119,9 @@ def find_fault(
     return ""
 
 
-def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator) -> Drives:
+def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator) -> Rollouts:
     """Drive `count` cars from random free poses to random places."""
     places = paths.points[paths.largest]
     starts = random_free_poses(scene, BicycleCar(), places, count, rng)
     goals = places[rng.integers(len(places), size=count)]
-    return OracleCourier(paths, goals).drive(Simulation(scene, starts))
+    return OraclePolicy(paths, goals).drive(Simulation(scene, starts))

@@ -19,7 +19,7 @@ from tutorial_lib.topology.query import ask
 
 
 @dataclass(frozen=True)
-class Trails:
+class AnchorPaths:
     """The trails of N robots among A anchors, which they may share.
 
     Attributes:
@@ -55,8 +55,8 @@ class Trails:
                 )
 
     @classmethod
-    def end_to_end(cls, targets: Targets, prepared: Any, lengths: Sequence[int]) -> Trails:  # noqa: ANN401
-        """Trails of so many anchors each, that lie one after the other among the targets."""
+    def end_to_end(cls, targets: Targets, prepared: Any, lengths: Sequence[int]) -> AnchorPaths:  # noqa: ANN401
+        """AnchorPaths of so many anchors each, that lie one after the other among the targets."""
         bounds = np.cumsum([0, *lengths])
         return cls(targets, prepared, [np.arange(*ends) for ends in pairwise(bounds.tolist())])
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from numpy.typing import ArrayLike
 
 from tutorial_lib.interfaces import Controller, Reachability, WaypointPredictor
-from tutorial_lib.topology.following.anchor_paths import Trails
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.run import Run
 from tutorial_lib.topology.following.transitions import FollowerSettings
 
@@ -28,7 +28,7 @@ class Follower:
     reachability: Reachability
     settings: FollowerSettings = field(default_factory=FollowerSettings)
 
-    def begin(self, trails: Trails, starts: ArrayLike | None = None) -> Run:
+    def begin(self, trails: AnchorPaths, starts: ArrayLike | None = None) -> Run:
         """Set out on trails.
 
         Args:

@@ -17,7 +17,7 @@ _WORSE = 0.08  # overlap lost since the best, from which on it turns to the othe
 _NEARER = 0.02  # metres that count as progress
 
 
-class Turning:
+class HeadingSearch:
     """How N robots try to be where their active anchors are, and to look the same way.
 
     A robot at an anchor that sees little of what was seen there turns to one side for as long as

@@ -29,7 +29,7 @@ _COLUMNS: dict[str, tuple[type, int]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Following:
+class FollowerLog:
     """T steps of N robots; row t is how things stood when the action of step t was chosen.
 
     Attributes:
@@ -67,7 +67,7 @@ class Following:
         return len(self.state)
 
     @classmethod
-    def of(cls, steps: Sequence[tuple[NDArray[Any], ...]], robots: int) -> Following:
+    def of(cls, steps: Sequence[tuple[NDArray[Any], ...]], robots: int) -> FollowerLog:
         """Put T steps of so many robots together, each a tuple of the columns' rows."""
         columns = []
         for number, (kind, axes) in enumerate(_COLUMNS.values()):
@@ -83,7 +83,7 @@ class Following:
             np.savez_compressed(file, version=np.array(VERSION), **columns)
 
     @classmethod
-    def load(cls, path: str | Path) -> Following:
+    def load(cls, path: str | Path) -> FollowerLog:
         """Read what `save` wrote.
 
         Raises:

@@ -18,9 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.interfaces import Controller, Observation, Reachability, WaypointPredictor
-from tutorial_lib.topology.following.anchor_paths import Trails
-from tutorial_lib.topology.following.heading_search import Turning
-from tutorial_lib.topology.following.log import Following
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
+from tutorial_lib.topology.following.heading_search import HeadingSearch
+from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
     State,
@@ -45,7 +45,7 @@ class Run:
 
     def __init__(
         self,
-        trails: Trails,
+        trails: AnchorPaths,
         starts: ArrayLike | None,
         predictor: WaypointPredictor,
         controller: Controller,
@@ -69,7 +69,7 @@ class Run:
         self._doubt, self._calm = np.zeros(count), np.zeros(count)
         self._width = np.zeros(count, dtype=int)
         self._sighted, self._streak = np.full(count, -1), np.zeros(count, dtype=int)
-        self._turning = Turning(count)
+        self._turning = HeadingSearch(count)
         self._told = np.full((count, 2), np.nan)
         self._steps: list[tuple[NDArray, ...]] = []
 
@@ -121,12 +121,12 @@ class Run:
         self._steps.append((state, active, visited, *self._told.T.copy(), self._waypoints.copy()))
         return actions
 
-    def set_out(self, robot: int, path: ArrayLike) -> None:
+    def start(self, robot: int, path: ArrayLike) -> None:
         """Put a robot on another trail, from whose first anchor on it follows.
 
         Args:
             robot: its number.
-            path: (L,) numbers of anchors, as for `Trails`.
+            path: (L,) numbers of anchors, as for `AnchorPaths`.
 
         Raises:
             InputError: when the path leads beyond the anchors.
@@ -139,9 +139,9 @@ class Run:
         self._doubt[robot], self._waypoints[robot] = 0.0, np.nan
         self._turning.begin(np.array([robot]))
 
-    def record(self) -> Following:
+    def record(self) -> FollowerLog:
         """All that went on until now."""
-        return Following.of(self._steps, len(self.trails))
+        return FollowerLog.of(self._steps, len(self.trails))
 
     def _search(self, observations: Observation, robots: Robots) -> None:
         """Take the anchor that can be reached most surely, or give up."""

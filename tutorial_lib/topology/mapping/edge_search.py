@@ -20,7 +20,7 @@ _BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
 """Steps along the trajectory of the row, and along that of the column."""
 
 
-def searched(
+def search_edges(
     ask: Ask, seeds: NDArray[np.bool_], worth: NDArray[np.bool_], along: Numbers, least: float
 ) -> Array:
     """RE (A, C) as far as it was asked about, not a number elsewhere.
@@ -29,7 +29,7 @@ def searched(
         ask: tells RE.
         seeds: (A, C) pairs to begin with.
         worth: (A, C) pairs that may be asked about at all.
-        along: (C, 2R+1) columns before and after each on its trajectory, see `laid_out`.
+        along: (C, 2R+1) columns before and after each on its trajectory, see `along_trajectories`.
         least: RE from which on neighbours are asked about, too.
     """
     told, middle = np.full(seeds.shape, np.nan), along.shape[1] // 2
@@ -56,7 +56,7 @@ def weakest_aligned(ask: Ask, told: Array, along: Numbers, reach: int, least: fl
     Args:
         ask: tells RE of pairs that nobody asked about.
         told: (A, C) RE, not a number where nobody asked; what is asked now is put in.
-        along: see `searched`; R is `reach` at least.
+        along: see `search_edges`; R is `reach` at least.
         reach: anchors before and after.
         least: p_edge.
     """
@@ -76,7 +76,7 @@ def weakest_aligned(ask: Ask, told: Array, along: Numbers, reach: int, least: fl
     return weakest
 
 
-def laid_out(
+def along_trajectories(
     trails: Sequence[Sequence[int]], trajectory: Numbers, place: Numbers, reach: int
 ) -> Numbers:
     """(V, 2R+1) the vertices from R before to R after each on its trajectory, -1 beyond its ends.
@@ -87,7 +87,8 @@ def laid_out(
         place: (V,) of each on it.
         reach: R.
 
-    >>> laid_out([[0, 1, 2], [3, 1]], np.array([0, 0, 0, 1]), np.array([0, 1, 2, 0]), 1).tolist()
+    >>> trajectory, place = np.array([0, 0, 0, 1]), np.array([0, 1, 2, 0])
+    >>> along_trajectories([[0, 1, 2], [3, 1]], trajectory, place, 1).tolist()
     [[-1, 0, 1], [0, 1, 2], [1, 2, -1], [-1, 3, 1]]
     """
     if not len(trajectory):

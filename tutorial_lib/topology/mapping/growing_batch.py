@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from tutorial_lib.errors import InputError
 
 
-class Shelf:
+class GrowingBatch:
     """Batches laid end to end; numbers select from all of them.
 
     A batch is an array, or anything that an array of numbers selects from and whose class has a

@@ -8,7 +8,11 @@ from numpy.typing import NDArray
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.anchors import Anchors
 from tutorial_lib.topology.mapping.edge_rules import ahead_of, outdated, reusable
-from tutorial_lib.topology.mapping.edge_search import laid_out, searched, weakest_aligned
+from tutorial_lib.topology.mapping.edge_search import (
+    along_trajectories,
+    search_edges,
+    weakest_aligned,
+)
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
 from tutorial_lib.topology.mapping.topomap import Added, TopoMap
 from tutorial_lib.topology.mapping.vertices import Numbers
@@ -59,8 +63,8 @@ class Insertion:
         worth, worth_back = self._worth()
         onward, back = self._seeds(worth, worth_back)
         least = min(self.settings.p_edge, self.settings.p_reuse)
-        self.out = searched(self._ask_out, onward, worth, self.along, least)
-        self.back = searched(self._ask_back, back, worth_back, self.along, least)
+        self.out = search_edges(self._ask_out, onward, worth, self.along, least)
+        self.back = search_edges(self._ask_back, back, worth_back, self.along, least)
         self._complete()
 
     def insert(self) -> Added:
@@ -84,8 +88,8 @@ class Insertion:
     def _along(self, reach: int) -> Numbers:
         """(V + A, 2R+1) the columns around each on its trajectory, -1 beyond its ends."""
         topomap, own = self.map, np.arange(len(self.anchors))
-        there = laid_out(topomap.trails, topomap.trajectory, topomap.place, reach)
-        here = laid_out([own.tolist()], np.zeros_like(own), own, reach)
+        there = along_trajectories(topomap.trails, topomap.trajectory, topomap.place, reach)
+        here = along_trajectories([own.tolist()], np.zeros_like(own), own, reach)
         return np.concatenate([there, np.where(here < 0, -1, here + self.count)])
 
     def _worth(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

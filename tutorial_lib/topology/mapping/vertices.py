@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.topology.mapping.growing_batch import Shelf
+from tutorial_lib.topology.mapping.growing_batch import GrowingBatch
 from tutorial_lib.topology.query import ask
 
 Numbers = NDArray[np.intp]
@@ -32,7 +32,11 @@ class Vertices:
     def __init__(self, reachability: Reachability) -> None:
         """None yet."""
         self.reachability = reachability
-        self.observations, self.contexts, self._prepared = Shelf(), Shelf(), Shelf()
+        self.observations, self.contexts, self._prepared = (
+            GrowingBatch(),
+            GrowingBatch(),
+            GrowingBatch(),
+        )
         self.timestamps = np.empty(0)
         self.queries = 0
 

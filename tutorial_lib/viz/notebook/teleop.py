@@ -33,7 +33,7 @@ STILL = 960
 """Pixels that a static strip is wide."""
 
 
-def drive_picture(view: PlanView, moment: Moment) -> Picture:
+def teleop_picture(view: PlanView, moment: Moment) -> Picture:
     """The map, the camera's picture and the laser at a moment, 962 x 548 pixels.
 
     `view` must be `MAP` x `MAP` pixels.
@@ -56,7 +56,7 @@ def drive_picture(view: PlanView, moment: Moment) -> Picture:
     return picture
 
 
-class DriveController:
+class TeleopController:
     """A car that goes on for a while at each press of a button; the world waits in between.
 
     Attributes:
@@ -138,7 +138,7 @@ class DriveController:
 
     def render(self) -> Picture:
         """The picture of the present state."""
-        return drive_picture(self.view, self.moment)
+        return teleop_picture(self.view, self.moment)
 
     def rehearse(self, presses: Sequence[str], count: int = 3) -> Picture:
         """A strip of what a fresh car would show during some presses; this one stays where it is.
@@ -147,7 +147,7 @@ class DriveController:
             presses: names of buttons.
             count: pictures, from before the first press to after the last.
         """
-        fresh = DriveController(self.scene, self._start, self.people, self.steps)
+        fresh = TeleopController(self.scene, self._start, self.people, self.steps)
         shown = set(np.linspace(0, len(presses), count).round().astype(int).tolist())
         pictures, titles = [], []
         for i, name in enumerate(["", *presses]):

@@ -18,16 +18,16 @@ import numpy as np
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.film import png
-from tutorial_lib.viz.notebook.teleop import ACTIONS, DriveController, drive_picture, still_strip
+from tutorial_lib.viz.notebook.teleop import ACTIONS, TeleopController, still_strip, teleop_picture
 
 __all__ = [
-    "DriveController",
-    "DrivePanel",
     "Shell",
     "SliderPanel",
+    "TeleopController",
+    "TeleopPanel",
     "drive",
-    "drive_picture",
     "sliders",
+    "teleop_picture",
 ]
 
 
@@ -47,8 +47,8 @@ class Shell(ipywidgets.VBox):
         return {**bundle, "image/png": base64.b64encode(png(self.still())).decode("ascii")}
 
 
-class DrivePanel(Shell):
-    """Buttons, a picture and a line of text for a `DriveController`.
+class TeleopPanel(Shell):
+    """Buttons, a picture and a line of text for a `TeleopController`.
 
     Attributes:
         buttons: by their names, "start again" among them.
@@ -56,7 +56,7 @@ class DrivePanel(Shell):
         line: how it goes.
     """
 
-    def __init__(self, controller: DriveController, rehearsal: Sequence[str]) -> None:
+    def __init__(self, controller: TeleopController, rehearsal: Sequence[str]) -> None:
         """Connect buttons to `controller`; `rehearsal` are the presses of the static strip."""
         self.controller = controller
         self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
@@ -84,11 +84,11 @@ class DrivePanel(Shell):
 
 
 def drive(
-    controller: DriveController,
+    controller: TeleopController,
     rehearsal: Sequence[str] = ("forward", "forward", "left", "left", "left", "forward"),
-) -> DrivePanel:
+) -> TeleopPanel:
     """Buttons to drive a car by, as a cell's last line."""
-    return DrivePanel(controller, rehearsal)
+    return TeleopPanel(controller, rehearsal)
 
 
 class SliderPanel(Shell):
