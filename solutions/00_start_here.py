@@ -8,16 +8,16 @@
 #
 # - know that your computer has what the course needs;
 # - have driven a small robot car yourself;
-# - be able to say what a robot with only a camera can know about where it is, and what it cannot;
+# - be able to say what a camera alone tells a robot about its position, and what it does not;
 # - know what you will build in the notebooks that follow.
 #
 # **You need** some Python: functions, loops, and a little `numpy`. You need no robot and no
 # graphics card.
 
 # %% [markdown]
-# ## Is everything there?
+# ## Check your installation
 #
-# The cell below checks your installation. Where something is missing, it prints what to do.
+# The cell below checks your installation. If something is missing, it prints what to do.
 
 # %%
 from tutorial_lib.checks.nb00.environment import check_environment
@@ -57,11 +57,11 @@ from tutorial_lib.world.simulation import Simulation
 # %% [markdown]
 # ## One place, seen twice
 #
-# Here is an apartment from above, and a robot in it: the blue arrow. Its camera looks 120 degrees
-# wide. What the camera can see of the floor is yellow.
+# Here is an apartment from above, and a robot in it: the blue arrow. Its camera has a field of view
+# of 120 degrees. The floor that the camera can see is yellow.
 #
 # **Before you run the cell:** the robot stands in the living room, at the lower left of the map,
-# and looks to the right. What will be on the left of its picture, and what on the right?
+# and looks to the right. What will be on the left of its image, and what on the right?
 
 # %%
 home = Scene(generate("apartment", seed=2))
@@ -70,7 +70,7 @@ camera = Camera(rows=64, columns=192)
 
 
 def map_with_camera(scene, pose, width=320, height=420):
-    """The map with the robot and its field of view, and the robot's picture."""
+    """The map with the robot and its field of view, and the robot's camera image."""
     view = PlanView(scene, width, height)
     above = view.base.copy()
     draw_field_of_view(view, above, scene, pose)
@@ -80,29 +80,30 @@ def map_with_camera(scene, pose, width=320, height=420):
 
 
 above, seen = map_with_camera(home, pose)
-show(side_by_side([above, seen], ["what we see: the map", "what the robot sees: a picture"]))
+show(side_by_side([above, seen], ["what we see: the map", "what the robot sees: an image"]))
 
 # %% [markdown]
-# The map tells where everything is, in metres. **The robot does not have it.** All that it gets is
-# the picture on the right.
+# The map shows where everything is, in metres. **The robot does not have it.** It gets only the
+# image on the right.
 #
-# The picture says: *something green and blue is near on my left, and I could pass beside it.* It
-# does not say *you are in the living room at (-4.5, -11.6)*. To go somewhere by such pictures alone
-# is the problem of this course.
+# The image says: *something green and blue is close on my left, and I can drive past it.* It does
+# not say *you are in the living room at (-4.5, -11.6)*. To navigate to the place shown in an image,
+# with nothing but such images, is called **image-goal navigation**. It is the problem of this
+# course.
 
 # %% [markdown]
 # ## Two places that look alike
 #
-# The next building is an office. It was built by copying one piece of corridor with its rooms, as
-# real offices often are. Two robots stand in two of its rooms, more than twelve metres apart. The
+# The next building is an office. It repeats one piece of corridor with its rooms, as real offices
+# often do. Two robots stand in two of its rooms, more than twelve metres apart. The
 # blue one is in room A, the orange one in room B.
 #
-# **Before you run the cell:** in how many of their 12,288 pixels will the two pictures differ?
+# **Before you run the cell:** in how many of their 12,288 pixels will the two images differ?
 
 # %%
 office = Scene(generate("symmetric_office", seed=3))
 offices = [room for room in office.plan.rooms if room.kind == "office"]
-middle_a, middle_b = (np.mean(offices[number].outline, axis=0) for number in (0, 6))
+middle_a, middle_b = (np.mean(offices[i].outline, axis=0) for i in (0, 6))
 pose_a, pose_b = np.array([*middle_a, 2.0]), np.array([*middle_b, 2.0])
 
 (image_a, image_b), _ = camera.look(office, np.array([pose_a, pose_b]))
@@ -121,100 +122,100 @@ print(f"{differ.sum()} of {differ.size:,} pixels differ")
 show(side_by_side([above, pictures], ["the office", "what the two robots see"]))
 
 # %% [markdown]
-# None. The two pictures are the same, pixel by pixel. **No method, however clever, can tell these
-# two places apart from one picture.** This is called *aliasing*.
+# None. The two images are the same, pixel by pixel. **No method, however clever, can tell these two
+# places apart from one image.** This is called **perceptual aliasing**.
 #
-# So a map of pictures has a danger: it may join two places that are not the same. A robot that
-# trusts such a join plans to drive through a wall. What helps is memory: the robot came into the
-# room from *somewhere*, and the corridor outside may be different. You will meet this again and
-# again.
+# It is a danger to every map made of images: the map may connect two places that are not the same.
+# A robot that trusts such a connection plans to drive through a wall. What helps is memory: the
+# robot entered the room from *somewhere*, and the corridor outside may be different. Several
+# notebooks return to this.
 
 # %% [markdown]
 # ## Why not just count the turns of the wheels?
 #
-# A car can measure how far its wheels have turned. Add up these small motions, and you have the
-# place where you are. This is *odometry*.
+# A car can measure how far its wheels have turned. Add up these small motions, and you get an
+# estimate of where the car is. This is **odometry**.
 #
-# In the next cell 30 cars drive the **same** way through the apartment: there, back, and there
-# again. Each has its own wheels, and each motion that they measure is a little wrong: 5 % in
-# length, 5 % in the turn, and a small drift of the heading.
+# In the next cell 30 cars drive the **same** path through the apartment: there, back, and there
+# again. Each has its own measurement errors: 5 % in distance, 5 % in turning, and a small drift of
+# the heading.
 #
-# **Before you run the cell:** after forty metres, how wrong will a car be about its place?
+# **Before you run the cell:** after forty metres, how large will a car's position error be?
 
 # %%
-paths = GridPaths(home.clearance)  # shortest ways through the free space
+paths = GridPaths(home.clearance)  # shortest paths through the free space
 start, goal, _, _ = choose_places(home, paths, np.random.default_rng(1))
 stops = [goal, start[:2], goal]
 
 leader, actions = Simulation(home, start), []
-for stop in stops:  # one car drives there, back and there again, and we write down what it does
-    courier = OraclePolicy(paths, [stop])
+for stop in stops:  # one car drives there, back and there again; its actions are recorded
+    oracle = OraclePolicy(paths, [stop])
     while np.linalg.norm(leader.poses[0, :2] - stop) > 0.3:
-        actions.append(courier.act(leader))
+        actions.append(oracle.act(leader))
         leader.step(actions[-1])
 
 cars = Simulation(
     home, np.tile(start, (30, 1)), odometry_noise=WheelOdometry(), rng=np.random.default_rng(0)
 )
-driven, believed = [], []
-for action in actions:  # 30 cars do the same
+driven, estimated = [], []
+for action in actions:  # 30 cars repeat the actions
     cars.step(np.tile(action, (30, 1)))
     driven.append(cars.poses[0, :2])
-    believed.append(cars.odometry)
-driven, believed = np.array(driven), np.array(believed)
+    estimated.append(cars.odometry)
+driven, estimated = np.array(driven), np.array(estimated)
 metres = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(driven, axis=0), axis=1))])
 print(f"{metres[-1]:.0f} m driven")
 
 # %%
 view = PlanView(home, 320, 420)
 above = faded(view.base)
-for number in range(30):
-    view.polyline(above, compose(start, believed[:, number])[:, :2], colours.BELIEVED, 1)
+for i in range(30):
+    view.polyline(above, compose(start, estimated[:, i])[:, :2], colours.BELIEVED, 1)
 view.polyline(above, driven, colours.TRACK, 4)
-view.points(above, compose(start, believed[-1])[:, :2], colours.BELIEVED, 4)
+view.points(above, compose(start, estimated[-1])[:, :2], colours.BELIEVED, 4)
 view.points(above, driven[-1:], colours.ROBOT, 7)
 
 figure, (axes,) = chart(5, 4.4)
-errors = np.linalg.norm(compose(start, believed)[..., :2] - driven[:, None], axis=-1)
+errors = np.linalg.norm(compose(start, estimated)[..., :2] - driven[:, None], axis=-1)
 axes.plot(metres, errors, color=colours.unit(colours.BELIEVED), linewidth=1, alpha=0.35)
 axes.plot(
     metres, np.median(errors, axis=1), color=colours.unit(colours.INK), label="median of 30 cars"
 )
-axes.set(xlabel="metres driven", ylabel="error of the believed place, metres")
+axes.set(xlabel="metres driven", ylabel="position error of the odometry, metres")
 axes.legend(frameon=False)
 show(
-    side_by_side([above, from_figure(figure)], ["driven: blue; believed: black", "the error grows"])
+    side_by_side([above, from_figure(figure)], ["driven: blue; odometry: black", "the error grows"])
 )
 
 # %% [markdown]
-# The blue dot is where all 30 cars are. The black dots are where they believe they are. Some of
-# them believe that they drove through walls.
+# The blue dot is where all 30 cars are. The black dots are where their odometry puts them. Some of
+# the estimated tracks pass through walls.
 #
-# Did you see the error shrink for a while after each turn, at about 14 and 28 metres? A wrong
-# heading pushes the belief to one side, and on the way back to the other, so some of it cancels.
-# But on the whole the error grows, and nothing that the wheels measure can repair it.
+# Did you see the error shrink for a while after each turn, at about 14 and 28 metres? An error in
+# the heading pushes the estimate to one side, and on the way back to the other, so some of it
+# cancels. But overall the error grows, and nothing that the wheels measure can correct it.
 #
-# **Odometry is good for the last few metres, and of little use for a whole building.** A robot that
-# is to remember a building needs something else.
+# **Odometry is good for a few metres, and of little use for a whole building.** A robot that has to
+# remember a building needs something else.
 
 # %% [markdown]
 # ## A map without coordinates
 #
 # The idea of this course is a map that holds no coordinates at all. It is a *graph*:
 #
-# - a **vertex** is a place, remembered by the pictures that were taken there;
-# - an **edge** says: *from here the robot can drive to there, looking only at its camera*. It
-#   carries a probability, since the robot can fail.
+# - a **vertex** is a place, stored as the images that were taken there;
+# - an **edge** says: *from here the robot can drive to there by its camera alone*. It carries a
+#   probability, since the robot can fail.
 #
-# To plan is to find the path through this graph that is most likely to succeed. To drive is to go
-# from picture to picture. Such a map is called *topological*.
+# To plan is to find the path through this graph that is most likely to succeed. To follow the plan
+# is to drive from image to image. Such a map is called a **topological map**.
 
 # %% [markdown]
 # ## Drive it yourself
 #
-# Now you are the one with the camera. Each press of a button drives for half a second; the world
-# waits in between. The car steers like a real one: it **cannot turn on the spot**. Its tightest
-# circle is 1.2 m wide.
+# Now you have the camera. Each press of a button drives for half a second; the world waits in
+# between. The car steers like a real one: it **cannot turn in place**. Its tightest circle is 1.2 m
+# in diameter.
 #
 # **Try this:** leave the room through its door. Then try it again, and look only at the camera and
 # the laser. Cover the map with your hand.
@@ -224,23 +225,23 @@ car = TeleopController(home, start)
 drive(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
 # %% [markdown]
-# Did you lose your way without the map? Then you know how the robot feels. Did you notice what you
-# used? Colours, door frames, and *what you saw a moment ago*.
+# Did you get lost without the map? That is the robot's problem. Did you notice what you used?
+# Colours, door frames, and *what you saw a moment ago*.
 
 # %% [markdown]
 # ## Choose a world
 #
-# Every world in this course is drawn at random, from a *family* and a *seed*. The same two always
-# give the same world. That makes results repeatable: a robot can be trained on some seeds and
-# tested on others that it has never seen.
+# Every world in this course is generated at random, from a *family* and a *seed*. The same two
+# always give the same world. That makes results reproducible: a robot can be trained on some seeds
+# and tested on others that it has never seen.
 #
-# **Before you move anything:** which family will be hardest for a robot that goes by sight? Look
-# for places that are alike.
+# **Before you move anything:** which family will be hardest for a robot that navigates by
+# camera? Look for places that are alike.
 
 
 # %%
 def draw_world(family, seed):
-    """A map of a world, and some numbers about it."""
+    """A map of a world, and its size."""
     plan = generate(family, seed)
     text = f"{plan.area:.0f} square metres, {len(plan.rooms)} rooms, {len(plan.doors)} doors"
     return PlanView(Scene(plan), 480, 480).base, text
@@ -249,24 +250,25 @@ def draw_world(family, seed):
 sliders(draw_world, family=FAMILIES, seed=(0, 30, 1, 5))
 
 # %% [markdown]
-# ## Watch a driver that cheats
+# ## Watch a policy that cheats
 #
-# Before we build a robot that goes by its camera, we need something to compare it with. The driver
-# in the film **knows the map and its own place**. We call such a driver an *oracle*: it shows what
-# is possible. It avoids walls and people by a laser scanner.
+# Before we build a robot that navigates by camera, we need something to compare it with. A
+# **policy** decides what a robot does next. The policy in the film **knows the map and the car's
+# position**. Such a policy is called an **oracle**: it shows what is possible. It avoids walls and
+# people with a laser scanner.
 #
-# **Before you run the cell:** two people (pink) walk to and fro beside the car's way. What will the
-# car do when it meets one: stop, go around, or go back?
+# **Before you run the cell:** two people (pink) walk to and fro beside the car's path. What will
+# the car do when it meets one: stop, drive around, or back up?
 
 # %%
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-courier, view = OraclePolicy(paths, [goal]), PlanView(home, 240, 330)
+oracle, view = OraclePolicy(paths, [goal]), PlanView(home, 240, 330)
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
-    simulation.step(courier.act(simulation))
+    simulation.step(oracle.act(simulation))
     track.append(simulation.poses[0, :2])
-    if len(track) % 5 == 0:  # a picture for every 0.5 s
+    if len(track) % 5 == 0:  # a frame every 0.5 s
         pose, discs = simulation.poses[0], simulation.discs
         above = faded(view.base, 0.65)
         draw_field_of_view(view, above, home, pose, discs=discs)
@@ -279,19 +281,19 @@ while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.second
         frames.append(stacked([above, camera_picture(images[0], 240, smooth=True)], gap=8))
         times.append(simulation.seconds)
 
-print(f"arrived after {simulation.seconds:.0f} s; touched something: {simulation.collided[0]}")
-print("the film is four times as fast")
+print(f"arrived after {simulation.seconds:.0f} s; collided: {simulation.collided[0]}")
+print("the film runs four times as fast")
 play(frames, 8, times)
 
 # %% [markdown]
 # ## Bring your own map
 #
 # Perhaps you have a real robot that has mapped your laboratory. The Robot Operating System (ROS)
-# saves such a map as two files: a picture in which dark means *wall*, and a small text file that
-# says how large a pixel is. The course can read them.
+# saves such a map as two files: an image in which dark means *wall*, and a small text file with the
+# size of a pixel. The course can read them.
 #
 # We have no laboratory here, so the cell makes both files itself: three rooms and a corridor, 5 cm
-# for each pixel. Then it imports them as it would import yours.
+# per pixel. Then it imports them as it would import yours.
 
 # %%
 drawing = np.full((160, 240), 254, np.uint8)  # 254: free floor
@@ -307,7 +309,7 @@ with tempfile.TemporaryDirectory() as folder:
     cv2.imwrite(str(Path(folder) / "lab.png"), drawing)
     (Path(folder) / "lab.yaml").write_text(
         "image: lab.png\n"
-        "resolution: 0.05\n"  # metres for each pixel
+        "resolution: 0.05\n"  # metres per pixel
         "origin: [0.0, 0.0, 0.0]\n"
         "negate: 0\n"
         "occupied_thresh: 0.65\n"
@@ -319,59 +321,60 @@ above, seen = map_with_camera(lab, np.array([2.0, 1.6, 0.25]), width=360, height
 show(
     side_by_side(
         [cv2.resize(cv2.cvtColor(drawing, cv2.COLOR_GRAY2RGB), (360, 240)), above, seen],
-        ["the picture that ROS saved", "as a world", "what a camera sees in it"],
+        ["the image that ROS saved", "as a world", "what a camera sees in it"],
     )
 )
 
 # %% [markdown]
-# A ROS map has no colours, so the walls were painted at random. All that follows works in such a
-# world too. From the command line: `python3 start.py demo --map my_map.yaml`.
+# A ROS map has no colours, so the walls are painted at random. Everything that follows works in
+# such a world too. From the command line: `python3 start.py demo --map my_map.yaml`.
 
 # %% [markdown]
 # ## What you will build
 #
 # | notebook | you write | so that |
 # |---|---|---|
-# | 00 start_here | nothing | you know what it is about |
-# | 01 world_and_car | frames, the car's motion, a ray, a column of the camera | you know what the robot's world is made of |
-# | 02 local_control | a controller that goes from one picture to the next | the robot gets there when it is near |
-# | 03 reachability | a network that says how likely that is to work | the robot knows what it can do |
-# | 04 sparsification | the choice of the few pictures worth keeping | the memory stays small |
-# | 05 map_building | the graph: vertices, edges, pruning | many drives become one map |
-# | 06 probabilistic_planning | the most likely path, and when to refuse | the robot finds its way through a building |
+# | 00 start_here | nothing | you know what the course is about |
+# | 01 world_and_car | frames, the car's motion, a ray, a column of the camera image | you know how the robot's world is simulated |
+# | 02 local_control | a controller that drives to the place shown in an image | the robot reaches targets a few metres away |
+# | 03 reachability | a network that predicts the probability of reaching a target | the robot knows what it can reach |
+# | 04 sparsification | the selection of the few images worth keeping | the memory stays small |
+# | 05 map_building | the graph: vertices, edges, pruning | many trajectories become one map |
+# | 06 probabilistic_planning | the most likely path, and when to refuse | the robot navigates through a whole building |
 #
-# Each piece is yours: what you write is used by the cells that follow. Each has a reference beside
-# it, so you can go on wherever you get stuck.
+# The cells that follow an exercise use what you wrote. Each piece also has a reference
+# implementation, so you can go on wherever you get stuck.
 
 # %% [markdown]
 # ## Watch what you will build
 #
-# This is all of it at once, with networks that come with the course. A car has been driven from place to place in this apartment, and a map was made from
-# what its camera saw: the coloured arrowheads are the pictures that were kept, the thin lines say what can be reached from where. Now the car is shown
-# **one picture** and is to go where it was taken. It has its camera and its laser, and **neither floor plan nor position**.
+# This is the whole system, with trained networks that come with the course. A car was driven from place to place in this apartment, and a topological map was
+# built from its camera images: the coloured arrowheads are the images that were kept, the thin lines are the edges. Now the car is given **one image**, the goal,
+# and has to navigate to the place shown in it. It has its camera and its laser, and **neither floor plan nor position**.
 #
-# It plans a way over the map and says how likely the way is to work, before it sets out. Then it drives from picture to picture, past two people who were not
-# there when the map was made.
+# Before it starts, it plans a path through the map and predicts the probability that the path succeeds. Then it drives from image to image, past two people who
+# were not there when the map was built.
 #
-# **Before you run the cell:** what will it do when it meets somebody, and its camera sees something that is in none of its pictures?
+# **Before you run the cell:** what will it do when it meets a person, and its camera sees something that is in none of its images?
 
 # %%
-film, told = navigate_once(home, seed=2, places=4)
-print(f"a map of {told.vertices} pictures and {told.edges} edges")
-print(f"{told.geodesic:.0f} m, {told.rooms_away} doors: from {told.rooms[0]} to {told.rooms[1]}")
-print(f"it gave itself {told.probability:.0%}; reached: {told.reached}, after {told.seconds:.0f} s")
+film, outcome = navigate_once(home, seed=2, places=4)
+print(f"a map of {outcome.vertices} vertices and {outcome.edges} edges")
+print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
+print(f"predicted probability of success: {outcome.probability:.0%}")
+print(f"reached: {outcome.reached}, after {outcome.seconds:.0f} s")
 play([cv2.resize(film[i], (630, 380)) for i in range(0, len(film), 10)], 5, count=3)
 
 # %% [markdown]
-# Another one from the command line: `python3 start.py demo --seed 7`. It leaves a film, a strip of pictures and the figures.
+# To run another one from the command line: `python3 start.py demo --seed 7`. It writes a film, a film strip and the numbers.
 
 # %% [markdown]
 # ## In short
 #
-# - A camera tells what is around, and not where that is.
-# - Two places can look exactly alike. One picture is then not enough.
+# - A camera shows what is around the robot, but not where that is.
+# - Two places can look exactly alike (perceptual aliasing). One image is then not enough.
 # - Odometry is good for metres, not for buildings.
-# - A topological map remembers pictures, and how likely the robot gets from one to the other.
+# - A topological map stores images, and the probability of driving from one to the next.
 #
 # **What to read next:** open `01_world_and_car.ipynb`. The main idea of the course comes from X.
 # Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological
