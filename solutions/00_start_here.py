@@ -20,7 +20,7 @@
 # The cell below checks your installation. If something is missing, it prints what to do.
 
 # %%
-from tutorial_lib.checks.nb00.environment import check_environment
+from tutorial_lib.checks.nb00 import check_environment
 
 ready = check_environment()
 # %%

@@ -18,7 +18,7 @@
 # %%
 import numpy as np
 
-from tutorial_lib.checks.nb01.world_and_car import (
+from tutorial_lib.checks.nb01 import (
     check_bicycle_step,
     check_compose,
     check_ray_segment,

@@ -23,7 +23,7 @@ import torch
 from IPython.display import display
 from torch.nn import functional
 
-from tutorial_lib.checks.nb02.local_control import (
+from tutorial_lib.checks.nb02 import (
     check_goal_policy,
     check_obstacle_policy,
     check_resolve,

@@ -23,7 +23,7 @@ from IPython.display import display
 from torch import nn
 from torch.nn import functional
 
-from tutorial_lib.checks.nb03.rollout_labels import (
+from tutorial_lib.checks.nb03 import (
     check_fit_temperature,
     check_reach_loss,
     check_reliability_diagram,

@@ -21,7 +21,7 @@ from itertools import pairwise
 import numpy as np
 import torch
 
-from tutorial_lib.checks.nb04.choose_anchors import (
+from tutorial_lib.checks.nb04 import (
     BY_HAND,
     check_choose_anchors,
     check_frames_to_keep,

@@ -26,7 +26,7 @@ import networkx as nx
 import numpy as np
 import torch
 
-from tutorial_lib.checks.nb05.edge_weights import (
+from tutorial_lib.checks.nb05 import (
     BY_HAND,
     DRIVEN,
     check_ahead_of,

@@ -26,13 +26,13 @@ import networkx as nx
 import numpy as np
 import torch
 
-from tutorial_lib.checks.nb06.planning import (
+from tutorial_lib.checks.nb06 import (
     BY_HAND,
     GOAL,
     HERE,
     check_decide,
     check_join_ends,
-    check_most_probable_way,
+    check_most_probable_path,
     check_tally,
     check_travel,
     with_false_edge,
@@ -149,7 +149,7 @@ def most_probable_path(graph, start, goal):
 
 
 # %%
-most_probable_path = check_most_probable_way.use(most_probable_path)
+most_probable_path = check_most_probable_path.use(most_probable_path)
 
 # %% [markdown]
 # ## 2 · From what is seen to what is to be seen

@@ -5,23 +5,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06
 from tutorial_lib.checks.framework.check import Check, WrongAnswer, check, expect_close
 from tutorial_lib.checks.framework.timeout import within_line_limit
-from tutorial_lib.checks.nb01 import world_and_car
-from tutorial_lib.checks.nb02 import local_control
-from tutorial_lib.checks.nb03 import rollout_labels as reachability
-from tutorial_lib.checks.nb04 import choose_anchors as sparsification
-from tutorial_lib.checks.nb05 import edge_weights as map_building
-from tutorial_lib.checks.nb06 import planning
 
 ANSWERS = Path(__file__).parents[1] / "wrong_answers"
-MODULES = {
-    "01_world_and_car": world_and_car,
-    "02_local_control": local_control,
-    "03_reachability": reachability,
-    "04_sparsification": sparsification,
-    "05_map_building": map_building,
-    "06_probabilistic_planning": planning,
+NOTEBOOKS = {
+    "01_world_and_car": nb01,
+    "02_local_control": nb02,
+    "03_reachability": nb03,
+    "04_sparsification": nb04,
+    "05_map_building": nb05,
+    "06_probabilistic_planning": nb06,
 }
 
 
@@ -33,7 +28,7 @@ def load(name):
 
 
 def answers():
-    for name, checks in MODULES.items():
+    for name, checks in NOTEBOOKS.items():
         for key, answer in vars(load(name)).items():
             exercise, _, what = key.partition("__")
             if what and exercise:
@@ -42,7 +37,7 @@ def answers():
 
 
 def all_checks():
-    return [c for m in MODULES.values() for c in vars(m).values() if isinstance(c, Check)]
+    return [c for m in NOTEBOOKS.values() for c in vars(m).values() if isinstance(c, Check)]
 
 
 @pytest.mark.parametrize(("judge", "answer"), list(answers()))
@@ -71,7 +66,7 @@ def test_references_pass_and_stubs_are_not_attempted(judge):
 def test_every_wrong_answer_gets_a_message_of_its_own(judge):
     wrong = [
         judge(answer).message
-        for name in MODULES
+        for name in NOTEBOOKS
         for key, answer in vars(load(name)).items()
         if key.startswith(f"{judge.name}__") and "__right" not in key
     ]
@@ -116,16 +111,15 @@ def test_messages_go_from_shape_to_value(got, words):
 
 
 def test_results_escape_what_students_write():
-    result = world_and_car.check_to_local(lambda *_: 1 / 0)
+    result = nb01.check_to_local(lambda *_: 1 / 0)
     assert "ZeroDivisionError" in str(result)
 
     def fail(*_):
         raise ValueError("<script>")
 
-    assert "<script>" not in world_and_car.check_to_local(fail)._repr_html_()
-    assert (
-        "data:image/png" in world_and_car.check_wall_share(world_and_car.wall_share)._repr_html_()
-    )
+    assert "<script>" not in nb01.check_to_local(fail)._repr_html_()
+    judge = nb01.check_wall_share
+    assert "data:image/png" in judge(judge.reference)._repr_html_()
 
 
 def test_a_function_that_never_ends_is_ended_before_it_fills_the_memory():

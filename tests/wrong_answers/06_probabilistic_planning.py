@@ -8,7 +8,7 @@ from itertools import pairwise
 HERE, GOAL = -1, -2
 
 
-def most_probable_way__takes_the_fewest_steps(graph, start, goal):
+def most_probable_path__takes_the_fewest_steps(graph, start, goal):
     """that is the way of the fewest steps"""
     ways, seen = [[start]], {start}
     while ways:
@@ -22,27 +22,27 @@ def most_probable_way__takes_the_fewest_steps(graph, start, goal):
     return [], 0.0
 
 
-def most_probable_way__adds_what_is_missing(graph, start, goal):
+def most_probable_path__adds_what_is_missing(graph, start, goal):
     """1 - RE only resembles -log RE"""
     return _dijkstra(graph, start, goal, lambda p: 1 - p)
 
 
-def most_probable_way__minimises_re(graph, start, goal):
+def most_probable_path__minimises_re(graph, start, goal):
     """the smaller it is, the worse"""
     return _dijkstra(graph, start, goal, lambda p: p)
 
 
-def most_probable_way__takes_negative_costs(graph, start, goal):
+def most_probable_path__takes_negative_costs(graph, start, goal):
     """-RE is below 0"""
     return _dijkstra(graph, start, goal, lambda p: -p)
 
 
-def most_probable_way__takes_the_inverse(graph, start, goal):
+def most_probable_path__takes_the_inverse(graph, start, goal):
     """1 / RE is no sum of logarithms"""
     return _dijkstra(graph, start, goal, lambda p: 1 / p)
 
 
-def most_probable_way__goes_back_in_a_circle(graph, start, goal):
+def most_probable_path__goes_back_in_a_circle(graph, start, goal):
     """your function never ends"""
     least, before, heap, done = {start: 0.0}, {start: None}, [(0.0, start)], set()
     while heap:
@@ -63,7 +63,7 @@ def most_probable_way__goes_back_in_a_circle(graph, start, goal):
     return [], 0.0
 
 
-def most_probable_way__minds_only_the_weakest_edge(graph, start, goal):
+def most_probable_path__minds_only_the_weakest_edge(graph, start, goal):
     """the way whose weakest edge is strongest"""
     best, before, heap, done = {start: 1.0}, {start: start}, [(-1.0, 0, start)], set()
     count = 0
@@ -81,7 +81,7 @@ def most_probable_way__minds_only_the_weakest_edge(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_way__counts_the_last_step_only(graph, start, goal):
+def most_probable_path__counts_the_last_step_only(graph, start, goal):
     """that of the whole way to it"""
     least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
     while heap:
@@ -97,7 +97,7 @@ def most_probable_way__counts_the_last_step_only(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_way__stops_at_first_sight(graph, start, goal):
+def most_probable_path__stops_at_first_sight(graph, start, goal):
     """stops when it first sees the goal"""
     if start == goal:
         return [start], 1.0
@@ -116,7 +116,7 @@ def most_probable_way__stops_at_first_sight(graph, start, goal):
     return [], 0.0
 
 
-def most_probable_way__settles_too_early(graph, start, goal):
+def most_probable_path__settles_too_early(graph, start, goal):
     """not when it is put there"""
     before, heap = {start: start}, [(0.0, start)]
     while heap:
@@ -128,7 +128,7 @@ def most_probable_way__settles_too_early(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_way__overwrites_better_ways(graph, start, goal):
+def most_probable_path__overwrites_better_ways(graph, start, goal):
     """overwrites where a vertex was reached from"""
     before, heap, done = {start: start}, [(0.0, start)], set()
     while heap:
@@ -145,55 +145,55 @@ def most_probable_way__overwrites_better_ways(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_way__returns_it_backwards(graph, start, goal):
+def most_probable_path__returns_it_backwards(graph, start, goal):
     """turn it round"""
     way, p = _best(graph, start, goal)
     return way[::-1], p
 
 
-def most_probable_way__forgets_the_start(graph, start, goal):
+def most_probable_path__forgets_the_start(graph, start, goal):
     """the start is missing"""
     way, p = _best(graph, start, goal)
     return way[1:], p
 
 
-def most_probable_way__forgets_the_goal(graph, start, goal):
+def most_probable_path__forgets_the_goal(graph, start, goal):
     """the goal is missing"""
     way, p = _best(graph, start, goal)
     return way[:-1], p
 
 
-def most_probable_way__tells_the_cost(graph, start, goal):
+def most_probable_path__tells_the_cost(graph, start, goal):
     """turn it back: exp(-cost)"""
     way, p = _best(graph, start, goal)
     return way, -math.log(p) if way else 0.0
 
 
-def most_probable_way__sums_probabilities(graph, start, goal):
+def most_probable_path__sums_probabilities(graph, start, goal):
     """that is the sum of RE"""
     way, _ = _best(graph, start, goal)
     return way, sum(graph[v][w] for v, w in pairwise(way))
 
 
-def most_probable_way__averages(graph, start, goal):
+def most_probable_path__averages(graph, start, goal):
     """that is the mean of RE"""
     way, _ = _best(graph, start, goal)
     return way, sum(graph[v][w] for v, w in pairwise(way)) / max(len(way) - 1, 1)
 
 
-def most_probable_way__tells_the_weakest(graph, start, goal):
+def most_probable_path__tells_the_weakest(graph, start, goal):
     """that is the least RE on it"""
     way, _ = _best(graph, start, goal)
     return way, min([graph[v][w] for v, w in pairwise(way)], default=1.0 if way else 0.0)
 
 
-def most_probable_way__forgets_the_sign(graph, start, goal):
+def most_probable_path__forgets_the_sign(graph, start, goal):
     """the probability is exp(-cost)"""
     way, p = _best(graph, start, goal)
     return way, 1 / p if way else 0.0
 
 
-def most_probable_way__finds_no_way_back(graph, start, goal):
+def most_probable_path__finds_no_way_back(graph, start, goal):
     """where the goal cannot be reached there is no way back"""
     if start == goal:
         return [start], 1.0
@@ -201,19 +201,19 @@ def most_probable_way__finds_no_way_back(graph, start, goal):
     return way, {True: p}[bool(way)]
 
 
-def most_probable_way__removes_what_is_settled(graph, start, goal):
+def most_probable_path__removes_what_is_settled(graph, start, goal):
     """your function changes the graph"""
     answer = _best(graph, start, goal)
     graph.pop(start)
     return answer
 
 
-def most_probable_way__gives_only_the_way(graph, start, goal):
+def most_probable_path__gives_only_the_way(graph, start, goal):
     """return the way and its probability"""
     return _best(graph, start, goal)[0]
 
 
-def most_probable_way__right_by_products(graph, start, goal):
+def most_probable_path__right_by_products(graph, start, goal):
     best, before, left = {start: 1.0}, {start: start}, set(graph)
     while left:
         vertex = max(left, key=lambda v: best.get(v, 0.0))
@@ -226,7 +226,7 @@ def most_probable_way__right_by_products(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_way__right_by_bellman_and_ford(graph, start, goal):
+def most_probable_path__right_by_bellman_and_ford(graph, start, goal):
     least, before = {start: 0.0}, {start: start}
     for _ in graph:
         for v in list(graph):

@@ -1,4 +1,4 @@
-"""The check of the waypoint label in notebook 02."""
+"""The check of the waypoint label, in notebook 02."""
 
 from collections.abc import Callable
 from typing import Any

@@ -1,4 +1,4 @@
-"""Checks of notebook 03."""
+"""The check of the labels of rollouts, in notebook 03."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,21 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
-from tutorial_lib.checks.nb03.probabilities import (
-    check_fit_temperature,
-    check_reach_loss,
-    check_reliability_diagram,
-)
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
-
-__all__ = [
-    "check_fit_temperature",
-    "check_reach_loss",
-    "check_reliability_diagram",
-    "check_rollout_labels",
-]
 
 Touches = NDArray[np.bool_]
 

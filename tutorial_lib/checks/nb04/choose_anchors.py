@@ -1,4 +1,4 @@
-"""Checks of notebook 04."""
+"""The check of sparsification, in notebook 04."""
 
 from __future__ import annotations
 
@@ -12,23 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.checks.framework.check import WrongAnswer, call, check
 from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
-from tutorial_lib.checks.nb04.memory import check_frames_to_keep, check_tracked_waypoint
-from tutorial_lib.checks.nb04.move_on import check_move_on
-from tutorial_lib.checks.nb04.transition import check_transition
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.viz.figures.follower_states import reach_table
 from tutorial_lib.viz.figures.panels import side_by_side
-
-__all__ = [
-    "BY_HAND",
-    "check_choose_anchors",
-    "check_frames_to_keep",
-    "check_move_on",
-    "check_tracked_waypoint",
-    "check_transition",
-    "choose_anchors",
-]
 
 BY_HAND = np.array(
     [

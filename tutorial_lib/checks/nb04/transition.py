@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.nb04.move_on import LOOKS, OTHER_RULES, RULES, Case, compare, look, move_on
+from tutorial_lib.checks.nb04.looks import LOOKS, OTHER_RULES, RULES, Case, look
+from tutorial_lib.checks.nb04.move_on import compare, move_on
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import called, explained, mask
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb05.weakest_aligned import MIXED, TWO, random_reach, stepped
+from tutorial_lib.checks.nb05.trajectories import MIXED, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
 from tutorial_lib.viz.figures.edge_tables import table

@@ -1,4 +1,4 @@
-"""Checks of notebook 05: the edges of a map."""
+"""The check of the weights of a map's edges, in notebook 05."""
 
 from __future__ import annotations
 
@@ -9,24 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.check import call, check, expect_close
-from tutorial_lib.checks.nb05.ask_next import check_ask_next
-from tutorial_lib.checks.nb05.map_reuse import check_ahead_of, check_reusable
-from tutorial_lib.checks.nb05.weakest_aligned import check_weakest_aligned
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 from tutorial_lib.viz.figures.edge_tables import table
 from tutorial_lib.viz.figures.panels import side_by_side
-
-__all__ = [
-    "BY_HAND",
-    "DRIVEN",
-    "check_ahead_of",
-    "check_ask_next",
-    "check_edge_weights",
-    "check_reusable",
-    "check_weakest_aligned",
-    "edge_weights",
-]
 
 BY_HAND = np.array(
     [

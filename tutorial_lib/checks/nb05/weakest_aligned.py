@@ -11,23 +11,11 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import called
 from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
+from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
 from tutorial_lib.viz.figures.edge_tables import table
 from tutorial_lib.viz.figures.panels import side_by_side
-
-
-def neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
-    """(V,) the vertex before and after each, -1 for none."""
-    before, after = np.full((2, sum(map(len, trails))), -1)
-    for trail in trails:
-        before[trail[1:]], after[trail[:-1]] = trail[:-1], trail[1:]
-    return before, after
-
-
-def random_reach(anchors: int, vertices: int, seed: int) -> Array:
-    """RE (A, V), drawn."""
-    return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
 
 
 def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -> Array:
@@ -52,20 +40,9 @@ def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -
     return least
 
 
-def stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Numbers:
-    """The column one `step` of -1, 0 or 1 on along its trajectory; -1 beyond an end."""
-    if not step:
-        return columns
-    return np.where(columns >= 0, (after if step > 0 else before)[columns], -1)
-
-
-_ONE, TWO = neighbours([0, 1, 2, 3, 4]), neighbours([0, 1, 2], [3, 4, 5])
-MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
-JOINED = np.array([-1, 0, 1, -1, 1]), np.array([1, 2, -1, 1, -1])
-"""A drive 0, 1, 2; vertex 1 was reused by one that comes from 3, and by one that goes on to 4."""
 _ALIGNED = {
-    "one drive beside another": (random_reach(5, 5, 1), *_ONE, 2),
-    "one anchor before and after": (random_reach(5, 5, 2), *_ONE, 1),
+    "one drive beside another": (random_reach(5, 5, 1), *ONE, 2),
+    "one anchor before and after": (random_reach(5, 5, 2), *ONE, 1),
     "no neighbours": (random_reach(4, 6, 3), *TWO, 0),
     "two drives on the map": (random_reach(6, 6, 4), *TWO, 2),
     "vertices numbered in no order": (random_reach(5, 7, 5), *MIXED, 2),

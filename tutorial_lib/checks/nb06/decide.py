@@ -6,8 +6,17 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb06.graphs import Graph, Vertex, most_probable_path, random_graph
-from tutorial_lib.checks.nb06.join_ends import GOAL, HERE, SMALL_MAP, join_ends, untouched
+from tutorial_lib.checks.nb06.graphs import (
+    GOAL,
+    HERE,
+    SMALL_MAP,
+    Graph,
+    Vertex,
+    most_probable_path,
+    random_graph,
+)
+from tutorial_lib.checks.nb06.join_ends import join_ends
+from tutorial_lib.checks.nb06.untouched import untouched
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 Decision = tuple[list[Vertex], float, str]

@@ -17,6 +17,9 @@ Graph = dict[Vertex, dict[Vertex, float]]
 Way = tuple[list[Vertex], float]
 """Vertices from start to goal, and how probably all steps come true."""
 
+HERE, GOAL = -1, -2
+"""Vertices that are on no map: what is seen now, and what is to be seen."""
+
 BY_HAND: Graph = {
     "here": {"A": 0.70, "B": 0.90, "D": 0.95, "E": 0.72},
     "A": {"goal": 0.80, "B": 0.99},
@@ -27,6 +30,7 @@ BY_HAND: Graph = {
     "goal": {},
 }
 """A small graph, to plan on with a pencil."""
+SMALL_MAP: Graph = {0: {1: 0.99, 3: 0.995}, 1: {2: 0.99}, 2: {3: 0.992}, 3: {0: 0.993}, 4: {}}
 
 
 def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Way:

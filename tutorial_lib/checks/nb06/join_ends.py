@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb06.graphs import Graph, Vertex, random_graph
-
-HERE, GOAL = -1, -2
-"""Vertices that are on no map: what is seen now, and what is to be seen."""
+from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
+from tutorial_lib.checks.nb06.untouched import untouched
 
 
 def join_ends(
@@ -77,7 +74,6 @@ def _joined(
     return joined
 
 
-SMALL_MAP: Graph = {0: {1: 0.99, 3: 0.995}, 1: {2: 0.99}, 2: {3: 0.992}, 3: {0: 0.993}, 4: {}}
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
 _TO = {2: 0.99, 3: 0.5, 4: 0.985, 0: 0.1}
 _ENDS: tuple[tuple[str, tuple[Any, ...]], ...] = (
@@ -127,26 +123,6 @@ def check_join_ends(student: Callable[..., Any]) -> None:
             if answers == [_joined(*arguments, fault=fault) for _, arguments in _ENDS]:
                 raise WrongAnswer(f"join_ends, {why}: {words}")
         raise WrongAnswer(f"join_ends, {why}: {_unlike(got, want)}")
-
-
-def untouched(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:  # noqa: ANN401
-    """A student's answer, if the arguments are as they were.
-
-    Raises:
-        WrongAnswer: when one was changed, or nothing came back.
-    """
-    given = copy.deepcopy(arguments)
-    got = student(*given)
-    for number, (old, new) in enumerate(zip(arguments, given, strict=True), 1):
-        if old == new:
-            continue
-        inner = isinstance(old, dict) and old.keys() == new.keys()
-        words = "the copy shares its inner dictionaries with the map; copy those, too"
-        words = words if inner else "it is needed again for the next plan; make a new one"
-        raise WrongAnswer(f"{what}: your function changes its argument {number}; {words}")
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
-    return got
 
 
 def _graph(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]) -> Graph:

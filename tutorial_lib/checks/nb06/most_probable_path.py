@@ -47,7 +47,7 @@ _CASES: tuple[tuple[str, Graph, Vertex, Vertex], ...] = (
 
 
 @check(most_probable_path, (random_graph(80, 4, 3), 0, 79))
-def check_most_probable_way(student: Callable[..., Any]) -> NDArray[np.uint8]:
+def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """The graph done by hand, chains, cycles, larger graphs, and goals that cannot be reached."""
     answers, right = [], [most_probable_path(*case[1:]) for case in _CASES]
     for name, graph, start, goal in _CASES:

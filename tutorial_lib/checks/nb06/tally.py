@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb06.graphs import Graph, Vertex
-from tutorial_lib.checks.nb06.join_ends import GOAL, HERE, untouched
+from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
+from tutorial_lib.checks.nb06.untouched import untouched
 from tutorial_lib.geometry import Array, relative
 
 _FALSE_FROM, _FALSE_TO = (-0.9, 7.3, -1.7), (-6.0, 1.0, 3.0)

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb06.graphs import Vertex
-from tutorial_lib.checks.nb06.join_ends import GOAL, HERE
+from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans past some vertices; no vertices where it refuses."""

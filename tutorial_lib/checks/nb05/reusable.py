@@ -1,4 +1,4 @@
-"""Checks of notebook 05: which vertices take the place of an anchor."""
+"""The check of which vertex takes the place of an anchor, in notebook 05."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import called, explained, mask
+from tutorial_lib.checks.framework.answers import called, explained
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
@@ -100,74 +100,3 @@ def check_reusable(student: Callable[..., Any]) -> None:
             raise WrongAnswer(f"{what}: {got!r} came back; return the number of one vertex, or -1")
         answers.append(int(got))
     explained("reusable", _REUSE, answers, edge_rules.reusable, _MISUSED)
-
-
-_PLACES = {
-    name: (np.array(trajectory), np.array(place), reused)
-    for name, trajectory, place, reused in (
-        ("nothing was reused yet", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], []),
-        ("one was reused", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], [1]),
-        ("one of each drive", [0, 0, 0, 1, 1, 1], [0, 1, 2, 0, 1, 2], [1, 3]),
-        ("two of the same drive", [0, 0, 0, 0, 1], [0, 1, 2, 3, 0], [1, 2]),
-        ("one, then one of another", [0, 0, 0, 0, 1, 1], [0, 1, 2, 3, 0, 1], [2, 5, 3]),
-        ("numbers in no order", [2, 0, 2, 0, 2, 0], [5, 4, 1, 0, 3, 2], [4, 5]),
-    )
-}
-
-
-def _behind(keep: Callable[[Any, Any, int], Any], some: slice = slice(None)) -> Callable[..., Any]:
-    """A rule of one's own: `keep` says which vertices one that was reused leaves."""
-
-    def rule(trajectory: NDArray, place: NDArray, reused: list[int]) -> NDArray[np.bool_]:
-        allowed = np.ones(len(place), dtype=bool)
-        for vertex in reused[some]:
-            allowed &= keep(trajectory, place, vertex)
-        return allowed
-
-    return rule
-
-
-_MISPLACED: dict[str, Callable[..., Any]] = {
-    "the vertex itself may not follow itself: its place must be greater": _behind(
-        lambda t, p, v: (t != t[v]) | (p >= p[v])
-    ),
-    "vertices of other trajectories may be taken, wherever they lie": _behind(
-        lambda t, p, v: p > p[v]
-    ),
-    "of the same trajectory those that lie ahead may be taken": _behind(lambda t, p, v: t != t[v]),
-    "ahead is where the place is greater; yours goes backwards": _behind(
-        lambda t, p, v: (t != t[v]) | (p < p[v])
-    ),
-    "all vertices that were reused count, not only the last one": _behind(
-        lambda t, p, v: (t != t[v]) | (p > p[v]), slice(-1, None)
-    ),
-    "all vertices that were reused count, not only the first one": _behind(
-        lambda t, p, v: (t != t[v]) | (p > p[v]), slice(0, 1)
-    ),
-    "a vertex's number says nothing of its place along its trajectory: compare place": _behind(
-        lambda t, p, v: (t != t[v]) | (np.arange(len(p)) > v)
-    ),
-    "the numbers in reused are vertices, place[vertex], not places": _behind(
-        lambda t, p, v: (t != t[v]) | (p > v)
-    ),
-    "that forbids what may be taken, and allows the rest: the other way round": lambda *case: (
-        ~edge_rules.ahead_of(*case)
-    ),
-    "who must lie ahead of each one that was reused must hold for all of them: and, not or": (
-        lambda t, p, reused: (
-            np.any([(t != t[v]) | (p > p[v]) for v in reused], axis=0)
-            if reused
-            else np.ones(len(p), dtype=bool)
-        )
-    ),
-}
-
-
-@check(edge_rules.ahead_of, _PLACES["one of each drive"])
-def check_ahead_of(student: Callable[..., Any]) -> None:
-    """Six maps: nothing reused yet, one vertex, several, and numbers in no order."""
-    answers = []
-    for name, case in _PLACES.items():
-        got, what = called(student, *case), f"ahead_of, {name}"
-        answers.append(mask(what, got, (len(case[0]),)))
-    explained("ahead_of", _PLACES, answers, edge_rules.ahead_of, _MISPLACED)

@@ -1,0 +1,80 @@
+"""The check of temperature scaling, in notebook 03."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.nb03.reach_loss import reach_loss
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.calibration import reliability, sigmoid
+
+_TEMPERATURES = np.geomspace(0.05, 20.0, 600)
+
+
+def fit_temperature(logits: Array, labels: Array) -> float:
+    """The temperature for which the loss of logits (N,) over it is smallest, to one percent."""
+    return float(_TEMPERATURES[_losses(logits, labels).argmin()])
+
+
+def _losses(logits: Array, labels: Array) -> Array:
+    """(600,) loss at each temperature."""
+    ones = np.ones(len(logits))
+    return np.array([reach_loss(logits / t, labels, ones) for t in _TEMPERATURES])
+
+
+def _told(temperature: float, blunders: float = 0.0, soft: bool = False) -> tuple[Array, Array]:
+    """Logits (600,) of a network that should be divided by about so much, and labels.
+
+    The opposite happens of what is expected in a share of `blunders`, which squares mind less.
+    """
+    rng = np.random.default_rng(7)
+    logits = rng.normal(1.0, 2.0, 600) * temperature
+    chance = blunders + (1 - 2 * blunders) * sigmoid(logits / temperature)
+    return logits, chance if soft else (rng.random(600) < chance).astype(float)
+
+
+@check(fit_temperature, _told(2.5))
+def check_fit_temperature(student: Callable[..., Any]) -> None:
+    """A network that is too sure, one that is not sure enough, and soft labels."""
+    cases = (
+        ("one too sure", _told(2.0, blunders=0.12)),
+        ("one too modest", _told(0.4)),
+        ("soft labels", _told(1.8, soft=True)),
+    )
+    for name, (logits, labels) in cases:
+        best, what = fit_temperature(logits, labels), f"fit_temperature, {name}"
+        with np.errstate(all="ignore"):
+            got = call(student, logits, labels)
+        if np.shape(got) == () and isinstance(got, int | float | np.number):
+            _expect_temperature(what, float(got), best, logits, labels)
+        expect_close(what, got, best, 0.03 * best)
+
+
+def _expect_temperature(what: str, got: float, best: float, logits: Array, labels: Array) -> None:
+    """Name the mistake, where a temperature is wrong and the mistake is known."""
+    if got > 0 and abs(np.log(got / best)) < 0.03:
+        return
+    losses = _losses(logits, labels)
+    chances = [sigmoid(logits / t) for t in _TEMPERATURES]
+    squares = _TEMPERATURES[np.argmin([((p - labels) ** 2).mean() for p in chances])]
+    errors = [reliability(p, labels).ece for p in chances]
+    mistakes = {
+        "that is 1 / T: the logits are divided by the temperature": 1 / best,
+        "that is the smallest loss; give the temperature that has it": losses.min(),
+        "that is the logarithm of the temperature": np.log(best),
+        "a temperature below 1 is allowed, it makes a network surer": 1.0,
+        "the cross-entropy is to be smallest, not the squared error": squares,
+        "the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes its "
+        "bin": _TEMPERATURES[np.argmin(errors)],
+        "the loss is to be smallest, not largest": _TEMPERATURES[losses.argmax()],
+    }
+    for words, value in mistakes.items():
+        if np.isclose(got, value, rtol=0.012):
+            raise WrongAnswer(f"{what}: {words}")
+    if got <= 0:
+        raise WrongAnswer(f"{what}: {got:.3g}, but a temperature is greater than 0")
+    if got == int(got) and got >= len(_TEMPERATURES) / 100:
+        words = "is that the place of the best temperature in a list? Give the temperature"
+        raise WrongAnswer(f"{what}: {got:.0f}; {words}")

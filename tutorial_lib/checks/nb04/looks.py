@@ -1,0 +1,80 @@
+"""What a follower sees in single looks, for the checks of notebook 04."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.topology.following.transitions import (
+    FollowerSettings,
+)
+
+Case = tuple[str, tuple[Any, ...]]
+"""What it is like, and the arguments of the function."""
+
+
+RULES = FollowerSettings()
+
+
+OTHER_RULES = FollowerSettings(
+    p_search=0.7, p_follow=0.8, p_lose=0.3, visited=0.5, near=0.4, patience=2.0
+)
+"""Other numbers than the usual ones, for whoever writes those into a function."""
+
+
+def look(
+    why: str,
+    active: int,
+    visited: int,
+    reach: Sequence[float],
+    overlap: Sequence[float],
+    at: bool = False,
+    rules: FollowerSettings = RULES,
+) -> Case:
+    """A case: what it is like, and the arguments of `move_on`."""
+    return why, (active, visited, np.array(reach), np.array(overlap), at, rules)
+
+
+_SURE, _FADES = (0.99, 0.99, 0.98, 0.97, 0.95), (0.9, 0.99, 0.6, 0.2, 0.1)
+
+
+_SEEN, _ENDS = (0.5, 0.6, 0.3, 0.2, 0.85), (0.0, 0.0, 0.0, 0.9, 0.99)
+
+
+_NEAR, _ASIDE = (0.5, 0.7, 0.65, 0.3, 0.1), (0.3, 0.5, 0.2, 0.1, 0.1)
+
+
+_ONLY, _ONE = (0.9, 0.5, 0.97, 0.2), (0.4, 0.5, 0.65, 0.1)
+
+
+_BEHIND = ((0.1, 0.9, 0.6, 0.2, 0.1), (0.1, 0.9, 0.85, 0.2, 0.1))
+
+
+LOOKS = {
+    key: look(*case)
+    for key, case in {
+        "way": ("under way", 2, 1, (0.0, 0.99, 0.97, 0.5), (0.0, 0.5, 0.7, 0.4)),
+        "next": ("the next one reachable and near", 1, 0, _SURE, _NEAR),
+        "far": ("the next one reachable, but far", 1, 0, _SURE, _SEEN),
+        "hidden": ("the next one near, but not reachable", 1, 0, _FADES, _NEAR),
+        "only": ("only the next one reachable", 1, 0, _ONLY, _ONE),
+        "close": ("close to the active anchor", 1, 0, _FADES, (0.4, 0.85, 0.5, 0.1, 0.1)),
+        "at": ("at the active anchor, turned aside", 1, 0, _FADES, _ASIDE, True),
+        "beside": ("at it, the next one closer", 1, 0, _FADES[:4], _ONE, True),
+        "both": ("at it, the one before close", 1, 0, _FADES[:3], (0.85, 0.7, 0.2), True),
+        "second": ("the second next one looks close", 1, 0, _FADES, (0.3, 0.5, 0.7, 0.85, 0.1)),
+        "amid": ("three close ones", 1, 0, _FADES, (0.85, 0.9, 0.84, 0.3, 0.1)),
+        "behind": ("the one before closer than the active one", 2, 1, *_BEHIND),
+        "again": ("the active one visited earlier", 1, 1, _FADES, _NEAR),
+        "passed": ("the active one visited, the next one far", 1, 1, _SURE, _SEEN),
+        "leap": ("well ahead of the one visited", 2, 0, _FADES[1:], (0.1, 0.5, 0.7, 0.3)),
+        "beyond": ("the next one is the closest", 1, 0, _FADES, (0.2, 0.6, 0.85, 0.5, 0.1)),
+        "back": ("an earlier one is closer", 2, 2, (0.0, 0.9, 0.97, 0.5), (0.0, 0.9, 0.7, 0.3)),
+        "start": ("at the start", 0, -1, (0.97, 0.5, 0.4, 0.98), (0.85, 0.3, 0.2, 0.9)),
+        "end": ("at the last anchor", 4, 3, _ENDS, (0.0, 0.0, 0.0, 0.5, 0.9), True),
+        "rules": ("other rules", 1, 0, (0.9, 0.95, 0.85), (0.3, 0.45, 0.45), False, OTHER_RULES),
+        "doubt": ("other rules, close", 1, 0, _FADES[:3], (0.3, 0.6, 0.3), False, OTHER_RULES),
+    }.items()
+}

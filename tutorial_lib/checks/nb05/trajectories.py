@@ -1,0 +1,38 @@
+"""Small maps of several trajectories, for the checks of notebook 05."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.mapping.vertices import Numbers
+
+
+def neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
+    """(V,) the vertex before and after each, -1 for none."""
+    before, after = np.full((2, sum(map(len, trails))), -1)
+    for trail in trails:
+        before[trail[1:]], after[trail[:-1]] = trail[:-1], trail[1:]
+    return before, after
+
+
+def random_reach(anchors: int, vertices: int, seed: int) -> Array:
+    """RE (A, V), drawn."""
+    return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
+
+
+def stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Numbers:
+    """The column one `step` of -1, 0 or 1 on along its trajectory; -1 beyond an end."""
+    if not step:
+        return columns
+    return np.where(columns >= 0, (after if step > 0 else before)[columns], -1)
+
+
+ONE, TWO = neighbours([0, 1, 2, 3, 4]), neighbours([0, 1, 2], [3, 4, 5])
+
+
+MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
+
+
+JOINED = np.array([-1, 0, 1, -1, 1]), np.array([1, 2, -1, 1, -1])
+"""A drive 0, 1, 2; vertex 1 was reused by one that comes from 3, and by one that goes on to 4."""
