@@ -248,7 +248,7 @@ def test_a_file_cut_off_anywhere_is_refused(saved):
     whole = saved.read_bytes()
     for size in [*range(0, len(whole), 11), len(whole) - 1]:
         saved.write_bytes(whole[:size])
-        with pytest.raises(InputError, match=r"some\.npz: damaged .* record it again"):
+        with pytest.raises(InputError, match=r"some\.npz: damaged, or not .*; record it again"):
             load_outcomes(saved, "recipe")
 
 
@@ -279,7 +279,7 @@ NO_COLUMN = ({"seconds": np.array(0.0)}, "damaged .*record it again")
         *MISSING,
         *LENGTHS,
         NO_COLUMN,
-        ({"version": np.array(2)}, "another recipe"),
+        ({"version": np.array(2)}, "of version 2; this program reads version 1; record it"),
         ({"version": None}, "damaged"),
         ({"recipe": None}, "damaged"),
         ({"version": np.array([1, 1])}, "damaged"),

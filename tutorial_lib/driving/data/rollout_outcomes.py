@@ -12,7 +12,7 @@ from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.rollouts import Policy, drive
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path
+from tutorial_lib.files import load_arrays, save_arrays
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -99,8 +99,7 @@ def save_outcomes(path: str | Path, outcomes: RolloutOutcomes, recipe: str) -> N
         outcomes: of one world.
         recipe: what they came from, to know them again.
     """
-    with atomic_path(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, version=np.array(VERSION), recipe=np.array(recipe), **_columns(outcomes))
+    save_arrays(path, {"recipe": np.array(recipe), **_columns(outcomes)}, version=VERSION)
 
 
 def load_outcomes(path: str | Path, recipe: str) -> RolloutOutcomes:
@@ -109,26 +108,19 @@ def load_outcomes(path: str | Path, recipe: str) -> RolloutOutcomes:
     Raises:
         InputError: when the file is missing, damaged or of another recipe; it says what to do.
     """
-    advice = "delete the file and record it again"
-    if not Path(path).is_file():
-        raise InputError(f"{path}: there is no such file; record it")
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays: dict[str, NDArray[Any]] = {name: file[name] for name in file.files}
-        if int(arrays["version"]) != VERSION or str(arrays["recipe"]) != recipe:
-            raise InputError(f"{path}: outcomes of another recipe; {advice}")
-        errands = ReachabilityPairs(*(arrays[field.name] for field in fields(ReachabilityPairs)))
-        outcomes = RolloutOutcomes(
-            errands, *(arrays[field.name] for field in fields(RolloutOutcomes)[1:])
-        )
-        if len({len(column) for column in _columns(outcomes).values()}) > 1:
-            raise InputError(f"{path}: its columns differ in length; {advice}")
-    except InputError:
-        raise
-    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
-    except Exception as error:
-        raise InputError(f"{path}: damaged ({error}); {advice}") from error
-    return outcomes
+    pairs, ends = fields(ReachabilityPairs), fields(RolloutOutcomes)[1:]
+    names = ["recipe", *(field.name for field in (*pairs, *ends))]
+    arrays = load_arrays(path, names, version=VERSION, advice="record it again")
+    if str(arrays.pop("recipe")) != recipe:
+        raise InputError(f"{path}: outcomes of another recipe; delete the file and record it again")
+    if not all(column.ndim for column in arrays.values()):
+        raise InputError(f"{path}: damaged (a column without rows); record it again")
+    if len({len(column) for column in arrays.values()}) > 1:
+        raise InputError(f"{path}: its columns differ in length; record it again")
+    return RolloutOutcomes(
+        ReachabilityPairs(*(arrays[field.name] for field in pairs)),
+        *(arrays[field.name] for field in ends),
+    )
 
 
 def _columns(outcomes: RolloutOutcomes) -> dict[str, NDArray[Any]]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path
+from tutorial_lib.files import load_arrays, save_arrays
 from tutorial_lib.geometry import Array
 
 CONTEXT_INTERVAL = 3
@@ -105,7 +105,6 @@ def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:
     if len({trajectory.laser.shape[1] for trajectory in trajectories}) > 1:
         raise InputError(f"{path}: lasers with different numbers of beams; save them apart")
     arrays: dict[str, NDArray[Any]] = {
-        "version": np.array(VERSION),
         "world": np.array([trajectory.world for trajectory in trajectories], dtype=np.str_),
         "seed": np.array([trajectory.seed for trajectory in trajectories], dtype=np.int64),
         "offsets": np.cumsum([0, *map(len, trajectories)], dtype=np.int64),
@@ -113,8 +112,7 @@ def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:
     for name, (row, kind) in _COLUMNS.items():
         none = np.empty((0, *(width or 0 for width in row)), kind)
         arrays[name] = np.concatenate([none] * (not trajectories) + _all(name, trajectories))
-    with atomic_path(path) as temporary, temporary.open("wb") as file:
-        np.savez(file, **arrays)
+    save_arrays(path, arrays, version=VERSION)
 
 
 def load_trajectories(path: str | Path) -> list[Trajectory]:
@@ -123,34 +121,16 @@ def load_trajectories(path: str | Path) -> list[Trajectory]:
     Raises:
         InputError: naming the file, what is wrong with it and what to do.
     """
+    names, advice = ["world", "seed", "offsets", *_COLUMNS], "delete the file and record it again"
+    arrays = load_arrays(path, names, version=VERSION, advice=advice)
     try:
-        arrays = _read(Path(path))
         return _split(arrays)
     except InputError as error:
-        raise InputError(f"{path}: {error}; delete the file and record it again") from error
+        raise InputError(f"{path}: {error}; {advice}") from error
 
 
 def _all(name: str, trajectories: list[Trajectory]) -> list[NDArray[Any]]:
     return [getattr(trajectory, name) for trajectory in trajectories]
-
-
-def _read(path: Path) -> dict[str, NDArray[Any]]:
-    """Every array of a file of the right version."""
-    if not path.is_file():
-        raise InputError("there is no such file")
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
-    except Exception as error:
-        raise InputError(f"damaged, or not an .npz file ({error})") from error
-    names = ["version", "world", "seed", "offsets", *_COLUMNS]
-    if "version" not in arrays or arrays["version"].shape or arrays["version"] != VERSION:
-        raise InputError(f"not recorded experience of version {VERSION}")
-    for name in names:
-        if name not in arrays:
-            raise InputError(f"the array {name!r} is missing")
-    return arrays
 
 
 def _split(arrays: dict[str, NDArray[Any]]) -> list[Trajectory]:

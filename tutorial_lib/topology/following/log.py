@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path
+from tutorial_lib.files import load_arrays, save_arrays
 from tutorial_lib.geometry import Array
 
 VERSION = 1
@@ -79,8 +79,7 @@ class FollowerLog:
     def save(self, path: str | Path) -> None:
         """Write to an `.npz` file, whole or not at all."""
         columns = {field.name: getattr(self, field.name) for field in fields(self)}
-        with atomic_path(path) as temporary, temporary.open("wb") as file:
-            np.savez_compressed(file, version=np.array(VERSION), **columns)
+        save_arrays(path, columns, version=VERSION, compressed=True)
 
     @classmethod
     def load(cls, path: str | Path) -> FollowerLog:
@@ -89,13 +88,8 @@ class FollowerLog:
         Raises:
             InputError: naming the file, and what is wrong with it.
         """
-        if not Path(path).is_file():
-            raise InputError(f"{path}: there is no such file; record it")
         try:
-            with np.load(path, allow_pickle=False) as file:
-                if int(file["version"]) != VERSION:
-                    raise InputError(f"not of version {VERSION}")
-                return cls(*(file[name] for name in _COLUMNS))
-        # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
-        except Exception as error:
+            arrays = load_arrays(path, _COLUMNS, version=VERSION)
+            return cls(*(arrays[name] for name in _COLUMNS))
+        except InputError as error:
             raise InputError(f"{path}: no record of a run ({error}); record it again") from error

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, write_text
+from tutorial_lib.files import atomic_path, load_arrays, save_arrays, write_text
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -40,8 +40,7 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
     arrays = _arrays(topomap, alive)
     digest = _digest(arrays)
     beside = path.with_name(f"{path.stem}-{digest[:12]}.npz")
-    with atomic_path(beside) as temporary, temporary.open("wb") as file:
-        np.savez_compressed(file, **arrays)
+    save_arrays(beside, arrays, compressed=True)
     new = {int(old): number for number, old in enumerate(alive)}
     edges = [
         [new[source], new[target], edge["probability"], edge["driven"]]
@@ -140,10 +139,8 @@ def _graph(path: Path) -> dict[str, Any]:
 def _load(path: Path, digest: str) -> dict[str, NDArray[Any]]:
     """The arrays that belong to a graph."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
-    except Exception as error:
+        arrays = load_arrays(path, names=())
+    except InputError as error:
         raise InputError(f"{path.name}: missing or damaged ({error})") from error
     if _digest(arrays) != digest:
         raise InputError(f"{path.name}: does not belong to this map")
