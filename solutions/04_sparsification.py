@@ -1,15 +1,15 @@
 # %% [markdown]
 # # 04 · Sparsification
 #
-# **90 minutes.** You need notebooks 02 and 03: the local controller $\mathcal C$ that drives to a picture, and the estimator $\mathcal{RE}$ that says with which probability it will arrive.
+# **90 minutes.** You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place shown in an image, and the estimator $\mathcal{RE}$, which predicts the probability that it arrives.
 #
 # After this notebook you can
 #
-# - thin out a recorded drive to the few pictures that the controller needs, by a rule that you can apply with a pencil;
-# - say where these pictures lie and why, and what they cost to store;
-# - write the state machine by which a car follows them, without ever knowing where it is;
-# - explain what it does when it is pushed, blocked or carried away, and how it notices that it is lost;
-# - read the chart by which such systems are compared, cover rate against sparsity.
+# - sparsify a recorded trajectory to the few images that the controller needs, by a rule that you can apply with a pencil;
+# - say where these images lie and why, and what they cost to store;
+# - write the state machine by which a car follows them without ever knowing its position;
+# - explain how it reacts when it is pushed, blocked or kidnapped, and how it notices that it is lost;
+# - read the chart by which such systems are compared: cover rate against sparsity.
 #
 # There are five exercises with hints behind folds. When your function passes its check, **the cells below use it**; until then they use the library's.
 #
@@ -69,71 +69,71 @@ from tutorial_lib.world.worlds import local_world, scene_of
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
-# ## 1 · Which pictures are needed?
+# ## 1 · Which images are needed?
 #
-# A car has been driven through an apartment once, and has kept ten pictures a second. Later it is to drive there again, by these pictures alone. The local controller can only do a few metres, so one picture of the goal
-# will not do. All of them are too many: they all want to be stored, and compared with what the car sees.
+# A car has been driven through an apartment once, recording ten images a second. Later it has to repeat this trajectory from these images alone. The local controller only bridges a few metres, so one image of the goal
+# is not enough. Keeping all of them is too much: each has to be stored, and compared with what the car sees.
 #
-# Which can be left out? Those that the controller **does not need**: if it can get from the picture here to a picture 2 m ahead, what lies between is not needed. The pictures that are kept are called **anchors**.
+# Which ones can be dropped? Those that the controller **does not need**: if it can get from the image here to an image 2 m ahead, it does not need the ones between. The images that are kept are called **anchors**.
 #
-# Below is one drive, a dot for each of its pictures, and six of them, evenly spaced. **Predict:** how many would *you* keep, and where: on the straights, at the doors, in the bends?
+# Below is one trajectory, one dot per frame, with six of its images, evenly spaced. **Predict:** how many would *you* keep, and where: on the straights, at the doors, in the bends?
 
 # %%
 WORLD = local_world(10_004)  # no network was trained on it
 scene = scene_of(WORLD)
-drives = demonstrate(WORLD, scene, 24, seed=0, controller=RMPController())
-recorded = RecordedWorld(scene, drives)
-tour = max(range(len(drives)), key=lambda number: drives[number].arc_length[-1])
+trajectories = demonstrate(WORLD, scene, 24, seed=0, controller=RMPController())
+recorded = RecordedWorld(scene, trajectories)
+tour = max(range(len(trajectories)), key=lambda index: trajectories[index].arc_length[-1])
 frames = frames_of(recorded, tour)
 poses, arc = recorded.poses[frames], recorded.arc[frames] - recorded.arc[frames[0]]
 view = PlanView(scene, 700, 1000)
-people_camera = Camera(rows=64)  # the same picture as the network's 16 rows, for people
+people_camera = Camera(rows=64)  # the network's view, with 64 rows in place of 16
 car = BicycleCar()
 
-some = np.linspace(0, len(frames) - 1, 6).round().astype(int)
+shown = np.linspace(0, len(frames) - 1, 6).round().astype(int)
 picture = view.base.copy()
 draw_frames(view, picture, poses)
-print(f"{len(frames)} pictures on {arc[-1]:.1f} m")
-pictures = people_camera.look(scene, poses[some])[0]
-show(numbered_views(view, picture, poses[some], pictures, columns=1, points=poses[:, :2]))
+print(f"{len(frames)} frames over {arc[-1]:.1f} m")
+images = people_camera.look(scene, poses[shown])[0]
+show(numbered_views(view, picture, poses[shown], images, columns=1, points=poses[:, :2]))
 
 # %% [markdown]
 # ### The rule
 #
-# Say that frame $i$ is an anchor. $\mathcal{RE}(o_i, o_k)$ is the probability that the controller gets from what is seen at $i$ to what is seen at $k$. The next anchor is the last frame up to which this probability stays high (paper, III-D):
+# Suppose that frame $i$ is an anchor. $\mathcal{RE}(o_i, o_k)$ is the probability that the controller gets from observation $o_i$ to the place where $o_k$ was recorded. The next anchor is the last frame up to which this probability stays high (paper, III-D):
 #
 # $$ \max_j \quad \text{s.t.}\quad \mathcal{RE}(o_i, o_k) > p_\text{sparsify} \quad \forall k,\; i < k \le j . $$
 #
-# Then the same again from there, until the end of the drive. The first frame and the last are always kept. And the drive must get on: where not even frame $i+1$ can be reached so surely, it is the next anchor all the same.
-# (The paper does not say what happens then.)
+# Repeat from there until the end of the trajectory. The first and the last frame are always kept. And the rule must make progress: if not even frame $i+1$ is above the threshold, it becomes the next anchor anyway.
+# (The paper does not say what happens in this case.)
 #
-# Here is a drive of eight frames. Rows are where the car is, columns what it is to reach; above the threshold is green. **Take a pencil:** which frames are anchors at $p_\text{sparsify} = 0.9$? There are two traps.
+# Here is a trajectory of eight frames. Rows are where the car is, columns the target; values above the threshold are green. **Take a pencil:** which frames are anchors at $p_\text{sparsify} = 0.9$? There are two traps.
 
 # %%
 show(reach_table(BY_HAND, 0.9))
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# 0, 3, 5, 6 and 7. From 0 the frames 1, 2 and 3 can be reached, 4 cannot. That 5 can be reached again does not count: <i>every</i> k up to j must hold. (First trap.) From 3 one gets to 5. From 5 not even the next frame
-# can be reached surely enough, and so it is kept; that 7 looks reachable does not count either. (Second trap.) From 6 to 7, the last.
+# 0, 3, 5, 6 and 7. From 0, the frames 1, 2 and 3 are reachable, 4 is not. That 5 is reachable again does not count: the condition must hold for <i>every</i> k up to j. (First trap.) From 3 the rule gets to 5. From 5 not even the next frame
+# is above the threshold, so it is kept; that 7 looks reachable does not count either. (Second trap.) From 6 to 7, the last.
 # </details>
 #
-# Why so strict, when 5 *can* be reached from 0? Frames 3, 4 and 5 lie close together. An estimator that believes in 3, not in 4, and in 5 again is in doubt about that place, and where it is in doubt, a single high
-# number may be a lucky one. A run of high numbers seldom is.
+# Why so strict, if 5 *is* reachable from 0? Frames 3, 4 and 5 lie close together. An estimator that accepts 3, rejects 4 and accepts 5 again is uncertain about that place, and where it is uncertain, a single high
+# value may be luck. A run of high values seldom is.
 #
 # ### Exercise 1 · `choose_anchors` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Walk along the drive with two fingers. The left one stays on the anchor i, the right one goes ahead as long as the next frame can be reached from the left one. Where it stops, the left one follows.</details>
-# <details><summary>Hint 2: approach</summary>Two loops. The outer one runs while the last anchor is not the last frame. The inner one begins with j = i and makes j greater by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
+# <details><summary>Hint 1: concept</summary>Walk along the trajectory with two fingers. The left one stays on the anchor i; the right one moves ahead as long as the next frame is reachable from the left one. Where it stops, the left one follows.</details>
+# <details><summary>Hint 2: approach</summary>Two loops. The outer one runs while the last anchor is not the last frame. The inner one starts with j = i and increases j by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
 # <details><summary>Hint 3: one line</summary>anchors.append(max(j, i + 1))</details>
 
 
 # %% exercise="choose_anchors"
 def choose_anchors(reach, threshold):
-    """The anchors of a drive.
+    """The anchors of a trajectory.
 
-    reach: (T, T); reach[i, k] is RE(o_i, o_k). Only what lies ahead is needed, k > i. threshold: p_sparsify.
-    Returns the numbers of the anchors, rising; the first is 0 and the last T - 1.
+    reach: (T, T); reach[i, k] is RE(o_i, o_k). Only entries with k > i are needed. threshold: p_sparsify.
+    Returns the indices of the anchors in increasing order; the first is 0 and the last T - 1.
     """
     ### BEGIN SOLUTION
     anchors = [0]
@@ -150,23 +150,23 @@ def choose_anchors(reach, threshold):
 choose_anchors = check_choose_anchors.use(choose_anchors)
 
 # %% [markdown]
-# **Predict:** which anchors remain at a threshold of 0.6, and which are there at 0.96?
+# **Predict:** which anchors remain at a threshold of 0.6, and which does 0.96 give?
 
 # %%
 tables = [reach_table(BY_HAND, p, list(choose_anchors(BY_HAND, p))) for p in (0.6, 0.96)]
 show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 
 # %% [markdown]
-# ## 2 · Anchors on a real drive
+# ## 2 · Anchors on a real trajectory
 #
-# Now the drive of the first picture, with the shipped estimator for $k = 2$. It is asked from each frame about the 60 frames that follow, which is 4 m and more; farther frames count as 0.
+# Now the trajectory of the first figure, with the shipped estimator for $k = 2$. From each frame it is evaluated on the next 60 frames, which cover 4 m and more; frames beyond count as 0.
 
 # %%
 AHEAD = 60
 
 
 def reach_ahead(guide, frames):
-    """RE (T, T) from each frame of a drive to the `AHEAD` next ones, and 0 elsewhere."""
+    """RE (T, T) from each frame of a trajectory to the next `AHEAD` ones, and 0 elsewhere."""
     here, there = np.nonzero(np.triu(np.tri(len(frames), k=AHEAD), 1))
     seen = guide.recorded.observe(frames, guide.predictor.view.camera)
     targets = guide.reachability.prepare(guide.pictures(frames))
@@ -182,16 +182,16 @@ for p in (0.9, 0.95, 0.97, 0.99):
     print(f"p_sparsify = {p}: {len(anchors)} anchors for {len(frames)} frames")
 
 # %% [markdown]
-# The first slider moves the threshold, the second one chooses an anchor. The curve is $\mathcal{RE}$ from this anchor to what lies ahead; the next anchor is where the curve first dips below the line.
+# The first slider moves the threshold, the second one selects an anchor. The curve is $\mathcal{RE}$ from this anchor to the frames ahead; the next anchor is where the curve first dips below the line.
 #
-# **Predict:** what happens to the anchors at 0.99? Do they come closer everywhere alike? And is the curve smooth?
+# **Predict:** what happens to the anchors at 0.99? Do they move closer together everywhere alike? And is the curve smooth?
 
 # %%
 small_view = PlanView(scene, 330, 520)
 
 
 def anchors_at(p_sparsify, from_anchor):
-    """Anchors on the plan, and RE from one of them to what lies ahead."""
+    """Anchors on the plan, and RE from one of them to the frames ahead."""
     anchors = choose_anchors(reach, p_sparsify)
     place = min(from_anchor, len(anchors) - 2)
     here, following = anchors[place], anchors[place + 1]
@@ -211,22 +211,22 @@ def anchors_at(p_sparsify, from_anchor):
     axis.set(xlabel="metres ahead of the anchor", ylabel="RE", ylim=(0.05, 0.999), xlim=(0, 4.2))
     panels = [around(small_view, picture, poses[:, :2], 0.6), from_figure(figure)]
     metres = np.diff(arc[anchors])
-    words = f"{len(anchors)} of {len(frames)} frames; {metres.min():.1f} to {metres.max():.1f} m from one to the next"
-    return side_by_side(panels, gap=10), words
+    caption = f"{len(anchors)} of {len(frames)} frames; {metres.min():.1f} to {metres.max():.1f} m from one to the next"
+    return side_by_side(panels, gap=10), caption
 
 
 sliders(anchors_at, p_sparsify=(0.5, 0.99, 0.01, 0.9), from_anchor=(0, 12, 1, 3))
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# The curve is a shelf with an edge: for a metre or two the estimator is as good as sure, then $\mathcal{RE}$ drops within a few frames, and wavers from there on. (The axis is stretched at both ends: from 0.9 to 0.99 is as far as from 0.5 to 0.9.) Behind the edge lies what is not in the present picture: the next room, the way behind a bend.
-# A higher threshold moves the anchors in, but not everywhere alike. They are closest at the start of the drive, where the car turned round by going to and fro, whatever the threshold. Once in a while a <i>higher</i> threshold even needs one anchor less: the rule is greedy, and whoever stops a little earlier may stand where one sees farther.
+# The curve is a shelf with an edge: for a metre or two the estimator is almost certain, then $\mathcal{RE}$ drops within a few frames, and fluctuates from there on. (The axis is stretched at both ends: from 0.9 to 0.99 is as far as from 0.5 to 0.9.) Beyond the edge lies what the present image does not show: the next room, the corridor behind a bend.
+# A higher threshold moves the anchors closer together, but not everywhere alike. Whatever the threshold, they are closest at the start of the trajectory, where the car turns round by going back and forth. Occasionally a <i>higher</i> threshold even needs one anchor less: the rule is greedy, and an anchor a little earlier may see farther.
 # </details>
 #
-# ### Where do they come close together?
+# ### Where are they close together?
 #
-# From every frame of the drive: how far ahead does the rule get at 0.95? With it, what the car has around it there: the clearance to the nearest wall, and by how much it turns within the next metre.
-# **Predict:** where on the drive is the blue curve low?
+# From every frame of the trajectory: how far ahead does the rule get at 0.95? With it, two properties of the place: the clearance to the nearest wall, and how much the car turns within the next metre.
+# **Predict:** where on the trajectory is the blue curve low?
 
 # %%
 P_SPARSIFY = 0.95
@@ -239,7 +239,7 @@ def farthest(reach, here, p):
 
 
 def turn_within(poses, arc, here, metres=1.0):
-    """By how many degrees a drive turns within the next metres."""
+    """By how many degrees a trajectory turns within the next metres."""
     there = min(np.searchsorted(arc, arc[here] + metres), len(arc) - 1)
     return np.rad2deg(np.abs(wrap(np.diff(poses[here : there + 1, 2]))).sum())
 
@@ -253,54 +253,54 @@ figure, (axis,) = chart(9.0, 3.6)
 axis.fill_between(along, np.deg2rad(turns), color=colours.unit(colours.PATH), alpha=0.5)
 axis.plot(along, np.deg2rad(turns), color=colours.unit(colours.PATH), label="turn ahead, rad")
 axis.plot(along, clearance[: len(sight)], color="0.6", label="clearance, m")
-axis.plot(along, sight, color=colours.unit(colours.ROBOT), label="reached ahead, m")
+axis.plot(along, sight, color=colours.unit(colours.ROBOT), label="reach ahead, m")
 axis.plot(arc[anchors], 0 * anchors, "|", markersize=16, markeredgewidth=3, label="anchors")
 axis.lines[-1].set_color(colours.unit(colours.GOAL))
-axis.set(ylim=(-0.2, None), xlim=(-0.1, arc[-1] + 0.1), xlabel="metres along the drive")
+axis.set(ylim=(-0.2, None), xlim=(-0.1, arc[-1] + 0.1), xlabel="metres along the trajectory")
 figure.legend(loc="outside upper center", ncols=4, fontsize=11, frameon=False)
 show(from_figure(figure))
 
 # %% [markdown]
-# <details><summary>Where is it low, and why is it a saw?</summary>
-# It is lowest at the start, where the car turns by a right angle on a metre, and it has teeth all along. Where a flank of a tooth falls by one metre a metre, the run ends at the <i>same</i> frame from wherever the car starts, because something there cannot be seen from before; past it, the view is open again, and the curve jumps up. The small teeth are the estimator's doubt: a single RE just below the line ends a run, and from the next frame it may lie just above.
+# <details><summary>Where is it low, and why is it a sawtooth?</summary>
+# It is lowest at the start, where the car turns by a right angle within a metre, and it has teeth all along. Where a flank falls by one metre per metre, the run ends at the <i>same</i> frame wherever the car starts, because something there cannot be seen from before; past it, the view opens again, and the curve jumps up. The small teeth are estimation noise: a single RE just below the line ends a run, and from the next frame it may lie just above.
 # </details>
 #
-# One drive is one drive. Here are all anchors of the 24 drives, and how far it is from each to the next. The orange ones lie on the first two metres of their drives. **Predict:** which of the two matters more, how narrow it is, or how sharp the bend?
+# That is a single trajectory. Here are all anchors of the 24 trajectories, and the distance from each to the next. The orange ones lie on the first two metres of their trajectories. **Predict:** which matters more, how narrow the place is or how sharp the bend?
 
 # %%
-kept = [guide.anchors(number, P_SPARSIFY) for number in range(len(drives))]
+kept = [guide.anchors(index, P_SPARSIFY) for index in range(len(trajectories))]
 
 
 def surroundings(here, there):
-    """The least clearance between two frames of the record, m, and the turning, degrees."""
-    way = recorded.poses[here : there + 1]
-    turned = np.abs(wrap(np.diff(way[:, 2]))).sum()
-    return scene.clearance.at(way[:, :2]).min(), np.rad2deg(turned)
+    """The least clearance between two recorded frames, m, and the turning, degrees."""
+    between = recorded.poses[here : there + 1]
+    turned = np.abs(wrap(np.diff(between[:, 2]))).sum()
+    return scene.clearance.at(between[:, :2]).min(), np.rad2deg(turned)
 
 
 gaps, whole, starting = [], [], []
-for trail in kept:
-    for here, following in pairwise(trail[:-1]):  # the last gap is cut off
+for path in kept:
+    for here, following in pairwise(path[:-1]):  # the last gap is cut off
         metre = recorded.frame_at(np.array([here]), np.array([1.0]))[0]
         metres_between = recorded.arc[following] - recorded.arc[here]
         gaps.append((metres_between, *surroundings(here, metre)))
         whole.append((metres_between, *surroundings(here, following)))
-        starting.append(recorded.arc[here] - recorded.arc[trail[0]] < UNDER_WAY)
+        starting.append(recorded.arc[here] - recorded.arc[path[0]] < UNDER_WAY)
 gaps, whole, starting = np.array(gaps), np.array(whole), np.array(starting)
 
 figure, axes = chart(9.0, 3.6, columns=2)
 for axis, column, name in zip(axes, (1, 2), ("clearance, m", "turn, degrees"), strict=True):
-    for some, tone in ((~starting, colours.GOAL), (starting, colours.LASER)):
+    for mask, tone in ((~starting, colours.GOAL), (starting, colours.LASER)):
         style = {"color": colours.unit(tone), "alpha": 0.6, "markersize": 5}
-        axis.plot(gaps[some, column], gaps[some, 0], "o", **style)
+        axis.plot(gaps[mask, column], gaps[mask, 0], "o", **style)
     for low, high in pairwise(np.quantile(gaps[:, column], np.linspace(0, 1, 5))):
         mean = gaps[(gaps[:, column] >= low) & (gaps[:, column] <= high), 0].mean()
         axis.plot([low, high], [mean, mean], color=colours.unit(colours.INK))
     axis.set(xlabel=f"{name}, on the next metre", ylim=(0, None))
 axes[0].set_ylabel("metres to the next anchor")
 print(f"rank correlation of {len(gaps)} gaps with    clearance    turn     (on the next metre)")
-for name, some in (("all", starting | True), ("under way", ~starting)):
-    with_clearance, with_turn = (spearman(gaps[some, 0], gaps[some, column]) for column in (1, 2))
+for name, mask in (("all", starting | True), ("under way", ~starting)):
+    with_clearance, with_turn = (spearman(gaps[mask, 0], gaps[mask, column]) for column in (1, 2))
     print(f"{name:>32s} {with_clearance:+12.2f} {with_turn:+7.2f}")
 everywhere = stored("meng_fig5")
 print(f"{len(everywhere.worlds)} unseen worlds, under way, at {everywhere.rows[0]['threshold']}:")
@@ -314,47 +314,47 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>Corners or narrow places?</summary>
-# Both, a little. The black lines are means of quarters of the points. In the right picture the last quarter, where the drive turns by more than about 50 degrees within a metre, lies clearly lower: there the next anchor is near. Most of these points are orange: the car stands somewhere and goes to and fro until it faces the way it wants to go. Once under way our car bends gently, and less
-# is left of the relation. One building says little about clearance; twenty say more: for every controller the anchors are the denser, the tighter the place <i>and</i> the sharper the bend, and neither matters much more than the other. The correlations are far from 1. What makes a place hard is that the <i>view changes fast</i>, and clearance and turning are only two reasons for that. The paper speaks of "tight spaces and corners" in one breath (IV-A).
+# Both, a little. The black lines are means over quarters of the points. In the right panel the last quarter, where the trajectory turns by more than about 50 degrees within a metre, lies clearly lower: there the next anchor is near. Most of these points are orange: the car starts from rest and goes back and forth until it faces the direction it has to drive. Once under way our car bends gently, and less
+# is left of the relation. One building says little about clearance; twenty say more: for every controller the anchors are denser the tighter the place <i>and</i> the sharper the bend, and neither matters much more than the other. The correlations are far from 1. What makes a place hard is that the <i>view changes fast</i>, and clearance and turning are only two reasons for that. The paper mentions "tight spaces and corners" in one breath (IV-A).
 # </details>
 #
 # ### Find the bug
 #
-# A colleague finds "the next metre" arbitrary, and measures clearance and turning on the whole way from each anchor to the next. It is a line less, and turning suddenly matters much less. Are corners nearly as easy as the rest, then? Decide before you unfold the answer.
+# A colleague finds "the next metre" arbitrary, and measures clearance and turning over the whole gap from each anchor to the next. This saves a line, and turning suddenly matters much less. Are corners nearly as easy as the rest, then? Decide before you unfold the answer.
 
 # %%
-print("rank correlation, under way   clearance    turn     (on the whole way)")
+print("rank correlation, under way   clearance    turn     (over the whole gap)")
 under_way = whole[~starting]
 with_clearance, with_turn = (spearman(under_way[:, 0], under_way[:, i]) for i in (1, 2))
-print(f"{'24 drives here, k2':28s}{with_clearance:+11.2f} {with_turn:+7.2f}")
+print(f"{'24 trajectories here, k2':28s}{with_clearance:+11.2f} {with_turn:+7.2f}")
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# A longer way turns more, simply because it is longer, and it passes more narrow places, too. Whoever sums over the gap correlates the length of the gap with itself, here against what is really there. (More data would not help: it is the wrong question.) What is measured about a place must not depend on how far the car got from there: so take the same metre for all.
+# A longer gap contains more turning simply because it is longer, and it passes more narrow places, too. Summing over the gap correlates the length of the gap with itself, here against the real effect. (More data would not help: it is the wrong question.) What is measured about a place must not depend on how far the car got from there: so take the same metre for all.
 # </details>
 #
 # ## 3 · What the anchors cost
 #
-# Two different things are meant by "how much is kept":
+# "How much is kept" can mean two things:
 #
-# - **sparsity**, the paper's word: anchors / frames. It says how often something is *compared* while driving, and how large a map will be. Lower is sparser.
+# - **sparsity**, the paper's word: anchors / frames. It determines how many images are *compared* while driving, and how large a map becomes. Lower is sparser.
 # - **stored**: the anchors' contexts have to be kept as well. An anchor $\hat o_i$ consists of the frames $i - k\Delta T, \dots, i, \dots, i + k\Delta T$ with $\Delta T = 3$. Anchors that lie close together share some of them.
 #
-# **Predict:** with more context, $k = 5$ in place of $k = 2$, the controller gets farther, so there are fewer anchors. Are fewer pictures stored?
+# **Predict:** with more context, $k = 5$ in place of $k = 2$, the controller gets farther, so there are fewer anchors. Are fewer images stored?
 #
 # ### Exercise 2 · `frames_to_keep` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>List the context of each anchor, put the lists together, and count each frame once. Beyond an end of the drive there is nothing to store: there the context repeats the first or last frame.</details>
-# <details><summary>Hint 2: approach</summary>With 3 * np.arange(-k, k + 1) as offsets, anchors[:, None] + offsets is a table (A, 2k + 1) of frames. np.clip brings those beyond an end to the end.</details>
+# <details><summary>Hint 1: concept</summary>List the context of each anchor, join the lists, and count each frame once. Beyond an end of the trajectory there is nothing to store: there the context repeats the first or last frame.</details>
+# <details><summary>Hint 2: approach</summary>With 3 * np.arange(-k, k + 1) as offsets, anchors[:, None] + offsets is an (A, 2k + 1) table of frames. np.clip moves those beyond an end to the end.</details>
 # <details><summary>Hint 3: one line</summary>np.unique(np.clip(anchors[:, None] + offsets, 0, total - 1))</details>
 
 
 # %% exercise="frames_to_keep"
 def frames_to_keep(anchors, total, k):
-    """The frames of a drive that must be stored for its anchors with their contexts.
+    """The frames of a trajectory that must be stored for its anchors with their contexts.
 
-    anchors: (A,) their numbers. total: frames of the whole drive, 0 to total - 1. k: frames of context on either side, 3 apart.
-    Returns the frames' numbers, each once.
+    anchors: (A,) their indices. total: frames of the whole trajectory, 0 to total - 1. k: frames of context on either side, 3 apart.
+    Returns the indices of the frames, each once.
     """
     ### BEGIN SOLUTION
     offsets = 3 * np.arange(-k, k + 1)
@@ -373,21 +373,21 @@ chosen = {
     for context in guides
     for p in (0.9, 0.99)
 }
-print("on this drive      anchors   sparsity   stored")
+print("this trajectory    anchors   sparsity   stored")
 for (context, p), anchors in chosen.items():
     need = frames_to_keep(anchors, len(frames), guides[context].k)
     shares = f"{len(anchors) / len(frames):10.1%} {len(need) / len(frames):8.1%}"
     print(f"{context:>5s} at {p:4.2f}   {len(anchors):8d} {shares}")
 
 # %% [markdown]
-# <details><summary>Are fewer pictures stored?</summary>
-# No. With $k = 5$ there are fewer anchors, but each brings eleven frames along and not five; so more is stored, and $k = 0$ stores the least by far. The paper says so too ("one may argue that contextification reduces the effective sparsification ratio", III-D), and answers that what costs time is the number of anchors: each look compares
-# the present picture with a few anchors, whose part is encoded once (notebook 02).
+# <details><summary>Are fewer images stored?</summary>
+# No. With $k = 5$ there are fewer anchors, but each comes with eleven frames instead of five; so more is stored, and $k = 0$ stores the least by far. The paper says so too ("one may argue that contextification reduces the effective sparsification ratio", III-D), and answers that the number of anchors is what costs time: each step compares
+# the present image with a few anchors, whose part is encoded once (notebook 02).
 # </details>
 #
 # ### The paper's Fig. 5, and ours
 #
-# The paper shows the anchors of three controllers on one trajectory, at $p_\text{sparsify} = 0.99$: $k = 2$, $k = 5$, and the laser variant, which looks over 240° and measures distances. It says (IV-A): $k = 2$ needs denser anchors than $k = 5$; both keep more of them in tight spaces and corners; the laser's are spread more evenly.
+# The paper shows the anchors of three controllers on one trajectory, at $p_\text{sparsify} = 0.99$: $k = 2$, $k = 5$, and the laser variant, whose scan covers 240° and measures distances. It says (IV-A): $k = 2$ needs denser anchors than $k = 5$; both keep more of them in tight spaces and corners; the laser's are spread more evenly.
 # **Predict** which of the three statements will hold here.
 
 # %%
@@ -397,14 +397,14 @@ titles = [f"{name}: {len(chosen[c, 0.99])} anchors" for c, name in CONTEXTS.item
 show(side_by_side(panels, titles))
 
 # %% [markdown]
-# How evenly anchors are spread can be measured: the standard deviation of the gaps between them, in parts of their mean. It is 0 where all gaps are the same. Here it is for six drives, without their first two metres; below are the means of all drives of the unseen worlds (`.venv/bin/python -m tutorial_lib experiment meng_fig5`).
+# How evenly anchors are spread can be measured: the standard deviation of the gaps between them, divided by their mean. It is 0 where all gaps are equal. Here it is for six trajectories, without their first two metres; below are the means over all trajectories of the unseen worlds (`.venv/bin/python -m tutorial_lib experiment meng_fig5`).
 
 # %%
 for context, name in CONTEXTS.items():
     spans = []
-    for number in range(6):
-        trail = guides[context].anchors(number, 0.99)
-        since = recorded.arc[trail[:-1]] - recorded.arc[trail[0]]
+    for index in range(6):
+        path = guides[context].anchors(index, 0.99)
+        since = recorded.arc[path[:-1]] - recorded.arc[path[0]]
         spans += np.diff(since[since >= UNDER_WAY]).tolist()
     evenness = np.std(spans) / np.mean(spans)
     print(f"{name:6s} {np.mean(spans):.2f} m from anchor to anchor, spread {evenness:.2f}")
@@ -414,26 +414,26 @@ for row in everywhere.rows:
     print(f"{name:6s} {metres:.2f} m from anchor to anchor, sparsity {row['sparsity']:.1%}")
 
 # %% [markdown]
-# <details><summary>How is this to be read?</summary>
-# The first statement is about the mean: the larger it is, the farther the controller is trusted. The second is about where the small gaps are: look for clusters where the drive goes to and fro. The third is about the spread. The laser sees twice as wide an angle as the camera, so that a turn takes less out of its view; but it sees no colours, and straight walls look alike to it. There it keeps frame after frame: its anchors are the most numerous and the least evenly spread of all.
+# <details><summary>How should this be read?</summary>
+# The first statement is about the mean: the larger it is, the farther the controller is trusted. The second is about where the small gaps are: look for clusters where the trajectory goes back and forth. The third is about the spread. The laser's field of view is twice that of the camera, so a turn removes less from view; but the laser sees no colours, and straight walls look alike to it. There it keeps frame after frame: its anchors are the most numerous and the least evenly spread of all.
 # </details>
 #
 # ## 4 · Following the anchors
 #
-# A car stands somewhere, and is given the sequence $\hat o_1, \dots, \hat o_m$. It has no map and no position. At each look it can ask two things about any anchor: $\mathcal{RE}$, *could I get there?*, and the overlap that $\mathcal C_{WP}$ tells besides its waypoint, *how near am I to it?*
+# A car stands somewhere and is given the sequence $\hat o_1, \dots, \hat o_m$. It has no map and no position. At each step it can query two things about any anchor: $\mathcal{RE}$, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I to it?*
 #
-# It keeps two numbers: the **active** anchor, to which it drives, and the one **last visited**. And it is in one of five states (paper, III-H; *done* is ours):
+# It keeps two indices: the **active** anchor, to which it drives, and the one **last visited**. And it is in one of five states (paper, III-H; *done* is ours):
 
 # %%
 show(follower_machine())
 
 # %% [markdown]
-# - **Search**: take the anchor with the highest $\mathcal{RE}$, if that is above $p_\text{search}$. Otherwise give up: without a waypoint there is nothing to drive to.
-# - **Follow**: drive to $\mathcal C_{WP}(o_\text{current}, \hat o_\text{active})$, and move the active anchor on in time.
-# - **Dead reckoning**: $\mathcal{RE}(o_\text{current}, \hat o_\text{active})$ has become low: somebody stands in the way, or the car has been pushed. Whatever it was, it may pass. So drive on to the *last waypoint*, by odometry, and keep looking.
-# - **Lost**: that has lasted for too long. Stop.
+# - **Search**: take the anchor with the highest $\mathcal{RE}$ if it exceeds $p_\text{search}$. Otherwise give up: without a waypoint there is nothing to drive to.
+# - **Follow**: drive to $\mathcal C_{WP}(o_\text{current}, \hat o_\text{active})$, and advance the active anchor in time.
+# - **Dead reckoning**: $\mathcal{RE}(o_\text{current}, \hat o_\text{active})$ has become low: a person blocks the view, or the car has been pushed. Either may pass. So drive on to the *last waypoint* by odometry, and keep looking.
+# - **Lost**: dead reckoning has lasted too long. Stop.
 #
-# Here are our numbers, with $p_\text{search} = p_\text{follow} = 0.92$ as in the paper. Of $p_\text{lose}$ the paper knows nothing: it leaves Follow at $p_\text{follow}$, too. **Predict** what a car does whose $\mathcal{RE}$ wavers between 0.91 and 0.93, if both thresholds are the same.
+# Here are our values, with $p_\text{search} = p_\text{follow} = 0.92$ as in the paper. The paper has no $p_\text{lose}$: it also leaves Follow at $p_\text{follow}$. **Predict** what a car does if both thresholds are equal and its $\mathcal{RE}$ fluctuates between 0.91 and 0.93.
 
 # %%
 rules = FollowerSettings()
@@ -444,40 +444,40 @@ print(f"lost: after {rules.patience:g} s of dead reckoning")
 
 # %% [markdown]
 # <details><summary>What does it do?</summary>
-# It changes its state several times a second, and drives by an old waypoint half of the time although nothing is wrong. Two thresholds with a gap between them, <i>hysteresis</i>, end that: one must be quite sure to begin, and quite unsure to stop. Thermostats do the same.
+# It changes its state several times a second, and half of the time drives to an old waypoint although nothing is wrong. Two thresholds with a gap between them, <i>hysteresis</i>, prevent that: a high one to begin, a low one to stop. Thermostats do the same.
 # </details>
 #
 # ### When to move on
 #
-# The anchor that is driven to should be neither too close nor too far away. Too close, and the car stops and goes, since each waypoint is reached before the next one is given. Too far, and it leaves the recorded way, cutting corners that it has never seen.
+# The active anchor should be neither too close nor too far away. If it is too close, the car stops and goes, since it reaches each waypoint before it gets the next. If it is too far, the car leaves the recorded path and cuts corners that it has never seen.
 #
-# With `reach[j]` and `overlap[j]` for anchor `j` (both are 0 where nobody asked), at each look:
+# With `reach[j]` and `overlap[j]` for anchor `j` (both are 0 where they were not evaluated), at each step:
 #
-# 1. **Last visited.** Of the anchors before, at and after the active one take the closest, the one with the largest overlap. It was visited if its overlap is above `rules.visited`. The active anchor was visited, too, if the car is *at* it: its waypoint is less than `rules.at` away, however the car is turned. (A car that stands there turned aside has little overlap.) What was visited earlier is never gone back to.
-# 2. **Active.** On to the next one, if there is a next one, and
-#     - it can be reached, above `rules.p_follow`, *and* is near, its overlap above `rules.near`; or
-#     - the active one was visited: then the car must get on, whatever the next one's $\mathcal{RE}$.
+# 1. **Last visited.** Of the anchors before, at and after the active one take the closest, the one with the largest overlap. It counts as visited if its overlap is above `rules.visited`. The active anchor also counts as visited if the car is *at* it: its waypoint is less than `rules.at` away, whatever the car's heading. (A car that stands there with another heading has little overlap.) The last visited anchor never moves backwards.
+# 2. **Active.** Advance to the next one, if there is a next one, and
+#     - it is reachable, above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
+#     - the active one was visited: then the car must move on, whatever the next one's $\mathcal{RE}$.
 #
 #     Otherwise it stays.
 #
 # <details><summary>Where does this differ from the paper?</summary>
-# The paper sets the active anchor to <i>last visited + 1</i> where the next one is not reachable and near. Taken literally it falls back: once the car has moved on early to an anchor that it has seen from afar, and then doubts the one after it, the active anchor jumps to one that lies beside the
-# car or behind it. Here it stays. And what makes an anchor "visited" the paper leaves open; it says "the closest".
+# The paper sets the active anchor to <i>last visited + 1</i> where the next one is not both reachable and near. Taken literally it falls back: once the car has advanced early to an anchor seen from afar, and then doubts the one after it, the active anchor jumps to one that lies beside the
+# car or behind it. Here it stays. And the paper leaves open what makes an anchor "visited"; it says "the closest".
 # </details>
 #
 # ### Exercise 3 · `move_on` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Two questions, one after the other. First: where have I been? Then, with the answer: where do I go?</details>
-# <details><summary>Hint 2: approach</summary>The places to compare are range(max(active - 1, 0), min(active + 1, last) + 1) with last = len(reach) - 1; max(places, key=lambda j: overlap[j]) is the closest. Update visited by it, then by at. Return early where active is the last anchor; what remains is one condition.</details>
+# <details><summary>Hint 1: concept</summary>Two questions, one after the other. First: which anchor did I visit last? Then, with the answer: which one do I drive to?</details>
+# <details><summary>Hint 2: approach</summary>The anchors to compare are range(max(active - 1, 0), min(active + 1, last) + 1) with last = len(reach) - 1; max(places, key=lambda j: overlap[j]) is the closest. Update visited by it, then by at. Return early if active is the last anchor; what remains is one condition.</details>
 # <details><summary>Hint 3: one line</summary>if visited >= active or (reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near): active += 1</details>
 
 
 # %% exercise="move_on"
 def move_on(active, visited, reach, overlap, at, rules):
-    """The anchor to drive to and the one last visited, after one look.
+    """The active anchor and the one last visited, after one step.
 
-    active: number of the anchor that was driven to. visited: of the one last visited; -1 for none. reach: (L,) RE of the L anchors.
-    overlap: (L,) with them. at: whether the car is at the active anchor. rules: the numbers above.
+    active: index of the anchor that was driven to. visited: index of the one last visited; -1 for none. reach: (L,) RE of the L anchors.
+    overlap: (L,) with them. at: whether the car is at the active anchor. rules: the settings above.
     Returns active, visited.
     """
     ### BEGIN SOLUTION
@@ -501,27 +501,27 @@ move_on = check_move_on.use(move_on)
 # %% [markdown]
 # ### The state machine
 #
-# Now the whole of it, as a function without a memory of its own: what was, and what is seen, in; what is to be, out. That makes it easy to test, and easy to replay.
+# Now the whole machine, as a function without a memory of its own: the old state and what is seen go in, the new state comes out. That makes it easy to test, and easy to replay.
 #
-# - **Search:** the best anchor above `rules.p_search` becomes active, and the car follows; visited is the anchor before it. Otherwise the car is lost.
-# - **Follow:** if the active anchor is the last one and the car is there (`at`), it is done; a high overlap with it is not enough. Otherwise `move_on`. If the $\mathcal{RE}$ of the anchor that is active *then* is above `rules.p_lose`, it goes on following, else by dead reckoning.
+# - **Search:** if the best anchor is above `rules.p_search`, it becomes active and the car follows; visited is the anchor before it. Otherwise the car is lost.
+# - **Follow:** if the active anchor is the last one and the car is there (`at`), it is done; a high overlap with it is not enough. Otherwise `move_on`. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following, else it goes over to dead reckoning.
 # - **Dead reckoning:** back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise lost, after *more* than `rules.patience` seconds. The active anchor stays.
 #
-# Who is lost or done keeps what was active and visited.
+# A car that is lost or done keeps its active and visited anchors.
 #
 # ### Exercise 4 · `transition` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>One if for each state. Each branch returns; then no branch can spoil another one.</details>
-# <details><summary>Hint 2: approach</summary>In Follow ask for the end first, then active, visited = move_on(active, visited, reach, overlap, at, rules). In dead reckoning ask for RE first and for the time second: who has found the trail again is not lost.</details>
+# <details><summary>Hint 1: concept</summary>One if for each state. Let each branch return; then no branch can affect another one.</details>
+# <details><summary>Hint 2: approach</summary>In Follow check for the end first, then active, visited = move_on(active, visited, reach, overlap, at, rules). In dead reckoning check RE first and the time second: a car that sees its anchor again is not lost.</details>
 # <details><summary>Hint 3: one line</summary>best = int(np.argmax(reach)) for Search; State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING at the end of Follow.</details>
 
 
 # %% exercise="transition"
 def transition(state, active, visited, reach, overlap, at, waited, rules):
-    """What a follower does next.
+    """The next state of a follower.
 
     state: State.SEARCH, State.FOLLOW or State.DEAD_RECKONING. active, visited, reach, overlap, at, rules: as for move_on; in Search, reach is
-    known of every anchor. waited: seconds in dead reckoning.
+    known for every anchor. waited: seconds in dead reckoning.
     Returns state, active, visited.
     """
     ### BEGIN SOLUTION
@@ -548,22 +548,22 @@ transition = check_transition.use(transition)
 # %% [markdown]
 # ### Dead reckoning
 #
-# In dead reckoning the car drives to a waypoint that it was told a while ago: "1 m ahead and 0.6 m to the left". **Predict:** what will a car do that keeps these two numbers, and drives to 1 m ahead and 0.6 m to the left for twelve seconds?
+# In dead reckoning the car drives to a waypoint that was predicted a while ago: "1 m ahead and 0.6 m to the left". **Predict:** what does a car do that keeps these two numbers, and drives to 1 m ahead and 0.6 m to the left for twelve seconds?
 #
-# The odometer knows how the car has moved since. With the odometer's pose *then*, when the waypoint was told, and its pose *now*, the waypoint can be expressed in the present frame. It need not be exact, since it only has to last for a few seconds: the paper's odometer "needs not be very accurate".
+# The odometer measures how the car has moved since. With the odometer's pose *then*, when the waypoint was predicted, and its pose *now*, the waypoint can be expressed in the present frame. It need not be exact, since it only has to last for a few seconds: the paper's odometer "needs not be very accurate".
 #
 # ### Exercise 5 · `tracked_waypoint` (easy, 6 minutes)
 #
 # <details><summary>Hint 1: concept</summary>Notebook 01: out of one frame and into another. The odometer's own frame lies between them.</details>
-# <details><summary>Hint 2: approach</summary>to_world(then, waypoint) is the waypoint's place in the odometer's frame, which does not move with the car. to_local brings a place into the frame of a pose. Both take many poses at once.</details>
-# <details><summary>Hint 3: one line</summary>to_local(now, ...) of what the second hint gives.</details>
+# <details><summary>Hint 2: approach</summary>to_world(then, waypoint) is the waypoint in the odometer's frame, which does not move with the car. to_local expresses a point in the frame of a pose. Both take many poses at once.</details>
+# <details><summary>Hint 3: one line</summary>to_local(now, ...) of the result of the second hint.</details>
 
 
 # %% exercise="tracked_waypoint"
 def tracked_waypoint(then, waypoint, now):
-    """A waypoint told a while ago, as the car has it before it now.
+    """A waypoint predicted a while ago, in the car's present frame.
 
-    then: (..., 3) the odometer's pose when the waypoint was told. waypoint: (..., 2) in the car's frame of then, m. now: (..., 3) the odometer's pose now.
+    then: (..., 3) the odometer's pose when the waypoint was predicted. waypoint: (..., 2) in the car's frame of then, m. now: (..., 3) the odometer's pose now.
     Returns (..., 2) in the car's present frame.
     """
     ### BEGIN SOLUTION
@@ -575,21 +575,21 @@ def tracked_waypoint(then, waypoint, now):
 tracked_waypoint = check_tracked_waypoint.use(tracked_waypoint)
 
 # %%
-told = np.array([1.0, 0.6])
-room = np.minimum(clearance, scene.clearance.at(to_world(poses, told)))
+waypoint = np.array([1.0, 0.6])
+room = np.minimum(clearance, scene.clearance.at(to_world(poses, waypoint)))
 widest = poses[room.argmax()]
 simulation = Simulation(scene, np.tile(widest, (2, 1)), sensors=Sensors(camera=None))
 then, controller, tracks = simulation.observe().odometry, RMPController(), []
 for _ in range(120):
-    seen, waypoints = simulation.observe(), np.tile(told, (2, 1))
-    waypoints[1] = tracked_waypoint(then[1], told, seen.odometry[1])
+    seen, waypoints = simulation.observe(), np.tile(waypoint, (2, 1))
+    waypoints[1] = tracked_waypoint(then[1], waypoint, seen.odometry[1])
     simulation.step(controller.act(seen, waypoints))
     tracks.append(simulation.poses)
 tracks = np.array(tracks)
 panels = []
 for robot in range(2):
     picture = view.base.copy()
-    view.goal(picture, to_world(widest, told))
+    view.goal(picture, to_world(widest, waypoint))
     view.polyline(picture, tracks[:, robot, :2], colours.TRACK, 4)
     view.robot(picture, widest, car.footprint)
     view.robot(picture, tracks[-1, robot], car.footprint)
@@ -598,51 +598,51 @@ show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], heigh
 
 # %% [markdown]
 # <details><summary>What does the first car do?</summary>
-# It runs after a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the place that was meant, up to a wall, and goes to and fro there. This is a bug that does not show as long as all goes well, since in Follow a new waypoint is told ten times a second.
+# It chases a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the intended place, up to a wall, and goes back and forth there. This bug does not show as long as all goes well, since in Follow a new waypoint is predicted ten times a second.
 # </details>
 #
 # ## 5 · The follower at work
 #
-# What is left is plumbing: look, ask the two networks about the anchors around the active one (in Search about all), call `transition`, and drive to the waypoint. A whole fleet can do it at once.
+# The rest is plumbing: observe, query the two networks about the anchors around the active one (in Search about all), call `transition`, and drive to the waypoint. A whole fleet can do it at once.
 
 
 # %%
-def look(guide, trails, seen, robots, state, active):
-    """What both networks say of the anchors around the active ones, 0 where nobody asks.
+def look(guide, paths, seen, robots, state, active):
+    """RE, overlaps and waypoints of the anchors around the active ones; 0 where not evaluated.
 
-    Returns RE and overlaps (M, L) and waypoints (M, L, 2) for M robots and the L anchors of the longest trail.
+    Returns RE and overlaps (M, L) and waypoints (M, L, 2) for M robots and L anchors of the longest path.
     """
-    places = np.tile(np.arange(trails.lengths.max()), (len(robots), 1))
-    asked = np.abs(places - active[:, None]) <= 1
-    asked |= state[:, None] == State.SEARCH
-    reach = trails.probabilities(guide.reachability, seen, robots, places, asked)
-    waypoints, overlap = trails.waypoints(guide.predictor, seen, robots, places, asked)
+    places = np.tile(np.arange(paths.lengths.max()), (len(robots), 1))
+    queried = np.abs(places - active[:, None]) <= 1
+    queried |= state[:, None] == State.SEARCH
+    reach = paths.probabilities(guide.reachability, seen, robots, places, queried)
+    waypoints, overlap = paths.waypoints(guide.predictor, seen, robots, places, queried)
     return np.nan_to_num(reach), np.nan_to_num(overlap), waypoints
 
 
-def follow(guide, trails, starts, people=(), disturb=None, noise=0.0, limit=700):
-    """Drive N robots along trails of anchors, by the functions above.
+def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
+    """Drive N robots along paths of anchors, with the functions above.
 
     Returns poses (T + 1, N, 3) and states (T, N).
     """
     world, rng = guide.recorded.scene, np.random.default_rng(0)
     simulation = Simulation(world, starts, people=people, control_noise=noise, rng=rng)
-    count = len(trails)
+    count = len(paths)
     state, over = np.full(count, State.SEARCH), np.zeros(count, dtype=bool)
     active, visited = np.full(count, -1), np.full(count, -1)
-    then, told, waited = np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(count)
+    then, last_waypoint, waited = np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(count)
     track, states = [simulation.poses], []
     while not over.all() and len(states) < limit:
         if disturb is not None:
             disturb(simulation, len(states))
         robots = np.flatnonzero(~over)
         seen = simulation.observe(robots)
-        answers = look(guide, trails, seen, robots, state[robots], active[robots])
+        answers = look(guide, paths, seen, robots, state[robots], active[robots])
         for robot, odometry, *answer in zip(robots, seen.odometry, *answers, strict=True):
-            reach, overlap, waypoints = (part[: trails.lengths[robot]] for part in answer)
+            reach, overlap, waypoints = (part[: paths.lengths[robot]] for part in answer)
             before = active[robot]
             close = np.linalg.norm(waypoints[before]) < rules.at
-            at = bool(close and reach[before] > rules.p_lose)  # else the waypoint means nothing
+            at = bool(close and reach[before] > rules.p_lose)  # else the waypoint is void
             state[robot], active[robot], visited[robot] = transition(
                 State(state[robot]),
                 before,
@@ -655,12 +655,12 @@ def follow(guide, trails, starts, people=(), disturb=None, noise=0.0, limit=700)
             )
             waited[robot] = waited[robot] + STEP if state[robot] == State.DEAD_RECKONING else 0.0
             if state[robot] == State.FOLLOW or active[robot] > before:
-                then[robot], told[robot] = odometry, waypoints[active[robot]]
+                then[robot], last_waypoint[robot] = odometry, waypoints[active[robot]]
         over = simulation.collided | np.isin(state, (State.LOST, State.DONE))
         actions, going = np.zeros((count, 2)), ~over[robots]
         if going.any():
             now, moving = seen[going], robots[going]
-            ahead = tracked_waypoint(then[moving], told[moving], now.odometry)
+            ahead = tracked_waypoint(then[moving], last_waypoint[moving], now.odometry)
             actions[moving] = controller.act(now, ahead)
         simulation.step(actions)
         track.append(simulation.poses)
@@ -668,36 +668,36 @@ def follow(guide, trails, starts, people=(), disturb=None, noise=0.0, limit=700)
     return np.array(track), np.array(states)
 
 
-def trails_of(guide, kept):
-    """AnchorPaths of anchors, frames (A,) of recorded drives, one for each robot."""
-    pictures = guide.pictures(np.concatenate(kept))
-    prepared = guide.predictor.prepare(pictures), guide.reachability.prepare(pictures)
-    return AnchorPaths.end_to_end(*prepared, [len(trail) for trail in kept])
+def anchor_paths(guide, kept):
+    """AnchorPaths of anchors, frames (A,) of recorded trajectories, one for each robot."""
+    images = guide.pictures(np.concatenate(kept))
+    prepared = guide.predictor.prepare(images), guide.reachability.prepare(images)
+    return AnchorPaths.end_to_end(*prepared, [len(path) for path in kept])
 
 
 # %% [markdown]
-# Five cars are put down where the tour leaves the first room, and follow it, all at the same time; they do not meet each other. The first is left alone. After 12 s the second is pushed aside by half a metre, the third is turned by 40°, and the fifth is carried into another room. The fourth has met somebody by then, who walks towards it, waits, and turns back.
+# Five cars start where the tour leaves the first room, and follow it at the same time without interacting. The first is left alone. After 12 s the second is pushed aside by half a metre, the third is turned by 40°, and the fifth is kidnapped: placed in another room. By then the fourth has met a person, who walks towards it, waits, and turns back.
 #
-# **Predict** for each: does it find back, and what does it do until then? The odometers do not notice that anybody has moved the cars.
+# **Predict** for each: does it recover, and what does it do until then? The odometers do not register that the cars were moved.
 
 # %%
-PUT_DOWN, WHEN = 70, 120  # a frame of the drive, and a step of 0.1 s
-STORIES = (
+START_FRAME, WHEN = 70, 120  # a frame of the trajectory, and a step of 0.1 s
+CASES = (
     "left alone",
     "pushed aside by 0.5 m",
     "turned by 40 degrees",
-    "somebody comes",
-    "carried away",
+    "a person comes",
+    "kidnapped",
 )
-trail = frames[choose_anchors(reach, P_SPARSIFY)]
+path = frames[choose_anchors(reach, P_SPARSIFY)]
 off = np.linalg.norm(recorded.poses[:, None, :2] - poses[::5, :2], axis=2).min(axis=1)
-elsewhere = recorded.poses[off.argmax()]  # as far from the tour as can be
+elsewhere = recorded.poses[off.argmax()]  # as far from the tour as possible
 person = Person(poses[280:150:-5, :2], speed=0.5, owner=3)
 circles = {}
 
 
-def meddle(simulation, step):
-    """What happens to the cars; where the person is, is kept for the pictures."""
+def disturb_cars(simulation, step):
+    """What happens to the cars; the person's positions are kept for the figures."""
     circles[step] = simulation.discs.circles
     if step == WHEN:
         _, pushed, turned, _, _ = simulation.poses
@@ -707,60 +707,62 @@ def meddle(simulation, step):
         simulation.place([1, 2, 4], [*first, elsewhere])
 
 
-starts = np.tile(poses[PUT_DOWN], (5, 1))
-track, states = follow(guide, trails_of(guide, [trail] * 5), starts, [person], meddle)
+starts = np.tile(poses[START_FRAME], (5, 1))
+track, states = follow(guide, anchor_paths(guide, [path] * 5), starts, [person], disturb_cars)
 ribbons = []
 for robot in range(5):
     over = np.flatnonzero(np.isin(states[:, robot], (State.LOST, State.DONE)))
     end = over[0] + 10 if len(over) else len(states)
     ribbons.append(state_ribbon(states[:end, robot], 900, len(states)))
-show(stacked([*ribbons, state_legend(900)], [*STORIES, ""], gap=2))
+show(stacked([*ribbons, state_legend(900)], [*CASES, ""], gap=2))
 
 # %%
 base = view.base.copy()
 draw_frames(view, base, poses)
-draw_anchors(view, base, recorded.poses[trail])
+draw_anchors(view, base, recorded.poses[path])
 after = WHEN + np.array([-3, 2, 10, 25, 60])
 moments = {1: after, 2: after, 3: np.array([95, 110, 130, 150, 190]), 4: after}
 strips = []
 for robot, steps in moments.items():
     discs = circles if robot == 3 else None
     shown = np.minimum(steps, len(states) - 1)
-    how = {"side": 164, "discs": discs}
+    options = {"side": 164, "discs": discs}
     strips.append(
-        follower_strip(view, base, track[:-1, robot], states[:, robot], shown, car.footprint, **how)
+        follower_strip(
+            view, base, track[:-1, robot], states[:, robot], shown, car.footprint, **options
+        )
     )
-show(stacked(strips, STORIES[1:], gap=4))
+show(stacked(strips, CASES[1:], gap=4))
 
 # %% [markdown]
 # <details><summary>What do they do?</summary>
-# The one that is <i>pushed</i> and the one that is <i>turned</i> hardly leave Follow, if at all: the anchor is still in view, its $\mathcal{RE}$ falls but not below p_lose, and the local controller leads them back in an S. That is what it was trained for: starts beside the drive.
-# <i>Somebody comes</i>: now and then the person hides so much that $\mathcal{RE}$ falls below p_lose. Then the car goes over to dead reckoning and creeps on, and comes back to Follow as soon as it sees enough; with a person in the middle of the picture and the walls on either side in view, it may well stay in Follow. Whether it arrives is a matter of luck: where the person turns back and walks before it, in the middle of its picture, for longer than its patience lasts, it gives up on the right way. A planner would have to try again; that is notebook 06.
-# The one that was <i>carried away</i> knows at once that something is wrong, since no picture looks like that of its anchor. It drives on to the last waypoint (which is now in another room, at a place that means nothing), and stops after four seconds. It is lost, and it knows it.
+# The <i>pushed</i> and the <i>turned</i> car hardly leave Follow, if at all: the anchor is still in view, its $\mathcal{RE}$ falls but not below p_lose, and the local controller leads them back in an S. That is what it was trained for: starts beside the trajectory.
+# <i>A person comes</i>: now and then the person hides so much that $\mathcal{RE}$ falls below p_lose. Then the car goes over to dead reckoning and creeps on, and returns to Follow as soon as it sees enough; with a person in the middle of the image and the walls on either side in view, it may well stay in Follow. Whether it arrives is a matter of luck: if the person turns back and walks in front of it, in the middle of its image, for longer than its patience lasts, it gives up although it is on the right path. A planner would have to try again; that is notebook 06.
+# The <i>kidnapped</i> car notices at once that something is wrong, since nothing it sees resembles its anchor. It drives on to the last waypoint (which is now in another room, at a place that means nothing), and stops after four seconds. It is lost, and it knows it.
 #
-# Five cars are anecdotes. How often each of these stories ends well in unseen worlds is another experiment: `.venv/bin/python -m tutorial_lib experiment disturbances`.
+# Five cars are anecdotes. How often each of these cases ends well in unseen worlds is another experiment: `.venv/bin/python -m tutorial_lib experiment disturbances`.
 # </details>
 #
 # ### Yours and the library's
 #
-# The library's `Follower` has the same rules and some more memory (`topology/run.py` and `topology/turning.py`):
+# The library's `Follower` has the same rules and some more memory (`topology/following/follower.py` and `heading_search.py`):
 #
-# - It leaves dead reckoning only after five looks in a row, by any anchor near the active one; and it has arrived only after five looks.
-# - Who has come to the last waypoint and is still in dead reckoning need not just stand there: as long as $\mathcal{RE}$ of the active anchor is above `p_try`, 0.2, it drives to where $\mathcal C_{WP}$ believes that anchor to be. The clock goes on all the same.
-# - **It turns.** A waypoint leads to a place and tells no heading. A car that is at an anchor, sees little of what was seen there (overlap below `rules.facing`), and cannot reach the next anchor yet, is given a waypoint *beside* it: it turns to one side as long as the overlap grows, and to the other when it shrinks. Only then was the anchor visited.
-# - Whoever comes no nearer for `rules.effort` seconds leaves the anchor as it is, and if that does not help either is lost, in Follow too.
+# - It leaves dead reckoning only after five steps in a row, by any anchor near the active one; and it has arrived only after five steps.
+# - At the end of dead reckoning it need not just stand at the last waypoint: as long as $\mathcal{RE}$ of the active anchor is above `p_try`, 0.2, it drives to a new waypoint that $\mathcal C_{WP}$ predicts for that anchor. The clock keeps running.
+# - **It searches for the heading.** A waypoint is a position without a heading. A car that is at an anchor, sees little of what was seen there (overlap below `rules.facing`), and cannot reach the next anchor yet, gets a waypoint *beside* it: it turns to one side as long as the overlap grows, and to the other when it shrinks. Only then does the anchor count as visited.
+# - After `rules.effort` seconds without coming nearer, the anchor counts as visited all the same; if that does not help either, the car is lost, in Follow too.
 #
-# Both follow all 24 drives. The **cover rate** (paper, IV-B) is the length that is followed before the car strays from the drive by more than a metre, touches something or gives up, over the length of all drives. For comparison, *random* drives to random waypoints, and the *oracle* knows where it is and where the drive goes on.
+# Both follow all 24 trajectories. The **cover rate** (paper, IV-B) is the length that is followed before the car strays from the trajectory by more than a metre, touches something or gives up, over the length of all trajectories. For comparison, *random* drives to random waypoints, and the *oracle* is given its pose and the trajectory.
 # **Predict** the four numbers.
 
 
 # %%
-ends = np.array([(trail[0], trail[-1]) for trail in kept])
+ends = np.array([(path[0], path[-1]) for path in kept])
 lengths = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
 
 
 def metres_of(track):
-    """Metres (N,) of each drive that are covered by poses (T, N, 3), a column for each drive."""
+    """Metres (N,) of each trajectory that are covered by poses (T, N, 3), a column for each."""
     return np.array(
         [
             covered(recorded.poses[first : last + 1], track[:, n])
@@ -769,8 +771,8 @@ def metres_of(track):
     )
 
 
-def blindly(waypoint):
-    """Drive all of the drives without a camera, by what tells waypoints from poses."""
+def roll_out_blind(waypoint):
+    """Roll out all trajectories without a camera; `waypoint` computes waypoints from poses."""
     simulation = Simulation(scene, recorded.poses[ends[:, 0]], sensors=Sensors(camera=None))
     track, place = [simulation.poses], ends[:, 0].copy()
     for _ in range(400):
@@ -781,7 +783,7 @@ def blindly(waypoint):
 
 
 def oracle(poses, place):
-    """A place of the drive 0.7 m ahead of where each car has got to."""
+    """A point of the trajectory 0.7 m ahead of each car's progress."""
     near = np.linalg.norm(recorded.poses[place, :2] - poses[:, :2], axis=1) < 0.7
     place[:] = np.where(near, np.minimum(place + 2, ends[:, 1]), place)
     return to_local(poses, recorded.poses[place, :2])
@@ -789,82 +791,86 @@ def oracle(poses, place):
 
 rng = np.random.default_rng(1)
 metres, library_track, record = guide.follow(kept)
-your_track, your_states = follow(guide, trails_of(guide, kept), recorded.poses[ends[:, 0]])
+your_track, your_states = follow(guide, anchor_paths(guide, kept), recorded.poses[ends[:, 0]])
 results = {
-    "random": blindly(lambda poses, _: rng.uniform([-1.0, -1.5], [3.0, 1.5], size=(len(poses), 2))),
+    "random": roll_out_blind(
+        lambda poses, _: rng.uniform([-1.0, -1.5], [3.0, 1.5], size=(len(poses), 2))
+    ),
     "yours": your_track,
     "library": library_track,
-    "oracle": blindly(oracle),
+    "oracle": roll_out_blind(oracle),
 }
 for name, followed in results.items():
     print(f"{name:8s} cover rate {metres_of(followed).sum() / lengths.sum():.1%}")
 
 # %% [markdown]
 # <details><summary>What do the numbers say?</summary>
-# Random driving covers the first metre or two of each drive. The oracle shows that the <i>car</i> can drive nearly all of them, so what is missing to the right is not the body's fault: section 8 looks for the cause. What is missing from yours to the library's is what was listed above, the turning above all where drives begin with a manoeuvre. Below is the drive on which the two differ most.
+# Random driving covers the first metre or two of each trajectory. The oracle shows that the <i>car</i> can drive nearly all of them, so the body is not what the others lack: section 8 looks for the cause. The difference between yours and the library's is the list above, mainly the heading search where trajectories begin with a manoeuvre. Below is the trajectory on which the two differ most.
 # </details>
 
 # %%
 differ = (metres - metres_of(your_track)).argmax()
 first, last = ends[differ]
 panels, titles = [], []
-for name, followed, drove in (
+for name, followed, state_log in (
     ("yours", your_track, your_states),
     ("library", library_track, record.state),
 ):
     picture = view.base.copy()
     draw_frames(view, picture, recorded.poses[first : last + 1])
     draw_anchors(view, picture, recorded.poses[kept[differ]], size=5)
-    draw_states(view, picture, followed[: len(drove), differ], drove[:, differ])
+    draw_states(view, picture, followed[: len(state_log), differ], state_log[:, differ])
     view.robot(picture, followed[-1, differ], car.footprint)
-    way = np.concatenate([your_track[:, differ, :2], library_track[:, differ, :2]])
-    panels.append(around(view, picture, way, 0.6))
-    way_covered = metres_of(followed)[differ]
-    titles.append(f"{name}: {way_covered:.1f} of {lengths[differ]:.1f} m")
+    both = np.concatenate([your_track[:, differ, :2], library_track[:, differ, :2]])
+    panels.append(around(view, picture, both, 0.6))
+    length_covered = metres_of(followed)[differ]
+    titles.append(f"{name}: {length_covered:.1f} of {lengths[differ]:.1f} m")
 show(stacked([side_by_side(panels, titles, height=min(560, len(panels[0]))), state_legend(900)]))
 
 # %% [markdown]
-# ## 6 · The paper's Fig. 6, and ours: a long way by pictures
+# ## 6 · The paper's Fig. 6, and ours: a long path by images
 #
-# The paper shows a trajectory of 23 m that is followed, with the pictures seen at numbered places. Ours is the drive nearest to that length in an unseen world, with the anchors of $k = 5$ at 0.99. The places are those of the stored run (`.venv/bin/python -m tutorial_lib experiment meng_fig6`); the pictures are what the car saw there.
+# The paper shows a followed trajectory of 23 m, with the images seen at numbered places. Ours is the trajectory closest to that length in an unseen world, with the anchors of $k = 5$ at 0.99. The places are those of the stored run (`.venv/bin/python -m tutorial_lib experiment meng_fig6`); the images are what the car saw there.
 
 # %%
 stored_run = stored("meng_fig6")
 world_name = local_world(stored_run.worlds[0])
 away = scene_of(world_name)
-way = fig6.chosen_drive(world_name, away, stored_run.seed)
+trajectory = fig6.chosen_drive(world_name, away, stored_run.seed)
 places = np.array([[row["x"], row["y"], row["heading"]] for row in stored_run.rows])
-by_pictures = Guide(RecordedWorld(away, [way]), fig6.CONTEXT)
+follower_guide = Guide(RecordedWorld(away, [trajectory]), fig6.CONTEXT)
 away_view = PlanView(away, 1000, 760)
 picture = away_view.base.copy()
-draw_frames(away_view, picture, way.poses, 1.4)
-draw_anchors(away_view, picture, way.poses[by_pictures.anchors(0, fig6.THRESHOLD)])
+draw_frames(away_view, picture, trajectory.poses, 1.4)
+draw_anchors(away_view, picture, trajectory.poses[follower_guide.anchors(0, fig6.THRESHOLD)])
 print(stored_run.notes[0])
 print("place   after    state              to anchor      RE")
 for row in stored_run.rows:
     goal = f"{row['active']} of {row['anchors'] - 1}"
     state_words = row["state"].replace("_", " ")
-    said = "-" if row["probability"] is None else f"{row['probability']:.2f}"
-    print(f"{row['place']:5d}{row['seconds']:6.1f} s    {state_words:15s}{goal:>13s}{said:>8s}")
-pictures = people_camera.look(away, places)[0]
-how = {"width": 290, "points": way.poses[:, :2], "margin": 0.6}
-show(numbered_views(away_view, picture, places, pictures, **how))
+    probability = "-" if row["probability"] is None else f"{row['probability']:.2f}"
+    print(
+        f"{row['place']:5d}{row['seconds']:6.1f} s    {state_words:15s}{goal:>13s}{probability:>8s}"
+    )
+images = people_camera.look(away, places)[0]
+options = {"width": 290, "points": trajectory.poses[:, :2], "margin": 0.6}
+show(numbered_views(away_view, picture, places, images, **options))
 
 # %% [markdown]
-# The paper's second test is *noise* in the controls: speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$ ten times a second. Your follower is led by $k = 5$ along the longest drive in an office that no network has seen, once undisturbed and four times with noise.
+# The paper's second test is *noise* in the controls: speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$ ten times a second. Your follower, with $k = 5$, follows the longest trajectory in an office that no network has seen, once undisturbed and four times with noise.
 # **Predict:** how many of the four will arrive?
 
 # %%
 office = scene_of(local_world(10_009))
-office_drives = demonstrate("office", office, 24, seed=0, controller=RMPController())
-longest = max(office_drives, key=lambda drive: drive.arc_length[-1])
+office_trajectories = demonstrate("office", office, 24, seed=0, controller=RMPController())
+longest = max(office_trajectories, key=lambda trajectory: trajectory.arc_length[-1])
 far = Guide(RecordedWorld(office, [longest]), "k5")
-far_trail = far.anchors(0, 0.99)
-quiet_track, quiet_states = follow(far, trails_of(far, [far_trail]), longest.poses[:1])
+far_path = far.anchors(0, 0.99)
+quiet_track, quiet_states = follow(far, anchor_paths(far, [far_path]), longest.poses[:1])
 starts = np.tile(longest.poses[0], (4, 1))
-noisy_track, _ = follow(far, trails_of(far, [far_trail] * 4), starts, noise=1 / 3)
-noisy = [covered(longest.poses, noisy_track[:, number]) for number in range(4)]
-print(f"{len(far_trail)} anchors for {len(longest)} frames on {longest.arc_length[-1]:.1f} m")
+noisy_track, _ = follow(far, anchor_paths(far, [far_path] * 4), starts, noise=1 / 3)
+noisy = [covered(longest.poses, noisy_track[:, index]) for index in range(4)]
+print(f"{len(far_path)} anchors for {len(longest)} frames over {longest.arc_length[-1]:.1f} m")
 print(
     f"followed: {covered(longest.poses, quiet_track[:, 0]):.1f} m, in {len(quiet_states) * STEP:.0f} s"
 )
@@ -873,20 +879,20 @@ print("with noise:", ", ".join(f"{followed:.1f}" for followed in noisy), "m")
 office_view = PlanView(office, 1500, 960)
 picture = office_view.base.copy()
 draw_frames(office_view, picture, longest.poses, 1.2)
-for number in range(4):
-    office_view.polyline(picture, noisy_track[:, number, :2], colours.PERSON, 2)
+for index in range(4):
+    office_view.polyline(picture, noisy_track[:, index, :2], colours.PERSON, 2)
 draw_states(office_view, picture, quiet_track[:-1, 0], quiet_states[:, 0], 2)
-draw_anchors(office_view, picture, longest.poses[far_trail], size=5)
+draw_anchors(office_view, picture, longest.poses[far_path], size=5)
 show(around(office_view, picture, longest.poses[:, :2], 0.8))
 
 # %% [markdown]
 # <details><summary>Why does noise matter so little?</summary>
-# (Orange is the recorded drive, blue the undisturbed car, pink are the noisy ones.) A car that looks ten times a second sees where it went wrong and steers back: the loop is closed. Noise that is drawn anew at each step also averages out within a second. The paper finds no noticeable difference either. (Five runs of one drive are anecdotes. With 160 drives, below, noise does cost something: 1 to 3 points, the less the denser the anchors.) A steering that is <i>always</i> too weak would be another matter.
+# (Orange is the recorded trajectory, blue the undisturbed car, pink the noisy ones.) A car that looks ten times a second sees where it went wrong and steers back: the loop is closed. Independent noise at each step also averages out within a second. The paper finds no noticeable difference either. (Five runs of one trajectory are anecdotes. Over 160 trajectories, below, noise does cost something: 1 to 3 points, the less the denser the anchors.) A steering that is <i>always</i> too weak would be another matter.
 # </details>
 #
 # ## 7 · The paper's Fig. 7, and ours: cover rate against sparsity
 #
-# How thin may a drive be made? The paper follows 500 trajectories of 15 m on average, with anchors at thresholds from 0.90 to 0.99. Against it stands **SPTM**, the system that is its baseline: it keeps *every n-th frame*, and here drives with the same controllers and the same follower. So only the choice of the anchors differs.
+# How sparse may a trajectory be made? The paper follows 500 trajectories of 15 m on average, with anchors at thresholds from 0.90 to 0.99. The baseline is **SPTM**: it keeps *every n-th frame*, and here drives with the same controllers and the same follower. So only the choice of the anchors differs.
 #
 # What the paper finds (IV-B):
 #
@@ -894,7 +900,7 @@ show(around(office_view, picture, longest.poses[:, :2], 0.8))
 # - SPTM is comparable with $k = 5$, and falls earlier as fewer frames are kept; with less context the gap grows;
 # - noise in the actuation makes no noticeable difference.
 #
-# **Predict:** which of the three do you expect here? And what do the curves look like when the *stored* frames are on the axis?
+# **Predict:** which of the three do you expect here? And how do the curves look with the *stored* frames on the axis?
 
 # %%
 table = stored("meng_fig7")
@@ -929,39 +935,39 @@ print("\n".join(table.notes[1:]))
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig7`. **Same protocol, easier world:** straight walls with painted stripes and even light in place of scanned buildings.)
 #
 # <details><summary>Which of the three hold here?</summary>
-# The first in part: with context, and from 0.95 on, more than 95 % are covered; but without it our controller covers as much, at twice the anchors. Pictures of painted walls are easy to tell apart, and one of them is nearly enough. The second in part: SPTM's curve falls earlier and more steeply for every controller, most steeply without context; but the area between the curves does not grow as context is taken away, since at ten percent of the frames every
-# tenth frame is as good as any choice, and for $k = 0$ most of our curve lies there. The third nearly: noise costs 1 to 3 points. On the axis of stored frames the order turns round: context is paid for with memory, and $k = 0$ needs the least by far.
+# The first in part: with context, and from 0.95 on, more than 95 % are covered; but without it our controller covers as much, at twice the anchors. Images of painted walls are easy to tell apart, and one of them is nearly enough. The second in part: SPTM's curve falls earlier and more steeply for every controller, most steeply without context; but the area between the curves does not grow as context is taken away, since at ten percent of the frames every
+# tenth frame is as good as any choice, and for $k = 0$ most of our curve lies there. The third nearly: noise costs 1 to 3 points. On the axis of stored frames the order reverses: context is paid for with memory, and $k = 0$ needs the least by far.
 # </details>
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# The protocol is the paper's: the same thresholds, the same follower for both methods, a drive ends where the car strays or touches something. The trajectories are not. Our cars set out from wherever they happen to stand, and many first go to and fro until they face the way they want to go. These beginnings are left out here: each trajectory begins once the car has driven 2 m (section 8 shows what happens otherwise). How the paper's begin, we do not know. And the cover
-# rate is hard on early failures: a drive that fails at its start loses all of its length, while one that fails at its end loses little.
+# The protocol is the paper's: the same thresholds, the same follower for both methods, an episode ends where the car strays or touches something. The trajectories are not. Our cars start from arbitrary poses, and many first go back and forth until they face the direction they have to drive. These beginnings are left out here: each trajectory begins once the car has driven 2 m (section 8 shows what happens otherwise). How the paper's begin, we do not know. And the cover
+# rate is hard on early failures: a failure at the start loses the whole length, one near the end loses little.
 # </details>
 # <details><summary>Is a fixed interval really blind?</summary>
-# Not quite. Every n-th frame is not a fixed <i>distance</i>: a car goes slowly where the way is hard, and so takes more frames there. A recording at ten pictures a second already adapts a little, without any learning. What it cannot do is to adapt to the <i>controller</i>: an n that is too wide for $k = 0$ may be too narrow for $k = 5$, and nobody says which n is right. The thresholds mean the same for all of them.
+# Not quite. Every n-th frame is not a fixed <i>distance</i>: a car drives slowly where it is hard, and so records more frames there. A recording at ten images a second already adapts a little, without any learning. What it cannot do is adapt to the <i>controller</i>: an n that is too wide for $k = 0$ may be too narrow for $k = 5$, and nothing indicates which n is right. The thresholds mean the same for all of them.
 # </details>
 
 # %% [markdown]
 # ## 8 · How it fails
 #
-# Back to the apartment, and to those of the 24 drives that the library's follower did not cover to their ends. What have they in common? As in notebook 02 we measure what could matter, and compare how often a drive fails with it and without it. **Predict** which of the four hurts most, and *where* on a drive most failures lie.
+# Back to the apartment, and to those of the 24 trajectories that the library's follower did not cover to their ends. What do they have in common? As in notebook 02 we measure what could matter, and compare how often a rollout fails with it and without it. **Predict** which of the four hurts most, and *where* on a trajectory most failures lie.
 
 # %%
 covered_whole = metres > lengths - 0.5
 traits = {}
-for number, (first, last) in enumerate(ends):
+for index, (first, last) in enumerate(ends):
     span = slice(first, last + 1)
     turned = [
         turn_within(recorded.poses[span], recorded.arc[span], i) for i in range(0, last - first, 5)
     ]
     for name, has in {
-        "longer than 12 m": lengths[number] > 12,
+        "longer than 12 m": lengths[index] > 12,
         "a tight place (< 0.25 m to a wall)": scene.clearance.at(recorded.poses[span, :2]).min()
         < 0.25,
         "a sharp bend (> 60 degrees in a metre)": max(turned) > 60,
         "the recorded car reverses": (recorded.speed[span] < -0.05).any(),
     }.items():
         traits.setdefault(name, []).append(bool(has))
-print(f"{(~covered_whole).sum()} of {len(kept)} drives were not covered to their ends")
+print(f"{(~covered_whole).sum()} of {len(kept)} trajectories were not covered to their ends")
 for name, has in traits.items():
     shares = []
     for value in (True, False):
@@ -972,44 +978,44 @@ early = (metres[~covered_whole] < 3.0).sum()
 print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 
 # %% [markdown]
-# The table alone leaves several suspects, since tight places, sharp bends and reversing occur on the same drives. The last line is the clue: they fail where they *begin*. That is where the recorded car goes to and fro, to turn round in a room. Why should that be hard? For each failure the record is read backwards: which anchor was the car driving to in the end, where did it stand when it set out for it, that is, when it took the anchor *before* it for visited, and what did $\mathcal{RE}$ say?
+# The table alone leaves several suspects, since tight places, sharp bends and reversing occur on the same trajectories. The last line is the clue: they fail where they *begin*. That is where the recorded car goes back and forth to turn round in a room. Why should that be hard? For each failure the log is read backwards: which anchor was active in the end, where did the car stand when it started towards it, that is, when the anchor *before* it counted as visited, and what did $\mathcal{RE}$ predict?
 
 
 # %%
-def where_it_broke(number):
-    """The step at which the last active anchor of a drive became active, and its place."""
-    place = record.active[-1, number]
-    return int(np.flatnonzero(record.active[:, number] == place)[0]), place
+def failure_step(index):
+    """The step at which the last active anchor of a trajectory became active, and its place."""
+    place = record.active[-1, index]
+    return int(np.flatnonzero(record.active[:, index] == place)[0]), place
 
 
-def compared(number):
-    """The car where it broke, and the anchors that it left and drove to; poses (3, 3)."""
-    step, place = where_it_broke(number)
-    anchors = recorded.poses[kept[number][[max(place - 1, 0), place]]]
-    return np.concatenate([library_track[step, [number]], anchors])
+def failure_poses(index):
+    """The car where it failed, and the anchors that it left and drove to; poses (3, 3)."""
+    step, place = failure_step(index)
+    anchors = recorded.poses[kept[index][[max(place - 1, 0), place]]]
+    return np.concatenate([library_track[step, [index]], anchors])
 
 
-def reach_from(number, poses):
+def reach_from(index, poses):
     """RE (P,) of the anchor that was driven to, from poses (P, 3)."""
-    _, place = where_it_broke(number)
-    target = guide.reachability.prepare(guide.pictures(kept[number][[place]]))
+    _, place = failure_step(index)
+    target = guide.reachability.prepare(guide.pictures(kept[index][[place]]))
     seen = Simulation(scene, poses).observe()
     return guide.reachability.probability(seen, target[np.zeros(len(poses), dtype=int)])
 
 
 print(
-    "drive   covered        after    from where it stood, the anchor it had left was    RE: car, anchor"
+    "index   covered        after    the anchor it had left, from where it stood    RE: car, anchor"
 )
-for number in np.flatnonzero(~covered_whole):
-    here, left, _ = compared(number)
-    told = reach_from(number, compared(number)[:2])
+for index in np.flatnonzero(~covered_whole):
+    here, left, _ = failure_poses(index)
+    probability = reach_from(index, failure_poses(index)[:2])
     offset = relative(here, left)
-    step, place = where_it_broke(number)
+    step, place = failure_step(index)
     aside, angle = np.hypot(*offset[:2]), abs(np.rad2deg(offset[2]))
     print(
-        f"{number:5d} {metres[number]:5.1f} of {lengths[number]:4.1f} m {step * STEP:6.1f} s    "
-        f"number {max(place - 1, 0)}, {aside:.2f} m away, turned by {angle:3.0f} degrees"
-        f"{told[0]:18.2f}{told[1]:8.2f}"
+        f"{index:5d} {metres[index]:5.1f} of {lengths[index]:4.1f} m {step * STEP:6.1f} s    "
+        f"anchor {max(place - 1, 0)}, {aside:.2f} m away, turned by {angle:3.0f} degrees"
+        f"{probability[0]:18.2f}{probability[1]:8.2f}"
     )
 
 
@@ -1017,46 +1023,46 @@ for number in np.flatnonzero(~covered_whole):
 close_view = PlanView(scene, 1400, 2000)
 
 
-def failure_picture(number):
-    """The car where it broke, with what it saw and with the anchors that it left and drove to."""
-    poses, picture = compared(number), close_view.base.copy()
-    first, last = ends[number]
+def failure_picture(index):
+    """The car where it failed, with what it saw and with the anchors that it left and drove to."""
+    poses, picture = failure_poses(index), close_view.base.copy()
+    first, last = ends[index]
     draw_frames(close_view, picture, recorded.poses[first : last + 1], 2.4)
-    draw_anchors(close_view, picture, recorded.poses[kept[number]], size=10)
-    track, states = library_track[: len(record), number], record.state[:, number]
+    draw_anchors(close_view, picture, recorded.poses[kept[index]], size=10)
+    track, states = library_track[: len(record), index], record.state[:, index]
     draw_states(close_view, picture, track, states, 6)
     draw_anchors(close_view, picture, poses[[2]], size=15, colour=colours.LASER)
     close_view.robot(picture, poses[0], car.footprint)
     closeup = around(close_view, picture, poses[:, :2], 1.2, square=True)
     closeup = side_by_side([closeup], height=340)
     images = people_camera.look(scene, poses)[0]
-    names = ["what it saw", "the anchor it took for visited", "the anchor it drove to"]
+    names = ["what it saw", "the anchor it counted as visited", "the anchor it drove to"]
     views = stacked([camera_picture(image, 248) for image in images], names, gap=2)
-    title = f"drive {number}: {metres[number]:.1f} of {lengths[number]:.1f} m"
+    title = f"trajectory {index}: {metres[index]:.1f} of {lengths[index]:.1f} m"
     return side_by_side([closeup, views], [title, ""], gap=8)
 
 
 worst = (metres / lengths).argsort()[:4]
-rows = [[failure_picture(number) for number in pair] for pair in (worst[:2], worst[2:])]
+rows = [[failure_picture(index) for index in pair] for pair in (worst[:2], worst[2:])]
 show(stacked([side_by_side(row, gap=20) for row in rows], gap=10))
 
 # %% [markdown]
 # <details><summary>What is the cause?</summary>
-# The red arrowhead is the anchor that the car drives to; the track has the colours of the states. In a manoeuvre two anchors lie almost at the same <i>place</i>, with different <i>headings</i>. In most of these drives the car stands beside the first of them, turned the wrong way. (Two broke at 0.0 s, before they had left any anchor: the first one to drive to lies a quarter of a metre beside the car or half a metre behind it, turned by 64° and 90°. $\mathcal{RE}$ is 0.96 and more, and means the place again.) "Reached" is a matter of position only, in the labels of $\mathcal{RE}$ as in the success of $\mathcal C$ (notebook 03; the authors' code does the same). So the waypoint of
-# an anchor that is 0.2 m away says "you are there", whatever the heading, and the car sets out for the next one. From the anchor's <i>own</i> picture that can be reached, as the last column says, and that is all that the sparsifier asked for. From where the car really stands it often cannot.
+# The red arrowhead is the active anchor; the track has the colours of the states. In a manoeuvre two anchors lie almost at the same <i>place</i>, with different <i>headings</i>. In most of these rollouts the car stands beside the first of them with the wrong heading. (Two failed at 0.0 s, before they had left any anchor: the first active one lies a quarter of a metre beside the car or half a metre behind it, turned by 64° and 90°. $\mathcal{RE}$ is 0.96 and more, and again only means the place.) "Reached" is defined by position only, in the labels of $\mathcal{RE}$ as in the success of $\mathcal C$ (notebook 03; the authors' code does the same). So the waypoint of
+# an anchor that is 0.2 m away says "you are there", whatever the heading, and the car starts towards the next one. From the anchor's <i>own</i> image that one is reachable, as the last column shows, and the sparsifier checks nothing else. From where the car really stands it often is not.
 #
-# The library's car tries to turn, and often that saves it. But it steers by the overlap, and where anchors lie so close together, each seen the other way round, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that leaves out the manoeuvre, and follows the drive from 4 m on, counts as a failure here, too: a short cut covers nothing.)
+# The library's car searches for the heading, and often that saves it. But it steers by the overlap, and where anchors lie so close together with opposite headings, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that skips the manoeuvre, and follows the trajectory from 4 m on, counts as a failure here, too: a short cut covers nothing.)
 # </details>
 #
-# If this is the cause, then the same drives must go well from where the car is under way. That can be tested: the same 24 drives without their first 2 m, new anchors, the same follower. It is how the experiment of section 7 begins its trajectories. **Predict** the cover rate.
+# If this is the cause, then the same trajectories must work from the point where the car is under way. That can be tested: the same 24 trajectories without their first 2 m, new anchors, the same follower. The experiment of section 7 begins its trajectories in the same way. **Predict** the cover rate.
 
 # %%
-later = RecordedWorld(scene, [drive.since(UNDER_WAY) for drive in drives])
+later = RecordedWorld(scene, [trajectory.since(UNDER_WAY) for trajectory in trajectories])
 later_guide = Guide(later, "k2")
-later_kept = [later_guide.anchors(number, P_SPARSIFY) for number in range(len(drives))]
+later_kept = [later_guide.anchors(index, P_SPARSIFY) for index in range(len(trajectories))]
 later_metres = later_guide.follow(later_kept)[0]
-later_lengths = np.array([later.arc[trail[-1]] - later.arc[trail[0]] for trail in later_kept])
-print(f"cover rate, whole drives:         {metres.sum() / lengths.sum():.1%}")
+later_lengths = np.array([later.arc[path[-1]] - later.arc[path[0]] for path in later_kept])
+print(f"cover rate, whole trajectories:   {metres.sum() / lengths.sum():.1%}")
 print(
     f"            without their first {UNDER_WAY:g} m: {later_metres.sum() / later_lengths.sum():.1%}"
 )
@@ -1067,18 +1073,18 @@ print(
 
 # %% [markdown]
 # <details><summary>What follows?</summary>
-# The chain of anchors silently supposes that whoever has reached one of them stands there <i>as the recorded car did</i>. Where the way is driven forwards, arriving at a place mostly means arriving with its heading, and nobody notices. In a manoeuvre it does not. It is not that the pictures are too far apart. Remedies would be a heading in the definition of "reached", or to ask $\mathcal{RE}$ from perturbed starts before a
-# frame is thrown away (extra 4), or not to follow manoeuvres at all: a car that wants to turn round can do that without pictures.
+# The chain of anchors silently assumes that a car that has reached one of them stands there <i>as the recorded car did</i>. Where the car drives forwards, arriving at a place mostly means arriving with its heading, and the assumption goes unnoticed. In a manoeuvre it fails. The anchors are not too far apart. Possible remedies: include the heading in the definition of "reached", or evaluate $\mathcal{RE}$ from perturbed starts before a
+# frame is dropped (extra 4), or do not follow manoeuvres at all: a car can turn round without images.
 #
-# And mind what has happened to Fig. 7. An experiment that leaves out the beginnings answers another question, "how well are anchors followed under way?", and gives a better number. That is legitimate as long as it is said.
+# And note what this does to Fig. 7. An experiment that leaves out the beginnings answers another question, "how well are anchors followed under way?", and gives a better number. That is legitimate as long as it is stated.
 # </details>
 #
 # ## Optional extras
 #
-# - **Extra 1.** Take only the *last* frame that is above the threshold, in place of the last of an unbroken run (trap 1 of section 1). How many anchors remain, and what becomes of the cover rate?
+# - **Extra 1.** Take the *last* frame that is above the threshold, instead of the last of an unbroken run (trap 1 of section 1). How many anchors remain, and what happens to the cover rate?
 # - **Extra 2.** Set `rules = FollowerSettings(p_lose=0.92)`, which is the paper's single threshold, and run the cells of section 5 again. What happens to the ribbons?
-# - **Extra 3.** Is the greedy rule the best one? Find the *fewest* anchors such that each is reached from the one before it, by the same condition. (That is a shortest path, where each frame is a vertex and each allowed jump costs 1.) How many anchors does greed waste?
-# - **Extra 4.** For one failing drive let `reach_ahead` render what is seen from `compose(pose, [0, 0, turn])` for turns of 30° to either side, and take the smallest of the three $\mathcal{RE}$. Where do anchors appear, and does the drive succeed?
+# - **Extra 3.** Is the greedy rule optimal? Find the *fewest* anchors such that each is reached from the one before it, by the same condition. (That is a shortest path, where each frame is a vertex and each allowed jump costs 1.) How many anchors does greed waste?
+# - **Extra 4.** For one failing trajectory let `reach_ahead` render what is seen from `compose(pose, [0, 0, turn])` for turns of 30° to either side, and take the smallest of the three $\mathcal{RE}$. Where do anchors appear, and does the rollout succeed?
 #
 # Here is the answer to the first.
 
@@ -1102,10 +1108,10 @@ for p in (0.9, 0.95, 0.99):
 # ## What to remember
 #
 # - What the controller does not need may be forgotten. "Need" is measured: $\mathcal{RE}$ from one anchor must be high for *every* frame up to the next.
-# - The rule adapts to the place and to the controller. A fixed interval knows neither.
+# - The rule adapts to the place and to the controller. A fixed interval adapts to neither.
 # - Context makes anchors rarer and storage larger: what is compared and what is stored are two different things.
 # - A follower needs no position, only two questions, *could I get there?* and *how near am I?*, and two thresholds with a gap.
 # - A chain holds only if its links fit: "reached" at the end of one link must be enough to begin the next one, heading included.
-# - Dead reckoning bridges what passes. What does not pass must be noticed: *lost* is an answer, too.
+# - Dead reckoning bridges temporary failures. Permanent ones must be noticed: *lost* is an answer, too.
 #
-# **Read next:** the paper, III-E and III-F, and then notebook 05, where the anchors of many drives become one map. On SPTM: N. Savinov et al., *Semi-Parametric Topological Memory for Navigation* (ICLR 2018).
+# **Read next:** the paper, III-E and III-F, and then notebook 05, where the anchors of many trajectories become one map. On SPTM: N. Savinov et al., *Semi-Parametric Topological Memory for Navigation* (ICLR 2018).
