@@ -228,6 +228,29 @@ def test_who_knows_no_way_gives_up_before_long():
     assert all(plan.refusal for plan in journey.history[0])
 
 
+def test_with_what_it_could_not_reach_it_shuns_the_place_around_it():
+    # From 7 one gets to 6 and 8 and back; to 5 and from 9 only one way.
+    ways = Ways(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
+    journey, line = journey_of(ways, [goals_at(5, -3)], wall=2.4), Line([0.0], wall=2.4)
+    for source, target in ((7, 6), (6, 7), (7, 8), (8, 7), (7, 5), (9, 7), (8, 10), (10, 8)):
+        journey._topomap.connect(source, target, 0.9)
+    line.go(journey, 140)
+    assert len(ways.asked) == 2
+    assert ways.asked[1][2] == {6, 7, 8}
+
+
+def test_who_was_under_way_takes_any_way_rather_than_none():
+    refused = Plan((5, 4, 3, 2), 1, (0.4, 0.5), refusal="the best way has probability 0.2")
+    ways = Ways(Plan((5, 6, 7, 8), 0, SURE), refused)
+    journey = journey_of(ways, [goals_at(5, -3)], wall=2.4)
+    line = Line([0.0], wall=2.4)
+    line.go(journey, 440)
+    assert len(ways.asked) == 2
+    assert journey.arrived.tolist() == [True]
+    assert not journey.given_up[0]
+    assert line.x[0] == pytest.approx(-3, abs=0.25)
+
+
 class Steering(LineController):
     """Turns to the side on which the waypoint is."""
 

@@ -9,6 +9,7 @@ from tutorial_lib.driving.geodesics import GridPaths, path_length
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.floorplan import Room
 from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.occupancy import ClearanceGrid
 from tutorial_lib.world.scene import Scene
 
 GOAL = np.array([8.5, 8.5])
@@ -139,3 +140,40 @@ def test_each_plan_hangs_together(family):
     scene = Scene(generate(family, 12))
     paths = GridPaths(scene.clearance, 0.25)
     assert paths.largest.mean() > 0.99
+
+
+def cells_crossed(down, right):
+    """All cells that a step from (0, 0) crosses, or passes by at a corner."""
+    share = np.linspace(0, 1, 501)[:, None]
+    beside = 0.05 * np.array([-right, down]) / np.hypot(down, right)
+    line = np.concatenate([share * [down, right] + beside, share * [down, right] - beside])
+    return {tuple(cell) for cell in np.rint(line).astype(int).tolist()}
+
+
+def test_an_edge_crosses_free_cells_alone_and_none_is_left_out():
+    free = np.random.default_rng(5).random((14, 17)) < 0.7
+    clearance = np.zeros((28, 34), np.float32)
+    clearance[::2, ::2] = free
+    paths = GridPaths(ClearanceGrid(clearance, (0.0, 0.0), 0.05), clearance=0.5)
+    cells = np.argwhere(free)
+    number = {tuple(cell): n for n, cell in enumerate(cells.tolist())}
+    steps = [(d, r) for d in range(-2, 3) for r in range(-2, 3) if np.gcd(d, r) == 1]
+    assert len(steps) == 16
+    expected = {
+        (number[row, column], number[row + down, column + right])
+        for row, column in number
+        for down, right in steps
+        if all((row + d, column + r) in number for d, r in cells_crossed(down, right))
+    }
+    head, tail, _ = paths._edges
+    found = list(zip(head.tolist(), tail.tolist(), strict=True))
+    assert sorted([*found, *((b, a) for a, b in found)]) == sorted(expected)
+
+
+def test_the_dislike_of_walls_grows_with_the_square_of_their_closeness():
+    # In the middle of a corridor 0.6 m wide, walls are half as far off as is comfortable.
+    paths = GridPaths(Scene(make_box(10.0, 0.6)).clearance, comfort=0.6, caution=4.0)
+    middle = paths.clearance.max()
+    assert middle == pytest.approx(0.3, abs=0.04)
+    felt = paths.fields([9.0, 0.3]).distance([[1.0, 0.3]])[0]
+    assert felt / 8.0 == pytest.approx(1 + 4 * (1 - middle / 0.6) ** 2, rel=0.02)

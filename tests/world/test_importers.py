@@ -620,3 +620,11 @@ def test_import_map_tells_the_kinds_apart(tmp_path):
     expect_error(import_map, tmp_path / "map.pgm", ["map.pgm", ".yaml"])
     (tmp_path / "other.json").write_text("{}")
     expect_error(import_map, tmp_path / "other.json", ["other.json", "verts", "schema"])
+
+
+@pytest.mark.parametrize("verts", [L_SHAPE, L_SHAPE[::-1]], ids=["left", "right"])
+def test_an_outline_runs_counter_clockwise_whichever_way_it_was_drawn(tmp_path, verts):
+    plan = import_houseexpo(write_house(tmp_path, verts=verts))
+    assert all(signed_area(np.array(room.outline)) > 0 for room in plan.rooms)
+    x0, y0, x1, y1 = plan.walls.T
+    assert (x0 * y1 - x1 * y0).sum() / 2 == pytest.approx(41.0)

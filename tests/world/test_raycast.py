@@ -180,3 +180,33 @@ def test_sight_by_brute_force(seed):
 def test_bad_input_is_named(make, words):
     with pytest.raises(InputError, match=words):
         make()
+
+
+def in_a_box(*circle):
+    """A room of 18 m around the origin, and a disc in it."""
+    caster = Raycaster([[-9, -9, 9, -9], [9, -9, 9, 9], [9, 9, -9, 9], [-9, 9, -9, -9]])
+    return caster, Discs(np.array([circle]), np.array([-1], np.int32), np.zeros((1, 3), np.float32))
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.3, -0.2), (-0.1, 0.45)])
+def test_a_disc_is_not_seen_from_inside(place):
+    caster, discs = in_a_box(0.0, 0.0, 0.5)
+    pose = np.array([[*place, 0.7]])
+    bare, hits = caster.cast(pose, FANS["circle"]), caster.cast(pose, FANS["circle"], discs)
+    assert (hits.distance == bare.distance).all()
+    assert (hits.wall == bare.wall).all()
+    assert (hits.along == bare.along).all()
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.2, -2.5])
+def test_along_a_disc_is_counted_from_its_east_side(heading):
+    caster, discs = in_a_box(2.0, 1.0, 0.5)
+    poses = np.array([[0.0, 0.0, heading], [2.0, 5.0, heading], [5.0, 0.5, heading]])
+    hits = caster.cast(poses, FANS["circle"], discs)
+    pose, ray = np.nonzero(hits.wall == 4)
+    assert np.bincount(pose).min() > 2
+    angles = poses[pose, 2] + FANS["circle"].angles[ray]
+    rays = np.column_stack([np.cos(angles), np.sin(angles)])
+    ends = poses[pose, :2] + hits.distance[pose, ray, None] * rays - [2.0, 1.0]
+    around = np.arctan2(ends[:, 1], ends[:, 0]) % (2 * np.pi)
+    assert hits.along[pose, ray] == pytest.approx(0.5 * around, abs=1e-9)

@@ -381,3 +381,13 @@ def test_one_robot_s_obstacle_is_not_in_another_s_way(box):
     simulation = Simulation(box, starts, people=[Person([[7.0, 7.0]], owner=1)])
     simulation.place([0], [[7.0, 7.0, 0.0]])
     assert simulation.poses[0, 0] == 7.0
+
+
+def test_the_heading_drifts_with_the_square_root_of_the_distance():
+    wheels, rng = WheelOdometry(distance=0.0, turn=0.0, drift=0.02), np.random.default_rng(4)
+    for length in (0.01, 0.25, 4.0):
+        motions = np.tile([0.6 * length, -0.8 * length, 0.3], (20_000, 1))
+        read = wheels.measure(motions, None, rng)
+        assert (read[:, :2] == motions[:, :2]).all()
+        assert read[:, 2].mean() == pytest.approx(0.3, abs=0.001)
+        assert read[:, 2].std() == pytest.approx(0.02 * np.sqrt(length), rel=0.03)

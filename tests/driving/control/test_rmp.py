@@ -191,3 +191,18 @@ def test_waypoints_that_are_none_are_refused(box, waypoints):
     observations = Simulation(box, [[3, 3, 0], [6, 6, 0]]).observe()
     with pytest.raises(InputError, match="finite"):
         RMPController().act(observations, waypoints)
+
+
+def test_a_car_slows_down_while_its_wheels_turn(box):
+    controller, beside = RMPController(), [[0.6, 0.6]]
+    still = Simulation(box, [[5.0, 5.0, 0.0]]).observe()
+    before = controller.act(still, beside)[0]
+    assert before[0] == 0.0
+    assert before[1] > controller.settle
+    moving = replace(still, speed=np.array([0.5]))
+    speed, steering = controller.act(moving, beside)[0]
+    assert steering > controller.settle
+    assert speed == pytest.approx(0.7 * 0.5)
+    # With its wheels turned it sets off.
+    turned = replace(still, steering=np.array([0.45]))
+    assert controller.act(turned, beside)[0, 0] > 0.1

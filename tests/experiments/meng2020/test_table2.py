@@ -331,6 +331,67 @@ def test_who_pushes_against_a_wall_is_stuck(house):
     )
 
 
+class ToAndFro(Scripted):
+    """Ahead and back again, each for `turn` steps."""
+
+    turn = 15
+
+    def act(self, observations, robots):
+        gear = 1.0 if self.step // self.turn % 2 == 0 else -1.0
+        return gear * super().act(observations, robots)
+
+
+def test_only_touching_at_a_stretch_is_to_be_stuck(house):
+    asked = at_goals(house, np.zeros(1), np.zeros(1), seconds=30.0)
+    alone, track = Simulation(house.scene, asked.starts), [asked.starts]
+    while not alone.touching[0]:
+        track.append(alone.poses)
+        alone.step([[0.5, 0.0]])
+    asked = replace(asked, starts=track[-1])
+    outcome = navigate(house, asked, lambda _: ToAndFro(1, action=(0.5, 0.0)))
+    # It touches the wall again and again, together for much longer than it may at a stretch.
+    alone, touched = Simulation(house.scene, asked.starts), []
+    for step in range(400):
+        alone.step([[0.5 if step // 15 % 2 == 0 else -0.5, 0.0]])
+        touched.append(alone.touching[0])
+    assert STEP * sum(touched) > 2 * STUCK
+    assert outcome.ending.tolist() == ["late"]
+
+
+class Mapped:
+    """An agent with a map over two recorded trajectories, which gives up at once."""
+
+    def __init__(self, edges):
+        self.edges, self.topomap = edges, TopoMap(Anything())
+
+    def learn(self, experiences):
+        for number, one in enumerate(experiences[:2]):
+            kept = np.arange(0, len(one.timestamps), 20)
+            some = np.full(len(kept), number)
+            self.topomap.make_vertices(
+                one.observations[kept], kept[:, None], one.timestamps[kept], some, 0 * some
+            )
+        for source, target in self.edges:
+            self.topomap.connect(source, target, 0.5)
+
+    def start(self, goals):
+        return Scripted(len(goals), give_up=dict.fromkeys(range(len(goals)), 1))
+
+
+def test_edges_of_five_metres_and_more_are_wormholes(house):
+    asked, found = at_goals(house, np.zeros(1), np.zeros(1)), Mapped([])
+    found.learn(list(experiences(house)))
+    count = len(found.topomap)
+    agent = Mapped([(0, target) for target in range(1, count)])
+    result = attempt(house, asked, agent)
+    lengths = edge_lengths(house, agent.topomap)
+    assert ((lengths > 2.6) & (lengths < 4.9)).sum() > 2
+    assert (lengths > 5.1).sum() > 1
+    assert result.wormholes == (lengths > 5.0).sum()
+    assert (result.vertices, result.edges) == (count, count - 1)
+    assert result.outcome.ending.tolist() == ["gave_up"]
+
+
 def test_an_oracle_arrives_everywhere_in_time(house, asked):
     made = []
 

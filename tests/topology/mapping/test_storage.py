@@ -251,6 +251,15 @@ def test_arrays_that_are_missing_are_named(path):
     assert refused(path, f"{arrays.name}: missing or damaged")
 
 
+def test_arrays_with_one_other_value_are_named(path):
+    _, arrays = saved(path)
+    values = dict(np.load(arrays))
+    values["timestamps"] = values["timestamps"].copy()
+    values["timestamps"][1] += 1.0
+    np.savez_compressed(arrays, **values)
+    assert refused(path, f"{arrays.name}: does not belong to this map")
+
+
 def test_arrays_of_another_save_are_named(path, tmp_path):
     _, arrays = saved(path)
     save_map(tmp_path / "other.json", grown(3))
