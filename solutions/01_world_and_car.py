@@ -5,10 +5,10 @@
 #
 # After this notebook you can
 #
-# - say where a thing is, seen from the robot, and where the robot is after two moves;
-# - predict what a car can and cannot do that steers with its front wheels;
-# - explain why a robot that counts its wheels' turns gets lost;
-# - turn a floor plan into what a camera sees, column by column.
+# - say where an object is in the robot's frame, and where the robot is after two motions;
+# - predict what a car that steers with its front wheels can and cannot do;
+# - explain why a robot that relies on wheel odometry gets lost;
+# - turn a floor plan into a camera image, column by column.
 #
 # There are five exercises. Each has hints behind folds. When your function passes its check, **the cells below use it**; until then they use the
 # library's, so you can read on at any time.
@@ -52,12 +52,12 @@ paths = GridPaths(scene.clearance)
 view = PlanView(scene, 640, 480)
 
 # %% [markdown]
-# ## 1 · Where is it, seen from here?
+# ## 1 · Where is it in the robot's frame?
 #
-# A robot does not care that the door is at (7.1, 2.4). It cares that the door is *two metres ahead and a little to the left*. That is the door in
-# the robot's own **frame**: x ahead, y to the left.
+# A robot does not need to know that the door is at (7.1, 2.4). It needs to know that the door is *two metres ahead and a little to the left*. Those are the door's
+# coordinates in the robot's own **frame**: x ahead, y to the left.
 #
-# Two steps lead there. Shift: subtract the robot's position. Turn: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
+# The transform has two steps. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
 #
 # $$ p_\text{local} = R(\theta)^{\top}\,\bigl(p - (x, y)\bigr), \qquad R(\theta) = \begin{pmatrix}\cos\theta & -\sin\theta\\ \sin\theta & \cos\theta\end{pmatrix}. $$
 #
@@ -66,13 +66,13 @@ view = PlanView(scene, 640, 480)
 # ### Exercise 1 · `to_local` (easy, 10 minutes)
 #
 # <details><summary>Hint 1: concept</summary>A point straight ahead of the robot has the local coordinates (distance, 0), whatever the heading.</details>
-# <details><summary>Hint 2: approach</summary>Subtract first. Then the new x is how far the offset reaches along the robot's heading, and the new y how far it reaches to the left of it: two dot products.</details>
+# <details><summary>Hint 2: approach</summary>Subtract first. Then the new x is the component of the offset along the robot's heading, and the new y its component to the left: two dot products.</details>
 # <details><summary>Hint 3: one line</summary>local x = cos · dx + sin · dy. What is local y?</details>
 
 
 # %% exercise="to_local"
 def to_local(pose, points):
-    """Points of the world as seen from a pose.
+    """World points in the frame of a pose.
 
     pose: (3,) x, y, heading. points: (N, 2). Returns (N, 2): metres ahead, metres to the left.
     """
@@ -87,8 +87,8 @@ def to_local(pose, points):
 to_local = check_to_local.use(to_local)
 
 # %% [markdown]
-# **Predict**, then run the cell: on the left are five places in the world, and the robot. How will the same five lie in the robot's frame, where it
-# stands at the origin and looks to the right?
+# **Predict**, then run the cell: on the left are the robot and five points in the world. Where will the same five points lie in the robot's frame, where the
+# robot stands at the origin and faces right?
 
 # %%
 robot = np.array([1.0, 1.0, 2.2])
@@ -101,17 +101,17 @@ for axis, pose, points, name in (
     tip = to_world(pose, [0.8, 0.0])
     axis.annotate("", tip, pose[:2], arrowprops={"width": 3, "color": colours.unit(colours.ROBOT)})
     axis.scatter(*points.T, s=70, color=colours.unit(colours.GOAL), zorder=3)
-    for number, point in enumerate(points):
-        axis.annotate(f" {number}", point, fontsize=13)
+    for i, point in enumerate(points):
+        axis.annotate(f" {i}", point, fontsize=13)
     axis.set(title=name, xlim=(-4, 4), ylim=(-3.5, 4), aspect="equal", xlabel="x / m")
 axes[0].set_ylabel("y / m")
 show(from_figure(figure))
 
 # %% [markdown]
-# ## 2 · One move after another
+# ## 2 · One motion after another
 #
-# The robot goes from A to B, and then makes a move that is given *as seen from B*. Where is it now? The second step has to be turned by the first
-# heading before it can be added; the headings simply add up. This is called **composition**, $A \oplus B$. All odometry is a long chain of it:
+# The robot drives from A to B, and then makes a motion that is given *in the frame of B*. Where is it now? The second translation has to be rotated by the first
+# heading before it can be added; the headings simply add up. This is called **composition**, $A \oplus B$. Odometry is a long chain of compositions:
 #
 # $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
 #
@@ -126,7 +126,7 @@ show(from_figure(figure))
 
 # %% exercise="compose"
 def compose(first, second):
-    """The pose reached by the move `first`, then `second` as seen from there.
+    """The pose after the motion `first`, then the motion `second` in the frame of `first`.
 
     first, second: (3,) x, y, heading. Returns (3,), with the heading in -pi to pi.
     """
@@ -143,18 +143,18 @@ def compose(first, second):
 compose = check_compose.use(compose)
 
 # %% [markdown]
-# **Predict:** the robot repeats one move, *one metre ahead, then a turn of 45 degrees to the left*. After how many moves is it back? And what happens
+# **Predict:** the robot repeats one motion, *one metre ahead, then a turn of 45 degrees to the left*. After how many motions is it back? And what happens
 # when it measures each turn one degree too large?
 
 # %%
 figure, axes = chart(9.0, 4.0, 2)
 for axis, error, name in (
     (axes[0], 0.0, "exact turns"),
-    (axes[1], 1.0, "each turn read 1 degree too large"),
+    (axes[1], 1.0, "each turn measured 1 degree too large"),
 ):
     for turn, colour, style, meaning in (
         (45.0, colours.TRACK, "o-", "where it is"),
-        (45.0 + error, colours.BELIEVED, ".:", "where it thinks it is"),
+        (45.0 + error, colours.BELIEVED, ".:", "where its odometry puts it"),
     ):
         track = [np.zeros(3)]
         for _ in range(24):
@@ -168,22 +168,22 @@ axes[1].legend(loc="center")
 show(from_figure(figure))
 
 # %% [markdown]
-# After eight moves it is back. With the wrong turns it believes that it ends 0.18 m, 0.36 m and 0.53 m away from there after one, two and three rounds
-# (the numbers in the figure). One degree is hardly visible at first, but every later step is turned by all the errors before it. Keep this picture in mind for section 4.
+# After eight motions it is back. With the wrong turns its odometry ends 0.18 m, 0.36 m and 0.53 m away from the start after one, two and three laps
+# (the numbers in the figure). One degree is hardly visible at first, but every later step is rotated by all the errors before it. Keep this figure in mind for section 4.
 #
-# ## 3 · A car cannot turn on the spot
+# ## 3 · A car cannot turn in place
 #
 # The front wheels are turned by the steering angle $\delta$, the rear wheels only roll. The car's pose is that of the middle of its rear axle, and $v$ is
-# the speed there. $L$ is the distance between the axles, the *wheelbase*. A dot means *change per second*:
+# the speed there. $L$ is the distance between the axles, the *wheelbase*. A dot is the time derivative:
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
-# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$, fast or slow. This is the **kinematic bicycle**. Our car is 0.42 m long and 0.24 m
+# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$ at any speed. This is the **kinematic bicycle model**. Our car is 0.42 m long and 0.24 m
 # wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad (26 degrees).
 #
 # ### Exercise 3 · `bicycle_step` (easy, 5 minutes)
 #
-# <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by turning rate times time.</details>
+# <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by the turning rate times the time.</details>
 # <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
 # <details><summary>Hint 3: one line</summary>x + speed * np.cos(heading) * seconds. What are the other two?</details>
 
@@ -207,15 +207,15 @@ def bicycle_step(pose, speed, steering, wheelbase, seconds):
 bicycle_step = check_bicycle_step.use(bicycle_step)
 
 # %% [markdown]
-# **Predict, then move the slider:** a corridor is 1.4 m wide. The car starts along its lower wall. Can it turn around, by a half circle, in one go? At which
-# steering angle, if at any?
+# **Predict, then move the slider:** a corridor is 1.4 m wide. The car starts along its lower wall. Can it turn around in a single half circle? At which steering
+# angle, if at any?
 
 # %%
 car = BicycleCar()
 
 
 def turning_circle(steering_angle, speed):
-    """The track of eight seconds, with the corridor for scale."""
+    """The car's track over eight seconds, in the corridor."""
     pose, track = np.array([0.0, 0.0, 0.0]), []
     for _ in range(400):
         track.append(pose)
@@ -229,8 +229,8 @@ def turning_circle(steering_angle, speed):
     axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle, 8 seconds")
     corner = to_world(track, outer)
     axis.plot(*corner.T, ":", color=colours.unit(colours.PATH), label="outer front corner")
-    for shown in (track[0], track[-1]):
-        outline = to_world(shown, car.footprint)
+    for end in (track[0], track[-1]):
+        outline = to_world(end, car.footprint)
         axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
     axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
     axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=10)
@@ -244,29 +244,29 @@ sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.45), speed=(-0.3, 0
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
-# The tightest circle has a radius of 0.62 m and is 1.24 m across, measured at the middle of the rear axle. The car's outer front corner swings wider, so the whole car
-# needs 1.6 m for a half circle, and the corridor is too narrow at every steering angle: the car has to stop, reverse and go again. What it can reach <i>in one go</i> is therefore not a question of
+# The tightest circle has a radius of 0.62 m and a diameter of 1.24 m, measured at the middle of the rear axle. The car's outer front corner swings wider, so the whole car
+# needs 1.6 m for a half circle, and the corridor is too narrow at every steering angle: the car has to stop, reverse and go again. What it can reach <i>in one motion</i> is therefore not a question of
 # distance. A place half a metre to its left is much harder to reach than one three metres ahead. This is why notebook 03 learns reachability instead of
 # measuring distance. The speed does not change the circle at all.
 # </details>
 #
-# ## 4 · Two hundred cars, one plan
+# ## 4 · Two hundred cars, the same commands
 #
 # Motors are not exact. We follow Meng 2020 (section IV-B) and multiply both controls, ten times a second, by a random number drawn from
-# $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheels also *misread* what they did: each distance and each turn by about 5 %, and the heading
-# drifts by 0.02 rad in the first metre.
+# $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheel odometry has errors too: about 5 % of each distance and of each turn, and a heading
+# drift of 0.02 rad in the first metre.
 #
-# **Predict:** 200 cars start at the same place and get the same commands. Which will be spread out more after 20 seconds, the places where they *are*,
-# or the errors of where they *think* they are? In which direction is the error largest, along the way or across it?
+# **Predict:** 200 cars start at the same place and get the same commands. Which will have the larger spread after 20 seconds, the true positions
+# or the errors of the odometry? In which direction is the error largest, along the path or across it?
 
 # %%
 commands = np.array([[0.5, 0.0]] * 60 + [[0.5, 0.25]] * 60 + [[0.5, 0.0]] * 80)
 
 
 def many_cars(count, control_noise, seed=0):
-    """Drive `count` cars by the same commands on open ground; true and believed poses (T, N, 3)."""
+    """Drive `count` cars by the same commands on open ground; true and estimated poses (T, N, 3)."""
     rng = np.random.default_rng(seed)
-    true, believed = [np.zeros((count, 3))], [np.zeros((count, 3))]
+    true, estimated = [np.zeros((count, 3))], [np.zeros((count, 3))]
     odometry = WheelOdometry()
     for speed, steering in commands:  # as bicycle_step, for all cars at once
         noise = rng.normal(1.0, control_noise, (count, 2))
@@ -274,51 +274,54 @@ def many_cars(count, control_noise, seed=0):
         motion = np.zeros((count, 3))
         twist = car.twist(controls)
         motion[:, 0], motion[:, 2] = twist[:, 0] * 0.1, twist[:, 1] * 0.1
-        read = odometry.measure(motion, None, rng)
+        measured = odometry.measure(motion, None, rng)
         true.append(np.array([compose(*pair) for pair in zip(true[-1], motion, strict=True)]))
-        believed.append(np.array([compose(*pair) for pair in zip(believed[-1], read, strict=True)]))
-    return np.array(true), np.array(believed)
+        steps = zip(estimated[-1], measured, strict=True)
+        estimated.append(np.array([compose(*pair) for pair in steps]))
+    return np.array(true), np.array(estimated)
 
 
-true, believed = many_cars(200, 0.33)
-error = relative(true[-1], believed[-1])
+true, estimated = many_cars(200, 0.33)
+error = relative(true[-1], estimated[-1])
 figure, axes = chart(9.5, 4.2, 2)
-for number in range(0, 200, 4):
-    axes[0].plot(*true[:, number, :2].T, color=colours.unit(colours.TRACK), alpha=0.15, linewidth=1)
+for i in range(0, 200, 4):
+    axes[0].plot(*true[:, i, :2].T, color=colours.unit(colours.TRACK), alpha=0.15, linewidth=1)
 axes[0].scatter(*true[-1, :, :2].T, s=8, color=colours.unit(colours.TRACK))
-axes[0].set(title="where 200 cars are", aspect="equal", xlabel="x / m", ylabel="y / m")
+axes[0].set(title="true positions of 200 cars", aspect="equal", xlabel="x / m", ylabel="y / m")
 axes[1].scatter(*error[:, :2].T, s=8, color=colours.unit(colours.BELIEVED))
-axes[1].set(title="where each thinks it is, seen from where it is", aspect="equal")
-axes[1].set(xlim=(-3, 3), ylim=(-3.4, 3.4), xlabel="too far ahead / m", ylabel="too far left / m")
+axes[1].set(title="odometry error, in the frame of each car", aspect="equal")
+axes[1].set(
+    xlim=(-3, 3), ylim=(-3.4, 3.4), xlabel="error ahead / m", ylabel="error to the left / m"
+)
 along, across = error[:, 0].std(), error[:, 1].std()
-places = np.hypot(*true[-1, :, :2].std(axis=0))
-print(f"spread of the places: {places:.2f} m")
-print(f"spread of the error: {along:.2f} m along the way, {across:.2f} m across it")
+spread = np.hypot(*true[-1, :, :2].std(axis=0))
+print(f"spread of the true positions: {spread:.2f} m")
+print(f"spread of the odometry error: {along:.2f} m along the path, {across:.2f} m across it")
 show(from_figure(figure))
 
 # %%
-error = np.linalg.norm(relative(true, believed)[..., :2], axis=2)
+error = np.linalg.norm(relative(true, estimated)[..., :2], axis=2)
 figure, (axis,) = chart(7.0, 3.6)
 seconds = 0.1 * np.arange(len(error))
 for share, style in ((0.9, ":"), (0.5, "-")):
     meaning = f"{share:.0%} of the cars are below"
     axis.plot(seconds, np.quantile(error, share, axis=1), style, color="0.2", label=meaning)
 axis.set(
-    xlabel="time / s", ylabel="error of the odometry / m", title="It grows, and nothing corrects it"
+    xlabel="time / s", ylabel="odometry error / m", title="The error grows, and nothing corrects it"
 )
 axis.legend()
 show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What did you see?</summary>
-# The cars themselves are spread over metres: the commands alone say little about where a car is. The wheels know three times better (both figures have the
-# same scale), but look at the shape of their error. A wrong heading, carried along for metres, becomes an error <i>across</i> the way. It grows with the way, and nothing ever corrects
-# it. Only looking at the world can.
+# The cars themselves are spread over metres: the commands alone say little about where a car is. The odometry is three times better (both plots have the
+# same scale), but look at the shape of its error. A heading error, integrated over metres, becomes an error <i>across</i> the path. It grows with the distance driven, and nothing ever corrects
+# it. Only observing the world can.
 # </details>
 #
 # ### Find the bug
 #
-# A colleague's odometry is fine on straights and wrong after every bend. What is wrong? Decide before you unfold the answer.
+# A colleague's odometry is right on straights and wrong after every bend. Where is the bug? Decide before you unfold the answer.
 #
 # ```python
 # def update(pose, ahead, turn):
@@ -327,13 +330,13 @@ show(from_figure(figure))
 #     return np.array([x + ahead, y, heading])
 # ```
 #
-# <details><summary>Answer</summary>The step is added along the world's x axis, never turned by the heading: it should be
-# <code>compose(pose, [ahead, 0, turn])</code>. A check on straight drives along +x would not have found it, which is why good tests turn first.</details>
+# <details><summary>Answer</summary>The step is added along the world's x axis and never rotated by the heading: it should be
+# <code>compose(pose, [ahead, 0, turn])</code>. A test that drives straight along +x would not have found it, which is why good tests turn first.</details>
 #
-# ## 5 · A ray meets a wall
+# ## 5 · A ray hits a wall
 #
-# A laser beam and a camera's column have the same question: how far is it to the nearest wall in this direction? A wall is a segment from $a$ to $b$.
-# The ray starts at $o$ and runs along the unit vector $d$. They meet where
+# A laser beam and a column of a camera image ask the same question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$.
+# The ray starts at $o$ and runs along the unit vector $d$. They intersect where
 #
 # $$ o + t\,d = a + u\,(b - a), \qquad t \ge 0, \quad 0 \le u \le 1. $$
 #
@@ -343,7 +346,7 @@ show(from_figure(figure))
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>There are three ways to miss: the wall is behind (t), the ray passes its ends (u), or both are parallel (nothing to divide by).</details>
+# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (the denominator is zero).</details>
 # <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Treat the parallel case first and return np.inf.</details>
 # <details><summary>Hint 3: one line</summary>return t if t >= 0 and 0 <= u <= 1 else np.inf</details>
 
@@ -373,9 +376,9 @@ def ray_segment(origin, direction, start, end):
 ray_segment = check_ray_segment.use(ray_segment)
 
 # %% [markdown]
-# Now the function looks around in a whole apartment: 60 rays, each against every wall nearby, and the nearest hit counts. Walls are painted in stretches of
-# colour, so that pictures of different places differ. The library does the same some ten thousand times faster: its code is compiled, and a grid tells which
-# walls are near (`.venv/bin/python -m tutorial_lib bench raycast` measures it).
+# Now your function scans an apartment: 60 rays, each against every wall nearby, and the nearest hit counts. Walls are painted in stretches of
+# colour, so that images of different places differ. The library does the same some ten thousand times faster: its code is compiled, and a grid index finds the
+# walls nearby (`.venv/bin/python -m tutorial_lib bench raycast` measures it).
 
 # %%
 eye = np.array([*paths.points[paths.clearance.argmax()], 0.6])
@@ -399,11 +402,10 @@ show(picture)
 # ## 6 · From a ray to a column of pixels
 #
 # The camera sits 0.25 m above the floor (`EYE`) and the walls are 1 m high (`WALL_HEIGHT`). The *depth* $z$ of a wall is its distance along the viewing
-# direction, not along the ray. It ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The camera sees 60 degrees from top to bottom, so the
-# picture reaches from the slope $s = \tan 30°$ (`slope`) at its upper edge down to $-s$, and its rows share that evenly. A row
-# that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why the small pictures of 16 rows that the networks will
-# learn from still tell distances well:
-# the exact share is in the colour.
+# direction, not along the ray. The wall ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The camera's vertical field of view is 60 degrees, so the
+# image reaches from the slope $s = \tan 30°$ (`slope`) at its upper edge down to $-s$, and its rows divide that range evenly. A row
+# that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why the small images of 16 rows from which the networks
+# learn still show distances well: the exact share is in the colour.
 #
 # ### Exercise 5 · `wall_share` (medium, 15 minutes)
 #
@@ -413,7 +415,7 @@ show(picture)
 
 # %%
 slope = Camera().slope
-print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the picture ends at slopes ±{slope:.3f}")
+print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the image ends at slopes ±{slope:.3f}")
 
 
 # %% exercise="wall_share"
@@ -436,8 +438,8 @@ def wall_share(depth, rows):
 wall_share = check_wall_share.use(wall_share)
 
 # %% [markdown]
-# Rays and columns together are a camera. Below, the library's rays give the depth and the colour of each of 64 columns, and `wall_share` mixes that colour with
-# floor and ceiling. **Predict:** will this picture and the library's differ, and where?
+# Rays and columns together make a camera. Below, the library's rays give the depth and the colour of each of 64 columns, and `wall_share` mixes that colour with
+# floor and ceiling. **Predict:** will this image and the library's differ, and where?
 
 # %%
 camera = Camera(rows=64)
@@ -445,7 +447,7 @@ image, distance = camera.look(scene, eye[None])
 column_angles = camera.fan.angles[::-1]  # column 0 is the leftmost
 depth = distance[0] * np.cos(column_angles)
 ceiling, floor = scene.backdrop
-middle = image[0, 30].astype(float)  # just above the horizon there is always wall
+middle = image[0, 30].astype(float)  # just above the horizon every pixel is wall
 mine = np.zeros((64, 64, 3))
 for column in range(64):
     share = wall_share(depth[column], 64)[:, None]
@@ -458,13 +460,13 @@ show(side_by_side(pictures, ["with wall_share", "by the library"]))
 
 # %% [markdown]
 # <details><summary>Do they differ?</summary>By less than one grey level: the library rounds to whole numbers, and nothing else.</details>
-# <details><summary>Why the depth and not the distance?</summary>A flat picture shows flat walls flat. Columns at the side look at the wall along a longer ray, by
+# <details><summary>Why the depth and not the distance?</summary>A pinhole camera shows straight walls straight. Columns at the side see the wall along a ray that is longer by
 # 1 / cos(angle); without the cosine straight walls would bulge. Try it: replace <code>depth</code> by <code>distance[0]</code>.</details>
 #
-# ## 7 · Two places, one picture
+# ## 7 · Two places, one image
 #
-# This office has rooms that are furnished exactly alike; some are turned by half a turn. **Predict:** how much do the pictures from the same spot in two of
-# them differ, *the same as seen from the furniture*?
+# This office has rooms that are furnished exactly alike; some are rotated by half a turn. **Predict:** how much do the images taken from the same spot in two of
+# them differ, *the same relative to the furniture*?
 
 # %%
 office = Scene(generate("symmetric_office", seed=1))
@@ -472,13 +474,13 @@ rooms = [room for room in office.plan.rooms if room.kind == "office"]
 middles = np.array([np.mean(room.outline, axis=0) for room in rooms])
 headings = np.arange(8) * np.pi / 4
 poses = np.array([[*place, heading] for place in middles for heading in headings])
-pictures, depths = Camera(rows=64).look(office, poses)
+images, depths = Camera(rows=64).look(office, poses)
 inside = depths.max(axis=1) < 6.0  # no ray leaves through the door
 alike = [
     (i, j)
     for i in np.flatnonzero(inside)
     for j in np.flatnonzero(inside)
-    if i // 8 < j // 8 and (pictures[i] == pictures[j]).all()
+    if i // 8 < j // 8 and (images[i] == images[j]).all()
 ]
 first, second = alike[0]
 office_view = PlanView(office, 460, 380)
@@ -486,37 +488,37 @@ plan = office_view.base.copy()
 for pose in poses[[first, second]]:
     draw_field_of_view(office_view, plan, office, pose)
     office_view.robot(plan, pose, 1.6 * car.footprint)
-shown = [camera_picture(pictures[k], 400) for k in (first, second)]
-difference = np.abs(pictures[first].astype(int) - pictures[second]).max()
+shown = [camera_picture(images[k], 400) for k in (first, second)]
+difference = np.abs(images[first].astype(int) - images[second]).max()
 print(
-    f"{len(alike)} such pairs of {inside.sum()} views; the largest difference between these two is {difference}"
+    f"{len(alike)} identical pairs among {inside.sum()} views; the largest difference between these two is {difference}"
 )
 show(side_by_side([plan, stacked(shown, ["from the first room", "from the second"])]))
 
 # %% [markdown]
-# They are equal to the last bit. No camera, however good, can tell these two places apart from one picture. This is **perceptual aliasing**; (A step
-# aside, and the pictures differ: only exactly the same spot gives exactly the same picture.) What helps is what came *before* the picture, and notebooks 04 to 06 will use it.
+# They are equal to the last bit. No camera, however good, can tell these two places apart from one image. This is **perceptual aliasing**. (A step
+# aside, and the images differ: only exactly the same spot gives exactly the same image.) What helps is what came *before* the image, and notebooks 04 to 06 will use it.
 #
-# ## 8 · What a robot writes down
+# ## 8 · What a robot records
 #
-# Meng 2020 shows in Fig. 6 a robot that follows a trajectory of 23 m, with numbered pictures along the way and the laser seen from above. Below is its
-# twin. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
-# texture, and the driver here still knows the map. The orange dots are the laser at the numbered
-# places: 96 beams all around, drawn up to 4 m. **Predict:** which two of the pictures will be most alike?
+# Meng 2020 shows in Fig. 6 a robot that follows a trajectory of 23 m, with numbered images along the path and the laser scans from above. Below is its
+# counterpart. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
+# texture, and here an oracle that knows the map drives the car. A recording of poses, images and actions is a **trajectory**. The orange dots are the laser scans at the
+# numbered places: 96 beams all around, drawn up to 4 m. **Predict:** which two of the images will be most alike?
 
 # %%
 rng = np.random.default_rng(3)
-ways = paths.fields(paths.points[paths.clearance.argmax()][None])
-far = paths.points[np.where(np.isfinite(ways.cost[0]), ways.cost[0], 0).argmax()]
-way = ways.path(far)
-start = np.array([*way[0], np.arctan2(*(way[4] - way[0])[::-1])])
+distances = paths.fields(paths.points[paths.clearance.argmax()][None])
+far = paths.points[np.where(np.isfinite(distances.cost[0]), distances.cost[0], 0).argmax()]
+path = distances.path(far)
+start = np.array([*path[0], np.arctan2(*(path[4] - path[0])[::-1])])
 simulation = Simulation(scene, start, sensors=Sensors(camera=Camera(rows=64)))
-courier = OraclePolicy(paths, way[-1])
+oracle = OraclePolicy(paths, path[-1])
 track, kept = [simulation.poses[0]], []
-while np.linalg.norm(simulation.poses[0, :2] - way[-1]) > 0.3 and len(track) < 1000:
+while np.linalg.norm(simulation.poses[0, :2] - path[-1]) > 0.3 and len(track) < 1000:
     if len(track) % 80 == 1:
         kept.append((simulation.poses[0], simulation.observe()))
-    simulation.step(courier.act(simulation))
+    simulation.step(oracle.act(simulation))
     track.append(simulation.poses[0])
 picture = view.base.copy()
 view.polyline(picture, np.array(track)[:, :2], colours.TRACK, 3)
@@ -530,45 +532,45 @@ for number, (pose, observation) in enumerate(kept[:6], 1):
     x, y = view.pixels(pose[:2]).round().astype(int)
     label(picture, str(number), x + 8, y - 8, 0.7)
     frames.append(camera_picture(observation.image[0], 230))
-    names.append(f"picture {number}")
+    names.append(f"image {number}")
 length = np.linalg.norm(np.diff(np.array(track)[:, :2], axis=0), axis=1).sum()
-print(f"a drive of {length:.1f} m")
+print(f"a trajectory of {length:.1f} m")
 images = np.array([observation.image[0] for _, observation in kept[:6]], dtype=float)
-unlike = np.abs(images[:, None] - images).mean(axis=(2, 3, 4))  # mean difference of two pictures
+unlike = np.abs(images[:, None] - images).mean(axis=(2, 3, 4))  # mean difference of two images
 first, second = np.triu_indices(len(images), k=1)
 for pair in np.argsort(unlike[first, second])[:2]:
     i, j = first[pair], second[pair]
-    print(f"pictures {i + 1} and {j + 1} differ by {unlike[i, j]:.0f} grey levels on average")
+    print(f"images {i + 1} and {j + 1} differ by {unlike[i, j]:.0f} grey levels on average")
 show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
 
 # %% [markdown]
 # <details><summary>Which two are most alike?</summary>
-# Pixel by pixel, pictures 2 and 3, and then 3 and 5, which were taken at the two ends of the long corridor. Likeness of pixels is a poor measure of how near two
-# places are. This is why the course learns what the car can <i>reach</i>, and does not simply compare pictures.
+# Pixel by pixel, images 2 and 3, and then 3 and 5, which were taken at the two ends of the long corridor. Pixel similarity is a poor measure of how close two
+# places are. This is why the course learns what the car can <i>reach</i>, and does not simply compare images.
 # </details>
 #
 # ## How it fails
 #
-# | what happens | cause | who mends it |
+# | what happens | cause | what helps |
 # |---|---|---|
-# | the believed track leaves the building | odometry adds up every small error | pictures of known places (notebook 05) |
-# | a thin post is seen late | the laser's 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
-# | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of pictures (notebook 06) |
-# | the car stands before a place 50 cm to its left | its circle is wider than that | reversing (notebook 02), knowing what is reachable (notebook 03) |
+# | the estimated track leaves the building | odometry accumulates every small error | images of known places (notebook 05) |
+# | a thin post is detected late | the laser's 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
+# | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of images (notebook 06) |
+# | the car cannot reach a place 50 cm to its left | its turning circle is wider than that | reversing (notebook 02), knowing what is reachable (notebook 03) |
 #
 # ## Optional extras
 #
-# - **Extra 1.** Drive a circle by `bicycle_step` with `seconds=0.5` and with `seconds=0.01`. Which circle is larger, and how far apart are the cars after 20 s?
+# - **Extra 1.** Drive a circle with `bicycle_step`, with `seconds=0.5` and with `seconds=0.01`. Which circle is larger, and how far apart are the cars after 20 s?
 #   Write a version that moves along the exact arc; the check accepts it.
 # - **Extra 2.** In `many_cars`, write `WheelOdometry(drift=...)`. How large may the drift be so that 90 % of the cars stay below 0.3 m after 20 seconds?
 # - **Extra 3.** Call `wall_share` with 8 rows and with 4, for depths from 1 m to 8 m. From how far away can you still tell two depths apart?
 #
 # ## What to remember
 #
-# - A pose changes frames by *shift, then turn*, and moves add up by composition, not by plus.
+# - A point changes frames by *shift, then rotate*, and motions add up by composition, not by addition.
 # - A car drives circles no tighter than $r = L/\tan\delta$. Near is not the same as reachable.
-# - Odometry is good for metres, not for minutes. Errors of heading hurt most.
-# - A ray against a segment is all there is to laser and camera. The share of a pixel tells what the pixel's size hides.
-# - One picture can be true of many places.
+# - Odometry is good for metres, not for minutes. Heading errors hurt most.
+# - Laser and camera both come down to intersecting a ray with a segment. Partial pixel coverage shows distances more finely than whole pixels could.
+# - Many places can give the same image.
 #
-# **Read next:** X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation*, ICRA 2020, sections I to III-A, and then notebook 02, where the car learns to drive to a picture.
+# **Read next:** X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation*, ICRA 2020, sections I to III-A, and then notebook 02, where the car learns to drive to the place shown in an image.
