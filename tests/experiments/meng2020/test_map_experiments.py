@@ -366,7 +366,7 @@ def test_faults_without_a_way_to_block_are_no_division_by_nothing():
 
 @networks
 def test_the_bench_compares_the_index_with_all_questions(house, monkeypatch):
-    monkeypatch.setattr(map, "QUICK_SIZES", (20, 40))
+    monkeypatch.setattr(map_building, "QUICK_SIZES", (20, 40))
     report = map_building.run(QUICK)
     kinds = list(dict.fromkeys(row["map"] for row in report.rows))
     assert kinds == ["one building", "one building, no reuse", "many buildings, no reuse"]
