@@ -36,17 +36,17 @@ from tutorial_lib.experiments.demos.navigation_demo import navigate_once
 from tutorial_lib.experiments.demos.oracle_demo import choose_places, place_people
 from tutorial_lib.geometry import compose
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures.charts import chart, from_figure
 from tutorial_lib.viz.figures.panels import (
     camera_picture,
-    draw_field_of_view,
     faded,
     side_by_side,
     stacked,
 )
 from tutorial_lib.viz.notebook.display import play, show
-from tutorial_lib.viz.notebook.widgets import TeleopController, drive, sliders
+from tutorial_lib.viz.notebook.widgets import TeleopController, sliders, teleop
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.importers import import_ros_map
 from tutorial_lib.world.noise import WheelOdometry
@@ -222,7 +222,7 @@ show(
 
 # %%
 car = TeleopController(home, start)
-drive(car, rehearsal=["forward"] * 4 + ["left"] * 5)
+teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
 # %% [markdown]
 # Did you get lost without the map? That is the robot's problem. Did you notice what you used?

@@ -29,11 +29,11 @@ from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative, to_world
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures.charts import chart, from_figure
 from tutorial_lib.viz.figures.panels import (
     camera_picture,
-    draw_field_of_view,
     label,
     side_by_side,
     stacked,

@@ -48,10 +48,10 @@ from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.motion_policies import draw_arrows, draw_metrics
 from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.canvas.policies import draw_arrows, draw_metrics
 from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import around, matches_picture
+from tutorial_lib.viz.figures.closeups import closeup, matches_picture
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
 from tutorial_lib.viz.notebook.display import play, show
 from tutorial_lib.viz.notebook.widgets import sliders
@@ -135,7 +135,7 @@ print(
     f"the target is {ahead:.2f} m ahead and {abs(left):.2f} m to the {'left' if left > 0 else 'right'}"
 )
 print(f"on arrival the car has turned by {np.rad2deg(turn):+.0f} degrees (+ is left)")
-show(around(view, picture, np.array([start[:2], goal[:2]]), 1.6))
+show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 
 # %% [markdown]
 # Orange is the recorded drive, green the target and the heading that it was seen with, the dots are its context.
@@ -317,7 +317,7 @@ def field_picture(push, weight, gain):
     return picture
 
 
-show(around(view, field_picture(0.12, 0.3, 2.4), near_door, 0.35))
+show(closeup(view, field_picture(0.12, 0.3, 2.4), near_door, 0.35))
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
@@ -378,7 +378,7 @@ def drive_through_the_door(push, weight, gain):
     for pose in track[:: max(1, len(track) // 5)]:
         view.robot(picture, pose, car.footprint)
     view.robot(picture, track[-1], car.footprint)
-    corner = around(view, picture, near_door, 0.35)
+    corner = closeup(view, picture, near_door, 0.35)
     return corner, f"{ending} after {simulation.seconds:.1f} s"
 
 
@@ -444,7 +444,7 @@ for drives in found.values():
     corners = np.concatenate(
         [d.poses[: round(d.seconds[one] / STEP) + 1, one, :2] for d in found.values()]
     )
-    panels.append(around(view, picture, corners, 0.6, square=True))
+    panels.append(closeup(view, picture, corners, 0.6, square=True))
 show(side_by_side(panels, list(found), height=420))
 
 # %% [markdown]
@@ -525,7 +525,7 @@ for pose in beside[found]:
         place = to_world(pose, waypoint)
         view.polyline(picture, [pose[:2], place], colours.GOAL, 1)
         view.points(picture, place, colours.GOAL, 4)
-show(around(view, picture, recorded.poses[source : target + 1, :2], 1.2))
+show(closeup(view, picture, recorded.poses[source : target + 1, :2], 1.2))
 
 # %% [markdown]
 # <details><summary>Are they all at the same place?</summary>
@@ -565,7 +565,7 @@ for name, viewer, other in (("rear", rear, front), ("front", front, rear)):
     view.rays(picture, viewer, points[both], colours.LASER)
     for pose in (rear, front):
         view.robot(picture, pose, car.footprint)
-    panels.append(around(view, picture, np.array([[-0.4, -7.8], [2.0, -0.6]]), 0.2))
+    panels.append(closeup(view, picture, np.array([[-0.4, -7.8], [2.0, -0.6]]), 0.2))
     titles.append(f"{name} view: {both.mean():.0%} shared")
 by_library = mutual_overlap(scene.caster, rear[None], front[None])[0]
 print(f"the library says {by_library[0]:.0%} and {by_library[1]:.0%}")
@@ -880,7 +880,7 @@ for name, body in (("car", car), ("round robot", round_robot)):
     for pose in track[:: max(1, len(track) // 4)]:
         view.robot(picture, pose, body.footprint)
     corners = np.concatenate([fits.starts[[shown], :2], fits.goals[[shown], :2]])
-    panels.append(around(view, picture, corners, 1.2, square=True))
+    panels.append(closeup(view, picture, corners, 1.2, square=True))
 show(side_by_side(panels, list(tracks), height=420))
 
 # %% [markdown]
@@ -907,9 +907,9 @@ for step in range(0, len(said), 2):
     view.polyline(picture, [track[step, :2], waypoint[0]], colours.GOAL, 2)
     view.points(picture, waypoint, colours.GOAL, 5)
     view.robot(picture, track[step], car.footprint)
-    closeup = around(view, picture, np.array([track[0, :2], goal_pose[:2]]), 1.2, square=True)
+    near = closeup(view, picture, np.array([track[0, :2], goal_pose[:2]]), 1.2, square=True)
     views = [camera_picture(pictures[step], 320), camera_picture(pictures[-1], 320)]
-    film.append(side_by_side([closeup, stacked(views, ["now", "target"])], height=340))
+    film.append(side_by_side([near, stacked(views, ["now", "target"])], height=340))
 play(film, 5, count=3)
 
 # %% [markdown]
@@ -985,7 +985,7 @@ def failure_strip(case):
         plan.polyline(picture, track[: step + 1, :2], colours.TRACK, 3)
         plan.robot(picture, track[step], car.footprint)
         corners = np.concatenate([track[:, :2], hundred.goals[[robot], :2]])
-        moments.append(around(plan, picture, corners, 0.6, square=True))
+        moments.append(closeup(plan, picture, corners, 0.6, square=True))
     pictures = people_camera.look(where, np.array([track[-1], hundred.goals[robot]]))[0]
     views = stacked([camera_picture(p, 220) for p in pictures], ["at the end", "target"], gap=4)
     maps = side_by_side(

@@ -45,12 +45,12 @@ from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.weights import load_card
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.canvas.probabilities import draw_cells
 from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import around
+from tutorial_lib.viz.figures.closeups import closeup
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
 from tutorial_lib.viz.figures.reachability import (
-    along_drive,
-    draw_cells,
+    along_trajectory,
     draw_reliability,
     pictured_pair,
     probability_bar,
@@ -126,7 +126,7 @@ def map_around(target, errands=None, probability=None):
         circle = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
         view.polyline(picture, goal[:2] + circle, colours.INK, 1)
     draw_target(view, picture, goal)
-    return around(view, picture, np.array([goal[:2] - 2.1, goal[:2] + 2.1]), 0.25)
+    return closeup(view, picture, np.array([goal[:2] - 2.1, goal[:2] + 2.1]), 0.25)
 
 
 TARGETS = {
@@ -137,8 +137,8 @@ errands = {name: starts_around(target) for name, target in TARGETS.items()}
 panels = []
 for target in TARGETS.values():
     picture = people_camera.look(scene, recorded.poses[[target]])[0][0]
-    closeup = map_around(target)
-    panels.append(stacked([closeup, camera_picture(picture, closeup.shape[1])], gap=6))
+    near = map_around(target)
+    panels.append(stacked([near, camera_picture(picture, near.shape[1])], gap=6))
 show(side_by_side(panels, [f"target {name}" for name in TARGETS]))
 
 # %% [markdown]
@@ -736,9 +736,9 @@ def slide(metres_to_the_target, turned_by):
     draw_target(view, picture, goal)
     view.polyline(picture, track[:, :2], colours.TRACK, 3)
     view.robot(picture, pose, car.footprint)
-    map_part = around(view, picture, recorded.poses[along, :2], 1.1)
+    map_part = closeup(view, picture, recorded.poses[along, :2], 1.1)
     look = pictured_pair(*people_camera.look(scene, np.array([pose, goal]))[0], 300)
-    side = stacked([look, along_drive(metres_ahead, probability, target, reached)], width=330)
+    side = stacked([look, along_trajectory(metres_ahead, probability, target, reached)], width=330)
     gap = np.linalg.norm(track[:, :2] - goal[:2], axis=1).min()
     joint = "and" if reached == (probability[target] >= 0.5) else "but"
     ending = "the car arrived" if reached else f"the car came no nearer than {gap:.2f} m"
@@ -800,12 +800,12 @@ def case_picture(case):
     plan.robot(picture, start, car.footprint)
     middle = (start[:2] + goal[:2]) / 2
     corners = np.concatenate([track[:, :2], [middle - 0.7, middle + 0.7]])
-    closeup = side_by_side([around(plan, picture, corners, 0.8, square=True)], height=300)
+    near = side_by_side([closeup(plan, picture, corners, 0.8, square=True)], height=300)
     look = people_camera.look(lesson["recorded"].scene, np.array([start, goal]))[0]
     ending = "arrived" if case["label"] else f"no nearer than {case['closest']:.2f} m"
     special = [key for key, has in case["traits"].items() if has] or ["nothing special"]
     titles = [f"RE {case['claim']:.2f}: {ending}", ", ".join(special)]
-    return stacked([closeup, pictured_pair(*look, 300)], titles, gap=4)
+    return stacked([near, pictured_pair(*look, 300)], titles, gap=4)
 
 
 for group in (too_sure, too_modest):

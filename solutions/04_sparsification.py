@@ -41,20 +41,18 @@ from tutorial_lib.geometry import compose, relative, to_local, to_world, wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.anchors import draw_anchors, draw_frames, draw_states
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures.anchors import (
     anchors_picture,
     cover_chart,
-    draw_anchors,
-    draw_frames,
-    draw_states,
     follower_strip,
     numbered_views,
     state_legend,
     state_ribbon,
 )
 from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import around
+from tutorial_lib.viz.figures.closeups import closeup
 from tutorial_lib.viz.figures.follower_states import follower_machine, reach_table
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
 from tutorial_lib.viz.notebook.display import show
@@ -209,7 +207,7 @@ def anchors_at(p_sparsify, from_anchor):
     axis.set_yticks([0.1, 0.5, 0.9, 0.99], ["0.1", "0.5", "0.9", "0.99"])
     axis.minorticks_off()
     axis.set(xlabel="metres ahead of the anchor", ylabel="RE", ylim=(0.05, 0.999), xlim=(0, 4.2))
-    panels = [around(small_view, picture, poses[:, :2], 0.6), from_figure(figure)]
+    panels = [closeup(small_view, picture, poses[:, :2], 0.6), from_figure(figure)]
     metres = np.diff(arc[anchors])
     caption = f"{len(anchors)} of {len(frames)} frames; {metres.min():.1f} to {metres.max():.1f} m from one to the next"
     return side_by_side(panels, gap=10), caption
@@ -593,7 +591,7 @@ for robot in range(2):
     view.polyline(picture, tracks[:, robot, :2], colours.TRACK, 4)
     view.robot(picture, widest, car.footprint)
     view.robot(picture, tracks[-1, robot], car.footprint)
-    panels.append(around(view, picture, tracks[..., :2].reshape(-1, 2), 0.6))
+    panels.append(closeup(view, picture, tracks[..., :2].reshape(-1, 2), 0.6))
 show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], height=330))
 
 # %% [markdown]
@@ -822,7 +820,7 @@ for name, followed, state_log in (
     draw_states(view, picture, followed[: len(state_log), differ], state_log[:, differ])
     view.robot(picture, followed[-1, differ], car.footprint)
     both = np.concatenate([your_track[:, differ, :2], library_track[:, differ, :2]])
-    panels.append(around(view, picture, both, 0.6))
+    panels.append(closeup(view, picture, both, 0.6))
     length_covered = metres_of(followed)[differ]
     titles.append(f"{name}: {length_covered:.1f} of {lengths[differ]:.1f} m")
 show(stacked([side_by_side(panels, titles, height=min(560, len(panels[0]))), state_legend(900)]))
@@ -883,7 +881,7 @@ for index in range(4):
     office_view.polyline(picture, noisy_track[:, index, :2], colours.PERSON, 2)
 draw_states(office_view, picture, quiet_track[:-1, 0], quiet_states[:, 0], 2)
 draw_anchors(office_view, picture, longest.poses[far_path], size=5)
-show(around(office_view, picture, longest.poses[:, :2], 0.8))
+show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 
 # %% [markdown]
 # <details><summary>Why does noise matter so little?</summary>
@@ -1033,13 +1031,13 @@ def failure_picture(index):
     draw_states(close_view, picture, track, states, 6)
     draw_anchors(close_view, picture, poses[[2]], size=15, colour=colours.LASER)
     close_view.robot(picture, poses[0], car.footprint)
-    closeup = around(close_view, picture, poses[:, :2], 1.2, square=True)
-    closeup = side_by_side([closeup], height=340)
+    near = closeup(close_view, picture, poses[:, :2], 1.2, square=True)
+    near = side_by_side([near], height=340)
     images = people_camera.look(scene, poses)[0]
     names = ["what it saw", "the anchor it counted as visited", "the anchor it drove to"]
     views = stacked([camera_picture(image, 248) for image in images], names, gap=2)
     title = f"trajectory {index}: {metres[index]:.1f} of {lengths[index]:.1f} m"
-    return side_by_side([closeup, views], [title, ""], gap=8)
+    return side_by_side([near, views], [title, ""], gap=8)
 
 
 worst = (metres / lengths).argsort()[:4]

@@ -56,12 +56,12 @@ from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import write_beside
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.canvas.topomaps import draw_edges, draw_topomap, hue
-from tutorial_lib.viz.figures.anchors import write_beside
 from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import around
-from tutorial_lib.viz.figures.edge_tables import sequences, table
+from tutorial_lib.viz.figures.closeups import closeup
+from tutorial_lib.viz.figures.edge_tables import aligned_sequences, edge_table
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
 from tutorial_lib.viz.notebook.display import show
 from tutorial_lib.viz.notebook.widgets import sliders
@@ -86,7 +86,7 @@ torch.set_num_threads(1)  # the networks are small: a second thread would mostly
 # An edge needs $\mathcal{RE} > p_\text{edge}$; what is less is **pruned**, since it would hardly ever be used with success. Edges along a drive are kept in any case: the car did drive there. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
 
 # %%
-show(table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
+show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 
 # %% [markdown]
 # <details><summary>Answer</summary>
@@ -245,7 +245,7 @@ def edge_picture(view, asked, source, target, margin=1.2):
     view.arrow(picture, asked.poses[target], colours.LASER, 9)
     view.arrow(picture, asked.poses[source], colours.ROBOT, 9)
     ends = asked.poses[[source, target], :2]
-    cut = around(view, picture, ends, margin, square=True)
+    cut = closeup(view, picture, ends, margin, square=True)
     return side_by_side([side_by_side([cut], height=204), views_of(asked, (source, target))], gap=6)
 
 
@@ -484,7 +484,7 @@ for name, p_edge, p_reuse in (("dense", 0.0, 1.0), ("pruned", 0.99, 1.0), ("reus
     grown = grow(home.reach, [first, second], p_reuse)
     weights = grown.weights(p_edge)
     picture = map_picture(half, home, grown.vertices, weights, drive_of)
-    panels.append(around(half, picture, home.poses[both, :2], 0.8))
+    panels.append(closeup(half, picture, home.poses[both, :2], 0.8))
     titles.append(f"{name}: {len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges")
 figure_4 = stored("meng_fig4")
 print(f"two drives in another building, stored (seed {figure_4.worlds[0]}):")
@@ -533,7 +533,7 @@ def insertion(step, p_reuse, p_edge):
     end = " is replaced" if taken else " becomes a vertex"
     words = f"anchor {step} of {last}: {len(will_do)} vertices will do above {p_reuse:.3f}; it{end}"
     words += f"; {np.isfinite(weights).sum()} edges, those above {p_edge:.2f}"
-    cut = around(step_view, picture, home.poses[both, :2], 0.6)
+    cut = closeup(step_view, picture, home.poses[both, :2], 0.6)
     return side_by_side([cut, shown], gap=8), words
 
 
@@ -753,7 +753,7 @@ same = [
     and any({v, target} <= set(drive) for drive in office.drives)
 ]
 values = [office.reach[pair] for pair in same]
-show(sequences([str(a) for a, _ in same], [str(v) for _, v in same], values))
+show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], values))
 
 # %% [markdown]
 # Even the stretch looks alike here: of all wormholes this one is the worst case. But the least of the five is 0.98, just too little for $p_\text{edge} = 0.99$.

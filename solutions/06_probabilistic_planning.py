@@ -54,9 +54,10 @@ from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.heading_search import ASIDE
 from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import write_beside
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.canvas.topomaps import draw_edges, draw_plan, draw_topomap, hue
-from tutorial_lib.viz.figures.anchors import numbered_views, write_beside
+from tutorial_lib.viz.figures.anchors import numbered_views
 from tutorial_lib.viz.figures.charts import chart, from_figure
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
 from tutorial_lib.viz.figures.planning_graphs import graph_picture

@@ -6,27 +6,27 @@ import pytest
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER, stored
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.motion_policies import draw_arrows, draw_metrics, ellipse
 from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.canvas.policies import draw_arrows, draw_metrics, ellipse
-from tutorial_lib.viz.figures.closeups import around, matches_picture
+from tutorial_lib.viz.figures.closeups import closeup, matches_picture
 
 
 def test_a_closer_look_is_cut_out_of_the_map(box):
     view = PlanView(box, 532, 532)
     picture = view.base.copy()
     view.points(picture, [4.0, 6.0], colours.GOAL, 2)
-    near = around(view, picture, [[4.0, 6.0]], 1.0)
+    near = closeup(view, picture, [[4.0, 6.0]], 1.0)
     assert np.abs(np.array(near.shape[:2]) - 2 * view.scale).max() <= 1
     middle = np.array(near.shape[:2]) // 2
     assert (near[tuple(middle)] == colours.GOAL).all()
-    square = around(view, picture, [[2.0, 2.0], [6.0, 3.0]], 0.5, square=True)
+    square = closeup(view, picture, [[2.0, 2.0], [6.0, 3.0]], 0.5, square=True)
     assert square.shape[0] == square.shape[1]
 
 
 def test_beyond_the_map_a_closer_look_is_white(box):
     view = PlanView(box, 332, 332)
-    assert (around(view, view.base, [[40.0, 40.0]], 1.0) == 255).all()
-    corner = around(view, view.base, [[0.0, 0.0]], 3.0)
+    assert (closeup(view, view.base, [[40.0, 40.0]], 1.0) == 255).all()
+    corner = closeup(view, view.base, [[0.0, 0.0]], 3.0)
     assert (corner[-1, 0] == 255).all()
     assert (corner[0, -1] != 255).any()
 

@@ -8,16 +8,15 @@ import pytest
 from tests.conftest import make_box
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view, ray_ends
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures.charts import chart, from_figure
 from tutorial_lib.viz.figures.film import png
 from tutorial_lib.viz.figures.panels import (
     TITLE,
     camera_picture,
-    draw_field_of_view,
     faded,
     film_strip,
-    ray_ends,
     side_by_side,
     stacked,
 )

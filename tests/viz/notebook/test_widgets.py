@@ -6,8 +6,8 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.errors import InputError
-from tutorial_lib.viz.notebook.teleop import ACTIONS, TeleopController, teleop_picture
-from tutorial_lib.viz.notebook.widgets import drive, sliders
+from tutorial_lib.viz.notebook.teleoperation import ACTIONS, TeleopController, teleop_picture
+from tutorial_lib.viz.notebook.widgets import sliders, teleop
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 
@@ -89,7 +89,7 @@ def test_the_picture_follows_the_state_and_changes_nothing(controller):
 
 
 def test_buttons_change_picture_and_text(controller):
-    panel = drive(controller)
+    panel = teleop(controller)
     assert set(panel.buttons) == {*ACTIONS, "start again"}
     picture, line = panel.picture.value, panel.line.value
     panel.buttons["forward"].click()
@@ -152,7 +152,7 @@ def test_wrong_ranges_are_refused(span):
 
 
 def test_every_shell_leaves_a_static_picture_in_the_same_output(controller):
-    for panel in (drive(controller), sliders(grey, size=(10, 60, 1, 20), shade=(0, 9, 1, 1))):
+    for panel in (teleop(controller), sliders(grey, size=(10, 60, 1, 20), shade=(0, 9, 1, 1))):
         bundle = panel._repr_mimebundle_()
         assert "application/vnd.jupyter.widget-view+json" in bundle
         strip = decoded(base64.b64decode(bundle["image/png"]))

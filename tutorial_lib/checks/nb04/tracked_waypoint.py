@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.checks.framework.check import call, check, expect_close
 from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.figures.panels import label, side_by_side
+from tutorial_lib.viz.canvas.labels import label
+from tutorial_lib.viz.figures.panels import side_by_side
 
 
 def tracked_waypoint(then: ArrayLike, waypoint: ArrayLike, now: ArrayLike) -> Array:

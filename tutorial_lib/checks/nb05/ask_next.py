@@ -14,7 +14,7 @@ from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.nb05.trajectories import MIXED, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
-from tutorial_lib.viz.figures.edge_tables import table
+from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 _BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
@@ -113,7 +113,9 @@ def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
         answers.append(mask(what, got, case[0].shape))
     right = [ask_next(*case) for case in _SEARCHES.values()]
     titles = ("target", "yours")
-    both = [table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (right[0], answers[0])]
+    both = [
+        edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (right[0], answers[0])
+    ]
     picture = side_by_side(both, titles, gap=30)
     faults = {words: partial(_asked, fault=fault) for words, fault in _MISSED.items()}
     explained("ask_next", _SEARCHES, answers, ask_next, faults, picture)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.checks.framework.check import call, check, expect_close
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
-from tutorial_lib.viz.figures.edge_tables import table
+from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 BY_HAND = np.array(
@@ -130,5 +130,5 @@ def _weights_picture(got: object) -> NDArray[np.uint8]:
     pictures = []
     for weights in (edge_weights(BY_HAND, DRIVEN, 0.9), got):
         if isinstance(weights, np.ndarray) and weights.shape == BY_HAND.shape:
-            pictures.append(table(weights, np.isfinite(weights), DRIVEN, blank=True))
+            pictures.append(edge_table(weights, np.isfinite(weights), DRIVEN, blank=True))
     return side_by_side(pictures, ["target", "yours"][: len(pictures)], gap=30)

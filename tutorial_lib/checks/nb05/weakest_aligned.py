@@ -14,7 +14,7 @@ from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
-from tutorial_lib.viz.figures.edge_tables import table
+from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 
@@ -150,12 +150,12 @@ _FAULTS = {
 
 def _tables(got: object) -> NDArray[np.uint8]:
     reach = _ALIGNED["one drive beside another"][0]
-    pictures, titles = [table(reach, reach > 0.5, names=("a", "v"))], ["RE"]
+    pictures, titles = [edge_table(reach, reach > 0.5, names=("a", "v"))], ["RE"]
     for title, least in (
         ("target", weakest_aligned(*_ALIGNED["one drive beside another"])),
         ("yours", got),
     ):
         if isinstance(least, np.ndarray) and least.shape == reach.shape:
-            pictures.append(table(least, least > 0.5, names=("a", "v")))
+            pictures.append(edge_table(least, least > 0.5, names=("a", "v")))
             titles.append(title)
     return side_by_side(pictures, titles, gap=24)

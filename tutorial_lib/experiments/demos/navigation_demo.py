@@ -38,7 +38,7 @@ from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import draw_topomap
-from tutorial_lib.viz.figures.dashboard import DriveFilm, Moment
+from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm
 from tutorial_lib.viz.figures.panels import faded
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.people import Person
@@ -66,7 +66,7 @@ def run_map_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     return outcome
 
 
-def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[DriveFilm, Outcome]:
+def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[RolloutFilm, Outcome]:
     """Record drives between places, learn a map, and find to a picture: the film, and how it went.
 
     The car gets its camera and laser, what was sensed on the drives, and the goal's picture; it
@@ -102,7 +102,7 @@ def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[DriveF
         edges=agent.topomap.graph.number_of_edges(),
     )
     title = f"{name}: from {rooms[0]} to {rooms[1]}"
-    return DriveFilm(view_of(house, agent.topomap, poses), moments, title), outcome
+    return RolloutFilm(view_of(house, agent.topomap, poses), moments, title), outcome
 
 
 def farthest(house: Building, asked: Trials) -> tuple[Trials, tuple[str, str], int]:

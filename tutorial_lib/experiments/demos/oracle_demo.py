@@ -17,7 +17,7 @@ from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas.colours import PERSON
 from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.dashboard import DriveFilm, Moment
+from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm
 from tutorial_lib.viz.figures.film import write_film, write_picture
 from tutorial_lib.viz.figures.panels import evenly, stacked
 from tutorial_lib.world.bodies import BicycleCar
@@ -98,7 +98,7 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         geodesic=round(float(paths.fields(goal, shortest=True).distance(start[None, :2])[0]), 2),
         people=len(people),
     )
-    leave(folder, DriveFilm(PlanView(scene), moments, _title(plan, rooms)), outcome)
+    leave(folder, RolloutFilm(PlanView(scene), moments, _title(plan, rooms)), outcome)
     return outcome
 
 
@@ -108,7 +108,7 @@ def check_folder(folder: Path) -> None:
         check_writable(folder / name)
 
 
-def leave(folder: Path, film: DriveFilm, outcome: Outcome) -> None:
+def leave(folder: Path, film: RolloutFilm, outcome: Outcome) -> None:
     """Write the film, its strip of pictures and the figures of a demo into `folder`."""
     write_film(folder / FILM, film, FILM_RATE)
     write_picture(folder / STRIP, stacked([film[i] for i in evenly(len(film), 3)]))

@@ -7,66 +7,25 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import to_world
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.anchors import (
+    STATES,
+    draw_anchors,
+    draw_frames,
+    draw_states,
+    state_name,
+)
+from tutorial_lib.viz.canvas.labels import draw_badge, label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import around
-from tutorial_lib.viz.figures.panels import TITLE, camera_picture, label, side_by_side, stacked
+from tutorial_lib.viz.figures.closeups import closeup
+from tutorial_lib.viz.figures.panels import TITLE, camera_picture, side_by_side, stacked
 from tutorial_lib.world.simulation import STEP
 
-STATES = {
-    State.SEARCH: colours.FAINT,
-    State.FOLLOW: colours.ROBOT,
-    State.DEAD_RECKONING: colours.LASER,
-    State.LOST: colours.INK,
-    State.DONE: colours.GOAL,
-}
-"""A colour for each state of a follower."""
 CONTEXTS = {"k0": colours.LASER, "k2": colours.GOAL, "k5": colours.ROBOT, "laser": colours.PATH}
 """A colour for each controller, by its context."""
 _BAR = 22  # pixels of a ribbon's height
-_JUMP = 0.25  # metres between two steps that nobody drives
-
-
-def state_name(state: int) -> str:
-    """A state as it is spoken of.
-
-    >>> state_name(2)
-    'dead reckoning'
-    """
-    return State(state).name.replace("_", " ").lower()
-
-
-def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
-    """Draw the dense frames of a recorded drive (T, 3), a small dot each."""
-    view.points(picture, np.asarray(poses, dtype=float)[:, :2], colours.PATH, radius)
-
-
-def draw_anchors(
-    view: PlanView,
-    picture: Picture,
-    poses: ArrayLike,
-    numbered: bool = False,
-    size: float = 6.0,
-    colour: tuple[int, int, int] = colours.GOAL,
-) -> None:
-    """Draw anchors at poses (A, 3) as arrowheads, and write their places beside them if asked."""
-    for place, pose in enumerate(np.asarray(poses, dtype=float)):
-        view.arrow(picture, pose, colour, size)
-        if numbered:
-            write_beside(view, picture, str(place), pose)
-
-
-def write_beside(
-    view: PlanView, picture: Picture, text: str, pose: ArrayLike, off: float = 18.0
-) -> None:
-    """Write a word to the left of a pose (3,), `off` pixels from it."""
-    beside = to_world(pose, [0.0, off / view.scale])
-    (wide, high), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
-    corner = view.pixels(beside) + np.array([-wide / 2, high / 2])
-    label(picture, text, *np.round(corner).astype(int).tolist(), 0.5)
 
 
 def anchors_picture(
@@ -80,23 +39,7 @@ def anchors_picture(
     poses, picture = np.asarray(poses, dtype=float), view.base.copy()
     draw_frames(view, picture, poses)
     draw_anchors(view, picture, poses[np.asarray(anchors)], numbered)
-    return around(view, picture, poses[:, :2], margin)
-
-
-def draw_states(
-    view: PlanView, picture: Picture, poses: ArrayLike, states: ArrayLike, width: float = 3.0
-) -> None:
-    """Draw where a robot was, poses (T, 3), in the colours of its states (T,).
-
-    The line is broken where the robot was put elsewhere.
-    """
-    poses, states = np.asarray(poses, dtype=float), np.asarray(states)
-    jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP
-    changes = np.flatnonzero(np.diff(states).astype(bool) | jumps) + 1
-    for first, last in zip([0, *changes], [*changes, len(states)], strict=True):
-        joined = last < len(states) and not jumps[last - 1]
-        places = poses[first : last + joined, :2]
-        view.polyline(picture, places, STATES[State(states[first])], width)
+    return closeup(view, picture, poses[:, :2], margin)
 
 
 def state_ribbon(states: ArrayLike, width: int = 960, longest: int | None = None) -> Picture:
@@ -162,7 +105,7 @@ def follower_strip(
         for x, y, radius in (discs or {}).get(step, ()):
             view.disc(picture, [x, y], radius, colours.PERSON)
         view.robot(picture, poses[step], footprint)
-        panel = around(view, picture, poses[step, :2], reach, square=True)
+        panel = closeup(view, picture, poses[step, :2], reach, square=True)
         panel = cv2.resize(panel, (side, side), interpolation=cv2.INTER_AREA)
         colour = STATES[State(states[step])]
         cv2.rectangle(panel, (2, 2), (side - 3, side - 3), colour, 5)
@@ -198,13 +141,13 @@ def numbered_views(
     poses = np.asarray(poses, dtype=float)
     views = []
     for place, (pose, image) in enumerate(zip(poses, images, strict=True), 1):
-        _badge(picture, str(place), view.pixels(pose[:2]))
+        draw_badge(picture, str(place), view.pixels(pose[:2]))
         panel = camera_picture(image, width)
-        _badge(panel, str(place), np.array([15.0, 15.0]))
+        draw_badge(panel, str(place), np.array([15.0, 15.0]))
         views.append(panel)
     held = poses[:, :2] if points is None else np.concatenate([points, poses[:, :2]])
     rows = [side_by_side(views[i : i + columns], gap=6) for i in range(0, len(views), columns)]
-    plan, seen = around(view, picture, held, margin), stacked(rows, gap=6)
+    plan, seen = closeup(view, picture, held, margin), stacked(rows, gap=6)
     arrange = stacked if plan.shape[1] > 1.3 * plan.shape[0] else side_by_side
     return arrange([plan, seen], gap=12)
 
@@ -246,11 +189,3 @@ def cover_chart(
     axis.set(xlabel=f"{kept}, % of the frames", ylabel="length covered, %", ylim=(None, 101))
     figure.legend(loc="outside upper center", ncols=6, fontsize=10, frameon=False)
     return from_figure(figure)
-
-
-def _badge(picture: Picture, text: str, pixel: NDArray[np.float64]) -> None:
-    """A number on a disc."""
-    column, row = np.round(pixel).astype(int).tolist()
-    cv2.circle(picture, (column, row), 12, colours.INK, cv2.FILLED, cv2.LINE_AA)
-    (wide, high), _ = cv2.getTextSize(text, cv2.FONT_HERSHEY_SIMPLEX, 0.5, 1)
-    label(picture, text, column - wide // 2, row + high // 2, 0.5, colours.PAPER)

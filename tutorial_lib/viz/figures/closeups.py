@@ -9,7 +9,7 @@ from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.panels import camera_picture
 
 
-def around(
+def closeup(
     view: PlanView, picture: Picture, points: ArrayLike, margin: float = 0.8, square: bool = False
 ) -> Picture:
     """The part of a map that holds `points` (P, 2) and `margin` metres around them.

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
-from tutorial_lib.viz.figures.panels import camera_picture, label
+from tutorial_lib.viz.figures.panels import camera_picture
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import full_circle
 
@@ -47,7 +48,7 @@ class Moment:
 
 
 @dataclass(frozen=True)
-class DriveFilm(Sequence[Picture]):
+class RolloutFilm(Sequence[Picture]):
     """The pictures of a drive, each drawn when it is asked for."""
 
     view: PlanView

@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
-from tutorial_lib.viz.figures.panels import label
 
 HOLDS, FAILS, PALE = (214, 236, 228), (250, 226, 214), (244, 244, 244)
 """Tints of a cell: an edge, none, and one that means nothing."""
 _CELL, _HEAD = 46, 46  # pixels
 
 
-def table(
+def edge_table(
     values: ArrayLike,
     chosen: ArrayLike,
     rings: ArrayLike | None = None,
@@ -54,7 +54,7 @@ def table(
     return picture
 
 
-def sequences(row: Sequence[str], column: Sequence[str], pairs: Sequence[float]) -> Picture:
+def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: Sequence[float]) -> Picture:
     """Two rows of anchors, one above the other, with the RE of each aligned pair between them.
 
     Args:

@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.anchors import STATES, state_name
+from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
-from tutorial_lib.viz.figures.anchors import STATES, state_name
 from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.panels import label
 
 _HOLDS, _FAILS = (214, 236, 228), (250, 226, 214)
 _CELL = 46  # pixels

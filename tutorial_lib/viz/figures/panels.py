@@ -7,31 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
-from tutorial_lib.world.raycast import Discs, Fan
-from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, PanoramicCamera
+from tutorial_lib.viz.canvas.labels import FONT, SIZE, label
+from tutorial_lib.viz.canvas.plan_view import Picture
 
 TITLE = 30
 """Pixels of a title's line; its letters can still be read at half the width."""
-_FONT, _SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.62
-
-
-def label(
-    picture: Picture,
-    text: str,
-    x: int,
-    y: int,
-    size: float = _SIZE,
-    colour: tuple[int, int, int] = colours.INK,
-) -> None:
-    """Write on a picture; (x, y) is the lower left corner of the first letter. Latin letters only.
-
-    OpenCV knows no others and draws question marks in their place.
-    """
-    cv2.putText(picture, text, (x, y), _FONT, size, colour, 1, cv2.LINE_AA)
 
 
 def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = False) -> Picture:
@@ -126,27 +107,6 @@ def film_strip(
     return side_by_side(pictures, gap=gap)
 
 
-def draw_field_of_view(
-    view: PlanView,
-    picture: Picture,
-    scene: Scene,
-    pose: ArrayLike,
-    camera: Camera | PanoramicCamera | None = None,
-    discs: Discs | None = None,
-) -> None:
-    """Tint on a map what a camera at `pose` (3,) sees of the floor, up to the walls."""
-    camera = Camera() if camera is None else camera
-    view.seen(picture, pose, ray_ends(scene, pose, camera.fan.angles, discs))
-
-
-def ray_ends(scene: Scene, pose: ArrayLike, angles: ArrayLike, discs: Discs | None = None) -> Array:
-    """Points (B, 2) of the world that rays from `pose` (3,) meet; angles (B,) rad, 0 is ahead."""
-    pose, angles = np.asarray(pose, dtype=float), np.asarray(angles, dtype=float)
-    distance = scene.caster.cast(pose[None], Fan(angles), discs).distance[0]
-    turned = pose[2] + angles
-    return pose[:2] + distance[:, None] * np.stack([np.cos(turned), np.sin(turned)], axis=1)
-
-
 def _arranged(
     pictures: Sequence[Picture], titles: Sequence[str], size: int | None, gap: int, along: int
 ) -> Picture:
@@ -189,8 +149,8 @@ def _scaled(picture: Picture, scale: float) -> Picture:
 def _line(text: str, width: int) -> Picture:
     """A white line with a text, its letters smaller where it would not fit."""
     line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
-    (wide, _), _ = cv2.getTextSize(text, _FONT, _SIZE, 1)
-    label(line, text, 1, TITLE - 10, _SIZE * min(1.0, (width - 2) / max(wide, 1)))
+    (wide, _), _ = cv2.getTextSize(text, FONT, SIZE, 1)
+    label(line, text, 1, TITLE - 10, SIZE * min(1.0, (width - 2) / max(wide, 1)))
     return line
 
 

@@ -1,1 +1,13 @@
-"""Output of notebook cells: widgets, films, and driving by hand."""
+"""Widgets and what shows pictures and films as the output of a cell."""
+
+from tutorial_lib.viz.notebook.display import play, show
+from tutorial_lib.viz.notebook.teleoperation import TeleopController
+from tutorial_lib.viz.notebook.widgets import sliders, teleop
+
+__all__ = [
+    "TeleopController",
+    "play",
+    "show",
+    "sliders",
+    "teleop",
+]

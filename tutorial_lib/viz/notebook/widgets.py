@@ -18,15 +18,20 @@ import numpy as np
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.film import png
-from tutorial_lib.viz.notebook.teleop import ACTIONS, TeleopController, still_strip, teleop_picture
+from tutorial_lib.viz.notebook.teleoperation import (
+    ACTIONS,
+    TeleopController,
+    still_strip,
+    teleop_picture,
+)
 
 __all__ = [
     "Shell",
     "SliderPanel",
     "TeleopController",
     "TeleopPanel",
-    "drive",
     "sliders",
+    "teleop",
     "teleop_picture",
 ]
 
@@ -83,7 +88,7 @@ class TeleopPanel(Shell):
         self.line.value = _words(self.controller.text)
 
 
-def drive(
+def teleop(
     controller: TeleopController,
     rehearsal: Sequence[str] = ("forward", "forward", "left", "left", "left", "forward"),
 ) -> TeleopPanel:

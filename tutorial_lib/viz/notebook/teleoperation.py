@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import wrap
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.dashboard import Moment, draw_laser, draw_map
-from tutorial_lib.viz.figures.panels import camera_picture, label, side_by_side
+from tutorial_lib.viz.figures.panels import camera_picture, side_by_side
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera

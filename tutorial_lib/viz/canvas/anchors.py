@@ -1,0 +1,64 @@
+"""Frames and anchors of a trajectory, and a follower's states, drawn on the plan."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import write_beside
+from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
+
+STATES = {
+    State.SEARCH: colours.FAINT,
+    State.FOLLOW: colours.ROBOT,
+    State.DEAD_RECKONING: colours.LASER,
+    State.LOST: colours.INK,
+    State.DONE: colours.GOAL,
+}
+"""A colour for each state of a follower."""
+_JUMP = 0.25  # metres between two steps: the robot was teleported
+
+
+def state_name(state: int) -> str:
+    """A state as it is spoken of.
+
+    >>> state_name(2)
+    'dead reckoning'
+    """
+    return State(state).name.replace("_", " ").lower()
+
+
+def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
+    """Draw the dense frames of a recorded drive (T, 3), a small dot each."""
+    view.points(picture, np.asarray(poses, dtype=float)[:, :2], colours.PATH, radius)
+
+
+def draw_anchors(
+    view: PlanView,
+    picture: Picture,
+    poses: ArrayLike,
+    numbered: bool = False,
+    size: float = 6.0,
+    colour: tuple[int, int, int] = colours.GOAL,
+) -> None:
+    """Draw anchors at poses (A, 3) as arrowheads, and write their places beside them if asked."""
+    for place, pose in enumerate(np.asarray(poses, dtype=float)):
+        view.arrow(picture, pose, colour, size)
+        if numbered:
+            write_beside(view, picture, str(place), pose)
+
+
+def draw_states(
+    view: PlanView, picture: Picture, poses: ArrayLike, states: ArrayLike, width: float = 3.0
+) -> None:
+    """Draw where a robot was, poses (T, 3), in the colours of its states (T,).
+
+    The line is broken where the robot was put elsewhere.
+    """
+    poses, states = np.asarray(poses, dtype=float), np.asarray(states)
+    jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP
+    changes = np.flatnonzero(np.diff(states).astype(bool) | jumps) + 1
+    for first, last in zip([0, *changes], [*changes, len(states)], strict=True):
+        joined = last < len(states) and not jumps[last - 1]
+        places = poses[first : last + joined, :2]
+        view.polyline(picture, places, STATES[State(states[first])], width)
