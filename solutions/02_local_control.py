@@ -40,7 +40,7 @@ from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import drive
-from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.geometry import compose, relative, to_local, to_world
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.encoders import PairEncoder
@@ -707,7 +707,7 @@ show(stacked([upper, side_by_side(panels[2:], titles, gap=40)]))
 # pictures into one stack. The paper found its design "much better" than the last two (III-B). (Three of them also learn where each picture of the context was taken. The stack cannot, since it has no features of single pictures.) **Predict** the order before you look.
 
 # %%
-ablation = stored("ablation_encoder")
+ablation = load_result("ablation_encoder")
 print(
     f"{'encoder':10s}{'parameters':>12s}{'median error':>14s}{'mean error':>12s}   success (95 % interval)"
 )
@@ -1058,7 +1058,7 @@ show(side_by_side([camera_picture(p, 185) for p in pictures], names, gap=6))
 # **Predict:** what will context do for us, and how far below the oracle will we be?
 
 # %%
-table = stored("meng_table1")
+table = load_result("meng_table1")
 ours = {(line["controller"], line["condition"]): line for line in table.rows}
 order = ["random", "direct", "k0", "k2", "k5", "laser", "oracle"]
 figure, (axis,) = chart(9.0, 3.8)
@@ -1099,7 +1099,7 @@ for name in order:
         )
     )
 print("\non maps that real robots recorded, clean; no network has seen such a building:")
-maps = {name: stored(f"meng_table1_{name}") for name in ("depot", "tb3_sandbox", "warehouse")}
+maps = {name: load_result(f"meng_table1_{name}") for name in ("depot", "tb3_sandbox", "warehouse")}
 print(f"{'':8s}" + "".join(f"{name:>22s}" for name in maps))
 for name in order:
     cells = [

@@ -36,7 +36,7 @@ from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import drive
-from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.geometry import compose, relative, to_local, to_world
 from tutorial_lib.learning.calibration import auc, brier, sigmoid
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
@@ -883,7 +883,7 @@ show(from_figure(figure))
 # **Predict:** will more context make RE more accurate? Can any RE be better than geometry? And who is sure of far look-alikes?
 
 # %%
-report = stored("calibration")
+report = load_result("calibration")
 estimators = {line["estimator"]: line for line in report.rows}
 shown = [name for name in ("k2", "k5", "sptm", "image", "geometry") if name in estimators]
 figure, (axis,) = chart(6.4, 4.8)

@@ -20,6 +20,7 @@ from itertools import pairwise
 
 import numpy as np
 import torch
+from scipy.stats import spearmanr
 
 from tutorial_lib.checks.nb04 import (
     BY_HAND,
@@ -33,9 +34,8 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import covered
-from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.meng2020 import fig6
-from tutorial_lib.experiments.meng2020.fig5 import spearman
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide, frames_of
 from tutorial_lib.geometry import compose, relative, to_local, to_world, wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
@@ -298,9 +298,11 @@ for axis, column, name in zip(axes, (1, 2), ("clearance, m", "turn, degrees"), s
 axes[0].set_ylabel("metres to the next anchor")
 print(f"rank correlation of {len(gaps)} gaps with    clearance    turn     (on the next metre)")
 for name, mask in (("all", starting | True), ("under way", ~starting)):
-    with_clearance, with_turn = (spearman(gaps[mask, 0], gaps[mask, column]) for column in (1, 2))
+    with_clearance, with_turn = (
+        spearmanr(gaps[mask, 0], gaps[mask, column]).statistic for column in (1, 2)
+    )
     print(f"{name:>32s} {with_clearance:+12.2f} {with_turn:+7.2f}")
-everywhere = stored("meng_fig5")
+everywhere = load_result("meng_fig5")
 print(f"{len(everywhere.worlds)} unseen worlds, under way, at {everywhere.rows[0]['threshold']}:")
 for row in everywhere.rows:
     cells = [
@@ -323,7 +325,7 @@ show(from_figure(figure))
 # %%
 print("rank correlation, under way   clearance    turn     (over the whole gap)")
 under_way = whole[~starting]
-with_clearance, with_turn = (spearman(under_way[:, 0], under_way[:, i]) for i in (1, 2))
+with_clearance, with_turn = (spearmanr(under_way[:, 0], under_way[:, i]).statistic for i in (1, 2))
 print(f"{'24 trajectories here, k2':28s}{with_clearance:+11.2f} {with_turn:+7.2f}")
 
 # %% [markdown]
@@ -831,7 +833,7 @@ show(stacked([side_by_side(panels, titles, height=min(560, len(panels[0]))), sta
 # The paper shows a followed trajectory of 23 m, with the images seen at numbered places. Ours is the trajectory closest to that length in an unseen world, with the anchors of $k = 5$ at 0.99. The places are those of the stored run (`.venv/bin/python -m tutorial_lib experiment meng_fig6`); the images are what the car saw there.
 
 # %%
-stored_run = stored("meng_fig6")
+stored_run = load_result("meng_fig6")
 world_name = local_world(stored_run.worlds[0])
 away = scene_of(world_name)
 trajectory = fig6.chosen_drive(world_name, away, stored_run.seed)
@@ -901,7 +903,7 @@ show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 # **Predict:** which of the three do you expect here? And how do the curves look with the *stored* frames on the axis?
 
 # %%
-table = stored("meng_fig7")
+table = load_result("meng_fig7")
 clean = [row for row in table.rows if row["condition"] == "clean"]
 print(
     f"{len(table.worlds)} unseen worlds, {clean[0]['trajectories']} trajectories, {table.notes[0]}"

@@ -39,7 +39,7 @@ from tutorial_lib.driving.data.demonstrations import demonstrate_between
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE, experiences, vertex_poses
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
@@ -486,7 +486,7 @@ for name, p_edge, p_reuse in (("dense", 0.0, 1.0), ("pruned", 0.99, 1.0), ("reus
     picture = map_picture(half, home, grown.vertices, weights, drive_of)
     panels.append(closeup(half, picture, home.poses[both, :2], 0.8))
     titles.append(f"{name}: {len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges")
-figure_4 = stored("meng_fig4")
+figure_4 = load_result("meng_fig4")
 print(f"two drives in another building, stored (seed {figure_4.worlds[0]}):")
 for row in figure_4.rows:
     print(f"{row['stage']:8s} {row['vertices']:8,.0f} vertices {row['edges']:12,.0f} edges")
@@ -966,7 +966,7 @@ print(f", {len(indexed_edges & all_edges)} of them the same")
 # And on a large map, where it matters (`.venv/bin/python -m tutorial_lib bench map`):
 
 # %%
-bench = stored("map")
+bench = load_result("map")
 for kind in dict.fromkeys(row["map"] for row in bench.rows):
     total = "in all" if kind.startswith("one") else "a drive"
     print(f"{kind}:")
@@ -1013,7 +1013,7 @@ show(from_figure(figure))
 # **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from about 30,000 pictures (Table II).
 
 # %%
-growth = stored("meng_fig13")
+growth = load_result("meng_fig13")
 figure, (axis,) = chart(8.0, 4.4)
 worlds = list(dict.fromkeys(row["world"] for row in growth.rows))
 for number, world in enumerate(worlds):

@@ -40,7 +40,7 @@ from tutorial_lib.checks.nb06 import (
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.results import stored
+from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.protocols.navigation import (
     WORMHOLE,
     experiences,
@@ -876,7 +876,7 @@ for row, i in enumerate(trial_numbers[:2]):
 # **Predict:** will the points lie on the diagonal? Above it, or below? What speaks for either?
 
 # %%
-fig9 = stored("meng_fig9")
+fig9 = load_result("meng_fig9")
 figure, axes = chart(9.0, 3.8, columns=2)
 for axis, calibrated in zip(axes, (False, True), strict=True):
     rows = [row for row in fig9.rows if bool(row["calibrated"]) == calibrated]
@@ -979,7 +979,7 @@ PAPER = {
     "meng": (86.9, 94.3, 91.2, 84.6, 95.7),
     "sptm": (48.1, 40.2, 45.6, 51.3, 47.2),
 }
-table = stored("meng_table2")
+table = load_result("meng_table2")
 rows = [row for row in table.rows if row["method"] in ("meng", "sptm", "random", "oracle")]
 where = list(dict.fromkeys(row["world"] for row in rows))
 print(
@@ -1048,7 +1048,7 @@ show(from_figure(figure))
 # Its `s_shortcut` was found by a search on validation worlds, and SPTM stands or falls with it. Here is what a little more or less does to it, and what it does to $\mathcal{RE}$'s thresholds. **Predict** which of the two systems minds more.
 
 # %%
-thresholds = stored("meng_table2_thresholds")
+thresholds = load_result("meng_table2_thresholds")
 print(f"{len(thresholds.worlds)} validation worlds together, {thresholds.rows[0]['trials']} trials")
 print("method   threshold  replans   vertices   edges  wormholes   success")
 for row in thresholds.rows:
@@ -1093,7 +1093,7 @@ show(from_figure(figure))
 # %%
 print("place                 meng     sptm   vertices of each")
 for name in ("shifted", "depot", "tb3_sandbox", "warehouse"):
-    found = stored(f"meng_table2_{name}")
+    found = load_result(f"meng_table2_{name}")
     both = [[row for row in found.rows if row["method"] == method] for method in ("meng", "sptm")]
     shares = "".join(f"{np.mean([row['success'] for row in rows]):9.1%}" for rows in both)
     sizes = " and ".join(f"{np.mean([row['vertices'] for row in rows]):,.0f}" for rows in both)
@@ -1110,7 +1110,7 @@ for name in ("shifted", "depot", "tb3_sandbox", "warehouse"):
 # The paper takes drives away, and tries again. With 60 % of them its robots do nearly as well as with all: pieces of different drives are combined. The dotted line is what a robot could do that only repeats whole drives. **Predict** where the curve bends here.
 
 # %%
-fig10 = stored("meng_fig10")
+fig10 = load_result("meng_fig10")
 figure, (axis,) = chart(7.0, 3.8)
 for method in dict.fromkeys(row["method"] for row in fig10.rows):
     own = sorted(
@@ -1147,7 +1147,7 @@ show(from_figure(figure))
 # The paper's robot gets from $G_1$ to $G_4$ by a piece of the drive $G_1 \to G_2$ and a piece of $G_3 \to G_4$. Here is one of ours, of the stored run; each colour is another drive.
 
 # %%
-fig11 = stored("meng_fig11")
+fig11 = load_result("meng_fig11")
 away = scene_of(map_world(fig11.worlds[0]))
 away_view = PlanView(away, 900, 700)
 steps = [row for row in fig11.rows if row["x"] is not None]

@@ -226,11 +226,15 @@ def test_a_world_may_have_no_gaps(recorded, planted, monkeypatch):
     assert run_fig5().rows[0]["metres"] == pytest.approx(some["k2"][0][:, 0].mean())
 
 
-def test_rank_correlations_are_spearman_s():
-    first, second = np.random.default_rng(0).integers(9, size=(2, 50))
-    assert fig5.spearman(first, second) == pytest.approx(spearmanr(first, second).statistic)
-    assert fig5.spearman(first, np.exp(first)) == pytest.approx(1.0)
-    assert fig5.spearman(first, -first) == pytest.approx(-1.0)
+def test_correlations_are_of_ranks(monkeypatch):
+    rng = np.random.default_rng(0)
+    metres, clearance = rng.integers(1, 9, size=(2, 50)).astype(float)
+    gaps = np.column_stack([metres, np.exp(clearance), -np.exp(metres)])
+    found = dict.fromkeys(fig5.CONTEXTS, (gaps, 50, 500))
+    monkeypatch.setattr(fig5, "place_anchors", lambda world, seed: found)
+    for row in run_fig5().rows:
+        assert row["with_clearance"] == pytest.approx(spearmanr(metres, clearance).statistic)
+        assert row["with_turn"] == row["with_turn_low"] == pytest.approx(-1.0)
 
 
 # Fig. 6.

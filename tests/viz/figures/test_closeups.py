@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.results import FOLDER, stored
+from tutorial_lib.experiments.common.results import FOLDER, load_result
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.motion_policies import draw_arrows, draw_metrics, ellipse
 from tutorial_lib.viz.canvas.plan_view import PlanView
@@ -68,10 +68,10 @@ def test_stored_results_are_read_and_missing_or_damaged_ones_named(tmp_path):
     names = [file.stem for file in FOLDER.glob("*.json")]
     assert names
     for name in names:
-        assert stored(name).rows
+        assert load_result(name).rows
     with pytest.raises(InputError, match="no 'nothing'"):
-        stored("nothing", tmp_path)
+        load_result("nothing", tmp_path)
     for text in ("{", json.dumps({"name": "bad"}), json.dumps([1])):
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(InputError, match="restore the file"):
-            stored("bad", tmp_path)
+            load_result("bad", tmp_path)

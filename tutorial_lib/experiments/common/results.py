@@ -9,7 +9,7 @@ from tutorial_lib.experiments.common.report import Report
 FOLDER = Path(__file__).resolve().parents[2] / "results"
 
 
-def stored(name: str, folder: Path = FOLDER) -> Report:
+def load_result(name: str, folder: Path = FOLDER) -> Report:
     """The stored results of an experiment or benchmark.
 
     Raises:

@@ -3,33 +3,37 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import ndtr
+from scipy.stats import binomtest
 
 from tutorial_lib.geometry import Array
 
 _DRAWS = 4_000
 _FEW_DRAWS = 400  # of what takes longer to measure than a mean
-_Z = 1.96
+_LEVEL = float(2 * ndtr(1.96) - 1)  # 95 %, as z = 1.96 rounds it
 
 
 def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, float]:
     """Mean of all values and its 95 % interval, bootstrapped over worlds.
 
-    With only one world it is Wilson's interval, and needs values from 0 to 1.
+    With only one world it is Wilson's interval.
 
     Args:
-        values: (N,) an episode's success.
+        values: (N,) success of each episode, 0 or 1.
         worlds: (N,) which world each is from.
 
     >>> over_worlds([1.0, 1.0, 0.0, 1.0], [0, 0, 1, 1])
     (0.75, 0.5, 1.0)
     """
-    values, worlds = np.asarray(values, dtype=float), np.asarray(worlds)
-    names, which = np.unique(worlds, return_inverse=True)
-    if len(names) == 1:
-        return wilson(values)
-    sums, counts = np.bincount(which, values), np.bincount(which)
-    draws = np.random.default_rng(0).integers(len(names), size=(_DRAWS, len(names)))
+    values, units = np.asarray(values, dtype=float), np.unique(worlds, return_inverse=True)[1]
+    return wilson(values) if units.max() == 0 else _bootstrapped(values, units)
+
+
+def _bootstrapped(values: Array, units: NDArray[np.intp]) -> tuple[float, float, float]:
+    """Mean of values (N,) and its interval; `units` (N,) from 0 on are drawn whole."""
+    sums, counts = np.bincount(units, values), np.bincount(units)
+    draws = np.random.default_rng(0).integers(len(sums), size=(_DRAWS, len(sums)))
     means = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
     low, high = np.quantile(means, [0.025, 0.975])
     return float(values.mean()), float(low), float(high)
@@ -68,9 +72,8 @@ def difference(
     >>> difference([1.0, 1.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0, 0, 1, 1])
     (0.5, 0.5, 0.5)
     """
-    gap, worlds = np.subtract(first, second), np.asarray(worlds)
-    one = len(np.unique(worlds)) == 1
-    return over_worlds(gap, np.arange(len(gap)) if one else worlds)
+    gap, units = np.subtract(first, second), np.unique(worlds, return_inverse=True)[1]
+    return _bootstrapped(gap, units if units.max() else np.arange(len(gap)))
 
 
 def in_points(found: tuple[float, float, float]) -> str:
@@ -84,10 +87,7 @@ def in_points(found: tuple[float, float, float]) -> str:
 
 
 def wilson(values: Array) -> tuple[float, float, float]:
-    """Share of successes and Wilson's 95 % interval."""
-    count, share = len(values), float(np.mean(values))
-    middle = share + _Z**2 / (2 * count)
-    half = _Z * np.sqrt(max(share * (1 - share), 0.0) / count + _Z**2 / (4 * count**2))
-    scale = 1 + _Z**2 / count
-    low, high = (middle - half) / scale, (middle + half) / scale
-    return share, max(float(low), 0.0), min(float(high), 1.0)
+    """Share of successes among `values` (N,), each 0 or 1, and Wilson's 95 % interval."""
+    test = binomtest(round(float(np.sum(values))), len(values))
+    interval = test.proportion_ci(confidence_level=_LEVEL, method="wilson")
+    return float(np.mean(values)), float(interval.low), float(interval.high)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.stats import rankdata
+from scipy.stats import spearmanr
 
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
@@ -45,7 +45,7 @@ def run(options: Options) -> Report:
         for name, column in (("clearance", 1), ("turn", 2)):
             key = f"with_{name}"
             row[key], row[f"{key}_low"], row[f"{key}_high"] = measured_over_worlds(
-                spearman, where, gaps[:, 0], gaps[:, column]
+                _rank_correlation, where, gaps[:, 0], gaps[:, column]
             )
         rows.append(row)
     took = time.perf_counter() - begun
@@ -78,6 +78,5 @@ def place_anchors(world: int, seed: int) -> dict[str, tuple[Array, int, int]]:
     return found
 
 
-def spearman(first: Array, second: Array) -> float:
-    """Correlation of the ranks of two columns (N,)."""
-    return float(np.corrcoef(rankdata(first), rankdata(second))[0, 1])
+def _rank_correlation(first: Array, second: Array) -> float:
+    return float(spearmanr(first, second).statistic)
