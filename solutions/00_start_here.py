@@ -34,7 +34,7 @@ from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.demos.navigation_demo import navigate_once
 from tutorial_lib.experiments.demos.oracle_demo import choose_places, place_people
-from tutorial_lib.geometry import compose
+from tutorial_lib.geometry import arc_length, compose
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
 from tutorial_lib.viz.canvas.plan_view import PlanView
@@ -163,7 +163,7 @@ for action in actions:  # 30 cars repeat the actions
     driven.append(cars.poses[0, :2])
     estimated.append(cars.odometry)
 driven, estimated = np.array(driven), np.array(estimated)
-metres = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(driven, axis=0), axis=1))])
+metres = arc_length(driven)
 print(f"{metres[-1]:.0f} m driven")
 
 # %%

@@ -27,7 +27,7 @@ from tutorial_lib.checks.nb01 import (
 )
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.geometry import relative, to_world
+from tutorial_lib.geometry import arc_length, relative, to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
 from tutorial_lib.viz.canvas.plan_view import PlanView
@@ -533,7 +533,7 @@ for number, (pose, observation) in enumerate(kept[:6], 1):
     label(picture, str(number), x + 8, y - 8, 0.7)
     frames.append(camera_picture(observation.image[0], 230))
     names.append(f"image {number}")
-length = np.linalg.norm(np.diff(np.array(track)[:, :2], axis=0), axis=1).sum()
+length = arc_length(track)[-1]
 print(f"a trajectory of {length:.1f} m")
 images = np.array([observation.image[0] for _, observation in kept[:6]], dtype=float)
 unlike = np.abs(images[:, None] - images).mean(axis=(2, 3, 4))  # mean difference of two images

@@ -36,7 +36,7 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import covered
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.meng2020 import fig6
-from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide, frames_of
+from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide
 from tutorial_lib.geometry import compose, relative, to_local, to_world, wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
@@ -82,7 +82,7 @@ scene = scene_of(WORLD)
 trajectories = demonstrate(WORLD, scene, 24, seed=0, controller=RMPController())
 recorded = RecordedWorld(scene, trajectories)
 tour = max(range(len(trajectories)), key=lambda index: trajectories[index].arc_length[-1])
-frames = frames_of(recorded, tour)
+frames = recorded.frames_of(tour)
 poses, arc = recorded.poses[frames], recorded.arc[frames] - recorded.arc[frames[0]]
 view = PlanView(scene, 700, 1000)
 people_camera = Camera(rows=64)  # the network's view, with 64 rows in place of 16

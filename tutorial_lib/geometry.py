@@ -105,6 +105,23 @@ def log_norm(pose: ArrayLike) -> Array:
     return np.sqrt(2 * heading**2 + (stretch * np.linalg.norm(pose[..., :2], axis=-1)) ** 2)
 
 
+def arc_length(points: ArrayLike) -> Array:
+    """Metres along a path up to each of its points.
+
+    Args:
+        points: (P, 2 or more), P > 0, in metres; a pose is one.
+
+    Returns:
+        (P,) metres, 0 at the first point.
+
+    >>> arc_length([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]]).tolist()
+    [0.0, 5.0, 6.0]
+    """
+    points = np.asarray(points, dtype=float)[:, :2]
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
 def distance_to_segments(points: ArrayLike, segments: ArrayLike) -> Array:
     """Distance from each point to each segment.
 

@@ -218,11 +218,6 @@ class GridPaths:
         return label == np.bincount(label).argmax()
 
 
-def path_length(path: ArrayLike) -> float:
-    """Metres along a path (P, 2)."""
-    return float(np.linalg.norm(np.diff(np.asarray(path, dtype=float), axis=0), axis=1).sum())
-
-
 def _between(down: int, right: int) -> list[tuple[int, int]]:
     """The cells that a step passes between; none for a straight one."""
     if abs(down) + abs(right) == 3:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
+from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.world.raycast import Raycaster
 
 REACHED = 0.30
@@ -80,7 +80,6 @@ def _points(name: str, points: ArrayLike) -> Array:
 
 def _densely(path: Array) -> tuple[Array, Array]:
     """Points (Q, 2) about every `_DENSE` metres of a path, and the metres (Q,) up to each."""
-    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    miles = np.concatenate([[0.0], np.cumsum(steps)])
+    miles = arc_length(path)
     at = np.linspace(0.0, miles[-1], int(np.ceil(miles[-1] / _DENSE)) + 1)
     return np.stack([np.interp(at, miles, column) for column in path.T], axis=1), at

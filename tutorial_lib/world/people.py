@@ -8,6 +8,7 @@ import pymunk
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import arc_length
 from tutorial_lib.world.materials import Colour
 from tutorial_lib.world.raycast import Discs
 
@@ -60,7 +61,7 @@ class Crowd:
         """Put everybody at the start of their routes."""
         self.people = tuple(people)
         self._routes = [np.asarray(person.route, dtype=float) for person in people]
-        self._miles = [_mileage(route) for route in self._routes]
+        self._miles = [arc_length(route) for route in self._routes]
         self._walked = np.array([person.distance for person in people], dtype=float)
         self._ahead = np.ones(len(people))
         self._waited = np.zeros(len(people))
@@ -127,9 +128,3 @@ class Crowd:
             place = 0.0 if total == 0 else total - abs(walked[k] % (2 * total) - total)
             points[k] = [np.interp(place, miles, route[:, axis]) for axis in (0, 1)]
         return points
-
-
-def _mileage(route: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(K,) metres along a route at each of its points."""
-    steps = np.linalg.norm(np.diff(route, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])

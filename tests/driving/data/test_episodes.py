@@ -146,6 +146,8 @@ def test_drives_lie_end_to_end(laid, drives):
         assert (laid.first[some] == bounds[number]).all()
         assert (laid.last[some] == bounds[number + 1] - 1).all()
         assert laid.arc[some] - laid.arc[some][0] == pytest.approx(drive.arc_length)
+        assert laid.frames_of(number).tolist() == [*range(bounds[number], bounds[number + 1])]
+    assert laid.first_frames.tolist() == bounds[:-1].tolist() == np.unique(laid.first).tolist()
     assert (np.diff(laid.arc) >= 0).all()
     assert (np.diff(laid.arc)[np.diff(laid.first) > 0] > BEHIND + AHEAD).all()
 

@@ -13,7 +13,7 @@ from tests.conftest import make_drive, needs
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import fig5, fig6
 from tutorial_lib.experiments.protocols import following
-from tutorial_lib.experiments.protocols.following import Guide, frames_of, trajectories
+from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.geometry import wrap
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.following.transitions import State
@@ -61,7 +61,7 @@ def test_trajectories_begin_once_the_cars_are_under_way(drives):
 
 def test_every_frame_belongs_to_one_trajectory(recorded):
     count = len(recorded.trajectories)
-    frames = [frames_of(recorded, number) for number in range(count)]
+    frames = [recorded.frames_of(number) for number in range(count)]
     assert np.concatenate(frames).tolist() == list(range(len(recorded.poses)))
     assert [len(some) for some in frames] == [len(drive) for drive in recorded.trajectories]
 
@@ -86,7 +86,7 @@ def guide_of(recorded, context, reachability):
 
 
 def test_anchors_are_those_of_the_sparsifier_and_more_of_them_the_higher_the_threshold(recorded):
-    guide, frames = guide_of(recorded, "k0", ImageSimilarity()), frames_of(recorded, 2)
+    guide, frames = guide_of(recorded, "k0", ImageSimilarity()), recorded.frames_of(2)
     seen = recorded.observe(frames)
     prepared, counts = ImageSimilarity().prepare(seen.image[:, None]), []
     for threshold in (0.75, 0.9, 0.97):
@@ -115,7 +115,7 @@ def followed(recorded):
     """Two trajectories with an anchor in every 10 frames, followed by who believes in all."""
     guide = guide_of(recorded, "k2", Sure())
     shortest = np.argsort([len(drive) for drive in recorded.trajectories])[:2]
-    trails = [frames_of(recorded, number)[::10] for number in sorted(shortest)]
+    trails = [recorded.frames_of(number)[::10] for number in sorted(shortest)]
     return trails, guide.follow(trails)
 
 
@@ -162,7 +162,7 @@ def planted(recorded, monkeypatch):
 
             def anchors(self, trajectory, threshold):
                 assert threshold == 0.99
-                frames = frames_of(recorded, trajectory)
+                frames = recorded.frames_of(trajectory)
                 return frames[kept(len(frames))]
 
         monkeypatch.setattr(fig5, "Guide", Planted)
@@ -185,7 +185,7 @@ def test_gaps_are_measured_between_anchors_but_not_to_the_end(recorded, planted)
     assert frames == len(recorded.poses)
     wanted = []
     for number in range(len(recorded.trajectories)):
-        way = recorded.poses[frames_of(recorded, number)]
+        way = recorded.poses[recorded.frames_of(number)]
         for first, last in ((0, 12), (12, 30), (30, 31)):
             steps = np.hypot(*np.diff(way[first : last + 1, :2], axis=0).T)
             driven = np.cumsum(np.hypot(*np.diff(way[first:, :2], axis=0).T))

@@ -8,7 +8,6 @@ from tests.conftest import needs
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import fig7
 from tutorial_lib.experiments.protocols import following
-from tutorial_lib.experiments.protocols.following import frames_of
 from tutorial_lib.learning.estimators import use_threads
 
 use_threads(1)
@@ -83,7 +82,7 @@ class Keeping:
         self.recorded, self.context, self.k = recorded, context, int(context[1:])
 
     def anchors(self, trajectory, threshold):
-        frames = frames_of(self.recorded, trajectory)
+        frames = self.recorded.frames_of(trajectory)
         return frames[[0, round(10 * threshold), -1]]
 
     def follow(self, trails, noise=0.0, rng=None):

@@ -23,7 +23,6 @@ from tutorial_lib.experiments.meng2020 import (
     table2_thresholds,
 )
 from tutorial_lib.experiments.protocols import navigation_tasks
-from tutorial_lib.experiments.protocols.following import frames_of
 from tutorial_lib.experiments.protocols.navigation import Outcome, Result
 from tutorial_lib.experiments.robustness import faults
 from tutorial_lib.learning.estimators import use_threads
@@ -64,7 +63,7 @@ def test_the_two_drives_of_fig_4_run_together_farthest(house):
     assert first != last
 
     def common(one, other):
-        one, other = (house.recorded.poses[frames_of(house.recorded, n)] for n in (one, other))
+        one, other = (house.recorded.poses[house.recorded.frames_of(n)] for n in (one, other))
         beside = [
             np.any(
                 (np.hypot(*(other[::5, :2] - pose[:2]).T) < 0.5)
@@ -104,7 +103,7 @@ def test_fig_8_tells_where_every_vertex_was_seen(house):
     assert len(row["poses"]) == len(row["trajectories"]) == row["vertices"]
     assert len(row["pairs"]) == row["edges"]
     for pose, trajectory in zip(row["poses"], row["trajectories"], strict=True):
-        drive = house.recorded.poses[frames_of(house.recorded, trajectory)]
+        drive = house.recorded.poses[house.recorded.frames_of(trajectory)]
         assert np.abs(drive - pose).max(axis=1).min() < 1e-3
 
 
@@ -205,7 +204,7 @@ def test_a_way_of_fig_11_leads_over_trajectories_that_nobody_drove_as_one(house,
     way = [rows[0]["from_place"], rows[0]["to_place"]]
     assert way not in house.pairs[kept].tolist()
     for row in rows:
-        drive = house.recorded.poses[frames_of(house.recorded, row["trajectory"])]
+        drive = house.recorded.poses[house.recorded.frames_of(row["trajectory"])]
         assert np.abs(drive - [row["x"], row["y"], row["heading"]]).max(axis=1).min() < 1e-9
     assert f"from place {way[0]} to {way[1]}" in report.notes[0]
 
@@ -235,7 +234,7 @@ def test_fig_13_counts_vertices_at_even_numbers_of_frames(monkeypatch):
 
 def test_the_drives_of_fig_13_begin_where_recorded_ones_did_but_not_quite(house):
     more = fig13.more_drives(house, np.random.default_rng(0))
-    first = house.recorded.poses[np.unique(house.recorded.first), :2]
+    first = house.recorded.poses[house.recorded.first_frames, :2]
     for drive in more.trajectories:
         gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()
         assert 0 < gap < 1.0

@@ -139,7 +139,7 @@ def test_cars_look_along_the_way_unless_something_is_there():
 
 def test_trials_start_beside_a_recorded_drive_and_end_where_it_leads(house, asked):
     assert len(asked) == 10
-    first = np.unique(house.recorded.first)
+    first = house.recorded.first_frames
     number = {tuple(pair): n for n, pair in enumerate(house.pairs.tolist())}
     for trial, pair in enumerate(asked.pairs.tolist()):
         recorded = house.recorded.poses[first[number[tuple(pair)]]]
@@ -217,7 +217,7 @@ class Anything:
 
 def test_edges_are_as_long_as_the_way_between_their_vertices(house):
     topomap, frames = TopoMap(Anything()), []
-    first = np.unique(house.recorded.first)
+    first = house.recorded.first_frames
     for number, one in enumerate(experiences(house)):
         if number not in (1, 4):
             continue

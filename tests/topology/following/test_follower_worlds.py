@@ -67,7 +67,7 @@ class Trial:
 
     def __init__(self, recorded, seed=0):
         self.recorded, self.scene = recorded, recorded.scene
-        self.first = np.unique(recorded.first)
+        self.first = recorded.first_frames
         self.reachability = OracleReachability(self.scene)
         self.anchors = [self.sparsified(first) for first in self.first]
         frames = np.concatenate(self.anchors)

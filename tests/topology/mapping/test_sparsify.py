@@ -212,8 +212,7 @@ def test_a_target_is_a_picture_in_its_context(count, k, seed):
 
 
 def test_it_is_the_context_that_networks_learn_from(recorded):
-    first = np.unique(recorded.first)[1]
-    drive = np.arange(first, recorded.last[first] + 1)
+    drive = recorded.frames_of(1)
     assert (contextified(drive, 2) == recorded.context(drive, 2)).all()
 
 

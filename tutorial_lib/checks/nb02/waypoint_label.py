@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.geometry import Array, arc_length, to_local
 from tutorial_lib.learning.labels import in_clear_sight
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.world.raycast import Raycaster
@@ -46,8 +46,7 @@ def clear_sight(caster: Raycaster) -> Sees:
 def _facing_ahead(points: list[tuple[float, float]], step: float = 0.1) -> Array:
     """A drive (T, 3) through corners, a frame every `step` metres."""
     corners = np.array(points, dtype=float)
-    lengths = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-    miles = np.concatenate([[0.0], np.cumsum(lengths)])
+    miles = arc_length(corners)
     places = np.arange(0.0, miles[-1] + step / 2, step)
     xy = [np.interp(places, miles, corners[:, axis]) for axis in (0, 1)]
     return np.stack([*xy, np.zeros(len(places))], axis=1)

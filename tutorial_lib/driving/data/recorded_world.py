@@ -47,6 +47,7 @@ class RecordedWorld:
         speed, steering: (F,) m/s and rad.
         arc: (F,) metres driven up to each frame, never falling from one drive to the next.
         first, last: (F,) numbers of the first and last frame of the drive that a frame is from.
+        first_frames: (D,) the first frame of each drive.
     """
 
     def __init__(self, scene: Scene, trajectories: Sequence[Trajectory]) -> None:
@@ -57,16 +58,22 @@ class RecordedWorld:
         self.trajectories = tuple(trajectories)
         lengths = np.array([len(trajectory) for trajectory in trajectories])
         ends = np.cumsum(lengths)
+        self.first_frames = ends - lengths
         self.poses = np.concatenate([trajectory.poses for trajectory in trajectories])
         self.speed = np.concatenate([trajectory.speed for trajectory in trajectories])
         self.steering = np.concatenate([trajectory.steering for trajectory in trajectories])
-        self.first = np.repeat(ends - lengths, lengths)
+        self.first = np.repeat(self.first_frames, lengths)
         self.last = np.repeat(ends - 1, lengths)
         # A gap wider than any pair keeps a search along the arc within its drive.
         gap = np.repeat(np.arange(len(lengths)) * 100.0, lengths)
         length = np.cumsum([0.0] + [t.arc_length[-1] for t in trajectories[:-1]])
         arcs = np.concatenate([trajectory.arc_length for trajectory in trajectories])
         self.arc = arcs + gap + np.repeat(length, lengths)
+
+    def frames_of(self, trajectory: int) -> NDArray[np.intp]:
+        """(T,) the frames of one trajectory, in order."""
+        first = self.first_frames[trajectory]
+        return np.arange(first, self.last[first] + 1)
 
     def context(self, frames: NDArray[np.intp], k: int) -> NDArray[np.intp]:
         """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import load_arrays, save_arrays
-from tutorial_lib.geometry import Array
+from tutorial_lib.geometry import Array, arc_length
 
 CONTEXT_INTERVAL = 3
 """Frames between the pictures of a target's context (dT of Meng 2020, III-B)."""
@@ -79,8 +79,7 @@ class Trajectory:
     @cached_property
     def arc_length(self) -> Array:
         """(T,) metres driven until each frame, in reverse too."""
-        steps = np.linalg.norm(np.diff(self.poses[:, :2], axis=0), axis=1)
-        return np.concatenate([[0.0], np.cumsum(steps)])
+        return arc_length(self.poses)
 
     def since(self, metres: float) -> "Trajectory":
         """The rest of the drive, from where so many metres had been driven.

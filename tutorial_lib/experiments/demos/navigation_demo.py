@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from tutorial_lib.agents.navigator import MapNavigation
-from tutorial_lib.driving.geodesics import path_length
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos.oracle_demo import (
@@ -31,7 +30,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials, explored, trials
-from tutorial_lib.geometry import Array
+from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.following.transitions import State
@@ -93,7 +92,7 @@ def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[Rollou
         reached=bool(journey.arrived[0]) and gap <= NEAR,
         collided=bool(simulation.collided[0]),
         seconds=round(simulation.seconds, 1),
-        driven=round(path_length(track), 2),
+        driven=round(float(arc_length(track)[-1]), 2),
         geodesic=round(float(house.paths.between(*ends)[0]), 2),
         people=len(people),
         probability=round(plans[0].probability, 3),

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
-from tutorial_lib.driving.geodesics import CLEARANCE, DistanceFields, GridPaths, path_length
+from tutorial_lib.driving.geodesics import CLEARANCE, DistanceFields, GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import check_writable, write_text
-from tutorial_lib.geometry import Array
+from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.viz.canvas.colours import PERSON
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm
@@ -94,7 +94,7 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         reached=gap < REACHED and not simulation.collided[0],
         collided=bool(simulation.collided[0]),
         seconds=round(simulation.seconds, 1),
-        driven=round(path_length(track), 2),
+        driven=round(float(arc_length(track)[-1]), 2),
         geodesic=round(float(paths.fields(goal, shortest=True).distance(start[None, :2])[0]), 2),
         people=len(people),
     )
@@ -140,9 +140,9 @@ def choose_places(
         start = rng.choice(here) if away else here[fields.cost[0, here].argmax()]
         way = fields.path(paths.points[start])
         pose = _face_along(scene, way)
-        if pose is not None and path_length(way) >= best_length:
+        if pose is not None and arc_length(way)[-1] >= best_length:
             kinds = (plan.rooms[first].kind, plan.rooms[second].kind)
-            best, best_length = (pose, goal, kinds, away), path_length(way)
+            best, best_length = (pose, goal, kinds, away), arc_length(way)[-1]
             if best_length >= _FAR:
                 break
     if best is None:
@@ -152,7 +152,7 @@ def choose_places(
 
 def place_people(way: Array, scene: Scene) -> list[Person]:
     """Two people who walk to and fro beside the way (P, 2), where there is most room for them."""
-    miles = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
+    miles = arc_length(way)
     people, middle = [], miles[-1] / 2
     for first, last in ((_AT_EASE, middle), (middle, miles[-1] - _AT_EASE)):
         begins = np.linspace(first, max(first, last - _STROLL), 30)
@@ -172,7 +172,7 @@ def _drive(
 ) -> tuple[list[Moment], Array]:
     """Drive until the car stands at the goal, touches something or time is up."""
     goal, track, moments = fields.goals[0], [simulation.poses[0, :2]], []
-    limit = 30.0 + 4.0 * path_length(fields.path(track[0]))
+    limit = 30.0 + 4.0 * arc_length(fields.path(track[0]))[-1]
     while True:
         gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
         arrived = gap < REACHED and abs(simulation.speed[0]) < _STANDING
@@ -190,7 +190,7 @@ def _moment(simulation: Simulation, fields: DistanceFields, track: Array) -> Mom
     way = fields.path(pose[:2])
     lines = (
         ("time", f"{simulation.seconds:.1f} s"),
-        ("to go", f"{path_length(way):.1f} m"),
+        ("to go", f"{arc_length(way)[-1]:.1f} m"),
         ("speed", f"{simulation.speed[0]:+.2f} m/s"),
         ("steering", f"{np.rad2deg(simulation.controls[0, 1]):+.0f} deg"),
     )

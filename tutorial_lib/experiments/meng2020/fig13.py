@@ -14,7 +14,6 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.meng2020.table2 import WORLDS
-from tutorial_lib.experiments.protocols.following import frames_of
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
     Building,
@@ -56,7 +55,7 @@ def run_world(world: int, options: Options) -> list[dict[str, Any]]:
     while frames < most:
         recorded = more_drives(house, rng)
         for number, drive in enumerate(recorded.trajectories):
-            seen = recorded.observe(frames_of(recorded, number))
+            seen = recorded.observe(recorded.frames_of(number))
             agent.learn([Experience(seen, clock + drive.timestamps)])
             clock += float(drive.timestamps[-1]) + 60.0
             before, frames = frames, frames + len(drive)
@@ -69,7 +68,7 @@ def run_world(world: int, options: Options) -> list[dict[str, Any]]:
 def more_drives(house: Building, rng: np.random.Generator) -> RecordedWorld:
     """Some more drives between the places, from perturbed starts."""
     drives = rng.integers(len(house.pairs), size=_DRIVES)
-    first = np.unique(house.recorded.first)[drives]
+    first = house.recorded.first_frames[drives]
     starts, _ = perturbed(house.scene, house.recorded.poses[first], PAPER_PERTURBATION, rng)
     places = house.places[house.pairs[drives, 1]]
     made = demonstrate_between(house.name, house.scene, house.paths, starts, places, 0)

@@ -10,7 +10,6 @@ import numpy as np
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.meng2020.table2 import WORLDS
-from tutorial_lib.experiments.protocols.following import frames_of
 from tutorial_lib.experiments.protocols.navigation import experiences
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, Building, building
 from tutorial_lib.learning.estimators import use_threads
@@ -39,7 +38,7 @@ def run(options: Options) -> Report:
         graph = agent.topomap.graph
         rows.append(
             {"stage": stage, "vertices": len(graph), "edges": graph.number_of_edges()}
-            | {"frames": sum(len(frames_of(house.recorded, number)) for number in pair)}
+            | {"frames": sum(len(house.recorded.frames_of(number)) for number in pair)}
         )
     took = time.perf_counter() - begun
     return Report("meng_fig4", options.seed, worlds, options.quick, took, rows)
@@ -47,7 +46,7 @@ def run(options: Options) -> Report:
 
 def most_in_common(house: Building) -> list[int]:
     """Numbers of two drives, to different places, that run together farthest."""
-    drives = [house.recorded.poses[frames_of(house.recorded, n)] for n in range(len(house.pairs))]
+    drives = [house.recorded.poses[house.recorded.frames_of(n)] for n in range(len(house.pairs))]
     best, most = [0, 1], -1
     for first, one in enumerate(drives):
         for second in range(first + 1, len(drives)):

@@ -9,7 +9,7 @@ import numpy as np
 
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import in_points, measured_over_worlds
-from tutorial_lib.experiments.protocols.following import Guide, frames_of, trajectories
+from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import NOISE, WORLDS
 from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
@@ -57,7 +57,7 @@ def follow_all(world: int, quick: bool, seed: int) -> dict[Key, dict[str, Array]
         ways = {("meng", p): [guide.anchors(i, p) for i in numbers] for p in thresholds}
         for n in intervals:
             ways["sptm", n] = [
-                (frames := frames_of(recorded, i))[every_nth(len(frames), n)] for i in numbers
+                (frames := recorded.frames_of(i))[every_nth(len(frames), n)] for i in numbers
             ]
         trails = [trail for kept in ways.values() for trail in kept]
         metres = np.split(guide.follow(trails)[0], len(ways))

@@ -99,7 +99,7 @@ class Guide:
 
     def anchors(self, trajectory: int, threshold: float) -> NDArray[np.intp]:
         """Frames (A,) of the world that the sparsifier keeps of a trajectory."""
-        frames = frames_of(self.recorded, trajectory)
+        frames = self.recorded.frames_of(trajectory)
         seen = self.recorded.observe(frames, self.predictor.view.camera)
         prepared = self.reachability.prepare(self.pictures(frames))
         return frames[sparsify(self.reachability, seen, prepared, threshold)]
@@ -158,9 +158,3 @@ def driver(run: Run, disturb: Disturb | None = None) -> Policy:
         return run.act(simulation.observe(robots), robots)
 
     return act
-
-
-def frames_of(recorded: RecordedWorld, trajectory: int) -> NDArray[np.intp]:
-    """The frames of one trajectory."""
-    first = np.unique(recorded.first)[trajectory]
-    return np.arange(first, recorded.last[first] + 1)

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.agents.agent import Agent, Experience, Navigation
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.protocols.following import frames_of
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.learning.views import VIEWS, View
@@ -132,7 +131,7 @@ def experiences(house: Building, numbers: Sequence[int] | None = None) -> Iterat
     begins = drive_times(house)
     numbers = range(len(house.recorded.trajectories)) if numbers is None else numbers
     for number in numbers:
-        seen = house.recorded.observe(frames_of(house.recorded, number))
+        seen = house.recorded.observe(house.recorded.frames_of(number))
         yield Experience(seen, begins[number] + house.recorded.trajectories[number].timestamps)
 
 
@@ -155,7 +154,7 @@ def vertex_poses(house: Building, topomap: TopoMap) -> Array:
     begins = drive_times(house)
     times = topomap.vertices.timestamps
     drives = np.searchsorted(begins, times, side="right") - 1
-    first = np.unique(house.recorded.first)[drives]
+    first = house.recorded.first_frames[drives]
     return house.recorded.poses[first + np.rint((times - begins[drives]) / STEP).astype(int)]
 
 

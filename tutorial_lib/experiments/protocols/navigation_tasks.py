@@ -135,7 +135,7 @@ def trials(house: Building, count: int, rng: np.random.Generator) -> Trials:
     A trial starts where the recorded drive of its pair did, but perturbed as in Table I.
     """
     drives = np.resize(rng.permutation(len(house.pairs)), round(_SPARE * count) + 1)
-    first = np.unique(house.recorded.first)[drives]
+    first = house.recorded.first_frames[drives]
     starts, found = perturbed(house.scene, house.recorded.poses[first], PAPER_PERTURBATION, rng)
     return _shown(house, starts[found], house.pairs[drives[found]], count)
 
@@ -148,7 +148,7 @@ def trials_from_anywhere(house: Building, count: int, rng: np.random.Generator) 
     size = round(_SPARE_ANYWHERE * count)
     frames = rng.integers(len(house.recorded.poses), size=size)
     starts, found = perturbed(house.scene, house.recorded.poses[frames], ANYWHERE_PERTURBATION, rng)
-    drive = np.searchsorted(np.unique(house.recorded.first), frames, side="right") - 1
+    drive = np.searchsorted(house.recorded.first_frames, frames, side="right") - 1
     pairs = np.stack([house.pairs[drive, 0], rng.integers(len(house.places), size=len(frames))], 1)
     far = np.linalg.norm(starts[:, :2] - house.places[pairs[:, 1]], axis=1) > _FAR
     return _shown(house, starts[found & far], pairs[found & far], count)

@@ -108,9 +108,8 @@ class Asker:
     def consecutive(self, count: int) -> Array:
         """Whether C got from anchor to anchor, where the sparsifier was sure of it; (M,)."""
         pairs = []
-        drives = np.unique(self.recorded.first)
-        for first in self.rng.permutation(drives):
-            frames = np.arange(first, self.recorded.last[first] + 1)
+        for trajectory in self.rng.permutation(len(self.recorded.trajectories)):
+            frames = self.recorded.frames_of(trajectory)
             seen, prepared = (
                 self.recorded.observe(frames),
                 self.judge.targets(self.recorded, frames),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import wrap
+from tutorial_lib.geometry import arc_length, wrap
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -131,7 +131,7 @@ class TeleopController:
     @property
     def text(self) -> str:
         """One line on how it goes."""
-        driven = np.linalg.norm(np.diff(np.array(self.track), axis=0), axis=1).sum()
+        driven = arc_length(self.track)[-1]
         words = f"{driven:.1f} m driven in {self.simulation.seconds:.1f} s."
         if self.simulation.touching[0]:
             return f"{words} The car touches something: go back."
