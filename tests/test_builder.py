@@ -24,7 +24,8 @@ RUNNABLE = GOOD.replace(
     """# # Doubling
 
 # %%
-from tutorial_lib.checks.framework.check import check, expect_close
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
 
 
 @check(lambda x: 2 * x, (1.0,))

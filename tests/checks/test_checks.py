@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06
-from tutorial_lib.checks.framework.check import Check, WrongAnswer, check, expect_close
+from tutorial_lib.checks.framework.check import Check, WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.checks.framework.timeout import within_line_limit
 
 ANSWERS = Path(__file__).parents[1] / "wrong_answers"

@@ -1,18 +1,23 @@
-"""Answers to several cases at once: the mistake that explains all of them is named."""
+"""Calls of students' functions, and what form their answers must have."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.geometry import Array
 
 
-def called(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - students'
-    """As `check.call`, for arguments in which not every number is one."""
+def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return
+    """Call a student's function, and demand that it leaves its arguments alone.
+
+    Raises:
+        WrongAnswer: when an argument was changed.
+    """
     before = [np.array(argument, copy=True) for argument in arguments]
     answer = student(*arguments)
     for number, (old, new) in enumerate(zip(before, arguments, strict=True), 1):
@@ -21,14 +26,68 @@ def called(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
     return answer
 
 
-def mask(what: str, got: object, shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """A student's answer of True and False, if it has the right form.
+def hinting(kind: type[Exception], hint: str) -> Callable[..., Any]:
+    """A way to call a student's function that adds a hint to one kind of error."""
+
+    def ask(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+        try:
+            return call(student, *arguments)
+        except kind as error:
+            raise WrongAnswer(f"{what}: {kind.__name__}, {error}; {hint}") from None
+
+    return ask
+
+
+def returned(what: str, got: Any) -> Any:  # noqa: ANN401 - whatever students return
+    """An answer that is not None.
 
     Raises:
-        WrongAnswer: when it has not.
+        WrongAnswer: when it is.
     """
     if got is None:
         raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
+    return got
+
+
+def parts(what: str, got: object, count: int, words: str) -> list[Any]:
+    """The `count` parts of an answer; `words` says what to return.
+
+    Raises:
+        WrongAnswer: when it has not so many.
+    """
+    got = returned(what, got)
+    if not isinstance(got, tuple | list) or len(got) != count:
+        raise WrongAnswer(f"{what}: {words}")
+    return list(got)
+
+
+def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
+    """An answer as an array of this shape, or as a number if the shape is ().
+
+    Raises:
+        WrongAnswer: when it is none.
+    """
+    got = returned(what, got)
+    kind = type(got).__name__
+    if shape and not isinstance(got, np.ndarray):
+        raise WrongAnswer(f"{what}: a {kind} came back; return a numpy array")
+    try:
+        values = np.asarray(got, dtype=float)
+    except (TypeError, ValueError):
+        words = "is no array of numbers; return an array"
+        raise WrongAnswer(f"{what}: a {kind} {words}") from None
+    if values.shape != shape:
+        raise WrongAnswer(f"{what}: shape {values.shape}, but {shape} is needed")
+    return values
+
+
+def mask(what: str, got: object, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """An answer of True and False, as an array of this shape.
+
+    Raises:
+        WrongAnswer: when it is none.
+    """
+    got = returned(what, got)
     if not isinstance(got, np.ndarray):
         raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a numpy array")
     if got.dtype != bool:
@@ -36,50 +95,3 @@ def mask(what: str, got: object, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     if got.shape != shape:
         raise WrongAnswer(f"{what}: shape {got.shape}, but {shape} is needed")
     return got
-
-
-def explained(
-    name: str,
-    cases: Mapping[str, Sequence[Any]],
-    answers: Sequence[Any],
-    right: Callable[..., Any],
-    faults: Mapping[str, Callable[..., Any]],
-    picture: NDArray[np.uint8] | None = None,
-) -> None:
-    """Demand the right answer to all cases.
-
-    Args:
-        name: of the exercise.
-        cases: by what they are like, the arguments.
-        answers: of the student, as many.
-        right: gives the right one.
-        faults: by what to say of it, functions that answer as a known mistake does; one that
-            explains all of the answers is named.
-        picture: target and yours.
-
-    Raises:
-        WrongAnswer: when an answer is wrong.
-    """
-    for (why, case), got in zip(cases.items(), answers, strict=True):
-        want = right(*case)
-        if np.array_equal(got, want):
-            continue
-        for words, fault in faults.items():
-            if all(_same(fault, c, a) for c, a in zip(cases.values(), answers, strict=True)):
-                raise WrongAnswer(f"{name}, {why}: {words}", picture)
-        raise WrongAnswer(f"{name}, {why}: {_apart(np.asarray(got), np.asarray(want))}", picture)
-
-
-def _same(fault: Callable[..., Any], case: Sequence[Any], answer: object) -> bool:
-    """Whether a mistake gives this answer."""
-    try:
-        return np.array_equal(fault(*case), np.asarray(answer))
-    except (IndexError, ValueError):
-        return False
-
-
-def _apart(got: NDArray, want: NDArray) -> str:
-    if not want.shape:
-        return f"{got} came back; {want} is right"
-    place = tuple(int(i) for i in np.argwhere(got != want)[0])
-    return f"{got[place]} at {place if len(place) > 1 else place[0]}, but {want[place]} is right"

@@ -5,13 +5,13 @@ from __future__ import annotations
 import html
 import time
 from base64 import b64encode
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import cv2
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 SLOWEST = 20.0
 """How many times slower than the reference a solution may be and still be used."""
@@ -69,7 +69,7 @@ class Check:
         self.__doc__ = judge.__doc__
 
     def __call__(self, student: Function) -> Result:
-        """Estimator a student's function."""
+        """Judge a student's function."""
         try:
             picture = self.judge(student)
         except NotImplementedError:
@@ -116,70 +116,6 @@ def check(reference: Function, example: tuple) -> Callable[[Function], Check]:
         return Check(judge.__name__.removeprefix("check_"), judge, reference, example)
 
     return decorate
-
-
-def expect_close(
-    what: str,
-    got: object,
-    want: ArrayLike,
-    tolerance: float = 1e-6,
-    mistakes: Mapping[str, ArrayLike] | None = None,
-    picture: NDArray[np.uint8] | None = None,
-) -> None:
-    """Demand that an answer is close to what is wanted; shape first, then values.
-
-    Args:
-        what: was computed, for the message.
-        got: the student's answer.
-        want: the right one.
-        tolerance: that may lie between them.
-        mistakes: for known mistakes, what to say and the answer that they give.
-        picture: target and yours.
-
-    Raises:
-        WrongAnswer: with the most helpful message.
-    """
-    want = np.asarray(want, dtype=float)
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
-    if want.ndim and not isinstance(got, np.ndarray):
-        raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a numpy array")
-    try:
-        values = np.asarray(got, dtype=float)
-    except (TypeError, ValueError):
-        kind = type(got).__name__
-        raise WrongAnswer(f"{what}: a {kind} is no array of numbers; return an array") from None
-    if values.shape != want.shape:
-        raise WrongAnswer(f"{what}: shape {values.shape}, but {want.shape} is needed")
-    if np.allclose(values, want, atol=tolerance, rtol=0):
-        return
-    for message, mistaken in (mistakes or {}).items():
-        mistaken = np.broadcast_to(np.asarray(mistaken, dtype=float), want.shape)
-        if np.allclose(values, mistaken, atol=tolerance, rtol=0, equal_nan=True):
-            raise WrongAnswer(f"{what}: {message}", picture)
-    if np.isnan(values).any():
-        raise WrongAnswer(f"{what}: some of it is not a number; is something divided by zero?")
-    with np.errstate(invalid="ignore"):  # inf - inf, where both agree
-        apart = np.nan_to_num(np.abs(values - want))
-    worst = np.unravel_index(apart.argmax(), want.shape)
-    place = f" at {tuple(int(i) for i in worst)}" if want.shape else ""
-    raise WrongAnswer(
-        f"{what}: {values[worst]:.4g}{place}, but {want[worst]:.4g} is right", picture
-    )
-
-
-def call(student: Function, *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return
-    """Call a student's function, and demand that it leaves its arguments alone.
-
-    Raises:
-        WrongAnswer: when an argument was changed.
-    """
-    before = [np.array(argument, copy=True) for argument in arguments]
-    answer = student(*arguments)
-    for number, (old, new) in enumerate(zip(before, arguments, strict=True), 1):
-        if not np.array_equal(old, new):
-            raise WrongAnswer(f"your function changes its argument {number}; make a new array")
-    return answer
 
 
 def _seconds(function: Function, example: tuple) -> float:

@@ -5,7 +5,9 @@ from collections.abc import Callable
 import numpy as np
 
 from tutorial_lib import geometry
-from tutorial_lib.checks.framework.check import call, check, expect_close
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array
 
 _RNG_SEED = 1

@@ -6,7 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera
 

@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import call, check, expect_close
-from tutorial_lib.checks.nb02.policy_parts import two_parts
+from tutorial_lib.checks.framework.answers import call, parts
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
+from tutorial_lib.checks.nb02.policy_parts import PARTS
 from tutorial_lib.driving.control import rmp
 
 _GOAL_EXAMPLE = (np.ones((100, 2)), np.zeros((100, 2)), 2.4, 3.0, 0.35)
@@ -46,7 +48,7 @@ def check_goal_policy(student: Callable[..., Any]) -> None:
         }
         with np.errstate(divide="ignore", invalid="ignore"):
             got = call(student, offsets, velocities, gain, damping, near)
-        accelerations, metrics = two_parts("goal_policy", got)
+        accelerations, metrics = parts("goal_policy", got, 2, PARTS)
         expect_close(f"accelerations of {name}", accelerations, want, 1e-6, mistakes)
         zeros = {"it cares equally for all directions: the identity, not zeros": 0 * metric}
         expect_close(f"metrics of {name}", metrics, metric, 1e-6, zeros)

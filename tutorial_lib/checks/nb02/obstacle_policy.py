@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
-from tutorial_lib.checks.nb02.policy_parts import two_parts
+from tutorial_lib.checks.framework.answers import call, parts
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import expect_close
+from tutorial_lib.checks.nb02.policy_parts import PARTS
 from tutorial_lib.driving.control import rmp
 from tutorial_lib.geometry import Array
 
@@ -28,7 +30,7 @@ def check_obstacle_policy(student: Callable[..., Any]) -> None:
         want, metric = rmp.obstacle_policy(distances, closing, *gains)
         with np.errstate(divide="ignore", invalid="ignore"):
             got = call(student, distances, closing, *gains)
-        away, metrics = two_parts("obstacle_policy", got)
+        away, metrics = parts("obstacle_policy", got, 2, PARTS)
         if np.isinf(np.asarray(away, dtype=float)).any():
             limited = np.shape(metrics) == metric.shape and np.allclose(metrics, metric)
             where = "in the acceleration too, not only in the metric" if limited else "in both"

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.driving.control import rmp
 from tutorial_lib.geometry import Array
 

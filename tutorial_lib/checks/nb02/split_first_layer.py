@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.framework.answers import call, parts
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array
 
 
@@ -21,10 +23,8 @@ def check_split_first_layer(student: Callable[..., Any]) -> None:
     weights = np.random.default_rng(2).normal(size=(4, 9, 3, 5))
     a, b, d = np.split(weights, 3, axis=1)
     answer = call(student, weights)
-    if answer is None:
-        raise WrongAnswer("split_first_layer: your function returned nothing; is a return missing?")
-    if not isinstance(answer, tuple | list) or len(answer) != 2:
-        raise WrongAnswer("split_first_layer: return two arrays, for cur and for tgt")
+    words = "return two arrays, for cur and for tgt"
+    for_cur, for_tgt = parts("split_first_layer", answer, 2, words)
     forgot = "the third part sees cur - tgt, so both pictures: it belongs to both halves"
     mixed = "the channels are stacked: 0 to 2 are cur's, 3 to 5 tgt's, 6 to 8 the difference's"
     thirds = weights[:, 0::3] + weights[:, 2::3]
@@ -36,5 +36,5 @@ def check_split_first_layer(student: Callable[..., Any]) -> None:
         "D, not B, changes its sign": d - b,
         forgot: b,
     }
-    expect_close("weights for cur", answer[0], a + d, 1e-9, first)
-    expect_close("weights for tgt", answer[1], b - d, 1e-9, second)
+    expect_close("weights for cur", for_cur, a + d, 1e-9, first)
+    expect_close("weights for tgt", for_tgt, b - d, 1e-9, second)

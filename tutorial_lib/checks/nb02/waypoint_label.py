@@ -7,7 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array, arc_length, to_local
 from tutorial_lib.learning.labels import in_clear_sight
 from tutorial_lib.viz.canvas import colours

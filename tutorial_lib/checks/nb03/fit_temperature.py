@@ -1,11 +1,14 @@
 """The check of temperature scaling, in notebook 03."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect, expect_close
 from tutorial_lib.checks.nb03.reach_loss import reach_loss
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import reliability, sigmoid
@@ -70,11 +73,15 @@ def _expect_temperature(what: str, got: float, best: float, logits: Array, label
         "bin": _TEMPERATURES[np.argmin(errors)],
         "the loss is to be smallest, not largest": _TEMPERATURES[losses.argmax()],
     }
-    for words, value in mistakes.items():
-        if np.isclose(got, value, rtol=0.012):
-            raise WrongAnswer(f"{what}: {words}")
+    same = partial(np.isclose, rtol=0.012)
+    expect(what, got, best, mistakes.items(), same, _no_temperature)
+
+
+def _no_temperature(got: float, best: float) -> str:
+    """What is wrong with a temperature, when no known mistake gives it."""
     if got <= 0:
-        raise WrongAnswer(f"{what}: {got:.3g}, but a temperature is greater than 0")
+        return f"{got:.3g}, but a temperature is greater than 0"
     if got == int(got) and got >= len(_TEMPERATURES) / 100:
         words = "is that the place of the best temperature in a list? Give the temperature"
-        raise WrongAnswer(f"{what}: {got:.0f}; {words}")
+        return f"{got:.0f}; {words}"
+    return f"{got:.4g}, but {best:.4g} is right"

@@ -5,7 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.framework.answers import call, parts
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import reliability
 
@@ -33,12 +35,11 @@ def check_reliability_diagram(student: Callable[..., Any]) -> None:
         wanted = reliability_diagram(*case)
         with np.errstate(all="ignore"):
             got = call(student, *case)
-        if got is None:
-            raise WrongAnswer("reliability_diagram: nothing came back; is a return missing?")
-        if not isinstance(got, tuple | list) or len(got) != 3:
-            raise WrongAnswer("reliability_diagram: return three things: predicted, measured, ece")
-        parts = zip(("predicted", "measured", "ece"), got, wanted, _misbinned(*case), strict=True)
-        for part, answer, want, mistakes in parts:
+        words = "return three things: predicted, measured, ece"
+        answers = parts("reliability_diagram", got, 3, words)
+        names = ("predicted", "measured", "ece")
+        for part, *values in zip(names, answers, wanted, _misbinned(*case), strict=True):
+            answer, want, mistakes = values
             expect_close(f"{part}, {name}", answer, want, 1e-9, mistakes)
 
 

@@ -7,7 +7,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check, expect_close
+from tutorial_lib.checks.framework.answers import call, numbers
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import close, expect, farthest
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
@@ -75,15 +77,17 @@ def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8]:
     if np.shape(got) == drives[1].shape:
         words = "one answer for each moment; a drive has one label, 1 if any moment is good"
         raise WrongAnswer(f"{what}: {words}", picture)
-    try:
-        expect_close(what, got, _LABELS, 1e-6, _mislabelled(*drives), picture)
-    except WrongAnswer as wrong:
-        if not str(wrong).endswith("is right"):
-            raise
-        number = int(np.abs(np.asarray(got, float) - _LABELS).argmax())
-        words = f'the drive that "{_STORIES[number][0]}" has the label {_LABELS[number]:.0f}'
-        raise WrongAnswer(f"{what}: {words}", picture) from None
+    labels, known = numbers(what, got, _LABELS.shape), _mislabelled(*drives).items()
+    expect(what, labels, _LABELS, known, close, _worst_story, picture)
     return picture
+
+
+def _worst_story(got: Array, want: Array) -> str:
+    """The drive whose label is farthest off."""
+    if np.isnan(got).any():
+        return farthest(got, want)
+    number = int(np.abs(got - want).argmax())
+    return f'the drive that "{_STORIES[number][0]}" has the label {want[number]:.0f}'
 
 
 def _mislabelled(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> dict[str, Array]:

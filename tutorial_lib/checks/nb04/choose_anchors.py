@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
 from tutorial_lib.geometry import Array
@@ -69,40 +71,19 @@ def _smooth(frames: int, seed: int) -> Array:
 
 
 _EVEN = np.array([[1, 0.9, 0.8], [0.9, 1, 0.9], [0.8, 0.9, 1]])
-_ANCHOR_CASES = (
-    ("the drive above", BY_HAND, 0.9),
-    ("every frame can be reached", np.full((6, 6), 0.98), 0.9),
-    ("no frame can be reached", np.full((5, 5), 0.3), 0.9),
-    ("RE equals the threshold", _EVEN, 0.8),
-    ("40 frames", _smooth(40, 1), 0.9),
-    ("40 frames, a low threshold", _smooth(40, 2), 0.6),
-    ("two frames", np.array([[1.0, 0.95], [0.95, 1.0]]), 0.9),
-)
+_CASES = {
+    "the drive above": (BY_HAND, 0.9),
+    "every frame can be reached": (np.full((6, 6), 0.98), 0.9),
+    "no frame can be reached": (np.full((5, 5), 0.3), 0.9),
+    "RE equals the threshold": (_EVEN, 0.8),
+    "40 frames": (_smooth(40, 1), 0.9),
+    "40 frames, a low threshold": (_smooth(40, 2), 0.6),
+    "two frames": (np.array([[1.0, 0.95], [0.95, 1.0]]), 0.9),
+}
 _ENDLESS = (
     "choose_anchors: your function never ends. Where not even frame i + 1 can be reached so "
     "surely, it is the next anchor all the same: one must get on"
 )
-
-
-@check(choose_anchors, (_smooth(200, 3), 0.9))
-def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """The drive done by hand, drives where all or nothing can be reached, and longer ones."""
-    answers = []
-    for name, reach, threshold in _ANCHOR_CASES:
-        got = within_line_limit(call, student, reach, threshold, otherwise=_ENDLESS)
-        answers.append(frame_numbers(f"choose_anchors, {name}", got))
-    right = [choose_anchors(reach, threshold) for _, reach, threshold in _ANCHOR_CASES]
-    picture = _tables(right[0], answers[0])
-    for case, got, want in zip(_ANCHOR_CASES, answers, right, strict=True):
-        if np.array_equal(got, want):
-            continue
-        name, reach, threshold = case
-        for words, mistake in _MISTAKES.items():
-            wrong = [mistake(reach, p) for _, reach, p in _ANCHOR_CASES]
-            if all(np.array_equal(a, w) for a, w in zip(answers, wrong, strict=True)):
-                raise WrongAnswer(f"choose_anchors, {name}: {words}", picture)
-        raise WrongAnswer(f"choose_anchors, {name}: {_apart(reach, threshold, got, want)}", picture)
-    return picture
 
 
 def _greedy(
@@ -190,7 +171,7 @@ _MISTAKES: dict[str, Callable[[Array, float], ArrayLike]] = {
 }
 
 
-def _apart(reach: Array, threshold: float, got: NDArray[np.intp], want: NDArray[np.intp]) -> str:
+def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
     """Where an answer first goes another way."""
     same = 0
     while same < min(len(got), len(want)) and got[same] == want[same]:
@@ -210,3 +191,23 @@ def _apart(reach: Array, threshold: float, got: NDArray[np.intp], want: NDArray[
 def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
     tables = [reach_table(BY_HAND, 0.9, chosen.tolist()) for chosen in (want, got)]
     return side_by_side(tables, ["target", "yours"], gap=30)
+
+
+def _ask(what: str, student: Callable[..., Any], *case: object) -> Any:  # noqa: ANN401 - students'
+    return within_line_limit(call, student, *case, otherwise=_ENDLESS)
+
+
+@check(choose_anchors, (_smooth(200, 3), 0.9))
+def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
+    """The drive done by hand, drives where all or nothing can be reached, and longer ones."""
+    return compare(
+        "choose_anchors",
+        student,
+        _CASES,
+        choose_anchors,
+        _MISTAKES,
+        ask=_ask,
+        form=frame_numbers,
+        difference=_apart,
+        draw=_tables,
+    )

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 
 
-def frame_numbers(what: str, got: object) -> NDArray[np.intp]:
+def frame_numbers(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
     """The frame numbers (A,) that a student gave."""
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
+    got = returned(what, got)
     try:
         numbers = np.asarray(got if isinstance(got, np.ndarray) else list(got), dtype=float)
     except (TypeError, ValueError):

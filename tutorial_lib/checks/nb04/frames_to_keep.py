@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import expect
 from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.viz.figures.follower_states import frames_kept
@@ -38,14 +40,18 @@ def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
             raise WrongAnswer(f"{what}: return the frames' numbers, not how many they are")
         got, want = np.sort(frame_numbers(what, got)), frames_to_keep(anchors, total, k)
         picture = _rows(total, anchors, want, got) if picture is None else picture
-        if np.array_equal(got, want):
-            continue
-        for words, wrong in _mistaken(np.array(anchors), total, k).items():
-            if np.array_equal(got, np.sort(wrong)):
-                raise WrongAnswer(f"{what}: {words}", picture)
-        missing, extra = np.setdiff1d(want, got).tolist(), np.setdiff1d(got, want).tolist()
-        raise WrongAnswer(f"{what}: frames {missing} are missing, {extra} are too many", picture)
+        mistakes = _mistaken(np.array(anchors), total, k).items()
+        expect(what, got, want, mistakes, _same, _difference, picture)
     return picture
+
+
+def _same(got: NDArray[np.intp], want: NDArray[np.intp]) -> bool:
+    return np.array_equal(got, np.sort(want))
+
+
+def _difference(got: NDArray[np.intp], want: NDArray[np.intp]) -> str:
+    missing, extra = np.setdiff1d(want, got).tolist(), np.setdiff1d(got, want).tolist()
+    return f"frames {missing} are missing, {extra} are too many"
 
 
 def _rows(

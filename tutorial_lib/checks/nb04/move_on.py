@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, call, check
-from tutorial_lib.checks.nb04.looks import LOOKS, Case
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.nb04.follower_answers import ASK, spoken, two_anchors
+from tutorial_lib.checks.nb04.looks import LOOKS
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
-    State,
     last_visited,
     next_active,
 )
@@ -132,68 +132,8 @@ _UNMOVED = {
 @check(move_on, LOOKS["next"][1])
 def check_move_on(student: Callable[..., Any]) -> None:
     """Twenty-one looks: under way, near, at an anchor, at both ends, and with other rules."""
-    faults = {words: partial(_moved, fault=fault) for words, fault in _UNMOVED.items()}
-    compare("move_on", student, list(LOOKS.values()), move_on, faults)
-
-
-def compare(
-    name: str,
-    student: Callable[..., Any],
-    cases: Sequence[Case],
-    right: Callable[..., Any],
-    faults: Mapping[str, Callable[..., Any]],
-) -> None:
-    """Demand the right answer to all cases.
-
-    Args:
-        name: of the exercise.
-        student: whose function is judged.
-        cases: what it is asked.
-        right: answers it, with a tuple that may begin with a state.
-        faults: by what to say of it, functions that answer as a known mistake does; one that
-            explains all of the student's answers is named.
-
-    Raises:
-        WrongAnswer: when an answer is wrong.
-    """
-    wanted = [_outcome(right(*arguments)) for _, arguments in cases]
-    answers = []
-    for why, arguments in cases:
-        try:
-            got = call(student, *arguments)
-        except IndexError as error:
-            words = f"IndexError, {error}; after the last anchor there is none: stay there"
-            raise WrongAnswer(f"{name}, {why}: {words}") from None
-        answers.append(_checked(f"{name}, {why}", got, len(right(*arguments))))
-    for (why, _), got, want in zip(cases, answers, wanted, strict=True):
-        if got == want:
-            continue
-        for words, fault in faults.items():
-            if answers == [_outcome(fault(*arguments)) for _, arguments in cases]:
-                raise WrongAnswer(f"{name}, {why}: {words}")
-        raise WrongAnswer(f"{name}, {why}: {_spoken(got)} came back; {_spoken(want)} is right")
-
-
-def _checked(what: str, got: Any, count: int) -> tuple[int, ...]:  # noqa: ANN401 - students'
-    """A student's answer, if it has the right form."""
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
-    parts = "active, visited" if count == 2 else "state, active, visited"
-    if not isinstance(got, tuple | list) or len(got) != count:
-        raise WrongAnswer(f"{what}: return {parts}")
-    whole = all(isinstance(number, int | np.integer) for number in got)
-    if not whole or (count == 3 and got[0] not in list(State)):
-        raise WrongAnswer(f"{what}: {got} came back; return {parts}: a State and whole numbers")
-    return _outcome(got if count == 2 else (State(got[0]), *got[1:]))
-
-
-def _outcome(answer: Sequence[int]) -> tuple[int, ...]:
-    """What counts of an answer: who is lost or done has no anchor any more."""
-    if isinstance(answer[0], State):
-        over = answer[0] in (State.LOST, State.DONE)
-        return answer[:1] if over else (answer[0], *map(int, answer[1:]))
-    return tuple(int(number) for number in answer)
-
-
-def _spoken(answer: tuple[int, ...]) -> str:
-    return ", ".join(part.name if isinstance(part, State) else str(part) for part in answer)
+    faults = with_faults(_moved, _UNMOVED)
+    cases = dict(LOOKS.values())
+    compare(
+        "move_on", student, cases, move_on, faults, ask=ASK, form=two_anchors, difference=spoken
+    )

@@ -9,7 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.check import call, check, expect_close
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.nb04.follower_answers import ASK, spoken, state_and_anchors
 from tutorial_lib.checks.nb04.looks import LOOKS, OTHER_RULES, RULES, Case, look
-from tutorial_lib.checks.nb04.move_on import compare, move_on
+from tutorial_lib.checks.nb04.move_on import move_on
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 
@@ -160,5 +161,14 @@ _STEPS = [
 @check(transition, _STEPS[4][1])
 def check_transition(student: Callable[..., Any]) -> None:
     """Twenty-one steps: searching, following, dead reckoning, and their ends."""
-    faults = {words: partial(_changed, fault=fault) for words, fault in _UNCHANGED.items()}
-    compare("transition", student, _STEPS, transition, faults)
+    faults = with_faults(_changed, _UNCHANGED)
+    compare(
+        "transition",
+        student,
+        dict(_STEPS),
+        transition,
+        faults,
+        ask=ASK,
+        form=state_and_anchors,
+        difference=spoken,
+    )

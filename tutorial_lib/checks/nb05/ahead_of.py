@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import called, explained, mask
+from tutorial_lib.checks.framework.answers import mask
 from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.topology.mapping import edge_rules
 
 _PLACES = {
@@ -76,8 +77,8 @@ _MISPLACED: dict[str, Callable[..., Any]] = {
 @check(edge_rules.ahead_of, _PLACES["one of each drive"])
 def check_ahead_of(student: Callable[..., Any]) -> None:
     """Six maps: nothing reused yet, one vertex, several, and numbers in no order."""
-    answers = []
-    for name, case in _PLACES.items():
-        got, what = called(student, *case), f"ahead_of, {name}"
-        answers.append(mask(what, got, (len(case[0]),)))
-    explained("ahead_of", _PLACES, answers, edge_rules.ahead_of, _MISPLACED)
+    compare("ahead_of", student, _PLACES, edge_rules.ahead_of, _MISPLACED, form=_per_vertex)
+
+
+def _per_vertex(what: str, got: object, trajectory: NDArray, *_: object) -> NDArray[np.bool_]:
+    return mask(what, got, trajectory.shape)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import called, explained, mask
-from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.answers import hinting, mask
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb05.trajectories import MIXED, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
@@ -102,21 +102,17 @@ _MISSED = {
 @check(ask_next, (_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6))
 def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Six tables: little known, nothing, everything, numbers in no order."""
-    answers = []
-    for name, case in _SEARCHES.items():
-        what = f"ask_next, {name}"
-        try:
-            got = called(student, *case)
-        except IndexError as error:
-            words = f"IndexError, {error}; beyond an end of a trajectory there is nothing to ask"
-            raise WrongAnswer(f"{what}: {words}") from None
-        answers.append(mask(what, got, case[0].shape))
-    right = [ask_next(*case) for case in _SEARCHES.values()]
-    titles = ("target", "yours")
-    both = [
-        edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (right[0], answers[0])
-    ]
-    picture = side_by_side(both, titles, gap=30)
-    faults = {words: partial(_asked, fault=fault) for words, fault in _MISSED.items()}
-    explained("ask_next", _SEARCHES, answers, ask_next, faults, picture)
-    return picture
+    faults = with_faults(_asked, _MISSED)
+    ask = hinting(IndexError, "beyond an end of a trajectory there is nothing to ask")
+    return compare(
+        "ask_next", student, _SEARCHES, ask_next, faults, ask=ask, form=_pairs, draw=_tables
+    )
+
+
+def _pairs(what: str, got: object, told: Array, *_: object) -> NDArray[np.bool_]:
+    return mask(what, got, told.shape)
+
+
+def _tables(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    tables = [edge_table(_FEW, fresh, names=("a", "v"), blank=True) for fresh in (want, got)]
+    return side_by_side(tables, ["target", "yours"], gap=30)

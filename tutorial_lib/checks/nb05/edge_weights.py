@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.check import call, check, expect_close
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 from tutorial_lib.viz.figures.edge_tables import edge_table

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import called, explained
+from tutorial_lib.checks.framework.answers import hinting
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 
@@ -86,17 +87,13 @@ _MISUSED: dict[str, Callable[..., int]] = {
 @check(edge_rules.reusable, _REUSE["two fit"])
 def check_reusable(student: Callable[..., Any]) -> None:
     """Twelve anchors: vertices that fit, that fit by half, that may not be taken, and none."""
-    answers = []
-    for name, case in _REUSE.items():
-        what = f"reusable, {name}"
-        try:
-            got = called(student, *case)
-        except ValueError as error:
-            words = f"ValueError, {error}; is there a vertex that fits? Ask .any() before argmax"
-            raise WrongAnswer(f"{what}: {words}") from None
-        if got is None:
-            raise WrongAnswer(f"{what}: None came back; return -1 where no vertex fits")
-        if isinstance(got, bool) or not isinstance(got, int | np.integer):
-            raise WrongAnswer(f"{what}: {got!r} came back; return the number of one vertex, or -1")
-        answers.append(int(got))
-    explained("reusable", _REUSE, answers, edge_rules.reusable, _MISUSED)
+    ask = hinting(ValueError, "is there a vertex that fits? Ask .any() before argmax")
+    compare("reusable", student, _REUSE, edge_rules.reusable, _MISUSED, ask=ask, form=_vertex)
+
+
+def _vertex(what: str, got: Any, *_: object) -> int:  # noqa: ANN401 - students'
+    if got is None:
+        raise WrongAnswer(f"{what}: None came back; return -1 where no vertex fits")
+    if isinstance(got, bool) or not isinstance(got, int | np.integer):
+        raise WrongAnswer(f"{what}: {got!r} came back; return the number of one vertex, or -1")
+    return int(got)

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import called
-from tutorial_lib.checks.framework.check import WrongAnswer, check, expect_close
+from tutorial_lib.checks.framework.answers import hinting, numbers
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
@@ -52,21 +53,25 @@ _ALIGNED = {
 
 
 @check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
-def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8]:
+def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Seven tables: longer and shorter sequences, several drives, numbers in no order."""
-    answers = []
-    for name, case in _ALIGNED.items():
-        try:
-            answers.append(called(student, *case))
-        except IndexError as error:
-            words = f"IndexError, {error}; where a trajectory ends the sequence ends, too"
-            raise WrongAnswer(f"weakest_aligned, {name}: {words}") from None
-    picture = _tables(answers[0])
-    for (name, case), got in zip(_ALIGNED.items(), answers, strict=True):
-        right = weakest_aligned(*case)
-        mistakes = {words: partial(_misaligned, fault=f)(*case) for words, f in _FAULTS.items()}
-        expect_close(f"weakest_aligned, {name}", got, right, 1e-9, mistakes, picture)
-    return picture
+    faults = with_faults(_misaligned, _FAULTS)
+    return compare(
+        "weakest_aligned",
+        student,
+        _ALIGNED,
+        weakest_aligned,
+        faults,
+        ask=hinting(IndexError, "where a trajectory ends the sequence ends, too"),
+        form=_per_pair,
+        same=partial(close, tolerance=1e-9),
+        difference=farthest,
+        draw=_tables,
+    )
+
+
+def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
+    return numbers(what, got, reach.shape)
 
 
 def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault: str) -> Array:
@@ -148,14 +153,7 @@ _FAULTS = {
 }
 
 
-def _tables(got: object) -> NDArray[np.uint8]:
+def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
     reach = _ALIGNED["one drive beside another"][0]
-    pictures, titles = [edge_table(reach, reach > 0.5, names=("a", "v"))], ["RE"]
-    for title, least in (
-        ("target", weakest_aligned(*_ALIGNED["one drive beside another"])),
-        ("yours", got),
-    ):
-        if isinstance(least, np.ndarray) and least.shape == reach.shape:
-            pictures.append(edge_table(least, least > 0.5, names=("a", "v")))
-            titles.append(title)
-    return side_by_side(pictures, titles, gap=24)
+    tables = [edge_table(least, least > 0.5, names=("a", "v")) for least in (reach, want, got)]
+    return side_by_side(tables, ["RE", "target", "yours"], gap=24)

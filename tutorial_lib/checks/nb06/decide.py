@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import (
     GOAL,
     HERE,
@@ -87,20 +89,20 @@ _LONG: Graph = {v: {v + 1: 0.9} for v in range(8)} | {8: {}}
 _APART: Graph = {0: {}, 1: {}}
 _FORK: Graph = {0: {1: 0.99, 2: 0.9}, 1: {}, 2: {}}
 _HALF: Graph = {0: {1: 0.5}, 1: {}}
-_ASKED: tuple[tuple[str, tuple[Any, ...]], ...] = (
-    ("a goal of this map", (SMALL_MAP, {0: 0.95}, [{2: 0.99}], _RULES)),
-    ("a goal from elsewhere", (SMALL_MAP, {0: 0.95}, [{2: 0.9, 3: 0.97}], _RULES)),
-    ("a long way", (_LONG, {0: 0.99}, [{8: 0.99}], _RULES)),
-    ("two ends of the way", (_FORK, {0: 0.99}, [{1: 0.98, 2: 0.99}], _RULES)),
-    ("exactly as probable as needed", (_HALF, {0: 1.0}, [{1: 1.0}], _RULES)),
-    ("the map is not reached from here", (SMALL_MAP, {0: 0.4}, [{2: 0.99}], _RULES)),
-    ("the goal is not reached from the map", (SMALL_MAP, {0: 0.95}, [{2: 0.3}], _RULES)),
-    ("a long way to a goal from elsewhere", (_LONG, {0: 0.99}, [{8: 0.9}], _RULES)),
-    ("no way to where it is seen", (_APART, {0: 0.9}, [{0: 0.6, 1: 0.99}], _RULES)),
-    ("the goal is in sight", (SMALL_MAP, {0: 0.95}, [{HERE: 0.999, 2: 0.99}], _RULES)),
-    ("other rules", (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER_RULES)),
-    ("other rules, a goal from elsewhere", (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER_RULES)),
-)
+_ASKED: dict[str, tuple[Any, ...]] = {
+    "a goal of this map": (SMALL_MAP, {0: 0.95}, [{2: 0.99}], _RULES),
+    "a goal from elsewhere": (SMALL_MAP, {0: 0.95}, [{2: 0.9, 3: 0.97}], _RULES),
+    "a long way": (_LONG, {0: 0.99}, [{8: 0.99}], _RULES),
+    "two ends of the way": (_FORK, {0: 0.99}, [{1: 0.98, 2: 0.99}], _RULES),
+    "exactly as probable as needed": (_HALF, {0: 1.0}, [{1: 1.0}], _RULES),
+    "the map is not reached from here": (SMALL_MAP, {0: 0.4}, [{2: 0.99}], _RULES),
+    "the goal is not reached from the map": (SMALL_MAP, {0: 0.95}, [{2: 0.3}], _RULES),
+    "a long way to a goal from elsewhere": (_LONG, {0: 0.99}, [{8: 0.9}], _RULES),
+    "no way to where it is seen": (_APART, {0: 0.9}, [{0: 0.6, 1: 0.99}], _RULES),
+    "the goal is in sight": (SMALL_MAP, {0: 0.95}, [{HERE: 0.999, 2: 0.99}], _RULES),
+    "other rules": (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER_RULES),
+    "other rules, a goal from elsewhere": (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER_RULES),
+}
 _UNDECIDED = {
     "yours sets out to a goal that is nowhere reached with more than rules.p_goal; that is to be "
     "asked of the edges to the goal, not of the way": "trusts",
@@ -128,28 +130,27 @@ _UNDECIDED = {
 @check(decide, (random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES))
 def check_decide(student: Callable[..., Any]) -> None:
     """Goals near and far, from this world and another, and starts from which nothing is seen."""
-    right = [_rounded(decide(*arguments)) for _, arguments in _ASKED]
-    answers = [_decision(f"decide, {why}", student, arguments) for why, arguments in _ASKED]
-    for (why, _), got, want in zip(_ASKED, answers, right, strict=True):
-        if got == want:
-            continue
-        for words, fault in _UNDECIDED.items():
-            wrong = [_rounded(_decided(*arguments, fault=fault)) for _, arguments in _ASKED]
-            if answers == wrong:
-                raise WrongAnswer(f"decide, {why}: {words}")
-        shown = [f"{d[2] or 'sets out'!r}, way {d[0]} with {d[1]:.3g}" for d in (got, want)]
-        raise WrongAnswer(f"decide, {why}: yours says {shown[0]}; {shown[1]} is right")
+    faults = with_faults(_decided, _UNDECIDED)
+    compare(
+        "decide",
+        student,
+        _ASKED,
+        decide,
+        faults,
+        ask=untouched,
+        form=_decision,
+        difference=_unlike,
+    )
 
 
-def _decision(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]) -> Decision:
-    got = untouched(what, student, arguments)
-    if not isinstance(got, tuple | list) or len(got) != 3:
-        raise WrongAnswer(f"{what}: return the way, its probability and the reason")
-    if got[2] not in REASONS:
-        raise WrongAnswer(f"{what}: the reason {got[2]!r} came back; give one of {REASONS}")
-    return _rounded((list(got[0]), float(got[1]), got[2]))
+def _decision(what: str, got: Any, *_: object) -> Decision:  # noqa: ANN401 - students'
+    """A decision of the right form, its probability rounded."""
+    way, probability, reason = parts(what, got, 3, "return the way, its probability and the reason")
+    if reason not in REASONS:
+        raise WrongAnswer(f"{what}: the reason {reason!r} came back; give one of {REASONS}")
+    return list(way), round(float(probability), 9), reason
 
 
-def _rounded(decision: Decision) -> Decision:
-    way, probability, reason = decision
-    return way, round(probability, 9), reason
+def _unlike(got: Decision, want: Decision, *_: object) -> str:
+    shown = [f"{d[2] or 'sets out'!r}, way {d[0]} with {d[1]:.3g}" for d in (got, want)]
+    return f"yours says {shown[0]}; {shown[1]} is right"

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import untouched
 
@@ -76,21 +77,27 @@ def _joined(
 
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
 _TO = {2: 0.99, 3: 0.5, 4: 0.985, 0: 0.1}
-_ENDS: tuple[tuple[str, tuple[Any, ...]], ...] = (
-    ("one picture of the goal", (SMALL_MAP, _FROM, [_TO], 0.5, 0.985)),
-    ("one threshold", (SMALL_MAP, _FROM, [_TO], 0.4, 0.4)),
-    ("the goal is in sight", (SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6)),
-    (
-        "three pictures of the goal",
-        (SMALL_MAP, _FROM, [{2: 0.7, 3: 0.99}, {2: 0.995, 1: 0.6}, {2: 0.9, 4: 0.5}], 0.5, 0.55),
+_ENDS: dict[str, tuple[Any, ...]] = {
+    "one picture of the goal": (SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
+    "one threshold": (SMALL_MAP, _FROM, [_TO], 0.4, 0.4),
+    "the goal is in sight": (SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6),
+    "three pictures of the goal": (
+        SMALL_MAP,
+        _FROM,
+        [{2: 0.7, 3: 0.99}, {2: 0.995, 1: 0.6}, {2: 0.9, 4: 0.5}],
+        0.5,
+        0.55,
     ),
-    (
-        "a vertex that is not on the map",
-        (SMALL_MAP, {0: 0.9, 7: 0.99}, [{2: 0.99, 7: 0.999}], 0.5, 0.9),
+    "a vertex that is not on the map": (
+        SMALL_MAP,
+        {0: 0.9, 7: 0.99},
+        [{2: 0.99, 7: 0.999}],
+        0.5,
+        0.9,
     ),
-    ("the goal is hardly in sight", (SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985)),
-    ("nothing can be reached", (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9)),
-)
+    "the goal is hardly in sight": (SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985),
+    "nothing can be reached": (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9),
+}
 _MISJOINED = {
     "an edge is to lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
     "greater than the threshold, not equal to it": "equal",
@@ -114,20 +121,21 @@ _MISJOINED = {
 @check(join_ends, (random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9))
 def check_join_ends(student: Callable[..., Any]) -> None:
     """One picture and several, thresholds, a goal in sight, and vertices that are not there."""
-    right = [join_ends(*arguments) for _, arguments in _ENDS]
-    answers = [_graph(f"join_ends, {why}", student, arguments) for why, arguments in _ENDS]
-    for (why, _), got, want in zip(_ENDS, answers, right, strict=True):
-        if got == want:
-            continue
-        for words, fault in _MISJOINED.items():
-            if answers == [_joined(*arguments, fault=fault) for _, arguments in _ENDS]:
-                raise WrongAnswer(f"join_ends, {why}: {words}")
-        raise WrongAnswer(f"join_ends, {why}: {_unlike(got, want)}")
+    faults = with_faults(_joined, _MISJOINED)
+    compare(
+        "join_ends",
+        student,
+        _ENDS,
+        join_ends,
+        faults,
+        ask=untouched,
+        form=_graph,
+        difference=_unlike,
+    )
 
 
-def _graph(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]) -> Graph:
-    """A graph that a student made."""
-    got = untouched(what, student, arguments)
+def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students'
+    """An answer that is a graph with both ends."""
     if not isinstance(got, dict) or not all(isinstance(out, dict) for out in got.values()):
         raise WrongAnswer(f"{what}: return a dictionary of dictionaries, as the graph is")
     for vertex, name in ((HERE, "HERE"), (GOAL, "GOAL")):
@@ -138,7 +146,7 @@ def _graph(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]) -
     return got
 
 
-def _unlike(got: Graph, want: Graph) -> str:
+def _unlike(got: Graph, want: Graph, *_: object) -> str:
     """The first edge that is missing, too many or wrong."""
     names = {HERE: "HERE", GOAL: "GOAL"}
     for vertex in want:

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb06.graphs import (
     BY_HAND,
@@ -33,41 +35,44 @@ _ENDLESS = (
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
 _LATE: Graph = {0: {1: 0.5, 2: 0.95}, 1: {4: 0.99}, 2: {3: 0.95, 4: 0.6}, 3: {1: 0.95}, 4: {}}
-_CASES: tuple[tuple[str, Graph, Vertex, Vertex], ...] = (
-    ("the graph above", BY_HAND, "here", "goal"),
-    ("a chain", _LINE, 0, 3),
-    ("edges that are sure", _SURE, 0, 3),
-    ("a better way found late", _LATE, 0, 4),
-    ("30 vertices", random_graph(30, 3, 1), 0, 29),
-    ("60 vertices", random_graph(60, 4, 2), 5, 17),
-    ("40 vertices", random_graph(40, 6, 8), 3, 30),
-    ("start and goal are one", _LINE, 2, 2),
-    ("an edge leads the other way only", _LINE, 3, 0),
-)
+_CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
+    "the graph above": (BY_HAND, "here", "goal"),
+    "a chain": (_LINE, 0, 3),
+    "edges that are sure": (_SURE, 0, 3),
+    "a better way found late": (_LATE, 0, 4),
+    "30 vertices": (random_graph(30, 3, 1), 0, 29),
+    "60 vertices": (random_graph(60, 4, 2), 5, 17),
+    "40 vertices": (random_graph(40, 6, 8), 3, 30),
+    "start and goal are one": (_LINE, 2, 2),
+    "an edge leads the other way only": (_LINE, 3, 0),
+}
 
 
 @check(most_probable_path, (random_graph(80, 4, 3), 0, 79))
-def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8]:
+def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """The graph done by hand, chains, cycles, larger graphs, and goals that cannot be reached."""
-    answers, right = [], [most_probable_path(*case[1:]) for case in _CASES]
-    for name, graph, start, goal in _CASES:
-        answers.append(_asked(f"most_probable_path, {name}", student, graph, start, goal))
-    ways = (right[0][0], answers[0][0])
-    picture = side_by_side([graph_picture(BY_HAND, way) for way in ways], ["target", "yours"])
-    for case, got, want in zip(_CASES, answers, right, strict=True):
-        if _same(case[1], got, want):
-            continue
-        what = f"most_probable_path, {case[0]}"
-        for words, mistake in MISTAKES.items():
-            wrong = [mistake(*c[1:]) for c in _CASES]
-            if all(_same(c[1], a, w) for c, a, w in zip(_CASES, answers, wrong, strict=True)):
-                raise WrongAnswer(f"{what}: {words}", picture)
-        raise WrongAnswer(f"{what}: {_apart(case[1], got, want)}", picture)
-    return picture
+    return compare(
+        "most_probable_path",
+        student,
+        _CASES,
+        most_probable_path,
+        MISTAKES,
+        ask=_ask,
+        form=_path,
+        same=_same,
+        difference=_apart,
+        draw=_graphs,
+    )
 
 
-def _asked(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Way:
-    """A student's answer, if it has the right form."""
+def _graphs(want: Way, got: Way) -> NDArray[np.uint8]:
+    return side_by_side(
+        [graph_picture(BY_HAND, way) for way, _ in (want, got)], ["target", "yours"]
+    )
+
+
+def _ask(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Any:  # noqa: ANN401
+    """A student's answer, if it comes to an end and leaves the graph as it is."""
     given = {v: dict(out) for v, out in graph.items()}
     try:
         got = within_line_limit(student, given, *ends, otherwise=_ENDLESS)
@@ -77,11 +82,12 @@ def _asked(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) 
         raise WrongAnswer(f"{what}: {type(error).__name__}, {error}; {words}") from None
     if given != graph:
         raise WrongAnswer(f"{what}: your function changes the graph; leave it as it is")
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
-    if not isinstance(got, tuple | list) or len(got) != 2:
-        raise WrongAnswer(f"{what}: return the way and its probability")
-    way, probability = got
+    return got
+
+
+def _path(what: str, got: Any, *_: object) -> Way:  # noqa: ANN401 - students'
+    """A way and its probability, from an answer of the right form."""
+    way, probability = parts(what, got, 2, "return the way and its probability")
     if not isinstance(way, tuple | list):
         raise WrongAnswer(f"{what}: {way!r} came back as the way; return a list of vertices")
     if not isinstance(probability, float | int | np.number):
@@ -90,7 +96,7 @@ def _asked(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) 
     return list(way), float(probability)
 
 
-def _same(graph: Graph, got: Way, want: Way) -> bool:
+def _same(got: Way, want: Way, graph: Graph, *_: Vertex) -> bool:
     """Whether two answers are as good; of ways that are as probable either will do."""
     if not math.isclose(got[1], want[1], abs_tol=1e-9):
         return False
@@ -102,7 +108,7 @@ def _same(graph: Graph, got: Way, want: Way) -> bool:
     return ends and math.isclose(probability_of(graph, got[0]), want[1], abs_tol=1e-9)
 
 
-def _apart(graph: Graph, got: Way, want: Way) -> str:
+def _apart(got: Way, want: Way, graph: Graph, *_: Vertex) -> str:
     """What is wrong with an answer."""
     way, told = got
     if not want[0]:

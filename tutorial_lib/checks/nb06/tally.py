@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.untouched import untouched
 from tutorial_lib.geometry import Array, relative
@@ -82,13 +83,12 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
     return counts
 
 
-_TRIPS: tuple[tuple[str, list[Trip]], ...] = (
-    ("one arrival", [([HERE, 3, 4, GOAL], None)]),
-    ("one failure", [([HERE, 3, 4, 5, 6, GOAL], 3)]),
-    ("lost before the first vertex", [([HERE, 3, 4, GOAL], 1)]),
-    ("lost before the goal", [([HERE, 3, GOAL], 2)]),
-    (
-        "five trips",
+_TRIPS: dict[str, tuple[list[Trip]]] = {
+    "one arrival": ([([HERE, 3, 4, GOAL], None)],),
+    "one failure": ([([HERE, 3, 4, 5, 6, GOAL], 3)],),
+    "lost before the first vertex": ([([HERE, 3, 4, GOAL], 1)],),
+    "lost before the goal": ([([HERE, 3, GOAL], 2)],),
+    "five trips": (
         [
             ([HERE, 1, 2, 3, GOAL], None),
             ([HERE, 1, 2, 7, 3, GOAL], 3),
@@ -97,8 +97,8 @@ _TRIPS: tuple[tuple[str, list[Trip]], ...] = (
             ([HERE, 1, 2, 3, 2, 7, GOAL], 5),
         ],
     ),
-    ("no trip", []),
-)
+    "no trip": ([],),
+}
 _MISTALLIED = {
     "the edges before the one where it was lost were passed; do not blame them": "blames all",
     "what comes after the place where it was lost was never tried": "blames what was not tried",
@@ -121,23 +121,27 @@ _MISTALLIED = {
 @check(tally, ([([HERE, *range(200), GOAL], 150)] * 20,))
 def check_tally(student: Callable[..., Any]) -> None:
     """Trips that arrived, trips that were lost at the start, under way and at the end, and none."""
-    right, answers = [tally(trips) for _, trips in _TRIPS], []
-    for why, trips in _TRIPS:
-        got = untouched(f"tally, {why}", student, (trips,))
-        answers.append(_counts(f"tally, {why}", got))
-    for (why, _), got, want in zip(_TRIPS, answers, right, strict=True):
-        if got == want:
-            continue
-        for words, fault in _MISTALLIED.items():
-            if answers == [_tallied(trips, fault) for _, trips in _TRIPS]:
-                raise WrongAnswer(f"tally, {why}: {words}")
-        for edge in [*want, *got]:
-            if got.get(edge) != want.get(edge):
-                yours, shown = got.get(edge, "nothing"), want.get(edge, "nothing")
-                raise WrongAnswer(f"tally, {why}: edge {edge} has {yours}; {shown} is right")
+    faults = with_faults(_tallied, _MISTALLIED)
+    compare(
+        "tally",
+        student,
+        _TRIPS,
+        tally,
+        faults,
+        ask=untouched,
+        form=_counts,
+        difference=_unlike,
+    )
 
 
-def _counts(what: str, got: Any) -> Tally:  # noqa: ANN401 - students'
+def _unlike(got: Tally, want: Tally, *_: object) -> str:
+    """The first edge with other numbers."""
+    edge = next(edge for edge in [*want, *got] if got.get(edge) != want.get(edge))
+    yours, right = got.get(edge, "nothing"), want.get(edge, "nothing")
+    return f"edge {edge} has {yours}; {right} is right"
+
+
+def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - students'
     if not isinstance(got, dict):
         kind = type(got).__name__
         raise WrongAnswer(f"{what}: a {kind} came back; return a dictionary with edges as keys")

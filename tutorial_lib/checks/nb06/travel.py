@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
@@ -78,17 +80,17 @@ class _Story:
 
 
 _A, _B, _C = [HERE, 1, 2, 3, GOAL], [HERE, 1, 4, 3, GOAL], [HERE, 5, 6, GOAL]
-_JOURNEYS: tuple[tuple[str, list[list[Vertex]], list[int | None], int], ...] = (
-    ("it arrives at once", [_A, _B], [None], 5),
-    ("lost once, then it arrives", [_A, _B, _C], [2, None], 5),
-    ("lost twice, at different places", [_A, _B, _C], [2, 3, None], 5),
-    ("refused at once", [], [], 5),
-    ("refused after it was lost", [_A, _B], [3, None], 5),
-    ("the goal itself cannot be reached", [_A, _B], [4, 4, None], 5),
-    ("no second plan allowed", [_A, _B, _C], [2, None], 0),
-    ("two plans anew, all in vain", [_A, _B, _C, [HERE, 7, GOAL]], [2, 2, 1, None], 2),
-    ("lost at the first vertex", [_C, _A], [1, None], 5),
-)
+_JOURNEYS: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
+    "it arrives at once": ([_A, _B], [None], 5),
+    "lost once, then it arrives": ([_A, _B, _C], [2, None], 5),
+    "lost twice, at different places": ([_A, _B, _C], [2, 3, None], 5),
+    "refused at once": ([], [], 5),
+    "refused after it was lost": ([_A, _B], [3, None], 5),
+    "the goal itself cannot be reached": ([_A, _B], [4, 4, None], 5),
+    "no second plan allowed": ([_A, _B, _C], [2, None], 0),
+    "two plans anew, all in vain": ([_A, _B, _C, [HERE, 7, GOAL]], [2, 2, 1, None], 2),
+    "lost at the first vertex": ([_C, _A], [1, None], 5),
+}
 _MISLED = {
     "shun the vertex that could not be reached, way[stopped], not the one before it": "behind",
     "shun every vertex that could not be reached so far, not only the last one": "forgets",
@@ -104,48 +106,50 @@ _MISLED = {
 }
 
 
-def _told(travels: Callable[..., Any], case: tuple[Any, ...]) -> tuple[Any, ...]:
+def _play(
+    travels: Callable[..., Any], ways: list[list[Vertex]], stops: list[int | None], replans: int
+) -> tuple[Any, list[Any]]:
     """What came of a journey, and all that was asked on the way."""
-    _, ways, stops, replans = case
     story = _Story(ways, stops)
     return travels(story.plan, story.drive, replans), story.log
+
+
+def _ask(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, list[Any]]:  # noqa: ANN401
+    try:
+        return _play(student, *case)
+    except WrongAnswer as wrong:
+        raise WrongAnswer(f"{what}: {wrong}") from None
 
 
 @check(travel, (lambda excluded: [HERE, 1, GOAL], lambda way: None, 3))
 def check_travel(student: Callable[..., Any]) -> None:
     """Nine journeys: to the goal at once, after being lost, refused, and in vain."""
-    right, answers = [_told(travel, case) for case in _JOURNEYS], []
-    for case in _JOURNEYS:
-        what = f"travel, {case[0]}"
-        try:
-            got, log = _told(student, case)
-        except WrongAnswer as wrong:
-            raise WrongAnswer(f"{what}: {wrong}") from None
-        answers.append((_ending(what, got), log))
-    for case, got, want in zip(_JOURNEYS, answers, right, strict=True):
-        if got == want:
-            continue
-        for words, fault in _MISLED.items():
-            wrong = [_told(partial(_travelled, fault=fault), c) for c in _JOURNEYS]
-            if answers == wrong:
-                raise WrongAnswer(f"travel, {case[0]}: {words}")
-        raise WrongAnswer(f"travel, {case[0]}: {_differ(got, want)}")
+    faults = with_faults(_travelled, _MISLED)
+    played = {words: partial(_play, rule) for words, rule in faults.items()}
+    compare(
+        "travel",
+        student,
+        _JOURNEYS,
+        partial(_play, travel),
+        played,
+        ask=_ask,
+        form=_ending,
+        difference=_differ,
+    )
 
 
-def _ending(what: str, got: Any) -> tuple[bool, set[Vertex]]:  # noqa: ANN401 - students'
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
-    if not isinstance(got, tuple | list) or len(got) != 2:
-        raise WrongAnswer(f"{what}: return whether it arrived, and the set of what is excluded")
-    arrived, excluded = got
+def _ending(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
+    """The outcome of a journey in the right form, and what was asked."""
+    words = "return whether it arrived, and the set of what is excluded"
+    arrived, excluded = parts(what, got[0], 2, words)
     if not isinstance(arrived, bool | np.bool_):
         raise WrongAnswer(f"{what}: {arrived!r} came back; return True on arrival, False otherwise")
     if not isinstance(excluded, set | frozenset | list | tuple):
         raise WrongAnswer(f"{what}: return the set of the vertices that are excluded")
-    return bool(arrived), set(excluded)
+    return (bool(arrived), set(excluded)), got[1]
 
 
-def _differ(got: tuple[Any, ...], want: tuple[Any, ...]) -> str:
+def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
     for yours, right in zip(got[1], want[1], strict=False):
         if yours != right:
             kind, told = yours

@@ -6,10 +6,11 @@ import copy
 from collections.abc import Callable
 from typing import Any
 
+from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 
 
-def untouched(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:  # noqa: ANN401
+def untouched(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
     """A student's answer, if the arguments are as they were.
 
     Raises:
@@ -24,6 +25,4 @@ def untouched(what: str, student: Callable[..., Any], arguments: tuple[Any, ...]
         words = "the copy shares its inner dictionaries with the map; copy those, too"
         words = words if inner else "it is needed again for the next plan; make a new one"
         raise WrongAnswer(f"{what}: your function changes its argument {number}; {words}")
-    if got is None:
-        raise WrongAnswer(f"{what}: your function returned nothing; is a return missing?")
-    return got
+    return returned(what, got)

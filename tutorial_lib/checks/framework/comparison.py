@@ -1,0 +1,172 @@
+"""Compare a student's answers with the right ones, and name the mistake behind wrong ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.checks.framework.answers import call, numbers
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.geometry import Array
+
+Function = Callable[..., Any]
+
+
+def compare(
+    name: str,
+    student: Function,
+    cases: Mapping[str, Sequence[Any]],
+    right: Function,
+    faults: Mapping[str, Function],
+    *,
+    ask: Function = lambda what, student, *case: call(student, *case),
+    form: Function = lambda what, answer, *case: answer,
+    same: Function = lambda got, want, *case: equal(got, want),
+    difference: Function = lambda got, want, *case: first_difference(got, want),
+    draw: Callable[[Any, Any], NDArray[np.uint8]] | None = None,
+) -> NDArray[np.uint8] | None:
+    """Demand the right answer to every case.
+
+    Args:
+        name: of the exercise.
+        student: the function to check.
+        cases: for each, what it is like and the arguments.
+        right: gives the right answer to a case.
+        faults: for known mistakes, what to say and a function that makes this mistake. The first
+            one that gives all of the student's answers is named.
+        ask: (what, student, *case) calls the student's function.
+        form: (what, answer, *case) demands an answer of the right form, and may bring it into the
+            form in which answers are compared.
+        same: (got, want, *case) tells whether two answers are equally good.
+        difference: (got, want, *case) says what is wrong when no known mistake explains it.
+        draw: (want, got) draws the answers to the first case.
+
+    Returns:
+        Target and yours, if drawn.
+
+    Raises:
+        WrongAnswer: for the first case with a wrong answer.
+    """
+    named = {f"{name}, {why}": case for why, case in cases.items()}
+
+    def answers(function: Function) -> list[Any]:
+        return [form(what, function(*case), *case) for what, case in named.items()]
+
+    def known() -> Iterator[tuple[str, list[Any]]]:
+        for words, fault in faults.items():
+            with suppress(IndexError, ValueError, WrongAnswer):
+                yield words, answers(fault)
+
+    def all_same(some: list[Any], others: list[Any]) -> bool:
+        pairs = zip(some, others, named.values(), strict=True)
+        return all(same(one, other, *case) for one, other, case in pairs)
+
+    got = [form(what, ask(what, student, *case), *case) for what, case in named.items()]
+    wanted = answers(right)
+    picture = draw(wanted[0], got[0]) if draw else None
+    for (what, case), mine, want in zip(named.items(), got, wanted, strict=True):
+        if not same(mine, want, *case):
+            words = _named(got, known(), all_same) or difference(mine, want, *case)
+            raise WrongAnswer(f"{what}: {words}", picture)
+    return picture
+
+
+def with_faults(rule: Function, faults: Mapping[str, str]) -> dict[str, Function]:
+    """For what to say of each fault, the rule with its argument `fault` set to it."""
+    return {words: partial(rule, fault=fault) for words, fault in faults.items()}
+
+
+def expect(
+    what: str,
+    got: object,
+    want: object,
+    mistakes: Iterable[tuple[str, Any]],
+    same: Callable[[Any, Any], bool],
+    difference: Callable[[Any, Any], str],
+    picture: NDArray[np.uint8] | None = None,
+) -> None:
+    """Demand one answer.
+
+    Args:
+        what: was computed, for the message.
+        got: the student's answer.
+        want: the right one.
+        mistakes: for known mistakes, what to say and the answer that they give.
+        same: tells whether two answers are equally good.
+        difference: says what is wrong when no known mistake gives this answer.
+        picture: target and yours.
+
+    Raises:
+        WrongAnswer: with the most helpful message.
+    """
+    if not same(got, want):
+        words = _named(got, mistakes, same) or difference(got, want)
+        raise WrongAnswer(f"{what}: {words}", picture)
+
+
+def expect_close(
+    what: str,
+    got: object,
+    want: ArrayLike,
+    tolerance: float = 1e-6,
+    mistakes: Mapping[str, ArrayLike] | None = None,
+    picture: NDArray[np.uint8] | None = None,
+) -> None:
+    """Demand one answer of numbers; shape first, then values.
+
+    Args:
+        what: was computed, for the message.
+        got: the student's answer.
+        want: the right one.
+        tolerance: that may lie between them.
+        mistakes: for known mistakes, what to say and the answer that they give.
+        picture: target and yours.
+
+    Raises:
+        WrongAnswer: with the most helpful message.
+    """
+    want = np.asarray(want, dtype=float)
+    values, same = numbers(what, got, want.shape), partial(close, tolerance=tolerance)
+    expect(what, values, want, (mistakes or {}).items(), same, farthest, picture)
+
+
+def _named(
+    got: object, mistakes: Iterable[tuple[str, Any]], same: Callable[[Any, Any], bool]
+) -> str | None:
+    """What to say of the first mistake that gives this answer."""
+    return next((words for words, mistaken in mistakes if same(got, mistaken)), None)
+
+
+def equal(got: object, want: object) -> bool:
+    """Whether two answers are the same."""
+    return np.array_equal(got, want) if isinstance(want, np.ndarray) else bool(got == want)
+
+
+def close(got: Array, want: ArrayLike, *_: object, tolerance: float = 1e-6) -> bool:
+    """Whether two answers of numbers are nearly the same."""
+    return np.allclose(got, want, atol=tolerance, rtol=0, equal_nan=True)
+
+
+def first_difference(got: object, want: object) -> str:
+    """Where two answers first differ."""
+    mine, right = np.asarray(got), np.asarray(want)
+    if not right.shape:
+        return f"{got} came back; {want} is right"
+    place = tuple(int(i) for i in np.argwhere(mine != right)[0])
+    return f"{mine[place]} at {place if len(place) > 1 else place[0]}, but {right[place]} is right"
+
+
+def farthest(got: Array, want: Array, *_: object) -> str:
+    """Where two answers of numbers differ most."""
+    if np.isnan(got).any():
+        return "some of it is not a number; is something divided by zero?"
+    with np.errstate(invalid="ignore"):  # inf - inf, where both agree
+        apart = np.nan_to_num(np.abs(got - want))
+    worst = np.unravel_index(apart.argmax(), want.shape)
+    place = f" at {tuple(int(i) for i in worst)}" if want.shape else ""
+    return f"{got[worst]:.4g}{place}, but {want[worst]:.4g} is right"
