@@ -1,15 +1,15 @@
 # %% [markdown]
 # # 05 · Map building
 #
-# **85 minutes.** You need notebooks 03 and 04: the estimator $\mathcal{RE}$, which says with which probability the local controller gets from one picture to another, and the anchors, the few pictures of a drive that are kept.
+# **85 minutes.** You need notebooks 03 and 04: the estimator $\mathcal{RE}$, which predicts the probability that the local controller gets from one image to another, and the anchors, the few images of a trajectory that are kept.
 #
 # After this notebook you can
 #
-# - turn the anchors of many drives into one graph without a coordinate in it, and say what its edges and weights mean;
-# - insert a drive into a map: reuse what is there, add what is new, join both;
+# - turn the anchors of many trajectories into one graph without coordinates, and explain its edges and weights;
+# - insert a trajectory into a map: reuse what is there, add what is new, connect both;
 # - explain what perceptual aliasing does to a map, and why sequences of anchors help;
-# - say why a map need not ask about all pairs, and how fast it grows;
-# - let a map forget what has changed, and keep it on disk.
+# - say why a map need not evaluate all pairs, and how fast it grows;
+# - make a map forget what has changed, and store it on disk.
 #
 # There are five exercises with hints behind folds. When your function passes its check, **the cells below use it**; until then they use the library's.
 #
@@ -71,41 +71,41 @@ from tutorial_lib.world.worlds import scene_of, world_name
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
-# ## 1 · From drives to one graph
+# ## 1 · From trajectories to one graph
 #
-# Whoever follows the anchors of one drive gets to the end of that drive, and nowhere else. Two drives that cross each other could do more: begin on the first, change at the crossing, and end where the second one ends. What is missing is somebody who says where one can change. $\mathcal{RE}$ can: it may be asked about *any* two anchors, of the same drive or not.
+# A robot that follows the anchors of one trajectory gets to the end of that trajectory, and nowhere else. Two trajectories that cross offer more: begin on the first, change at the crossing, and end where the second one ends. What is missing is where a robot can change. $\mathcal{RE}$ predicts it: it can be evaluated on *any* two anchors, of the same trajectory or not.
 #
-# So all anchors of all drives become one **directed graph** (paper, III-E):
+# So all anchors of all trajectories become one **directed graph** (paper, III-E):
 #
 # - a **vertex** is an anchor $\hat o_i$ with its context, and nothing else: no position, no heading;
 # - an **edge** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from the one to the other;
 # - its **weight** is $w(\hat o_i, \hat o_j) = -\log \mathcal{RE}(\hat o_i, \hat o_j)$.
 #
-# Here are two drives of three anchors each, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, and $\mathcal{RE}$ from each anchor (row) to each (column). The frames are where the drives went.
+# Here are two trajectories of three anchors each, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, and $\mathcal{RE}$ from each anchor (row) to each (column). Framed cells are steps of a trajectory.
 #
-# An edge needs $\mathcal{RE} > p_\text{edge}$; what is less is **pruned**, since it would hardly ever be used with success. Edges along a drive are kept in any case: the car did drive there. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
+# An edge needs $\mathcal{RE} > p_\text{edge}$; the others are **pruned**, since they would hardly ever be used with success. Edges along a trajectory are always kept: the car did drive there. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
 
 # %%
 show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# Ten. From 0 to 1 and 4; from 1 to 2, 4 and 5; from 3 to 1 and 4; from 4 to 1, 2 and 5. The 1.00 on the diagonal are no edges, since nobody needs to drive to where he is. (First trap.) From 2 to 5 it is 0.90, which is not greater than 0.9. (Second trap.) From 3 to 4 it is only 0.62, but a drive went there. (Third trap.)
+# Ten. From 0 to 1 and 4; from 1 to 2, 4 and 5; from 3 to 1 and 4; from 4 to 1, 2 and 5. The 1.00 on the diagonal are no edges, since no robot needs to drive to where it is. (First trap.) From 2 to 5 it is 0.90, which is not greater than 0.9. (Second trap.) From 3 to 4 it is only 0.62, but a trajectory goes there. (Third trap.)
 # </details>
 #
-# **Why directed?** Look at 0 and 1: from 0 to 1 it is 0.97, from 1 to 0 only 0.30. Who drives ahead sees the next anchor before him. Who wants to go back has to turn first, and does not see where to. A car that cannot turn on the spot has one-way streets everywhere.
+# **Why directed?** Look at 0 and 1: from 0 to 1 it is 0.97, from 1 to 0 only 0.30. Driving forwards, the robot sees the next anchor ahead. To go back it has to turn first, and does not see the target. For a car that cannot turn on the spot, one-way streets are everywhere.
 #
-# **Why a logarithm?** On the way from 3 over 1 to 5 two things must succeed, and if they are independent of each other, the probabilities are multiplied: $0.91 \cdot 0.93$. Shortest paths are found by *adding* weights. The logarithm turns one into the other,
+# **Why a logarithm?** On the path from 3 over 1 to 5 two steps must succeed, and if they are independent, their probabilities are multiplied: $0.91 \cdot 0.93$. Shortest-path algorithms *add* weights. The logarithm turns one into the other,
 #
 # $$ \sum_{\text{edges}} -\log \mathcal{RE} \;=\; -\log \prod_{\text{edges}} \mathcal{RE}, $$
 #
-# and the minus makes the most probable way the shortest one. Since $\mathcal{RE} \le 1$, no weight is negative, as Dijkstra's algorithm demands (notebook 06).
+# and the minus sign makes the most probable path the shortest one. Since $\mathcal{RE} \le 1$, no weight is negative, as Dijkstra's algorithm requires (notebook 06).
 #
 # ### Exercise 1 · `edge_weights` (easy, 8 minutes)
 #
-# Where there is no edge, the weight is $\infty$: `np.inf`. $\log 0$ is $-\infty$; so that a driven edge stays an edge even there, take $10^{-12}$ for a smaller $\mathcal{RE}$.
+# Where there is no edge, the weight is $\infty$: `np.inf`. $\log 0$ is $-\infty$; to keep a driven edge finite even there, replace any smaller $\mathcal{RE}$ by $10^{-12}$.
 #
-# <details><summary>Hint 1: concept</summary>Two steps: which pairs are edges, and what does each one weigh? The first is a table of True and False.</details>
+# <details><summary>Hint 1: concept</summary>Two steps: which pairs are edges, and what does each one weigh? The first is a Boolean table.</details>
 # <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(kept, False) changes a table in place. np.maximum(reach, 1e-12) takes care of the logarithm.</details>
 # <details><summary>Hint 3: one line</summary>np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)</details>
 
@@ -114,7 +114,7 @@ show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 def edge_weights(reach, driven, p_edge):
     """The weights of a map's edges.
 
-    reach: (V, V); reach[i, j] is RE from vertex i to vertex j. driven: (V, V) True where a drive went from i to j. p_edge: RE must be greater.
+    reach: (V, V); reach[i, j] is RE from vertex i to vertex j. driven: (V, V) True where a trajectory goes from i to j. p_edge: RE must be greater.
     Returns (V, V) weights, np.inf where there is no edge.
     """
     ### BEGIN SOLUTION
@@ -128,7 +128,7 @@ def edge_weights(reach, driven, p_edge):
 edge_weights = check_edge_weights.use(edge_weights)
 
 # %% [markdown]
-# **Predict:** which way leads from 3 to 5 by the fewest edges, and which is the most probable one?
+# **Predict:** which path leads from 3 to 5 by the fewest edges, and which is the most probable one?
 
 
 # %%
@@ -144,86 +144,86 @@ def graph_of(weights, vertices=None):
 graph = graph_of(edge_weights(BY_HAND, DRIVEN, 0.9))
 print(f"{graph.number_of_edges()} edges")
 for name, weight in (("fewest edges", None), ("most probable", "weight")):
-    way = nx.shortest_path(graph, 3, 5, weight)
-    chances = [BY_HAND[i, j] for i, j in pairwise(way)]
-    told = " * ".join(f"{p:.2f}" for p in chances)
-    print(f"{name:14s} {' to '.join(map(str, way)):20s} {told} = {np.prod(chances):.2f}")
+    path = nx.shortest_path(graph, 3, 5, weight)
+    factors = [BY_HAND[i, j] for i, j in pairwise(path)]
+    product = " * ".join(f"{p:.2f}" for p in factors)
+    print(f"{name:14s} {' to '.join(map(str, path)):20s} {product} = {np.prod(factors):.2f}")
 
 # %% [markdown]
 # <details><summary>What is odd about the answer?</summary>
-# The most probable way has one edge <i>more</i>. Its two last steps, 0.96 · 0.99 = 0.95, are surer together than the single 0.93 of the way over 1 alone; over 4 at once, 0.62 spoils all. (It is also not as strong as its weakest link, since every link may fail: that is what the product says.)
+# The most probable path has one edge <i>more</i>. Its last two steps, 0.96 · 0.99 = 0.95, are surer together than the single 0.93 of the path over 1 alone; going over 4 at once, 0.62 spoils everything. (And a path is weaker than its weakest link, since every link may fail: that is what the product says.)
 # </details>
 #
 # ## 2 · A building
 #
-# Now for real: an apartment that no network has seen, four places in it, and a drive from each place to each other one. From now on everything comes from these twelve drives. Each has its colour.
+# Now for real: an apartment that no network has seen, four places in it, and a trajectory from each place to each other one. From now on everything comes from these twelve trajectories. Each has its colour.
 
 # %%
-house = building(10_020, seed=0, count=4)
-view = PlanView(house.scene, 700, 530)
-people_camera = Camera(rows=64)  # the same picture as the network's 16 rows, for people
+apartment = building(10_020, seed=0, count=4)
+view = PlanView(apartment.scene, 700, 530)
+people_camera = Camera(rows=64)  # the network's view, with 64 rows in place of 16
 
 picture = view.base.copy()
-for number, drive in enumerate(house.recorded.trajectories):
-    view.polyline(picture, drive.poses[:, :2], hue(number), 2)
-for number, place in enumerate(house.places):
+for index, trajectory in enumerate(apartment.recorded.trajectories):
+    view.polyline(picture, trajectory.poses[:, :2], hue(index), 2)
+for index, place in enumerate(apartment.places):
     view.goal(picture, place)
-    write_beside(view, picture, "ABCD"[number], [*place, 0.0], off=22)
-metres = sum(drive.arc_length[-1] for drive in house.recorded.trajectories)
-frames = [len(drive) for drive in house.recorded.trajectories]
-print(f"{len(frames)} drives, {metres:.0f} m, {sum(frames)} pictures")
+    write_beside(view, picture, "ABCD"[index], [*place, 0.0], off=22)
+metres = sum(trajectory.arc_length[-1] for trajectory in apartment.recorded.trajectories)
+frames = [len(trajectory) for trajectory in apartment.recorded.trajectories]
+print(f"{len(frames)} trajectories, {metres:.0f} m, {sum(frames)} images")
 show(picture)
 
 # %% [markdown]
-# Notebook 04 made anchors of drives; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is asked about **all** pairs of anchors, once, and the answers are kept in a table. (It is one of the slowest cells of this notebook. Section 6 is about why a real map must not do this.)
+# Notebook 04 chose the anchors of trajectories; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is evaluated on **all** pairs of anchors, once, and kept in a table. (This is one of the slowest cells of this notebook. Section 6 shows why a real map must not do this.)
 
 # %%
 reachability, predictor = ReachabilityNetwork("reach_k5"), WaypointNetwork("waypoint_k5")
 
 
 @dataclass
-class Asked:
-    """A building, the anchors of its drives, and what RE says of all pairs of them.
+class AllPairs:
+    """A building, the anchors of its trajectories, and RE between all pairs of them.
 
-    The anchors of all drives are numbered through; `drives` holds those of each drive, in order.
+    The anchors of all trajectories share one numbering; `trajectories` holds the indices of each, in order.
     """
 
-    house: Building
-    kept: list[Anchors]
-    drives: list[np.ndarray]
+    building: Building
+    anchors: list[Anchors]
+    trajectories: list[np.ndarray]
     reach: np.ndarray
     poses: np.ndarray
-    seen: np.ndarray  # embeddings, for section 6
-    shown: np.ndarray
+    seen: np.ndarray  # embeddings as observations, for section 6
+    shown: np.ndarray  # embeddings as targets
 
 
-def ask_everything(house):
-    """Anchors of all drives, and RE between all of them."""
+def query_all_pairs(building):
+    """Anchors of all trajectories, and RE between all of them."""
     view, k = predictor.view, predictor.architecture.k
     kept, everything = [], TopoMap(reachability)
-    for number, drive in enumerate(experiences(house)):
-        seen = drive.observations
-        anchors = anchors_of(reachability, seen, view.of(seen), k, 0.99, drive.timestamps)
+    for index, experience in enumerate(experiences(building)):
+        seen = experience.observations
+        anchors = anchors_of(reachability, seen, view.of(seen), k, 0.99, experience.timestamps)
         places = np.arange(len(anchors))
-        everything.make_vertices(*anchors.some(places), 0 * places + number, places)
+        everything.make_vertices(*anchors.some(places), 0 * places + index, places)
         kept.append(anchors)
     count = len(everything)
     sources, targets = np.indices((count, count)).reshape(2, -1)
     reach = everything.vertices.between(sources, targets).reshape(count, count)
-    drives = np.split(np.arange(count), np.cumsum([len(anchors) for anchors in kept])[:-1])
-    index, poses = everything.index, vertex_poses(house, everything)
-    return Asked(house, kept, drives, reach, poses, index.seen, index.shown)
+    trajectories = np.split(np.arange(count), np.cumsum([len(anchors) for anchors in kept])[:-1])
+    index, poses = everything.index, vertex_poses(building, everything)
+    return AllPairs(building, kept, trajectories, reach, poses, index.seen, index.shown)
 
 
-home = ask_everything(house)
+home = query_all_pairs(apartment)
 count = len(home.reach)
-print(f"{count} anchors, {count / sum(frames):.1%} of the pictures; {home.reach.size} pairs")
+print(f"{count} anchors, {count / sum(frames):.1%} of the images; {home.reach.size} pairs")
 print(f"RE from {home.reach.min():.3f} to {home.reach.max():.4f}")
 
 # %% [markdown]
-# The poses are there for *our* pictures and counts. The map never gets them.
+# The poses are only for *our* figures and counts. The map never gets them.
 #
-# **Predict:** of the pairs with $\mathcal{RE} > 0.99$, how many have a way *back* above 0.99, and how many one below 0.5? What do those look like?
+# **Predict:** of the pairs with $\mathcal{RE} > 0.99$, how many have $\mathcal{RE} > 0.99$ in the *reverse* direction, and how many less than 0.5? What do those look like?
 
 # %%
 sure = (home.reach > 0.99) & ~np.eye(count, dtype=bool)
@@ -232,94 +232,96 @@ print(f"{sure.sum()} pairs above 0.99; back: {(back > 0.99).sum()} above 0.99, "
 print(f"{(back < 0.5).sum()} below 0.5")
 
 
-def views_of(asked, anchors, width=300):
-    """What was seen at anchors, one below the other."""
-    images = people_camera.look(asked.house.scene, asked.poses[list(anchors)])[0]
+def views_of(data, anchors, width=300):
+    """The views at anchors, one below the other."""
+    images = people_camera.look(data.building.scene, data.poses[list(anchors)])[0]
     return stacked([camera_picture(image, width) for image in images], gap=4)
 
 
-def edge_picture(view, asked, source, target, margin=1.2):
-    """Two anchors on the plan, and what was seen at each: blue the source, red the target."""
+def edge_picture(view, data, source, target, margin=1.2):
+    """Two anchors on the plan, and the view at each: blue the source, red the target."""
     picture = view.base.copy()
-    draw_edges(view, picture, asked.poses, [(source, target)], colours.INK, 2, heads=True)
-    view.arrow(picture, asked.poses[target], colours.LASER, 9)
-    view.arrow(picture, asked.poses[source], colours.ROBOT, 9)
-    ends = asked.poses[[source, target], :2]
+    draw_edges(view, picture, data.poses, [(source, target)], colours.INK, 2, heads=True)
+    view.arrow(picture, data.poses[target], colours.LASER, 9)
+    view.arrow(picture, data.poses[source], colours.ROBOT, 9)
+    ends = data.poses[[source, target], :2]
     cut = closeup(view, picture, ends, margin, square=True)
-    return side_by_side([side_by_side([cut], height=204), views_of(asked, (source, target))], gap=6)
+    return side_by_side([side_by_side([cut], height=204), views_of(data, (source, target))], gap=6)
 
 
 close = np.linalg.norm(home.poses[:, None, :2] - home.poses[:, :2], axis=2) < 3.0
 one_way = np.where(sure & close, home.reach.T, 1.0)
-for drive in home.drives:  # pairs of one drive are no surprise
-    one_way[np.ix_(drive, drive)] = 1.0
+for trajectory in home.trajectories:  # pairs within one trajectory are no surprise
+    one_way[np.ix_(trajectory, trajectory)] = 1.0
 source, target = np.unravel_index(one_way.argmin(), one_way.shape)
 there, back = home.reach[source, target], home.reach[target, source]
-title = f"blue to red (the lower picture): RE = {there:.3f}; red to blue: {back:.3f}"
+title = f"blue to red (the lower image): RE = {there:.3f}; red to blue: {back:.3f}"
 show(stacked([edge_picture(view, home, source, target)], [title]))
 
 # %% [markdown]
 # <details><summary>What do they look like?</summary>
-# The blue anchor looks at the red one's place; the red one looks on, away from the blue. What lies behind is not in the picture. Pairs that can be reached both ways mostly stand close to each other with the same heading: one may go on a little, or back a little.
+# The blue anchor faces the place of the red one; the red one faces onward, away from the blue. What lies behind is not in the image. Pairs that are reachable both ways are mostly close to each other with the same heading: the car may go forward a little, or back a little.
 # </details>
 #
-# ### Two drives
+# ### Two trajectories
 #
-# Two of the drives begin at the same place and part later. First the graph with **all** edges, then pruned at $p_\text{edge} = 0.99$, both by your `edge_weights`. **Predict:** what share of the edges remains?
+# Two of the trajectories begin at the same place and part later. First the graph with **all** edges, then pruned at $p_\text{edge} = 0.99$, both by your `edge_weights`. **Predict:** what share of the edges remains?
 
 # %%
-first, second = home.drives[0], home.drives[1]
+first, second = home.trajectories[0], home.trajectories[1]
 both = np.concatenate([first, second])
 
 
-def driven_by(trails, count):
-    """(V, V) True where a drive went from vertex to vertex."""
+def driven_by(paths, count):
+    """(V, V) True where a trajectory goes from vertex to vertex."""
     driven = np.zeros((count, count), dtype=bool)
-    for trail in trails:
-        driven[trail[:-1], trail[1:]] = trail[:-1] != trail[1:]
+    for path in paths:
+        driven[path[:-1], path[1:]] = path[:-1] != path[1:]
     return driven
 
 
-def map_picture(view, asked, vertices, weights, drive_of, size=5.0):
-    """Vertices in the colours of their drives, and the edges between them."""
+def map_picture(view, data, vertices, weights, trajectory_of, size=5.0):
+    """Vertices in the colours of their trajectories, and the edges between them."""
     picture = view.base.copy()
-    draw_edges(view, picture, asked.poses, np.argwhere(np.isfinite(weights)), colours.FAINT)
+    draw_edges(view, picture, data.poses, np.argwhere(np.isfinite(weights)), colours.FAINT)
     for vertex in vertices:
-        view.arrow(picture, asked.poses[vertex], hue(int(drive_of[vertex])), size)
+        view.arrow(picture, data.poses[vertex], hue(int(trajectory_of[vertex])), size)
     return picture
 
 
-drive_of = np.repeat(np.arange(len(home.drives)), [len(drive) for drive in home.drives])
+trajectory_of = np.repeat(
+    np.arange(len(home.trajectories)), [len(trajectory) for trajectory in home.trajectories]
+)
 among = np.isin(np.arange(count), both)
 ours = among[:, None] & among
 driven = driven_by([first, second], count)
-half = PlanView(house.scene, 440, 340)
+half = PlanView(apartment.scene, 440, 340)
 panels, titles = [], []
 for name, p_edge in (("dense", 0.0), ("pruned", 0.99)):
     weights = np.where(ours, edge_weights(home.reach, driven, p_edge), np.inf)
-    panels.append(map_picture(half, home, both, weights, drive_of))
+    panels.append(map_picture(half, home, both, weights, trajectory_of))
     titles.append(f"{name}: {len(both)} vertices, {np.isfinite(weights).sum()} edges")
 show(side_by_side(panels, titles))
 
 # %% [markdown]
 # <details><summary>What was pruned, and what is left?</summary>
-# Nearly everything went: an edge through three walls has an RE of about 0.3, far below 0.99, and is never part of a good way. What is left joins neighbours. Where the two drives run side by side there are edges from one to the other; they are the places where one can change. But there each place is also in the map twice: at the beginning the arrows of the second drive hide those of the first. That is next.
+# Nearly everything: an edge through three walls has an RE of about 0.3, far below 0.99, and is never part of a good path. What is left connects neighbours. Where the two trajectories run side by side there are edges from one to the other; these are the places where a robot can change. But there each place is also in the map twice: at the beginning the arrows of the second trajectory hide those of the first. That is next.
 # </details>
 #
 # ## 3 · Reuse
 #
-# Rollouts overlap. To keep the common part once is enough. The paper's rule: anchor $\hat o_i$ of a drive that comes is not needed if there is a vertex $\hat o$ that can take its place,
+# Trajectories overlap. It is enough to store the common part once. The paper's rule: anchor $\hat o_i$ of a new trajectory is not needed if there is a vertex $\hat o$ that can take its place,
 #
 # $$ \mathcal{RE}(\hat o_{i-1}, \hat o) > p_\text{reuse} \quad\text{and}\quad \mathcal{RE}(\hat o, \hat o_{i+1}) > p_\text{reuse}. $$
 #
-# Then $\hat o_i$ is thrown away, and the drive is led over $\hat o$: $\hat o_{i-1} \to \hat o \to \hat o_{i+1}$. Note what the rule does *not* ask: whether $\hat o$ **looks like** $\hat o_i$, or is at the same place. It only has to do the same job.
+# Then $\hat o_i$ is dropped, and the trajectory is led over $\hat o$: $\hat o_{i-1} \to \hat o \to \hat o_{i+1}$. Note what the rule does *not* check: whether $\hat o$ **looks like** $\hat o_i$, or is at the same place. It only has to do the same job.
 #
-# If several will do, we take the one by which both steps together are the most probable: the largest $r_1 \cdot r_2$. (The paper does not say which.) Before the first anchor comes the first itself, and after the last the last: at the first, who stands on the anchor must get to the vertex; at the last, who stands on the vertex must get to the anchor.
+# If several vertices qualify, we take the one for which both steps together are the most probable: the largest $r_1 \cdot r_2$. (The paper does not specify this.) The first anchor is its own predecessor, and the last its own successor: at the first, the vertex must be reachable from the anchor; at the last, the anchor must be reachable from the vertex.
 #
 # ### Exercise 2 · `reusable` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>First find those that will do, then the best of them. Ask whether there is one at all before you look for the best.</details>
-# <details><summary>Hint 2: approach</summary>fits = (into > p_reuse) & (onward > p_reuse) & allowed. With fits.any() you know whether there is one; np.where(fits, ..., -1.0) keeps the others from winning and leaves the numbering as it is.</details>
+# <details><summary>Hint 1: concept</summary>First find those that qualify, then the best of them. Check whether there is one at all before you look for the best.</details>
+# <details><summary>Hint 2: approach</summary>fits = (into > p_reuse) & (onward > p_reuse) & allowed. fits.any() is whether there is one; np.where(fits, ..., -1.0) keeps the others from winning and leaves the indices unchanged.</details>
 # <details><summary>Hint 3: one line</summary>int(np.where(fits, into * onward, -1.0).argmax())</details>
 
 
@@ -329,7 +331,7 @@ def reusable(into, onward, allowed, p_reuse):
 
     into: (V,) RE from the anchor before to each vertex. onward: (V,) RE from each vertex to the anchor after. allowed: (V,) which may be taken.
     p_reuse: both must be greater. V may be 0.
-    Returns its number, or -1 if there is none.
+    Returns its index, or -1 if there is none.
     """
     ### BEGIN SOLUTION
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
@@ -345,13 +347,13 @@ reusable = check_reusable.use(reusable)
 # %% [markdown]
 # ### Never backwards
 #
-# What is `allowed`? Look at a drive that follows an older one along a corridor. Anchor 5 is replaced by vertex 9 of the older drive. Then anchor 6 asks: and vertex 9 will do once more, since it is still close enough to both of its neighbours. Or even vertex 8 will, since the car may go back a little (section 2). The new drive would stand still or go backwards in the map, although the car drove ahead.
+# What is `allowed`? Consider a trajectory that follows an older one along a corridor. Anchor 5 is replaced by vertex 9 of the older one. For anchor 6 vertex 9 qualifies once more, since it is still close enough to both neighbours. Or even vertex 8 does, since the car may go back a little (section 2). The new trajectory would stand still or go backwards in the map, although the car drove forwards.
 #
-# So of a drive that was already reused only what lies **ahead** of all that was reused may be taken. The map knows for each vertex the `trajectory` that it was made for, and its `place` there: 0, 1, 2 and so on.
+# So of each trajectory that was already reused only vertices **ahead** of all reused ones may be taken. The map stores for each vertex the `trajectory` that it was made for, and its `place` there: 0, 1, 2 and so on.
 #
 # ### Exercise 3 · `ahead_of` (easy, 7 minutes)
 #
-# <details><summary>Hint 1: concept</summary>At first all are allowed. Each vertex that was reused forbids some: those of its own trajectory that are not ahead of it.</details>
+# <details><summary>Hint 1: concept</summary>At first all are allowed. Each vertex that was reused excludes some: those of its own trajectory that are not ahead of it.</details>
 # <details><summary>Hint 2: approach</summary>Begin with np.ones(len(place), dtype=bool). In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
 # <details><summary>Hint 3: one line</summary>allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])</details>
 
@@ -360,7 +362,7 @@ reusable = check_reusable.use(reusable)
 def ahead_of(trajectory, place, reused):
     """Which vertices may be reused after others.
 
-    trajectory: (V,) the trajectory that each vertex was made for. place: (V,) its place along it. reused: a list of vertices, in the order in which they were.
+    trajectory: (V,) the trajectory that each vertex was made for. place: (V,) its place along it. reused: a list of the vertices reused so far, in order.
     Returns (V,) True where a vertex may be taken.
     """
     ### BEGIN SOLUTION
@@ -377,30 +379,29 @@ ahead_of = check_ahead_of.use(ahead_of)
 # %% [markdown]
 # ### The whole insertion
 #
-# Here is map building by your functions, in three steps for each drive: **reuse** what is there, **join** what is new with everything that is there, and **follow**: mark where the drive went. One detail is in `through`: if the anchor before was itself replaced, the robot will stand on the vertex that replaced it. So that vertex is asked, not the anchor that was thrown away.
+# Here is map building with your functions, in three steps for each trajectory: **reuse** what is there, **join** what is new with everything that is there, and **follow**: mark the steps of the trajectory. One detail is in `through`: if the anchor before was itself replaced, the robot will stand on the vertex that replaced it. So RE is taken from that vertex, not from the anchor that was dropped.
 #
-# (The lines with `weakest_aligned` are asleep as long as `sequence` is 0. They wait for section 5.)
+# (The lines with `weakest_aligned` do nothing as long as `sequence` is 0. They are for section 5.)
 
 
 # %%
 @dataclass
-class Grown:
-    """A small map; its vertices are numbers of anchors.
+class SmallMap:
+    """A small map; its vertices are indices of anchors.
 
-    trails: for each drive its vertices. told: (N, N) RE of pairs that may be edges, 0 elsewhere. driven: (N, N).
-    before, after: (N,) neighbours along a vertex's own drive, -1 for none. story: what became of each anchor.
+    paths: the vertices of each trajectory. edge_reach: (N, N) RE of pairs that may be edges, 0 elsewhere. driven: (N, N).
+    before, after: (N,) neighbours along a vertex's own trajectory, -1 for none.
     """
 
     reach: np.ndarray
-    trails: list
-    told: np.ndarray
+    paths: list
+    edge_reach: np.ndarray
     driven: np.ndarray
     before: np.ndarray
     after: np.ndarray
     trajectory: np.ndarray
     place: np.ndarray
     vertices: np.ndarray
-    story: list
 
     @classmethod
     def empty(cls, reach):
@@ -408,34 +409,34 @@ class Grown:
         count = len(reach)
         none = np.full((4, count), -1)
         tables = np.zeros((count, count)), np.zeros((count, count), dtype=bool)
-        return cls(reach, [], *tables, *none, np.empty(0, dtype=int), [])
+        return cls(reach, [], *tables, *none, np.empty(0, dtype=int))
 
     def weights(self, p_edge):
-        """(N, N) of the edges."""
-        return edge_weights(self.told, self.driven, p_edge)
+        """(N, N) weights of the edges."""
+        return edge_weights(self.edge_reach, self.driven, p_edge)
 
 
-def through(grown, own, trail, i):
-    """RE (V,) to each vertex from what comes before anchor i, and from each to the anchor after."""
-    before, after, vertices = trail[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
+def through(grown, own, path, i):
+    """RE (V,) to each vertex from the predecessor of anchor i, and from each to the anchor after."""
+    before, after, vertices = path[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
     return grown.reach[before, vertices], grown.reach[vertices, after]
 
 
 def replace(grown, own, p_reuse, through=through):
-    """The vertex that each anchor of a drive is from now on; those that stay are vertices themselves."""
-    trail, reused = own.copy(), []
+    """The vertex for each anchor of a trajectory; anchors that stay are vertices themselves."""
+    path, reused = own.copy(), []
     for i in range(len(own)):
-        into, onward = through(grown, own, trail, i)
+        into, onward = through(grown, own, path, i)
         allowed = ahead_of(grown.trajectory, grown.place, reused)[grown.vertices]
         found = reusable(into, onward, allowed, p_reuse)
         if found >= 0:
-            trail[i] = grown.vertices[found]
-            reused.append(int(trail[i]))
-    return trail
+            path[i] = grown.vertices[found]
+            reused.append(int(path[i]))
+    return path
 
 
 def join(grown, own, new, sequence):
-    """Tell RE between the new vertices and all others, the least one of aligned sequences."""
+    """Set RE between the new vertices and all others, the least one of aligned sequences."""
     columns = np.concatenate([grown.vertices, own])
     local = np.full(len(grown.reach) + 1, -1)  # the last one is for -1
     local[columns] = np.arange(len(columns))
@@ -444,31 +445,31 @@ def join(grown, own, new, sequence):
     beside = local[before[columns]], local[after[columns]]
     out, back = grown.reach[np.ix_(own, columns)], grown.reach[np.ix_(columns, own)].T
     if sequence:
-        out, back = (weakest_aligned(told, *beside, sequence) for told in (out, back))
+        out, back = (weakest_aligned(reach, *beside, sequence) for reach in (out, back))
     kept = np.isin(columns, np.append(grown.vertices, own[new]))
-    grown.told[np.ix_(own[new], columns[kept])] = out[new][:, kept]
-    grown.told[np.ix_(grown.vertices, own[new])] = back[new][:, : len(grown.vertices)].T
+    grown.edge_reach[np.ix_(own[new], columns[kept])] = out[new][:, kept]
+    grown.edge_reach[np.ix_(grown.vertices, own[new])] = back[new][:, : len(grown.vertices)].T
 
 
 def insert(grown, own, p_reuse, sequence, through=through):
-    """Insert a drive into a map."""
-    trail = replace(grown, own, p_reuse, through)
-    new = trail == own
+    """Insert a trajectory into a map."""
+    path = replace(grown, own, p_reuse, through)
+    new = path == own
     join(grown, own, new, sequence)
-    going = trail[:-1], trail[1:]
+    going = path[:-1], path[1:]
     grown.driven[going] |= going[0] != going[1]
-    grown.told[going] = np.maximum(grown.told[going], grown.reach[going])
-    grown.before[own[new]] = np.append(-1, trail[:-1])[new]
-    grown.after[own[new]] = np.append(trail[1:], -1)[new]
-    grown.trajectory[own[new]], grown.place[own[new]] = len(grown.trails), np.flatnonzero(new)
+    grown.edge_reach[going] = np.maximum(grown.edge_reach[going], grown.reach[going])
+    grown.before[own[new]] = np.append(-1, path[:-1])[new]
+    grown.after[own[new]] = np.append(path[1:], -1)[new]
+    grown.trajectory[own[new]], grown.place[own[new]] = len(grown.paths), np.flatnonzero(new)
     grown.vertices = np.append(grown.vertices, own[new])
-    grown.trails.append(trail)
+    grown.paths.append(path)
 
 
-def grow(reach, drives, p_reuse, sequence=0, through=through):
-    """A map of several drives."""
-    grown = Grown.empty(reach)
-    for own in drives:
+def grow(reach, trajectories, p_reuse, sequence=0, through=through):
+    """A map of several trajectories."""
+    grown = SmallMap.empty(reach)
+    for own in trajectories:
         insert(grown, own, p_reuse, sequence, through)
     return grown
 
@@ -476,18 +477,18 @@ def grow(reach, drives, p_reuse, sequence=0, through=through):
 # %% [markdown]
 # ### The paper's Fig. 4, and ours
 #
-# Two drives, as above: all edges, after pruning, after reuse. **Predict:** which of the second drive's anchors are replaced, and does the map lose a way by it?
+# Two trajectories, as above: all edges, after pruning, after reuse. **Predict:** which of the second one's anchors are replaced, and does the map lose a path by it?
 
 # %%
 panels, titles = [], []
 for name, p_edge, p_reuse in (("dense", 0.0, 1.0), ("pruned", 0.99, 1.0), ("reused", 0.99, 0.99)):
     grown = grow(home.reach, [first, second], p_reuse)
     weights = grown.weights(p_edge)
-    picture = map_picture(half, home, grown.vertices, weights, drive_of)
+    picture = map_picture(half, home, grown.vertices, weights, trajectory_of)
     panels.append(closeup(half, picture, home.poses[both, :2], 0.8))
     titles.append(f"{name}: {len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges")
 figure_4 = load_result("meng_fig4")
-print(f"two drives in another building, stored (seed {figure_4.worlds[0]}):")
+print(f"two trajectories in another building, stored (seed {figure_4.worlds[0]}):")
 for row in figure_4.rows:
     print(f"{row['stage']:8s} {row['vertices']:8,.0f} vertices {row['edges']:12,.0f} edges")
 show(side_by_side(panels, titles, gap=10))
@@ -495,46 +496,48 @@ show(side_by_side(panels, titles, gap=10))
 # %% [markdown]
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig4`. The paper's figure shows the three stages without counting them.)
 #
-# <details><summary>What became of the second drive?</summary>
-# On the common part its anchors are gone, and the first drive's vertices stand in for them; it has vertices of its own only from where the ways part. No way is lost: who could drive along the second drive still can, over other pictures. With the vertices go many edges, since each pair of doubles had edges between them and to each other's neighbours.
+# <details><summary>What happened to the second trajectory?</summary>
+# On the common part its anchors are gone, replaced by the first one's vertices; it has vertices of its own only from where the two part. No path is lost: a robot that could follow the second trajectory still can, by other images. With the vertices many edges disappear, since each pair of duplicates had edges between them and to each other's neighbours.
 # </details>
 #
 # ### Step by step
 #
-# The first slider steps through the insertion of the second drive into the map of the first. In each step one anchor looks for a stand-in. Green rings are vertices that would do; a thick line is the new trail so far. The pictures are the anchor's and that of the vertex that was taken.
+# The first slider steps through the insertion of the second trajectory into the map of the first. In each step one anchor looks for a replacement. Green dots are vertices that qualify; a thick line is the new path so far. The images are the anchor's and that of the vertex that was taken.
 #
-# **Predict:** what does $p_\text{reuse} = 0.9$ do to the step in which the ways part? And 0.998?
+# **Predict:** what does $p_\text{reuse} = 0.9$ do to the step in which the trajectories part? And 0.998?
 
 # %%
-step_view = PlanView(house.scene, 560, 430)
+step_view = PlanView(apartment.scene, 560, 430)
 last = len(second) - 1
 
 
 def insertion(step, p_reuse, p_edge):
-    """The map of the first drive while the second one is inserted."""
+    """The map of the first trajectory while the second one is inserted."""
     grown = grow(home.reach, [first], p_reuse)
-    trail = replace(grown, second, p_reuse)
-    into, onward = through(grown, second, trail, step)
-    earlier = [int(v) for v, a in zip(trail[:step], second[:step], strict=True) if v != a]
+    path = replace(grown, second, p_reuse)
+    into, onward = through(grown, second, path, step)
+    earlier = [int(v) for v, a in zip(path[:step], second[:step], strict=True) if v != a]
     allowed = ahead_of(grown.trajectory, grown.place, earlier)[grown.vertices]
-    will_do = grown.vertices[(into > p_reuse) & (onward > p_reuse) & allowed]
+    candidates = grown.vertices[(into > p_reuse) & (onward > p_reuse) & allowed]
     weights = grown.weights(p_edge)
-    picture = map_picture(step_view, home, grown.vertices, weights, drive_of, 4)
-    step_view.points(picture, home.poses[will_do, :2], colours.GOAL, 9)
-    for vertex in will_do:
+    picture = map_picture(step_view, home, grown.vertices, weights, trajectory_of, 4)
+    step_view.points(picture, home.poses[candidates, :2], colours.GOAL, 9)
+    for vertex in candidates:
         step_view.arrow(picture, home.poses[vertex], hue(0), 4)
-    way = home.poses[trail[: step + 1], :2]
-    step_view.polyline(picture, way, hue(1), 3)
-    for vertex in trail[: step + 1][trail[: step + 1] == second[: step + 1]]:
+    line = home.poses[path[: step + 1], :2]
+    step_view.polyline(picture, line, hue(1), 3)
+    for vertex in path[: step + 1][path[: step + 1] == second[: step + 1]]:
         step_view.arrow(picture, home.poses[vertex], hue(1), 5)
     step_view.arrow(picture, home.poses[second[step]], colours.LASER, 7)
-    taken = trail[step] != second[step]
-    shown = views_of(home, [second[step], trail[step]] if taken else [second[step]], 270)
+    taken = path[step] != second[step]
+    shown = views_of(home, [second[step], path[step]] if taken else [second[step]], 270)
     end = " is replaced" if taken else " becomes a vertex"
-    words = f"anchor {step} of {last}: {len(will_do)} vertices will do above {p_reuse:.3f}; it{end}"
-    words += f"; {np.isfinite(weights).sum()} edges, those above {p_edge:.2f}"
+    caption = (
+        f"anchor {step} of {last}: {len(candidates)} vertices qualify above {p_reuse:.3f}; it{end}"
+    )
+    caption += f"; {np.isfinite(weights).sum()} edges, those above {p_edge:.2f}"
     cut = closeup(step_view, picture, home.poses[both, :2], 0.6)
-    return side_by_side([cut, shown], gap=8), words
+    return side_by_side([cut, shown], gap=8), caption
 
 
 sliders(
@@ -546,17 +549,17 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# Both drives begin alike, and at 0.99 the first few anchors find their twins, one or two vertices each that will do. Where the ways part, the anchor after is on the new way, and no old vertex gets there: reuse ends by itself, shortly before the fork. With a lower threshold it ends later, and the map trusts longer jumps. With one near 1 even the twins are refused, and the common way is stored twice: the estimator never says 1.
+# Both trajectories begin alike, and at 0.99 the first few anchors find one or two vertices each that qualify. Where they part, the anchor after is on the new branch, and no old vertex reaches it: reuse ends by itself, shortly before the fork. With a lower threshold it ends later, and the map trusts longer jumps. With one near 1 even near-identical vertices are refused, and the common part is stored twice: the estimator never returns 1.
 # </details>
 #
 # ### Yours and the library's
 #
-# The library's `TopoMap` takes any object that has `prepare` and `probability`. So we may give it our table in place of the network: the "pictures" are the numbers of anchors, and the answer is looked up. Then both maps must be the same, vertex by vertex and edge by edge.
+# The library's `TopoMap` takes any object that has `prepare` and `probability`. So we can give it our table in place of the network: the "images" are indices of anchors, and RE is looked up. Then both maps must be the same, vertex by vertex and edge by edge.
 
 
 # %%
 class Table:
-    """RE by looking it up; observations and targets are numbers of anchors."""
+    """RE from a table; observations and targets are indices of anchors."""
 
     def __init__(self, reach):
         self.reach = reach
@@ -570,18 +573,18 @@ class Table:
         return self.reach[observations, prepared]
 
 
-def library_map(reach, drives, **settings):
-    """The library's map, and what it asked for each drive."""
+def library_map(reach, trajectories, **settings):
+    """The library's map, and the record of each insertion."""
     usual = {
         "p_reuse": 0.99,
         "candidates": 10**6,
         "p_outdated": 0.0,
-    }  # ask about all, forget nothing
-    asked = Table(reach) if isinstance(reach, np.ndarray) else reach
-    topomap = TopoMap(asked, MapSettings(**{**usual, **settings}))
+    }  # evaluate all pairs, forget nothing
+    estimator = Table(reach) if isinstance(reach, np.ndarray) else reach
+    topomap = TopoMap(estimator, MapSettings(**{**usual, **settings}))
     added = [
-        add_trajectory(topomap, Anchors(own, own, np.arange(len(own)) + 1000.0 * number))
-        for number, own in enumerate(drives)
+        add_trajectory(topomap, Anchors(own, own, np.arange(len(own)) + 1000.0 * index))
+        for index, own in enumerate(trajectories)
     ]
     return topomap, added
 
@@ -594,11 +597,11 @@ def edges_of(topomap):
 
 def compare(sequence):
     """Count what a small map and the library's have in common."""
-    grown = grow(home.reach, home.drives, 0.99, sequence)
-    topomap, _ = library_map(home.reach, home.drives, sequence=sequence)
+    grown = grow(home.reach, home.trajectories, 0.99, sequence)
+    topomap, _ = library_map(home.reach, home.trajectories, sequence=sequence)
     mine, theirs = set(map(tuple, np.argwhere(np.isfinite(grown.weights(0.99))))), edges_of(topomap)
-    numbers = f"{len(grown.vertices)} and {len(topomap)} vertices"
-    print(f"sequence {sequence}: {numbers}; {len(mine & theirs)} edges in both, ", end="")
+    sizes = f"{len(grown.vertices)} and {len(topomap)} vertices"
+    print(f"sequence {sequence}: {sizes}; {len(mine & theirs)} edges in both, ", end="")
     print(f"{len(mine - theirs)} only in yours, {len(theirs - mine)} only in the library's")
 
 
@@ -607,140 +610,145 @@ compare(sequence=0)
 # %% [markdown]
 # ### Find the bug
 #
-# A colleague has rewritten `through`. Nothing crashes, every step of her drives has an RE of 0.98 or more, and all ways of her map can be driven. Only: "Reuse does not help much." Here is her function, and her map beside yours. What is wrong?
+# A colleague has rewritten `through`. Nothing crashes, every step of her trajectories has an RE of 0.98 or more, and all paths of her map can be driven. Only: "Reuse does not help much." Here is her function, and her map beside yours. What is wrong?
 
 
 # %%
-def colleagues(grown, own, trail, i):
-    """Into and onward, by the colleague."""
-    before, after, vertices = trail[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
+def hers(grown, own, path, i):
+    """The colleague's `through`."""
+    before, after, vertices = path[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
     return grown.reach[before, vertices], grown.reach[after, vertices]
 
 
-for name, way in (("yours", through), ("hers", colleagues)):
-    grown = grow(home.reach, home.drives, 0.99, through=way)
+for name, rule in (("yours", through), ("hers", hers)):
+    grown = grow(home.reach, home.trajectories, 0.99, through=rule)
     steps = home.reach[grown.driven]
-    replaced = sum(int((t != own).sum()) for t, own in zip(grown.trails, home.drives, strict=True))
+    replaced = sum(
+        int((t != own).sum()) for t, own in zip(grown.paths, home.trajectories, strict=True)
+    )
     print(f"{name:6s} {len(grown.vertices):4d} vertices, {replaced} of {count} anchors replaced; ")
-    print(f"       RE of what was driven: {steps.min():.3f} and more")
+    print(f"       RE of the driven steps: {steps.min():.3f} and more")
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> leads from the anchor after <i>to</i> the vertex: it asks for the way back. From ahead of a vertex one seldom gets back to it, and so few vertices will do: those so close to the next anchor that both ways are open. The map is larger than it need be. One number betrays her: with $p_\text{sparsify} = p_\text{reuse} = 0.99$ no driven step can be below 0.99, and one of hers has 0.98, since nobody asked for the way from the vertex onward. In a table of RE the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is the RE from the anchor after <i>to</i> the vertex: the reverse direction. From ahead of a vertex a car seldom gets back to it, and so few vertices qualify: those so close to the next anchor that both directions are reachable. The map is larger than necessary. One number reveals it: with $p_\text{sparsify} = p_\text{reuse} = 0.99$ no driven step can be below 0.99, and one of hers has 0.98, since the step from the vertex onward was never checked. In a table of RE the row is always where the robot stands.
 # </details>
 #
 # ## 4 · The map of a building
 #
-# All twelve drives. A map is good for more than the twelve ways that it was shown. How many more? Each drive has a start and an end; from each start to each end at another place there could be a way: 108 in all. The graph says which there are.
+# All twelve trajectories. A map offers more than the twelve paths that it was shown. How many more? Each trajectory has a start and an end; from each start to each end at another place there could be a path: 108 in all. The graph says which exist.
 #
-# **Predict:** how many of the 108 has a map that only knows what was driven, before anything is joined? How many after joining, and how many after reuse?
+# **Predict:** how many of the 108 does a map contain that only knows the driven edges, before anything is joined? How many after joining, and how many after reuse?
 
 
 # %%
-def ways(grown, p_edge, house):
-    """Probabilities of the best ways from each drive's start to each drive's end elsewhere, 0 for none."""
+def path_probabilities(grown, p_edge, building):
+    """Probabilities of the best paths from each trajectory's start to each trajectory's end elsewhere, 0 for none."""
     graph, found = graph_of(grown.weights(p_edge), grown.vertices), []
-    for (place, _), trail in zip(house.pairs, grown.trails, strict=True):
-        far = nx.single_source_dijkstra_path_length(graph, int(trail[0]))
-        for (_, goal), other in zip(house.pairs, grown.trails, strict=True):
+    for (place, _), path in zip(building.pairs, grown.paths, strict=True):
+        far = nx.single_source_dijkstra_path_length(graph, int(path[0]))
+        for (_, goal), other in zip(building.pairs, grown.paths, strict=True):
             if goal != place:
                 found.append(np.exp(-far.get(int(other[-1]), np.inf)))
     return np.array(found)
 
 
 for name, p_edge, p_reuse in (
-    ("only what was driven", 1.0, 1.0),
+    ("driven steps only", 1.0, 1.0),
     ("all pairs, none pruned", 0.0, 1.0),
     ("pruned", 0.99, 1.0),
     ("pruned, with reuse", 0.99, 0.99),
     ("driven, with reuse", 1.0, 0.99),
 ):
-    grown = grow(home.reach, home.drives, p_reuse)
-    edges, found = np.isfinite(grown.weights(p_edge)).sum(), ways(grown, p_edge, house)
-    numbers = f"{len(grown.vertices):4d} vertices {edges:6d} edges"
-    there = f"{(found > 0).sum():4d} of {len(found)} ways"
-    print(f"{name:24s}{numbers}{there}, of probability {np.median(found[found > 0]):.2f}")
+    grown = grow(home.reach, home.trajectories, p_reuse)
+    edges, found = (
+        np.isfinite(grown.weights(p_edge)).sum(),
+        path_probabilities(grown, p_edge, apartment),
+    )
+    sizes = f"{len(grown.vertices):4d} vertices {edges:6d} edges"
+    connected = f"{(found > 0).sum():4d} of {len(found)} paths"
+    print(f"{name:24s}{sizes}{connected}, of probability {np.median(found[found > 0]):.2f}")
 
 # %% [markdown]
-# <details><summary>What does the map know that nobody showed it?</summary>
-# Driven edges alone know the twelve drives. With edges between drives a robot may begin on one drive and end on another, and all 108 ways exist, though nobody drove most of them as a whole. Reuse ties the drives together for good: it nearly halves the vertices, keeps a fraction of the edges, and has the same ways, even if nothing but what was driven is an edge. The dense graph has them too, at an edge count that grows with the square of the anchors. (The paper finds the same in IV-C.3: drives are combined to new tasks.)
+# <details><summary>What does the map know that it was never shown?</summary>
+# Driven edges alone contain the twelve trajectories. With edges between them a robot may begin on one trajectory and end on another, and all 108 paths exist, though most of them were never driven as a whole. Reuse merges the trajectories: it nearly halves the vertices, keeps a fraction of the edges, and has the same paths, even if only driven steps are edges. The dense graph has them too, at an edge count that grows with the square of the anchors. (The paper finds the same in IV-C.3: trajectories are combined to solve new tasks.)
 # </details>
 #
-# <details><summary>A robot has arrived at A. Why can it not go on to B on this map?</summary>
-# It can from A's <i>starts</i>, which look out of the room. But a drive that ends at A ends with its nose in the room, and no drive begins there with that heading: nobody has shown the car how to turn round. That is why ways are counted from starts to ends, and only between different places. A map cannot know what nobody drove; one drive that turns round in each room would do.
+# <details><summary>A robot has arrived at A. Why can it not continue to B on this map?</summary>
+# It can from A's <i>starts</i>, which face out of the room. But a trajectory that ends at A ends facing into the room, and none begins there with that heading: no trajectory shows how to turn round. That is why paths are counted from starts to ends, and only between different places. A map cannot contain what was never driven; one trajectory that turns round in each room would be enough.
 # </details>
 #
-# Here is the map, each drive's vertices in its colour: the twin of the paper's Fig. 8. With the sliders, **predict** first: which of the two thresholds changes the number of vertices, and what happens to the ways at $p_\text{edge} = 0.999$?
+# Here is the map, each trajectory's vertices in its colour: the twin of the paper's Fig. 8. With the sliders, **predict** first: which of the two thresholds changes the number of vertices, and what happens to the paths at $p_\text{edge} = 0.999$?
 
 # %%
-map_view = PlanView(house.scene, 620, 460)
+map_view = PlanView(apartment.scene, 620, 460)
 
 
 def whole_map(p_edge, p_reuse):
-    """The map of all twelve drives at two thresholds."""
-    grown = grow(home.reach, home.drives, p_reuse)
+    """The map of all twelve trajectories at two thresholds."""
+    grown = grow(home.reach, home.trajectories, p_reuse)
     weights = grown.weights(p_edge)
-    picture = map_picture(map_view, home, grown.vertices, weights, drive_of, 4.5)
-    found = ways(grown, p_edge, house)
+    picture = map_picture(map_view, home, grown.vertices, weights, trajectory_of, 4.5)
+    found = path_probabilities(grown, p_edge, apartment)
     size = f"{len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges; "
-    return picture, f"{size}{(found > 0).sum()} of {len(found)} ways"
+    return picture, f"{size}{(found > 0).sum()} of {len(found)} paths"
 
 
 sliders(whole_map, p_edge=(0.8, 0.999, 0.001, 0.99), p_reuse=(0.8, 1.0, 0.01, 0.99))
 
 # %% [markdown]
 # <details><summary>What do they do?</summary>
-# Only p_reuse changes the vertices. p_edge decides about short cuts between drives: at 0.999 none is left, since the estimator never says as much (section 2), and only what was driven remains. Thanks to reuse even that has all ways; at p_reuse = 1 it has twelve. At 0.8 long edges appear, and some lead through walls. The next section is about those.
+# Only p_reuse changes the vertices. p_edge controls the short cuts between trajectories: at 0.999 none is left, since the estimator never returns as much (section 2), and only the driven steps remain. Thanks to reuse even those contain all paths; at p_reuse = 1 they contain twelve. At 0.8 long edges appear, and some lead through walls. The next section is about those.
 # </details>
 #
 # ## 5 · Places that look alike
 #
-# A **wormhole** is an edge between places that are far apart: more than 5 m on the shortest way. $\mathcal{RE}$ compares pictures, and two corners of an office may have the same picture: **perceptual aliasing**. On a map a wrong edge is worse than a missing one. A planner *likes* wormholes, since they are the best of all short cuts, and one is enough to spoil all ways.
+# A **wormhole** is an edge between places that are far apart: more than 5 m on the shortest path. $\mathcal{RE}$ compares images, and two corners of an office may give the same image: **perceptual aliasing**. On a map a wrong edge is worse than a missing one. A planner *prefers* wormholes, since they are the best short cuts, and a single one can spoil all paths.
 #
-# Below is an office with symmetric corridors, three places and six drives. The pair is the wormhole whose pictures look most alike. **Predict:** what share of the edges are wormholes?
+# Below is an office with symmetric corridors, three places and six trajectories. The pair shown is the wormhole whose images are most alike. **Predict:** what share of the edges are wormholes?
 
 
 # %%
 def building_of(name, count, seed=0):
-    """A building like those of `experiments.buildings`, of a world by its name."""
+    """A building like those of `experiments.protocols.navigation_tasks`, for a world by its name."""
     scene = scene_of(name)
     paths = GridPaths(scene.clearance)
     places = spread_places(paths, count, np.random.default_rng(seed))
     pairs = np.array(list(permutations(range(count), 2)))
     starts = facing(scene, paths, places, pairs)
     driven = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], seed)
-    kept = [number for number, drive in enumerate(driven) if drive is not None]
-    recorded = RecordedWorld(scene, [driven[number] for number in kept])
+    kept = [index for index, rollout in enumerate(driven) if rollout is not None]
+    recorded = RecordedWorld(scene, [driven[index] for index in kept])
     return Building(name, scene, paths, places, recorded, pairs[kept])
 
 
-def lengths_of(asked, weights):
-    """Edges (E, 2), and how far it really is from end to end of each, m."""
+def lengths_of(data, weights):
+    """Edges (E, 2), and the geodesic length of each, m."""
     edges = np.argwhere(np.isfinite(weights))
-    ends = asked.poses[edges, :2]
-    return edges, asked.house.paths.between(ends[:, 0], ends[:, 1])
+    ends = data.poses[edges, :2]
+    return edges, data.building.paths.between(ends[:, 0], ends[:, 1])
 
 
-office = ask_everything(building_of(world_name("symmetric_office", 10_004), 3))
-office_view = PlanView(office.house.scene, 900, 600)
-office_grown = grow(office.reach, office.drives, p_reuse=1.0)
+office = query_all_pairs(building_of(world_name("symmetric_office", 10_004), 3))
+office_view = PlanView(office.building.scene, 900, 600)
+office_grown = grow(office.reach, office.trajectories, p_reuse=1.0)
 edges, far = lengths_of(office, office_grown.weights(0.99))
-images = np.concatenate([anchors.observations.image for anchors in office.kept]).astype(float)
+images = np.concatenate([anchors.observations.image for anchors in office.anchors]).astype(float)
 differ = np.abs(images[edges[:, 0]] - images[edges[:, 1]]).mean(axis=(1, 2, 3))
 chosen = np.where(far > WORMHOLE, differ, np.inf).argmin()
-(source, target), told = edges[chosen], office.reach[tuple(edges[chosen])]
+(source, target), probability = edges[chosen], office.reach[tuple(edges[chosen])]
 print(f"{len(office.reach)} anchors, {len(edges)} edges, {(far > WORMHOLE).sum()} wormholes")
-title = f"RE = {told:.3f}, and {far[chosen]:.0f} m from blue to red"
+title = f"RE = {probability:.3f}, and {far[chosen]:.0f} m from blue to red"
 show(stacked([edge_picture(office_view, office, source, target)], [title]))
 
 # %% [markdown]
-# ### One place may look like another; a stretch of way hardly does
+# ### One place may look like another; a whole sequence hardly does
 #
-# Two corridors may have one picture in common. That the pictures *before* and the pictures *after* agree, too, is much less likely. So match a sequence (paper, III-G): anchor $i$ may be joined with vertex $v$ only if the anchors around $i$ can also be joined with the vertices around $v$,
+# Two corridors may share one image. That the images *before* and the images *after* agree, too, is much less likely. So match a sequence (paper, III-G): anchor $i$ may be joined with vertex $v$ only if the anchors around $i$ can also be joined with the vertices around $v$,
 #
 # $$ \mathcal{RE}_\text{seq}(\hat o_i, v) \;=\; \min_{-2 \le s \le 2} \; \mathcal{RE}(\hat o_{i+s},\, v_{+s}), $$
 #
-# where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own trajectory. (The paper says to match sequences, and leaves open how. The least of five is our choice.) Where a trajectory ends, the sequence is shorter. Here are five pairs of the wormhole above:
+# where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own trajectory. (The paper says to match sequences, and leaves open how. The minimum of five is our choice.) Where a trajectory ends, the sequence is shorter. Here are five pairs of the wormhole above:
 
 # %%
 around_source = [source + s for s in range(-2, 3)]
@@ -749,21 +757,21 @@ same = [
     (a, v)
     for a, v in zip(around_source, around_target, strict=True)
     if {a, v} <= set(range(len(office.reach)))
-    and any({a, source} <= set(drive) for drive in office.drives)
-    and any({v, target} <= set(drive) for drive in office.drives)
+    and any({a, source} <= set(trajectory) for trajectory in office.trajectories)
+    and any({v, target} <= set(trajectory) for trajectory in office.trajectories)
 ]
 values = [office.reach[pair] for pair in same]
 show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], values))
 
 # %% [markdown]
-# Even the stretch looks alike here: of all wormholes this one is the worst case. But the least of the five is 0.98, just too little for $p_\text{edge} = 0.99$.
+# Even the sequences look alike here: of all wormholes this one is the worst case. But the minimum of the five is 0.98, just too little for $p_\text{edge} = 0.99$.
 #
 # ### Exercise 4 · `weakest_aligned` (hard, 15 minutes)
 #
-# Rows are the anchors of a drive that comes, in order. Columns are vertices, and these lie about in any order: `before[v]` and `after[v]` tell which columns are next to column `v` on its trajectory, and are -1 where there is none. **Beware:** to numpy, -1 is the last one.
+# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. **Beware:** to numpy, -1 is the last one.
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
-# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost: row, column = row + way, beside[column]; break if not 0 <= row < len(reach) or column < 0; otherwise take the minimum.</details>
+# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost: row, column = row + direction, beside[column]; break if not 0 <= row < len(reach) or column < 0; otherwise take the minimum.</details>
 # <details><summary>Hint 3: one line</summary>least[i, v] = min(least[i, v], reach[row, column]), with least = reach.copy() in the beginning.</details>
 
 
@@ -771,17 +779,17 @@ show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], val
 def weakest_aligned(reach, before, after, steps):
     """The least RE over aligned sequences around each pair.
 
-    reach: (A, V) RE from each anchor of a drive, in order, to each vertex. before, after: (V,) the vertex next to each on its own trajectory, -1 for none.
+    reach: (A, V) RE from each anchor of a trajectory, in order, to each vertex. before, after: (V,) the vertex next to each on its own trajectory, -1 for none.
     steps: anchors on either side.
     Returns (A, V).
     """
     ### BEGIN SOLUTION
     least = reach.copy()
     for i, v in np.ndindex(*reach.shape):
-        for way, beside in ((-1, before), (1, after)):
+        for direction, beside in ((-1, before), (1, after)):
             row, column = i, v
             for _ in range(steps):
-                row, column = row + way, beside[column]
+                row, column = row + direction, beside[column]
                 if not 0 <= row < len(reach) or column < 0:
                     break
                 least[i, v] = min(least[i, v], reach[row, column])
@@ -793,13 +801,13 @@ def weakest_aligned(reach, before, after, steps):
 weakest_aligned = check_weakest_aligned.use(weakest_aligned)
 
 # %% [markdown]
-# From here on `sequence` is awake in your map builder. Both buildings, with sequences of 0, 1 and 2 anchors on either side, without reuse. **Predict:** how many wormholes are left, and what does it cost?
+# From here on `sequence` is active in your map builder. Both buildings, with sequences of 0, 1 and 2 anchors on either side, without reuse. **Predict:** how many wormholes are left, and what does it cost?
 
 # %%
-for name, asked in (("apartment", home), ("symmetric office", office)):
-    by_sequence = [grow(asked.reach, asked.drives, 1.0, sequence) for sequence in (0, 1, 2)]
+for name, data in (("apartment", home), ("symmetric office", office)):
+    by_sequence = [grow(data.reach, data.trajectories, 1.0, sequence) for sequence in (0, 1, 2)]
     for p_edge in (0.9, 0.99):
-        far = [lengths_of(asked, grown.weights(p_edge))[1] for grown in by_sequence]
+        far = [lengths_of(data, grown.weights(p_edge))[1] for grown in by_sequence]
         good = [(metres <= WORMHOLE).sum() for metres in far]
         for sequence, metres in enumerate(far):
             holes, share = (metres > WORMHOLE).sum(), good[sequence] / good[0]
@@ -809,69 +817,69 @@ compare(sequence=2)
 
 # %% [markdown]
 # <details><summary>What do sequences cost?</summary>
-# Good edges. Near a fork the anchors before agree and those after do not; and where two drives keep their anchors at other distances, aligned sequences drift apart. The longer the sequence, the more true edges are lost. That is a good bargain, since good edges are many and help each other, while each wormhole does harm alone. The apartment has hardly any wormholes at 0.99: its rooms have different colours. It is the symmetric office that needs sequences, and at a low threshold everybody does.
+# Good edges. Near a fork the anchors before agree and those after do not; and where two trajectories space their anchors differently, aligned sequences drift apart. The longer the sequence, the more true edges are lost. That is a good bargain, since good edges are many and redundant, while a single wormhole does harm. The apartment has hardly any wormholes at 0.99: its rooms have different colours. It is the symmetric office that needs sequences, and at a low threshold both do.
 # </details>
 #
 # Now the same with reuse. **Predict:** does reuse add wormholes, or take some away?
 
 # %%
-office_grown = grow(office.reach, office.drives, 0.99, sequence=2)
+office_grown = grow(office.reach, office.trajectories, 0.99, sequence=2)
 edges, far = lengths_of(office, office_grown.weights(0.99))
 along = office_grown.driven[tuple(edges.T)]
 print(f"{len(office_grown.vertices)} vertices, {len(edges)} edges")
 print(
-    f"{(far > WORMHOLE).sum()} wormholes, {(far[along] > WORMHOLE).sum()} of them where a drive went"
+    f"{(far > WORMHOLE).sum()} wormholes, {(far[along] > WORMHOLE).sum()} of them on driven steps"
 )
 swapped = [
     (int(anchor), int(vertex))
-    for own, trail in zip(office.drives, office_grown.trails, strict=True)
-    for anchor, vertex in zip(own, trail, strict=True)
+    for own, path in zip(office.trajectories, office_grown.paths, strict=True)
+    for anchor, vertex in zip(own, path, strict=True)
     if anchor != vertex
 ]
-apart = office.house.paths.between(*office.poses[np.array(swapped).T, :2])
+apart = office.building.paths.between(*office.poses[np.array(swapped).T, :2])
 print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex more than 5 m away")
 
 # %% [markdown]
 # <details><summary>Why does a car "drive" through a wormhole?</summary>
-# It did not. (Without reuse no wormhole was left; reuse has brought back six.) Reuse replaced an anchor by a vertex far away, which RE says can be reached from the anchor before and leads to the anchor after; and then the drive's own links lead there and back. Sequences do not help, because the rule of reuse asks for two RE only, and driven edges are never pruned. This is a weak spot of the method, and of our library, which follows it. How a robot gets along on such a map (it notices, and plans anew) is the topic of notebook 06.
+# It did not. (Without reuse no wormhole was left; reuse has brought back six.) Reuse replaced an anchor by a vertex far away, which according to RE can be reached from the anchor before and reaches the anchor after; and then the trajectory's own links lead there and back. Sequences do not help, because the rule of reuse checks only two values of RE, and driven edges are never pruned. This is a weak spot of the method, and of our library, which follows it. How a robot copes with such a map (it notices, and replans) is the topic of notebook 06.
 # </details>
 #
 # ## 6 · Not all pairs
 #
-# A map of $V$ vertices that gets a drive of $A$ anchors has $2AV$ pairs to ask about, and the next drive finds a larger map: in all, the queries grow with the **square** of the map. But nearly all answers are no. Two ideas save most of it:
+# Inserting a trajectory of $A$ anchors into a map of $V$ vertices gives $2AV$ pairs to evaluate, and the next trajectory finds a larger map: in all, the queries grow with the **square** of the map. But nearly all answers are no. Two ideas save most of them:
 #
-# 1. **Retrieval.** $\mathcal{RE}$ runs a network on each *pair*. An embedding is computed from each picture *alone*, once, and comparing two of them is a product of vectors. So ask only about the 12 vertices that look most alike.
-# 2. **Search along trajectories.** Where one pair is sure, its neighbours are worth a question, too: the next anchor and the vertex after, the anchor before and the vertex before, and for the same anchor the vertices next to this one. Of these again the neighbours, and so on, until nothing new is sure.
+# 1. **Retrieval.** $\mathcal{RE}$ runs a network on each *pair*. An embedding is computed from each image *alone*, once, and comparing two of them is a dot product. So evaluate only the 12 vertices that are most similar.
+# 2. **Search along trajectories.** Where one pair is sure, its neighbours are worth a query, too: the next anchor and the vertex after, the anchor before and the vertex before, and for the same anchor the vertices next to this one. From these again the neighbours, and so on, until nothing new is sure.
 #
 # ### Exercise 5 · `ask_next` (medium, 10 minutes)
 #
-# `told` holds what is known; `np.nan` stands where nobody has asked. Comparisons with it are False, and `np.isnan` finds it.
+# `reach` holds what is known; `np.nan` marks pairs that were not evaluated yet. Comparisons with it are False, and `np.isnan` finds it.
 #
-# <details><summary>Hint 1: concept</summary>Go through the pairs that are sure. Each one votes for its four neighbours. What is known already needs no vote.</details>
-# <details><summary>Hint 2: approach</summary>for i, v in np.argwhere(told > p_edge): the neighbours are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]). Mark them in a table of False, if there is such a row and the column is not -1.</details>
-# <details><summary>Hint 3: one line</summary>return found & np.isnan(told)</details>
+# <details><summary>Hint 1: concept</summary>Go through the pairs that are sure. Each one votes for its four neighbours. Known pairs need no vote.</details>
+# <details><summary>Hint 2: approach</summary>for i, v in np.argwhere(reach > p_edge): the neighbours are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]). Mark them in a table of False, if there is such a row and the column is not -1.</details>
+# <details><summary>Hint 3: one line</summary>return found & np.isnan(reach)</details>
 
 
 # %% exercise="ask_next"
-def ask_next(told, before, after, p_edge):
-    """Which pairs are worth a question, after some answers.
+def ask_next(reach, before, after, p_edge):
+    """Which pairs are worth a query, after some answers.
 
-    told: (A, V) RE from each anchor of a drive, in order, to each vertex; np.nan where nobody asked. before, after: (V,) as above.
+    reach: (A, V) RE from each anchor of a trajectory, in order, to each vertex; np.nan where not evaluated. before, after: (V,) as above.
     p_edge: a pair above it is sure.
-    Returns (A, V) True where to ask next: not asked yet, and beside a sure pair.
+    Returns (A, V) True where to query next: not evaluated yet, and beside a sure pair.
     """
     ### BEGIN SOLUTION
-    found = np.zeros(told.shape, dtype=bool)
-    for i, v in np.argwhere(told > p_edge):
+    found = np.zeros(reach.shape, dtype=bool)
+    for i, v in np.argwhere(reach > p_edge):
         for row, column in (
             (i + 1, after[v]),
             (i - 1, before[v]),
             (i, after[v]),
             (i, before[v]),
         ):
-            if 0 <= row < len(told) and column >= 0:
+            if 0 <= row < len(reach) and column >= 0:
                 found[row, column] = True
-    return found & np.isnan(told)
+    return found & np.isnan(reach)
     ### END SOLUTION
 
 
@@ -879,82 +887,82 @@ def ask_next(told, before, after, p_edge):
 ask_next = check_ask_next.use(ask_next)
 
 # %% [markdown]
-# For each of the twelve drives: which vertices of the *other eleven* can be reached from its anchors? We begin with the few that look most alike, with your search and without it, and count how many of the pairs above 0.99 were found, and how many questions it took. For comparison, *random* begins with as many vertices drawn blindly, and the *oracle* knows the poses and begins with the nearest ones.
+# For each of the twelve trajectories: which vertices of the *other eleven* can be reached from its anchors? We begin with the few most similar ones, with your search and without it, and count how many of the pairs above 0.99 were found, and how many queries it took. For comparison, *random* begins with as many vertices drawn at random, and the *oracle* knows the poses and begins with the nearest ones.
 #
 # **Predict** the order of the four curves.
 
 
 # %%
-def neighbours(drives, own):
-    """Anchors of all drives but one, and the columns before and after each of them."""
-    others = [drive for drive in drives if drive is not own]
+def neighbours(trajectories, own):
+    """Anchors of all trajectories but one, and the columns before and after each of them."""
+    others = [trajectory for trajectory in trajectories if trajectory is not own]
     columns = np.concatenate(others)
     local = np.full(count + 1, -1)
     local[columns] = np.arange(len(columns))
     before, after = np.full((2, count), -1)
-    for drive in others:
-        before[drive[1:]], after[drive[:-1]] = drive[:-1], drive[1:]
+    for trajectory in others:
+        before[trajectory[1:]], after[trajectory[:-1]] = trajectory[:-1], trajectory[1:]
     return columns, local[before[columns]], local[after[columns]]
 
 
-def found_by(own, alike, begin, search):
-    """How many pairs were asked about, how many of them are sure, and how many there are."""
-    columns, before, after = neighbours(home.drives, own)
-    reach, alike = home.reach[np.ix_(own, columns)], alike[np.ix_(own, columns)]
-    fresh, told = np.zeros(reach.shape, dtype=bool), np.full(reach.shape, np.nan)
-    fresh[np.arange(len(own))[:, None], most_alike(alike, begin)] = True
+def found_by(own, similarity, starts, search):
+    """How many pairs were queried, how many of them are sure, how many are sure in all, and how many pairs there are."""
+    columns, before, after = neighbours(home.trajectories, own)
+    reach, similarity = home.reach[np.ix_(own, columns)], similarity[np.ix_(own, columns)]
+    fresh, known = np.zeros(reach.shape, dtype=bool), np.full(reach.shape, np.nan)
+    fresh[np.arange(len(own))[:, None], most_alike(similarity, starts)] = True
     while fresh.any():
-        told[fresh] = reach[fresh]
-        fresh = ask_next(told, before, after, 0.99) & search
-    return (~np.isnan(told)).sum(), (told > 0.99).sum(), (reach > 0.99).sum(), reach.size
+        known[fresh] = reach[fresh]
+        fresh = ask_next(known, before, after, 0.99) & search
+    return (~np.isnan(known)).sum(), (known > 0.99).sum(), (reach > 0.99).sum(), reach.size
 
 
-alike = likeness(home.seen, home.shown)
-blindly = np.random.default_rng(0).random(alike.shape)
-near = -np.linalg.norm(home.poses[:, None] - home.poses, axis=2)  # metres and radians alike
+similarity = likeness(home.seen, home.shown)
+random_scores = np.random.default_rng(0).random(similarity.shape)
+proximity = -np.linalg.norm(home.poses[:, None] - home.poses, axis=2)  # metres and radians alike
 figure, (axis,) = chart(8.0, 4.0)
-for name, how, search, tone in (
-    ("oracle, search", near, True, colours.FAINT),
-    ("alike, search", alike, True, colours.ROBOT),
-    ("alike alone", alike, False, colours.TRACK),
-    ("random, search", blindly, True, colours.PERSON),
+for name, scores, search, tone in (
+    ("oracle, search", proximity, True, colours.FAINT),
+    ("similar, search", similarity, True, colours.ROBOT),
+    ("similar alone", similarity, False, colours.TRACK),
+    ("random, search", random_scores, True, colours.PERSON),
 ):
     points = []
-    for begin in (1, 2, 4, 8, 12, 20, 40):
-        totals = sum(np.array(found_by(own, how, begin, search)) for own in home.drives)
+    for starts in (1, 2, 4, 8, 12, 20, 40):
+        totals = sum(np.array(found_by(own, scores, starts, search)) for own in home.trajectories)
         points.append((totals[0] / totals[3], totals[1] / totals[2]))
-        if begin == 12:
-            print(f"{name:15s} 12 each: {points[-1][0]:5.1%} of the questions", end="")
+        if starts == 12:
+            print(f"{name:15s} 12 each: {points[-1][0]:5.1%} of the queries", end="")
             print(f" find {points[-1][1]:4.0%} of the sure pairs")
     axis.plot(*np.array(points).T, "o-", markersize=5, color=colours.unit(tone), label=name)
-axis.set(xlabel="share of all pairs asked", ylabel="share of sure pairs found", xlim=(0, 0.4))
+axis.set(xlabel="share of all pairs queried", ylabel="share of sure pairs found", xlim=(0, 0.4))
 axis.legend(loc="lower right")
 show(from_figure(figure))
 
 # %% [markdown]
-# <details><summary>What does each idea bring?</summary>
-# Looking alike finds the right neighbourhood with a handful of questions; the search then walks along both trajectories and collects the rest of it. Random beginnings show that the search alone is a help as well, as soon as one of them hits, but they waste the questions that do not. The oracle is no better than the embedding where pictures are alike because places are.
+# <details><summary>What does each idea contribute?</summary>
+# Similarity finds the right neighbourhood with a handful of queries; the search then walks along both trajectories and collects the rest of it. Random starts show that the search alone helps as well, as soon as one of them hits, but they waste the queries that do not. The oracle is no better than the embedding where images are alike because places are.
 # </details>
 #
-# The share is as large as that only because the map is small: the 12 that look most alike are a tenth of it. It is the *number* of questions that counts, since it hardly grows with the map. Here are the library's questions, drive by drive: with the table, once for all pairs and once by embeddings, which the table has, too.
+# The share is this large only because the map is small: the 12 most similar vertices are a tenth of it. What counts is the *number* of queries, since it hardly grows with the map. Here are the library's queries per trajectory: with the table, once for all pairs and once by embeddings, which the table has, too.
 
 
 # %%
 class EmbeddingTable(Table):
-    """A table that can say what anchors look like."""
+    """A table with embeddings of the anchors."""
 
     def embed(self, observations):
-        """(N, R, D) what is seen from anchors."""
+        """(N, R, D) embeddings of anchors as observations."""
         return home.seen[observations]
 
     def embed_targets(self, prepared):
-        """(N, P, R, D) what anchors show."""
+        """(N, P, R, D) embeddings of anchors as targets."""
         return home.shown[prepared]
 
 
-exhaustive, all_added = library_map(home.reach, home.drives)
-indexed, added = library_map(EmbeddingTable(home.reach), home.drives, candidates=12)
-print("drive     " + "".join(f"{number:6d}" for number in range(len(added))))
+exhaustive, all_added = library_map(home.reach, home.trajectories)
+indexed, added = library_map(EmbeddingTable(home.reach), home.trajectories, candidates=12)
+print("trajectory" + "".join(f"{index:6d}" for index in range(len(added))))
 print("all pairs " + "".join(f"{one.queries:6d}" for one in all_added))
 print("indexed   " + "".join(f"{one.queries:6d}" for one in added))
 all_edges, indexed_edges = edges_of(exhaustive), edges_of(indexed)
@@ -968,67 +976,67 @@ print(f", {len(indexed_edges & all_edges)} of them the same")
 # %%
 bench = load_result("map")
 for kind in dict.fromkeys(row["map"] for row in bench.rows):
-    total = "in all" if kind.startswith("one") else "a drive"
+    total = "in all" if kind.startswith("one") else "each"
     print(f"{kind}:")
     print(
-        f"method       vertices   drives   questions {total}   s a drive   edges found   ms to plan"
+        f"method       vertices  trajectories{'queries ' + total:>15s}      s each   edges found   ms to plan"
     )
     for row in (row for row in bench.rows if row["map"] == kind):
         recall = "-" if row["recall"] is None else f"{row['recall']:.1%}"
         size = (
-            f"{row['method']:12s} {row['vertices']:8,}{row['trajectories']:9,}{row['queries']:20,}"
+            f"{row['method']:12s} {row['vertices']:8,}{row['trajectories']:14,}{row['queries']:15,}"
         )
         print(f"{size}{row['seconds_per_trajectory']:12.2f}{recall:>14s}{row['plan_ms']:13.1f}")
 print("\n".join(bench.notes))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# In the first two parts both ways of asking build the map of one building; "edges found" are those of the exhaustive map that the indexed one has, too. Without reuse the index asks about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less, since the map is small: 12 vertices are a good part of 169. And the two maps part company: once another stand-in is chosen, all that comes later is joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The questions about all pairs grow a hundredfold, those by the index fivefold. (At each size other drives are timed, hence the jumps.) "ms to plan" is one plan from a picture to a picture, with its questions to the network (notebook 06).
+# The first two parts build the map of one building by either method; "edges found" are those of the exhaustive map that the indexed one has, too. Without reuse the index evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less, since the map is small: 12 vertices are a good part of 169. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by the index fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
 # </details>
 #
 # ## 7 · How maps grow
 #
-# Anchors of a place that is on the map already are replaced. So whoever drives on and on in the same building adds less and less: "the size of the graph converges" (III-E). **Predict:** draw the number of vertices against the number of pictures, for the twelve drives, with reuse and without it. How straight is either?
+# Anchors of a place that is already on the map are replaced. So a robot that keeps driving in the same building adds less and less: "the size of the graph converges" (III-E). **Predict:** draw the number of vertices against the number of frames, for the twelve trajectories, with reuse and without it. How straight is either?
 
 # %%
 rng = np.random.default_rng(0)
-orders = [rng.permutation(len(home.drives)) for _ in range(6)]
+orders = [rng.permutation(len(home.trajectories)) for _ in range(6)]
 figure, (axis,) = chart(7.0, 3.6)
 for name, p_reuse, tone in (("no reuse", 1.0, colours.FAINT), ("reuse", 0.99, colours.ROBOT)):
     for order in orders:
-        grown, sizes = Grown.empty(home.reach), [0]
-        for number in order:
-            insert(grown, home.drives[number], p_reuse, sequence=0)
+        grown, sizes = SmallMap.empty(home.reach), [0]
+        for index in order:
+            insert(grown, home.trajectories[index], p_reuse, sequence=0)
             sizes.append(len(grown.vertices))
         taken = np.cumsum([0, *np.array(frames)[order]])
         label = name if order is orders[0] else None
         axis.plot(taken, sizes, color=colours.unit(tone), linewidth=1.4, label=label)
-axis.set(xlabel="pictures", ylabel="vertices", xlim=(0, None), ylim=(0, None))
+axis.set(xlabel="frames", ylabel="vertices", xlim=(0, None), ylim=(0, None))
 axis.legend()
 show(from_figure(figure))
 
 # %% [markdown]
-# (A line for each of six orders of the drives.) The twelve drives mostly still find something new. The paper's Fig. 13 goes on to tens of thousands of pictures; so does this one, in unseen buildings. Dotted and dashed: every 10th and every 20th picture, as SPTM would keep them.
+# (A line for each of six orders of the trajectories.) Most of the twelve trajectories still find something new. The paper's Fig. 13 goes on to tens of thousands of images; so does this one, in unseen buildings. Dotted and dashed: every 10th and every 20th frame, as SPTM would keep them.
 #
-# **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from about 30,000 pictures (Table II).
+# **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from about 30,000 images (Table II).
 
 # %%
 growth = load_result("meng_fig13")
 figure, (axis,) = chart(8.0, 4.4)
 worlds = list(dict.fromkeys(row["world"] for row in growth.rows))
-for number, world in enumerate(worlds):
+for index, world in enumerate(worlds):
     rows = sorted((r for r in growth.rows if r["world"] == world), key=lambda r: r["frames"])
     taken = [0, *(row["frames"] for row in rows)]
     sizes = [0, *(row["vertices"] for row in rows)]
-    axis.plot(taken, sizes, color=colours.unit(hue(number)), label=str(world))
+    axis.plot(taken, sizes, color=colours.unit(hue(index)), label=str(world))
 rows = sorted((r for r in growth.rows if r["world"] == worlds[0]), key=lambda r: r["frames"])
 for key, name, dots in (("every_10th", "every 10th", ":"), ("every_20th", "every 20th", "--")):
     line = [0, *(row["frames"] for row in rows)], [0, *(row[key] for row in rows)]
     axis.plot(*line, dots, color=colours.unit(colours.INK), label=name)
 most = max(row["vertices"] for row in growth.rows)
-axis.set(xlabel="pictures", ylabel="vertices", xlim=(0, None), ylim=(0, 2.5 * most))
+axis.set(xlabel="frames", ylabel="vertices", xlim=(0, None), ylim=(0, 2.5 * most))
 axis.legend(fontsize=10, ncols=2)
-print("world, pictures: vertices, edges at the end")
+print("world, frames: vertices, edges at the end")
 for world in worlds:
     end = max((r for r in growth.rows if r["world"] == world), key=lambda r: r["frames"])
     print(f"{world}, {end['frames']:,}: {end['vertices']:,}, {end['edges']:,}")
@@ -1039,48 +1047,48 @@ show(from_figure(figure))
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig13`. **Same protocol, easier world.**)
 #
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# Our cars drive by a planner on the same few hundred ways, so that they soon come by everything there is to see; the paper's buildings are scans of real ones, with clutter and with errors in the scans, where pictures are harder to trust ("denser samples are kept to stay conservative", IV-C.5). The shape is the same: steep, then flat. Sub-sampling has no such bend: it does not know what it has seen already.
+# Our cars follow a planner along the same few hundred paths, so they soon have seen everything there is; the paper's buildings are scans of real ones, with clutter and scanning errors, where images are harder to trust ("denser samples are kept to stay conservative", IV-C.5). The shape is the same: steep, then flat. Sub-sampling has no such bend: it does not know what it has seen already.
 # </details>
 # <details><summary>Why do the maps not stop growing altogether?</summary>
-# Anchors stand as far apart as the sparsification dares. Whoever is to take the place of one must be reached from the anchor before <i>and</i> reach the anchor after, and has hardly any room: some decimetres ahead or back, and one of the two is a little too far. In one building that we looked at, half of the vertices that came late stand less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse. A rule that lets <i>two</i> vertices stand in where one will not do halves the growth. We tried: the maps are smaller, and fewer goals are found.
+# Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late are less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse. A rule that accepts <i>two</i> vertices in place of an anchor where one does not qualify halves the growth. We tried: the maps are smaller, and fewer goals are reached.
 # </details>
 #
 # ## 8 · How it fails
 #
-# Back to the apartment's map, with sequences. Three things that one would not want, counted on it and on the office's map:
+# Back to the apartment's map, with sequences. Three kinds of defects, counted on it and on the office's map:
 #
 # - **wormholes**, edges of more than 5 m;
-# - **stand-ins far away**: anchors replaced by a vertex more than 1 m off, or turned by more than 30°;
-# - **doubles**: vertices less than 0.6 m apart and turned by less than 20°, that reuse should have made one.
+# - **distant replacements**: anchors replaced by a vertex more than 1 m away, or turned by more than 30°;
+# - **duplicates**: vertices less than 0.6 m apart and turned by less than 20°, which reuse should have merged.
 #
-# **Predict** which of them is the most frequent. (In the pictures below, blue is the anchor that was given up, or where an edge begins, and red its stand-in, or where the edge ends.)
+# **Predict** which of them is the most frequent. (In the figures below, blue is the anchor that was dropped, or the source of an edge, and red its replacement, or the target of the edge.)
 
 
 # %%
-def faults(asked, grown):
-    """What is wrong with a map: pairs of anchors by kind, the worst first."""
+def faults(data, grown):
+    """Defects of a map: pairs of anchors by kind, the worst first."""
     weights = grown.weights(0.99)
-    edges, far = lengths_of(asked, weights)
+    edges, far = lengths_of(data, weights)
     found = {"wormhole": sorted(zip(-far, *edges.T, strict=True))}
     found["wormhole"] = [(i, j) for f, i, j in found["wormhole"] if -f > WORMHOLE]
     swaps = []
-    for own, trail in zip(asked.drives, grown.trails, strict=True):
-        for anchor, vertex in zip(own, trail, strict=True):
-            off = np.linalg.norm(asked.poses[anchor, :2] - asked.poses[vertex, :2])
-            turned = abs(np.rad2deg(wrap(asked.poses[anchor, 2] - asked.poses[vertex, 2])))
+    for own, path in zip(data.trajectories, grown.paths, strict=True):
+        for anchor, vertex in zip(own, path, strict=True):
+            off = np.linalg.norm(data.poses[anchor, :2] - data.poses[vertex, :2])
+            turned = abs(np.rad2deg(wrap(data.poses[anchor, 2] - data.poses[vertex, 2])))
             if off > 1.0 or turned > 30.0:
                 swaps.append((-off, int(anchor), int(vertex)))
-    found["stand-in far away"] = [pair for _, *pair in sorted(swaps)]
-    poses, numbers = asked.poses[grown.vertices], grown.vertices
+    found["distant replacement"] = [pair for _, *pair in sorted(swaps)]
+    poses, vertices = data.poses[grown.vertices], grown.vertices
     close = np.linalg.norm(poses[:, None, :2] - poses[:, :2], axis=2) < 0.6
     close &= np.abs(wrap(poses[:, None, 2] - poses[:, 2])) < np.deg2rad(20.0)
-    doubles = [(numbers[i], numbers[j]) for i, j in np.argwhere(close) if i < j]
-    found["double"] = sorted(doubles, key=lambda pair: asked.reach[pair])
+    duplicates = [(vertices[i], vertices[j]) for i, j in np.argwhere(close) if i < j]
+    found["duplicate"] = sorted(duplicates, key=lambda pair: data.reach[pair])
     return found
 
 
 maps = {
-    "apartment": (home, grow(home.reach, home.drives, 0.99, sequence=2)),
+    "apartment": (home, grow(home.reach, home.trajectories, 0.99, sequence=2)),
     "symmetric office": (office, office_grown),
 }
 print(f"{'':20s}" + "".join(f"{name:>20s}" for name in maps))
@@ -1092,74 +1100,74 @@ for kind in counted["apartment"]:
 panels, titles = [], []
 for name, kind in (
     ("symmetric office", "wormhole"),
-    ("symmetric office", "stand-in far away"),
-    ("apartment", "stand-in far away"),
-    ("apartment", "double"),
+    ("symmetric office", "distant replacement"),
+    ("apartment", "distant replacement"),
+    ("apartment", "duplicate"),
 ):
-    asked, found = maps[name][0], counted[name][kind]
+    data, found = maps[name][0], counted[name][kind]
     if not found:
         continue
     a, b = map(int, found[0])
-    plan = view if asked is home else office_view
-    panels.append(edge_picture(plan, asked, a, b))
-    titles.append(f"{name}, {kind}: RE {asked.reach[a, b]:.3f}, back {asked.reach[b, a]:.3f}")
+    plan = view if data is home else office_view
+    panels.append(edge_picture(plan, data, a, b))
+    titles.append(f"{name}, {kind}: RE {data.reach[a, b]:.3f}, back {data.reach[b, a]:.3f}")
 rows = [side_by_side(panels[i : i + 2], titles[i : i + 2]) for i in range(0, len(panels), 2)]
 show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places with one picture, and a rule of reuse that asks for no sequence (section 5). <i>Stand-ins far away</i>: in the office four of seven have the same cause; the others, and those of the apartment, are mostly no fault at all. A vertex some metres on does the job of the anchor as well, which is all that the rule wants. It is a fault only if one believes that a vertex is a <i>place</i>. <i>Doubles</i>: their RE to each other is high, and yet neither replaced the other. Reuse asks from the anchor <i>before</i> to the anchor <i>after</i>, and those lie elsewhere on each
-# drive: where one of the two RE is only just too low, the double stays. Lower p_reuse, and they go, at the price of less sure steps. Some are the last two anchors of one drive: the end of a drive is always kept.
+# <i>Wormholes</i>: two places with the same image, and a rule of reuse that checks no sequence (section 5). <i>Distant replacements</i>: in the office four of seven have the same cause; the others, and those of the apartment, are mostly no defect at all. A vertex some metres on does the job of the anchor as well, which is all that the rule requires. It is a defect only if one believes that a vertex is a <i>place</i>. <i>Duplicates</i>: their RE to each other is high, and yet neither replaced the other. Reuse checks from the anchor <i>before</i> to the anchor <i>after</i>, and those lie elsewhere on each
+# trajectory: where one of the two RE is only just too low, the duplicate stays. A lower p_reuse removes it, at the price of less certain steps. Some are the last two anchors of one trajectory: the end of a trajectory is always kept.
 # </details>
 #
 # ## 9 · What has changed
 #
-# Somebody hangs up another picture, or moves a cupboard. From then on no robot gets to the vertex that shows the old one, and a plan over it fails. The paper's advice is to give every observation a timestamp, and to "discard outdated observations using $\mathcal{RE}$" (III-E); it leaves the rest as future work. This is our library's rule: a vertex is outdated if a new drive
+# A painting is replaced, or a cupboard is moved. From then on no robot gets to the vertex that shows the old view, and a plan over it fails. The paper's advice is to give every observation a timestamp, and to "discard outdated observations using $\mathcal{RE}$" (III-E); it leaves the rest as future work. This is our library's rule: a vertex is outdated if a new trajectory
 #
-# - sees, above $p_\text{edge}$, the vertex *before* it and the vertex *after* it on its trajectory, in this order and close together,
+# - reaches, above $p_\text{edge}$, the vertex *before* it and the vertex *after* it on its trajectory, in this order and close together,
 # - and on the whole stretch the vertex itself is below $p_\text{outdated} = 0.1$: *surely* not there.
 #
-# A made-up change: the first drive is driven again a week later, and one of its vertices looks different by now. Everything else is as $\mathcal{RE}$ has it. **Predict:** which of the vertices go, and what takes their place? And what would happen if we only asked for the second condition?
+# A made-up change: the first trajectory is driven again a week later, and one of its vertices looks different by now. Everything else is as $\mathcal{RE}$ predicts it. **Predict:** which of the vertices are removed, and what takes their place? And what would happen if only the second condition were checked?
 
 # %%
 length, changed = len(first), 6
 twice = np.concatenate([first, first])
 week_later = home.reach[np.ix_(twice, twice)].copy()
-week_later[length:, changed] = 0.02  # no later picture leads to the old view
+week_later[length:, changed] = 0.02  # no later view leads to the old one
 week_later[changed, length:] = 0.02
 passes = [np.arange(length), np.arange(length, 2 * length)]
 for p_outdated in (0.0, 0.1):
     aged, (_, again) = library_map(week_later, passes, p_outdated=p_outdated)
     print(f"p_outdated = {p_outdated}: {len(aged)} vertices; removed: {again.outdated.tolist()}")
-    print("    the second drive is now " + " ".join(map(str, again.trail)))
-    print("    the first drive is now  " + " ".join(map(str, aged.trails[0])))
+    print("    the second trajectory is now " + " ".join(map(str, again.trail)))
+    print("    the first trajectory is now  " + " ".join(map(str, aged.trails[0])))
 
 # %% [markdown]
 # <details><summary>What happened?</summary>
-# (Numbers up to 16 are vertices of the first drive, higher ones are new.) The anchor at the changed place, now 17, could not be replaced, and became a vertex of its own; that happens without any forgetting, since reuse fails there by itself. (18 has nothing to do with the change: the anchor before the last took 16 as its stand-in, and then nothing lay ahead for the last one.) What forgetting adds is that the old vertex is taken off, and that no plan leads over it any more. In this example the second condition alone would do the same, since our $\mathcal{RE}$ is seldom as low as 0.1, even far away (around 0.3). With an estimator that says 0 of all that is out of sight, nearly the whole map would go. Only who came <i>by</i> there may say that something is gone. And 0.1 is strict: most vertices that look different by now will stay.
+# (Indices up to 16 are vertices of the first trajectory, higher ones are new.) The anchor at the changed place, now 17, could not be replaced, and became a vertex of its own; that happens without any forgetting, since reuse fails there by itself. (18 has nothing to do with the change: the anchor before the last took 16 as its replacement, and then nothing lay ahead for the last one.) What forgetting adds is that the old vertex is removed, and that no plan leads over it any more. In this example the second condition alone would do the same, since our $\mathcal{RE}$ is seldom as low as 0.1, even far away (around 0.3). With an estimator that returns 0 for everything out of sight, nearly the whole map would be removed. Only a robot that <i>passes</i> the place may say that something is gone. And 0.1 is strict: most vertices that look different by now will stay.
 # </details>
-# <details><summary>A person stood there once, and is in a vertex's picture. Does that do harm?</summary>
-# If the person hides much, RE to the vertex is low from then on, and the next drive that comes by takes it off. If the person hides little, RE stays high, and the vertex does its job. What if somebody stands before the <i>new</i> car? Then it may not see a vertex that is still good, and removes it: one drive is a single witness. Therefore the bound is as low as 0.1, and the whole stretch must agree. A careful map would wait for a second witness (extra 4).
+# <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
+# If the person hides much, RE to the vertex is low from then on, and the next trajectory that passes removes it. If the person hides little, RE stays high, and the vertex does its job. What if a person stands in front of the <i>new</i> car? Then it may not see a vertex that is still good, and removes it: one trajectory is a single witness. Therefore the bound is as low as 0.1, and the whole stretch must agree. A careful map would wait for a second witness (extra 4).
 # </details>
 #
-# ## 10 · The whole, and on disk
+# ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper takes 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.)
 
 # %%
 begun = time.perf_counter()
 topomap = TopoMap(reachability)
-asked_for = sum(add_trajectory(topomap, anchors).queries for anchors in home.kept)
+queries = sum(add_trajectory(topomap, anchors).queries for anchors in home.anchors)
 seconds = time.perf_counter() - begun
 links = sum(i != j for i, j in topomap.graph.edges)
 print(topomap.settings)
-print(f"{len(topomap)} vertices, {links} edges; {asked_for} questions, {seconds:.1f} s")
+print(f"{len(topomap)} vertices, {links} edges; {queries} queries, {seconds:.1f} s")
 picture = view.base.copy()
-draw_topomap(view, picture, topomap, vertex_poses(house, topomap), size=5.0)
+draw_topomap(view, picture, topomap, vertex_poses(apartment, topomap), size=5.0)
 show(picture)
 
 # %% [markdown]
-# A map outlives a robot's battery. It is saved as a JSON file with the graph, and beside it an `.npz` with what was seen. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
+# A map outlives a robot's battery. It is saved as a JSON file with the graph, and beside it an `.npz` with the observations. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
 
 # %%
 with tempfile.TemporaryDirectory() as folder:
@@ -1170,7 +1178,7 @@ with tempfile.TemporaryDirectory() as folder:
     kilobytes = sum(file.stat().st_size for file in Path(folder).iterdir()) / 1000
     loaded = load_map(path, reachability)
     same = sorted(loaded.graph.edges) == sorted(topomap.graph.edges)
-    print(f"{kilobytes / len(topomap):.1f} kB a vertex; loaded with the same edges: {same}")
+    print(f"{kilobytes / len(topomap):.1f} kB per vertex; loaded with the same edges: {same}")
     arrays = next(Path(folder).glob("*.npz"))
     arrays.write_bytes(arrays.read_bytes()[:1000])
     try:
@@ -1180,15 +1188,15 @@ with tempfile.TemporaryDirectory() as folder:
 
 # %% [markdown]
 # <details><summary>May a map be loaded with another estimator?</summary>
-# The edges stay as they were told by the first one; all questions from then on are answered by the second. So yes, if it looks at the same pictures (the same k and the same camera). But the first one's probabilities speak of the first one's controller. Who changes the controller should build the map anew: what can be reached is a property of the robot as much as of the building.
+# The edges stay as the first one predicted them; all further queries go to the second. So yes, if it takes the same images (the same k and the same camera). But the first one's probabilities refer to the first one's controller. With another controller, build the map anew: what is reachable is a property of the robot as much as of the building.
 # </details>
 #
 # ## Optional extras
 #
-# - **Extra 1.** Leave `allowed` out of `replace`: all vertices may be taken at any time. How many drives stand still or go back on the map?
-# - **Extra 2.** Let `replace` take a stand-in only if `weakest_aligned` is above $p_\text{reuse}$ as well. How many wormholes has the office then, and how many vertices?
-# - **Extra 3.** Prune more: take away every edge for which there is a way over other edges that is as probable, up to one percent. How many edges remain, and are all ways still there?
-# - **Extra 4.** Let a vertex go only when two drives did not see it. What must the map remember for that?
+# - **Extra 1.** Leave `allowed` out of `replace`: all vertices may be taken at any time. How many trajectories stand still or go back on the map?
+# - **Extra 2.** Let `replace` accept a replacement only if `weakest_aligned` is above $p_\text{reuse}$ as well. How many wormholes has the office then, and how many vertices?
+# - **Extra 3.** Prune more: remove every edge for which there is a path over other edges that is as probable, up to one percent. How many edges remain, and are all paths still there?
+# - **Extra 4.** Remove a vertex only when two trajectories did not see it. What must the map remember for that?
 #
 # Here is the answer to the first.
 
@@ -1200,20 +1208,20 @@ for name, rule in (
     ("anything goes", lambda trajectory, *_: np.ones(len(trajectory), dtype=bool)),
 ):
     ahead_of = rule
-    grown = grow(home.reach, home.drives, 0.99)
-    twice_there = [len(trail) - len(set(trail.tolist())) for trail in grown.trails]
-    spoilt = sum(number > 0 for number in twice_there)
-    print(f"{name:16s} {len(grown.vertices)} vertices; {spoilt} drives come by a vertex twice")
+    grown = grow(home.reach, home.trajectories, 0.99)
+    repeats = [len(path) - len(set(path.tolist())) for path in grown.paths]
+    affected = sum(count > 0 for count in repeats)
+    print(f"{name:16s} {len(grown.vertices)} vertices; {affected} trajectories pass a vertex twice")
 ahead_of = real_rule
 
 # %% [markdown]
 # ## What to remember
 #
-# - A map without coordinates: vertices are pictures, edges are what the controller can do, and $-\log \mathcal{RE}$ makes the most probable way the shortest.
+# - A map without coordinates: vertices are images, edges are what the controller can do, and $-\log \mathcal{RE}$ makes the most probable path the shortest.
 # - Edges are directed, because cars are.
-# - Reuse asks whether a vertex does the anchor's *job*. It makes the map smaller **and** better connected.
-# - One picture may deceive, a sequence hardly does. A rule that asks for single pictures is open to wormholes, reuse included.
-# - Retrieve by what looks alike, then search along trajectories: the questions no longer grow with the square of the map.
-# - Growth ends when there is nothing new to see. Forgetting needs somebody who came by.
+# - Reuse checks whether a vertex does the anchor's *job*. It makes the map smaller **and** better connected.
+# - One image may deceive, a sequence hardly does. A rule that checks single images is open to wormholes, reuse included.
+# - Retrieve by similarity, then search along trajectories: the queries no longer grow with the square of the map.
+# - Growth ends when there is nothing new to see. Forgetting needs a robot that passed by.
 #
-# **Read next:** the paper, III-F and III-G, and then notebook 06, where ways are planned on this map, refused, and planned anew. On the baseline: N. Savinov et al., *Semi-Parametric Topological Memory for Navigation* (ICLR 2018). On recognising places at scale: M. Cummins and P. Newman, *Appearance-only SLAM at large scale with FAB-MAP 2.0* (IJRR 2011).
+# **Read next:** the paper, III-F and III-G, and then notebook 06: planning on this map, refusing, and replanning. On the baseline: N. Savinov et al., *Semi-Parametric Topological Memory for Navigation* (ICLR 2018). On recognising places at scale: M. Cummins and P. Newman, *Appearance-only SLAM at large scale with FAB-MAP 2.0* (IJRR 2011).
