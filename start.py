@@ -4,11 +4,11 @@
 usage: python3 start.py [COMMAND] [ARGUMENTS]
   lab     open JupyterLab on the first notebook (the same without a command)
   test    run the tests, in this folder; --full adds every notebook and the slow tests
-  demo    let the robot find its way once; leaves a film and a JSON in the current folder
+  demo    run one navigation without a screen; leaves a film and a JSON in the current folder
   setup   only install
 
 ARGUMENTS go to JupyterLab, pytest or the demo: start.py lab --no-browser. The first start
-installs for some minutes, later ones do not, unless pyproject.toml has changed.
+takes some minutes to install; later ones install nothing unless pyproject.toml has changed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ STAMP = VENV / "stamp"
 
 
 def too_old(version: tuple[int, ...]) -> str:
-    """What to tell the owner of an old Python (the syntax of this file is 3.8's); else empty."""
+    """The message for a Python that is too old (this file's syntax is 3.8's); otherwise empty."""
     message = (
         f"The course needs Python 3.10 or newer, this is {'.'.join(map(str, version[:3]))}: install"
         " it from https://www.python.org/downloads and run python3.10 (or newer) start.py"
@@ -42,7 +42,7 @@ def python_of(venv: Path, windows: bool = os.name == "nt") -> Path:
 
 
 def environment() -> dict[str, str]:
-    """The caller's, with .venv activated and without a PYTHONPATH (ROS sets one) that hides it."""
+    """The caller's environment with .venv activated, without a PYTHONPATH (ROS sets one)."""
     env = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "PYTHONHOME")}
     env["VIRTUAL_ENV"] = str(VENV)
     env["PATH"] = os.pathsep.join([str(python_of(VENV).parent), env.get("PATH", os.defpath)])
@@ -66,7 +66,7 @@ def run(command: list[str], cwd: Path | None = None) -> int:
 
 
 def ask(*arguments: str) -> str:
-    """What .venv's Python prints if run like this; empty if it fails or is not there."""
+    """What .venv's Python prints when run with these arguments; empty if it fails or is missing."""
     command = [str(python_of(VENV)), *arguments]
     try:
         done = subprocess.run(command, env=environment(), capture_output=True)
@@ -76,7 +76,7 @@ def ask(*arguments: str) -> str:
 
 
 def stamp() -> str:
-    """What an installation depends on, a line each: the dependencies, the Python, the folder."""
+    """What an installation depends on, one line each: the dependencies, the Python, the folder."""
     digest = hashlib.sha256((HERE / "pyproject.toml").read_bytes()).hexdigest()
     return "\n".join([digest, VERSION, str(VENV)])
 
@@ -87,7 +87,7 @@ def stamped() -> str:
 
 
 def reason_to_rebuild() -> str:
-    """Why an existing .venv is of no use; empty if it can be kept, or there is none."""
+    """Why an existing .venv cannot be used; empty if it can be kept, or there is none."""
     found = ask("-c", "import sys; print('%d.%d' % sys.version_info[:2])")
     folder = "".join(stamped().splitlines()[2:])
     if found and found != VERSION:
@@ -103,10 +103,10 @@ def is_ready() -> bool:
 
 
 def make_venv() -> None:
-    """Make .venv where there is none that can be kept."""
+    """Make .venv unless there is one that can be kept."""
     reason = reason_to_rebuild()
     if reason:
-        print(f".venv {reason}: making it anew.", flush=True)
+        print(f".venv {reason}: rebuilding it.", flush=True)
     elif ask("-m", "pip", "--version"):
         return
     if not all(importlib.util.find_spec(name) for name in ("venv", "ensurepip")):
@@ -117,13 +117,13 @@ def make_venv() -> None:
 
 
 def setup() -> None:
-    """Make .venv and install into it what pyproject.toml asks for, unless it is all there."""
+    """Make .venv and install what pyproject.toml asks for, unless all of it is there."""
     if is_ready():
         return
     wanted, log = stamp(), VENV / "pip.log"
     make_venv()
     print(f"Installing into {VENV}: some minutes the first time.", flush=True)
-    STAMP.write_text("", encoding="utf-8")  # what is interrupted is not finished
+    STAMP.write_text("", encoding="utf-8")  # an interrupted installation is not finished
     pip = [str(python_of(VENV)), "-m", "pip", "install", "--disable-pip-version-check"]
     for what in (["-q", "pip>=21.3"], ["-e", ".[test]"]):  # 21.3: -e with pyproject.toml alone
         if run([*pip, "--log", str(log), *what], cwd=HERE):

@@ -1,8 +1,8 @@
-"""One source, two notebooks: the one students get, and the one with solutions and outputs.
+"""Builds two notebooks from one source: for students, and with solutions and outputs.
 
 ``solutions/NN_name.py`` holds percent cells (jupytext). A cell that starts with
 ``# %% exercise="name"`` defines a function of that name, whose body is marked by
-``### BEGIN SOLUTION`` and ``### END SOLUTION``; a later cell says ``check_name.use(name)``; and
+``### BEGIN SOLUTION`` and ``### END SOLUTION``; a later cell calls ``check_name.use(name)``; and
 ``tests/wrong_answers/NN_name.py`` holds at least three answers that the check must reject.
 """
 
@@ -101,7 +101,7 @@ def for_students(solved: NotebookNode) -> NotebookNode:
 
 
 def stubbed(code: str) -> str:
-    """Code with what stands between the markers replaced by a stub."""
+    """Code whose marked solutions are replaced by a stub."""
     lines, hidden = [], False
     for line in code.splitlines():
         if line.strip() == BEGIN:
@@ -144,7 +144,7 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
 
 
 def to_text(notebook: NotebookNode) -> str:
-    """The notebook's file."""
+    """The text of the notebook's file."""
     return nbformat.writes(notebook) + "\n"
 
 
@@ -216,7 +216,7 @@ def _signatures(code: str, where: str) -> Iterator[str]:
 
 
 def _answers(path: Path) -> list[str]:
-    """For each wrong answer in a file the exercise it belongs to."""
+    """The exercise to which each wrong answer in a file belongs."""
     if not path.exists():
         return []
     tree = ast.parse(path.read_text(encoding="utf-8"))

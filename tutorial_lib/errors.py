@@ -1,8 +1,8 @@
-"""The error that a person is meant to read."""
+"""The error whose message is meant for users."""
 
 
 class InputError(ValueError):
-    """Something given from outside is wrong: one line that says what, where, and what to do.
+    """Invalid input: one line that says what is wrong, where, and what to do.
 
     The command line prints it without a traceback.
     """

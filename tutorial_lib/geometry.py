@@ -20,7 +20,7 @@ def wrap(angle: ArrayLike) -> Array:
 
 
 def to_local(pose: ArrayLike, points: ArrayLike) -> Array:
-    """Points of the world as seen from a pose: x ahead, y to the left.
+    """Points of the world in the frame of a pose: x ahead, y to the left.
 
     Args:
         pose: (..., 3).
@@ -39,7 +39,7 @@ def to_local(pose: ArrayLike, points: ArrayLike) -> Array:
 
 
 def to_world(pose: ArrayLike, points: ArrayLike) -> Array:
-    """Points given in the frame of a pose, in the world; the inverse of `to_local`.
+    """Points given in the frame of a pose, in world coordinates; the inverse of `to_local`.
 
     >>> to_world([1.0, 1.0, np.pi / 2], [2.0, 0.0]).round(6).tolist()
     [1.0, 3.0]
@@ -63,7 +63,7 @@ def compose(first: ArrayLike, second: ArrayLike) -> Array:
 
 
 def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
-    """A pose as seen from another one, the inverse of `compose`.
+    """A pose in the frame of another one; the inverse of `compose`.
 
     >>> relative([1.0, 0.0, np.pi / 2], [1.0, 1.0, np.pi / 2]).round(6).tolist()
     [1.0, 0.0, 0.0]
@@ -75,7 +75,7 @@ def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
 
 
 def inverse(pose: ArrayLike) -> Array:
-    """The pose that undoes a pose: composed, the two are the identity.
+    """The inverse of a pose: composed, the two are the identity.
 
     >>> inverse([1.0, 0.0, np.pi / 2]).round(6).tolist()
     [-0.0, 1.0, -1.570796]

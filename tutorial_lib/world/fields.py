@@ -10,14 +10,14 @@ from tutorial_lib.errors import InputError
 
 
 class Field:
-    """A value of a JSON or YAML document together with where it stands, as in ``walls[3].from``."""
+    """A value of a JSON or YAML document together with its place, as in ``walls[3].from``."""
 
     def __init__(self, value: Any, where: str) -> None:  # noqa: ANN401 - anything JSON can hold
         self.value = value
         self.where = where
 
     def fail(self, need: str) -> InputError:
-        """The error to raise: what stands there and what is needed."""
+        """The error to raise: the value found, and what is needed instead."""
         shown = repr(self.value)
         return InputError(f"{self.where}: {shown[:60]}{'…' * (len(shown) > 60)}; {need}")
 

@@ -1,4 +1,4 @@
-"""The pymunk space: robots that do not meet each other, walls, and people that everybody meets."""
+"""The pymunk space: robots that ignore each other, walls, and people."""
 
 import numpy as np
 import pymunk
@@ -18,12 +18,12 @@ _WRITE = _FIELDS.FORCE | _FIELDS.TORQUE
 class Fleet:
     """Robots of one footprint in one space.
 
-    On every substep each robot's force is chosen so that the solver starts from the velocity that
-    is asked for; contact then takes away what cannot be. A velocity moves the robot in the substep
-    after it was set.
+    On every substep each robot's force is chosen so that the solver starts from the requested
+    velocity; contact then removes the part that is blocked. A velocity moves the robot in the
+    substep after it is set.
 
     Attributes:
-        poses: (N, 3) headings are not wrapped.
+        poses: (N, 3), headings not wrapped.
         contacts: (N,) how many things each robot touches now.
         collided: (N,) whether it ever touched one.
     """
@@ -41,14 +41,14 @@ class Fleet:
         self._add_things(segments, crowd)
         self._space.on_collision(_ROBOT, _THING, begin=self._begin, separate=self._separate)
         self._state = pymunk.batch.Buffer()
-        # The space holds the robots first, then the people, whom no force moves.
+        # The space holds the robots first, then the people, which no force moves.
         self._forces = np.zeros((len(poses) + len(crowd.bodies), 3))
         self._orders = pymunk.batch.Buffer()
         self._orders.set_float_buf(self._forces)
 
     def substep(self, ahead: Array, aside: Array | float, turn: Array, seconds: float) -> None:
-        """Ask for velocities in the robots' frames, m/s and rad/s (N,), and step."""
-        # It acts in the next substep; half way through that, it points along the arc's chord.
+        """Request velocities in the robots' frames, m/s and rad/s (N,), and step."""
+        # The velocity acts in the next substep; halfway through, it points along the arc's chord.
         heading = self.poses[:, 2] + 1.5 * seconds * turn
         cos, sin = np.cos(heading), np.sin(heading)
         # The space damps all velocity away, so force * time / mass is the velocity.
@@ -64,7 +64,7 @@ class Fleet:
         self.poses = state.reshape(-1, 3)[: len(self.poses)].copy()
 
     def place(self, robots: NDArray[np.intp], poses: Array) -> None:
-        """Put those robots at rest at `poses` (M, 3)."""
+        """Put these robots at rest at `poses` (M, 3)."""
         for number, (x, y, heading) in zip(robots.tolist(), poses.tolist(), strict=True):
             robot = self._robots[number]
             robot.position, robot.angle = (x, y), heading
@@ -105,6 +105,6 @@ class Fleet:
 
 
 def _parties(arbiter: pymunk.Arbiter) -> tuple[int, bool]:
-    """The robot's number, and whether the thing it met exists for it."""
+    """The robot's index, and whether the thing it met exists for it."""
     robot, thing = sorted(arbiter.shapes, key=lambda shape: shape.collision_type)
     return robot.owner, thing.owner in (EVERYBODY, robot.owner)

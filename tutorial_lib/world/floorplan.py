@@ -14,7 +14,7 @@ from tutorial_lib.world.materials import Look, Material, texture_atlas
 ROOM_KINDS = ("hallway", "living", "kitchen", "bedroom", "bathroom", "office", "storage", "open")
 """What a room can be; "open" is a space of unknown use, as an imported map has."""
 FARTHEST = 250.0
-"""Metres from the middle of a plan to its walls at most: its grid has to fit in memory."""
+"""Metres from the middle of a plan to its farthest wall, at most: its grid has to fit in memory."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Door:
-    """An opening from `start` to `end`, on the middle of the wall, between two rooms' numbers."""
+    """An opening from `start` to `end`, on the wall's middle line, between two rooms (indices)."""
 
     start: tuple[float, float]
     end: tuple[float, float]
@@ -71,8 +71,8 @@ class FloorPlan:
 
     A wall is one face: a wall between two rooms has a face on either side and short pieces at the
     door posts, so each room has its own materials. Faces and furniture together are `segments`,
-    which is what rays meet and what the car bumps into. That rooms are closed is checked when a
-    plan is loaded; who builds one calls `occupancy.check_closed`.
+    which rays meet and robots collide with. Loading a plan checks that its rooms are closed; code
+    that builds one calls `occupancy.check_closed`.
 
     Attributes:
         family: the generator's or importer's name.
@@ -130,7 +130,7 @@ class FloorPlan:
 
     @cached_property
     def segment_materials(self) -> NDArray[np.int32]:
-        """(S,) for each segment the number of its material in `materials`."""
+        """(S,) the index of each segment's material in `materials`."""
         number = {material.name: i for i, material in enumerate(self.materials)}
         walls = [number[name] for name in self.wall_materials]
         pieces = [number[p.material] for p in self.furniture for _ in p.outline]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 
 PERIOD = 25.6
-"""Metres after which a strip repeats: longer than most rooms' walls together."""
+"""Metres after which a strip repeats: longer than the perimeter of most rooms."""
 TEXEL = 0.05
 """Metres of wall that one texel covers."""
 TEXELS = round(PERIOD / TEXEL)

@@ -1,4 +1,4 @@
-"""Motion that is not what was commanded, and odometry that is not what was driven."""
+"""Actuation noise and odometry noise."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -12,10 +12,10 @@ Rng = np.random.Generator
 
 
 class OdometryNoise(Protocol):
-    """How wheels misjudge a motion."""
+    """A model of odometry errors."""
 
     def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
-        """What is read for true motions (N, 3); `actions` (N,) for discrete ones, else None."""
+        """Measured motions (N, 3), given the true ones; `actions` (N,) if discrete, else None."""
 
 
 def scale_controls(actions: Array, sigma: float, rng: Rng) -> Array:
@@ -34,11 +34,11 @@ def scale_controls(actions: Array, sigma: float, rng: Rng) -> Array:
 
 @dataclass(frozen=True)
 class WheelOdometry:
-    """Odometry of a car: distance and turn are off by a share, and the heading drifts.
+    """Odometry of a car: relative errors of distance and turn, and a drift of the heading.
 
     Attributes:
-        distance: standard deviation of the share by which a motion's length is misread.
-        turn: the same for its turn.
+        distance: standard deviation of the relative error of a motion's length.
+        turn: the same for its angle.
         drift: rad of heading for a motion of one metre, standard deviation.
     """
 
@@ -47,7 +47,7 @@ class WheelOdometry:
     drift: float = 0.02
 
     def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
-        """What the wheels read for true motions (N, 3) in the robot's frame."""
+        """What the wheels measure for true motions (N, 3) in the robot's frame."""
         noise = rng.normal(size=motions.shape)
         length = np.linalg.norm(motions[:, :2], axis=1)
         read = motions.copy()

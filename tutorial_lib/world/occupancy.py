@@ -22,7 +22,7 @@ class ClearanceGrid:
     Attributes:
         clearance: (H, W) float32 metres, 0 wherever no room is; row 0 is the lowest y.
         origin: (x, y) of the grid's lower left corner, in metres.
-        resolution: metres a cell.
+        resolution: metres per cell.
     """
 
     clearance: NDArray[np.float32]
@@ -47,15 +47,15 @@ class ClearanceGrid:
 
 
 def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
-    """Rasterise a plan: what is joined to the inside of a room is free, all else is not.
+    """Rasterise a plan: what is connected to the inside of a room is free, all else is not.
 
     Args:
         plan: the floor plan.
-        resolution: metres a cell.
+        resolution: metres per cell.
 
     Returns:
-        The grid, one cell wider than the plan on every side; clearances are right to about half a
-        cell.
+        The grid, one cell wider than the plan on every side; clearances are accurate to
+        about half a cell.
     """
     origin, free = _draw_segments(plan, resolution)
     for piece in plan.furniture:
@@ -65,7 +65,7 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
     for room in plan.rooms:
         within = _room_mask(room, origin, resolution, free.shape)
         rim = within & (cv2.erode(within.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0)
-        # An island in the middle, the inside of a block, does not reach the rim.
+        # The inside of a block in the middle of a room does not reach the rim.
         inside[np.unique(labels[rim & (free > 0)])] = True
     inside[0] = False
     open_cells = (inside[labels] & (free > 0)).astype(np.uint8)
@@ -75,10 +75,10 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
 
 
 def cells_to_blocked(open_cells: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """(H, W) how many cells the nearest cell that is 0 is away from each.
+    """(H, W) distance, in cells, from each cell to the nearest cell that is 0.
 
-    OpenCV rounds otherwise with another number of threads. Squares of distances are whole numbers,
-    so that everybody gets the same bytes.
+    OpenCV's rounding depends on its number of threads. Squared distances are whole numbers, so
+    rounding them gives the same bytes everywhere.
     """
     distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     return np.sqrt(np.rint(distance.astype(np.float64) ** 2)).astype(np.float32)
@@ -134,7 +134,7 @@ def _to_cells(
 
 
 def _loose_end(plan: FloorPlan, room: Room) -> str:
-    """Where a wall ends without another, nearest to the room; empty when every end has a mate."""
+    """The loose wall end nearest to the room, as text; empty when every end meets another."""
     ends = plan.segments.reshape(-1, 2)
     gap, _ = cKDTree(ends).query(ends, k=2)
     loose = ends[gap[:, 1] > 0.02]

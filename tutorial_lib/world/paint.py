@@ -15,7 +15,7 @@ HALF_LIGHT = 12.0
 _DARKENING = np.float32(1.0 / HALF_LIGHT)
 _PER_TEXEL = np.float32(1.0 / TEXEL)
 _LONGEST = np.float32(2.0)  # metres of wall that one column averages at most, to either side
-_GRAZING = np.float32(0.02)  # sine of the flattest angle at which a wall is looked at
+_GRAZING = np.float32(0.02)  # sine of the flattest angle at which a wall is viewed
 _NEAREST = np.float32(1e-3)  # metres
 _ZERO_WIDTH = np.float32(1e-2)  # texels
 _ZERO, _HALF, _ONE = np.float32(0), np.float32(0.5), np.float32(1)
@@ -41,7 +41,7 @@ def paint_columns(
     `distance`, `wall` and `along` are those of `raycast.Hits`; `rays` (2, W) are directions in the
     robot's frame; `surfaces` and `strips` are those of
     `Scene`; `discs` (K, 3) are colours; `spread` (W,) is the angle in rad that a column covers,
-    and `flatten` (W,) what a ray's length is multiplied with for its depth in the picture.
+    and `flatten` (W,) the ratio of its depth in the image to the ray's length.
     """
     many, walls = rays.shape[1], len(surfaces)
     for pose in range(len(poses)):
@@ -93,7 +93,7 @@ def paint_rows(
 
     `colours` (N, 3 W) are the walls'; `nearness` (N, W) is 1 / their depth; `heights` (2,) are
     the metres from the eye up to a wall's upper and to its lower end; `slope` is that of the
-    picture's upper edge, and its lower edge is at minus that; `backdrop` (2, 3) are the colours of
+    image's upper edge, and its lower edge is at minus that; `backdrop` (2, 3) are the colours of
     ceiling and floor. `image` is written.
     """
     rows, width = image.shape[1], image.shape[2]
@@ -104,7 +104,7 @@ def paint_rows(
     horizon = np.float32(rows / 2.0)
     for n in range(len(image)):
         for column in range(width // 3):
-            # The wall's ends, in rows from the picture's upper edge, downwards.
+            # The wall's ends, in rows from the image's upper edge, downwards.
             scale = nearness[n, column] * per_row
             a, b = horizon - heights[0] * scale, horizon - heights[1] * scale
             for channel in range(3):
@@ -112,7 +112,7 @@ def paint_rows(
                 upper[i], lower[i] = a, b
                 to_ceiling[i] = backdrop[0, channel] - colours[n, i]
                 to_floor[i] = backdrop[1, channel] - colours[n, i]
-                colour[i] = colours[n, i] + _HALF  # so that cutting off rounds
+                colour[i] = colours[n, i] + _HALF  # so that truncation rounds
         for row in range(rows):
             line = image[n, row]
             first, end = np.float32(row), np.float32(row + 1)

@@ -1,4 +1,4 @@
-"""People who walk, and obstacles that stand: round things that are seen and felt."""
+"""People who walk, and obstacles that stand still: discs that robots see and collide with."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ _BESIDE = 0.6  # share of the distance ahead at which a person minds a robot bes
 
 @dataclass(frozen=True)
 class Person:
-    """Somebody who walks to and fro along a route; with one point, something that stands there.
+    """A person who walks to and fro along a route; with one point, an obstacle that stands there.
 
     Attributes:
         route: (K, 2) points in metres.
         speed: m/s.
         radius: metres.
-        owner: the robot for whom it exists, or `EVERYBODY`.
+        owner: index of the robot for which it exists, or `EVERYBODY`.
         colour: RGB.
         distance: metres walked along the route at the start.
         keep_off: metres between person and robot's pose at which the person stops and waits.
@@ -58,7 +58,7 @@ class Crowd:
     """All people and obstacles of a simulation, as kinematic bodies of its space."""
 
     def __init__(self, people: Sequence[Person]) -> None:
-        """Put everybody at the start of their routes."""
+        """Put all people at the start of their routes."""
         self.people = tuple(people)
         self._routes = [np.asarray(person.route, dtype=float) for person in people]
         self._miles = [arc_length(route) for route in self._routes]
@@ -80,12 +80,12 @@ class Crowd:
 
     @property
     def discs(self) -> Discs:
-        """Everybody as the rays meet them."""
+        """People and obstacles as the rays meet them."""
         circles = np.concatenate([self.positions, self.radii[:, None]], axis=1)
         return Discs(circles, self.owners, self._colours)
 
     def walk(self, robots: NDArray[np.float64], seconds: float) -> None:
-        """Set everybody's velocity for the next `seconds`, given the robots' poses (N, 3)."""
+        """Set all velocities for the next `seconds`, given the robots' poses (N, 3)."""
         before = self.positions
         wanted = self._walked + self._ahead * seconds * [person.speed for person in self.people]
         after = self._points(wanted)
@@ -107,7 +107,7 @@ class Crowd:
         step: NDArray[np.float64],
         robots: NDArray[np.float64],
     ) -> bool:
-        """Whether a robot that person k minds stands in the way of the step."""
+        """Whether a robot that exists for person k blocks its step."""
         mine = robots if self.owners[k] == EVERYBODY else robots[[self.owners[k]]]
         towards = mine[:, :2] - here
         gap = np.linalg.norm(towards, axis=1)
@@ -121,7 +121,7 @@ class Crowd:
         return bool((in_front | beside).any())
 
     def _points(self, walked: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(K, 2) where everybody is after walking so far, to and fro."""
+        """(K, 2) where people are after walking that far, to and fro."""
         points = np.zeros((len(self.people), 2))
         for k, (route, miles) in enumerate(zip(self._routes, self._miles, strict=True)):
             total = miles[-1]

@@ -9,7 +9,7 @@ from tutorial_lib.world.bodies import Body
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
 
-_ROUNDS = 100  # of drawing random poses, before it is said that there are none
+_ROUNDS = 100  # of drawing random poses, before giving up
 
 
 def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
@@ -20,7 +20,7 @@ def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
     free = scene.caster.sees(starts, ends).reshape(len(poses), -1).all(axis=1)
     free &= np.isfinite(poses).all(axis=1)
     free[free] = scene.clearance.at(poses[free, :2]) > 0
-    # A thin post can stand within the outline and cut none of its sides.
+    # A thin post can stand inside the outline without crossing any of its sides.
     around = np.flatnonzero(free)
     reach = np.linalg.norm(footprint, axis=1).max()
     posts = scene.wall_ends.query_ball_point(poses[around, :2], reach)

@@ -32,7 +32,7 @@ def cast_all(
     """Compare every ray with every wall that reaches into its bundle's wedge.
 
     `bundle` neighbouring rays must span less than pi, or be all of them (then no wall is left out).
-    Which wall is nearest is found in float32, many rays at a time; its distance is then worked out
+    The nearest wall is found in float32, many rays at a time; its distance is then computed
     in float64.
     """
     count, many = segments.shape[1], rays.shape[1]
@@ -56,7 +56,7 @@ def cast_all(
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def scratch_for(count: int, bundle: int) -> tuple[Ints, Ints, Singles, Singles, Singles, Ints]:
-    """The room that `nearest` works in, laid out once for many poses."""
+    """Working memory for `nearest`, allocated once for many poses."""
     inside, seen = np.empty(count, np.int32), np.empty(count, np.int32)
     ex, ey, best = np.empty(bundle, F), np.empty(bundle, F), np.empty(bundle, F)
     return inside, seen, ex, ey, best, np.empty(bundle, np.int32)
@@ -149,10 +149,10 @@ def cast_discs(
     wall: Ints,
     along: Floats,
 ) -> None:
-    """Put discs in front of what was hit; disc k gets the wall number `first` + k.
+    """Replace hits by discs that are nearer; disc k gets the wall index `first` + k.
 
-    A disc (x, y, radius) with owner -1 is there for everybody, else only for the viewer of that
-    number. `along` runs counter-clockwise around the disc, from its +x side.
+    A disc (x, y, radius) with owner -1 exists for every viewer, else only for the viewer with that
+    index. `along` runs counter-clockwise around the disc, from its +x side.
     """
     for pose in range(len(poses)):
         x, y = poses[pose, 0], poses[pose, 1]

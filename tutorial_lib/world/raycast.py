@@ -19,7 +19,7 @@ from tutorial_lib.world.ray_kernels import cast_all, cast_discs
 GRID_FROM = 250
 """Number of walls from which the grid is faster (``python -m tutorial_lib bench raycast``)."""
 WALLS_PER_CELL = 1.0
-"""Aimed at when the grid is laid."""
+"""Target when the grid is laid out."""
 _WEDGE = np.deg2rad(170.0)
 _WIDEST_BUNDLE = 64
 
@@ -33,7 +33,7 @@ class Discs:
 
     Attributes:
         circles: (K, 3) x, y, radius in metres.
-        owners: (K,) int32, the robot for whom the disc exists, or -1 for everybody.
+        owners: (K,) int32, index of the robot for which the disc exists, or -1 for all robots.
         colours: (K, 3) float32 RGB, 0 to 255.
     """
 
@@ -86,7 +86,7 @@ class Hits:
 
     Attributes:
         distance: (N, R) metres; inf where a ray met nothing.
-        wall: (N, R) int32 number of the segment; the segments' number + k for disc k; -1 for none.
+        wall: (N, R) int32 index of the segment; for disc k the number of segments + k; -1 for none.
         along: (N, R) metres from the segment's first end, or around the disc.
     """
 
@@ -98,7 +98,7 @@ class Hits:
 class Raycaster:
     """Casts fans of rays from poses onto the segments of a world.
 
-    From a pose exactly on a wall, whether that wall is met is undefined.
+    Whether a ray from a pose exactly on a wall meets that wall is undefined.
     """
 
     def __init__(self, segments: ArrayLike, grid: bool | None = None) -> None:

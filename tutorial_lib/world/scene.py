@@ -12,7 +12,7 @@ from tutorial_lib.world.occupancy import ClearanceGrid, clearance_grid
 from tutorial_lib.world.raycast import Raycaster
 
 SHADE = 0.15
-"""How much darker a wall along x is than one along y, so that corners can be seen."""
+"""How much darker a wall along x is than one along y, so that corners are visible."""
 
 
 class Scene:
@@ -30,7 +30,7 @@ class Scene:
 
     @cached_property
     def wall_ends(self) -> cKDTree:
-        """All ends of walls and furniture, to be asked which are near."""
+        """All ends of walls and furniture, for queries of those nearby."""
         return cKDTree(self.plan.segments.reshape(-1, 2))
 
     @cached_property
@@ -47,8 +47,8 @@ class Scene:
     def strips(self) -> NDArray[np.float32]:
         """(M, TEXELS + 1, 3) running sums of each strip.
 
-        The mean colour of any stretch of wall is a difference of two of them, so a far wall is
-        seen as the average of its colours, and not as one texel picked at random.
+        The mean colour of any stretch of wall follows from a difference of two of them, so a far
+        wall is seen as the average of its colours and not as one arbitrary texel.
         """
         sums = np.zeros((len(self.plan.materials), TEXELS + 1, 3))
         np.cumsum(self.plan.atlas, axis=1, dtype=np.float64, out=sums[:, 1:])

@@ -23,7 +23,7 @@ _NO_DISCS = np.zeros((0, 3), np.float32)
 
 
 class _Eye:
-    """What both cameras share; they say where their columns look."""
+    """What both cameras share; each defines where its columns look."""
 
     rows: int
     slope: float
@@ -38,7 +38,7 @@ class _Eye:
         discs: Discs | None = None,
         viewers: Viewers | None = None,
     ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-        """Take a picture from every pose.
+        """Render an image from every pose.
 
         Args:
             scene: the world.
@@ -60,14 +60,14 @@ class _Eye:
 class Camera(_Eye):
     """A pinhole camera at the robot's pose, looking ahead.
 
-    Columns are equally wide on the image plane. A picture with fewer rows is the same picture with
-    taller pixels: each of its rows is the mean of those it stands for.
+    Columns are equally wide on the image plane. An image with fewer rows is the same image with
+    taller pixels: each of its rows is the mean of those it replaces.
 
     Attributes:
         rows: 16 for learning, 64 for people.
         columns: pixels from left to right.
         field_of_view: horizontal, radians.
-        slope: of the picture's upper edge, tan(30 degrees); its lower edge mirrors it.
+        slope: of the image's upper edge, tan(30 degrees); its lower edge mirrors it.
     """
 
     rows: int = 16
@@ -144,7 +144,7 @@ class PanoramicCamera(_Eye):
 
     @cached_property
     def flatten(self) -> NDArray[np.float32]:
-        """(W,) ones: the picture is on a cylinder."""
+        """(W,) ones: the image lies on a cylinder."""
         return np.ones(self.columns, np.float32)
 
     def split(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -168,7 +168,7 @@ class Laser:
     Attributes:
         beams: number of beams.
         field_of_view: radians.
-        range: metres; what is farther is reported as this.
+        range: metres; farther distances are reported as this.
     """
 
     beams: int = 96
@@ -196,7 +196,7 @@ class Laser:
 
 
 def full_circle(count: int) -> NDArray[np.float64]:
-    """Angles in the middle of `count` equal parts of the circle, rising from -pi."""
+    """Middle angles of `count` equal parts of the circle, rising from -pi."""
     return (np.arange(count) + 0.5) * (2 * np.pi / count) - np.pi
 
 

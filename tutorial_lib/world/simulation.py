@@ -1,4 +1,4 @@
-"""pymunk owns motion and contact: one robot, or a fleet of robots that do not meet each other."""
+"""Motion and contact, simulated by pymunk: one robot, or a fleet whose robots ignore each other."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -36,9 +36,9 @@ class Sensors:
     """What a robot carries.
 
     Attributes:
-        camera: takes the pictures; None for none, where only the laser is needed.
+        camera: takes the images; None where only the laser is needed.
         laser: scans the full circle.
-        with_depth: whether the camera tells depth.
+        with_depth: whether observations include depth.
     """
 
     camera: Camera | PanoramicCamera | None = field(default_factory=Camera)
@@ -58,10 +58,10 @@ class Simulation:
     Attributes:
         scene: the world.
         body: the robots' model.
-        poses: (N, 3) where the robots really are.
+        poses: (N, 3) true poses of the robots.
         controls: (N, 2) speed in m/s, and steering in rad (car) or rad/s.
-        speed: (N,) m/s ahead that the robots really made in the last step.
-        odometry: (N, 3) pose since the start, as the wheels tell it.
+        speed: (N,) true forward speed in the last step, m/s.
+        odometry: (N, 3) pose relative to the start, as the wheels measure it.
         seconds: simulated so far.
     """
 
@@ -83,7 +83,7 @@ class Simulation:
             scene: the world.
             poses: (N, 3) where the robots start.
             body: their model, a `BicycleCar` unless given.
-            people: who walks and what stands about.
+            people: people and obstacles.
             control_noise: sigma of `scale_controls`.
             odometry_noise: exact odometry unless given.
             sensors: camera and laser.
@@ -161,7 +161,7 @@ class Simulation:
             actions: (N,) of STOP, FORWARD, LEFT, RIGHT.
 
         Raises:
-            InputError: when there is another number among them, or the simulation has no `rng`.
+            InputError: when an action is none of these, or the simulation has no `rng`.
         """
         if self._rng is None:
             raise InputError("simulation: discrete actions are noisy; give it an rng")
@@ -181,10 +181,10 @@ class Simulation:
         self._finish(before, ACTION_SECONDS, actions)
 
     def place(self, robots: ArrayLike, poses: ArrayLike) -> None:
-        """Somebody picks robots up and puts them down elsewhere, at rest; no odometer notices.
+        """Teleport robots, at rest (kidnapped-robot test); odometry is unaffected.
 
         Args:
-            robots: (M,) their numbers, each once.
+            robots: (M,) their indices, each once.
             poses: (M, 3) where to.
 
         Raises:
@@ -200,7 +200,7 @@ class Simulation:
         if not np.isin(robots, np.arange(len(self))).all():
             raise InputError(f"place: robots {robots}; there are 0 to {len(self) - 1}")
         check_free(self.scene, self.body, poses)
-        # Nobody is in the way of a robot that is nowhere.
+        # A robot at NaN is in no one's way: only those that move are checked.
         alone = np.full_like(self.poses, np.nan)
         alone[robots] = poses
         check_apart(self.body, alone, self.crowd.discs)
@@ -212,10 +212,10 @@ class Simulation:
         self.controls[robots], self.speed[robots] = 0.0, 0.0
 
     def observe(self, robots: NDArray[np.intp] | None = None) -> Observation:
-        """What the robots' sensors tell now.
+        """What the robots' sensors measure now.
 
         Args:
-            robots: (M,) numbers of those to ask; all unless given.
+            robots: (M,) indices of the robots to observe; all unless given.
         """
         numbers = np.arange(len(self), dtype=np.int32)
         numbers = numbers if robots is None else numbers[robots]
@@ -233,7 +233,7 @@ class Simulation:
     def _look(
         self, poses: Array, discs: Discs | None, numbers: NDArray[np.int32]
     ) -> tuple[NDArray[np.uint8], Array]:
-        """Pictures and depth; both are empty where there is no camera."""
+        """Images and depth; both are empty where there is no camera."""
         if self.sensors.camera is None:
             return np.empty((len(poses), 0, 0, 3), np.uint8), np.empty((len(poses), 0))
         return self.sensors.camera.look(self.scene, poses, discs, numbers)

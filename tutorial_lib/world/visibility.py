@@ -9,7 +9,7 @@ from tutorial_lib.world.raycast import Fan, Raycaster
 RAYS = 100
 """Rays that sample a view."""
 OFF_THE_WALL = 0.06
-"""Metres by which a point on a wall is pulled back before somebody else must see it."""
+"""Metres by which a point on a wall is pulled back before the other view must see it."""
 FIELD_OF_VIEW = float(np.deg2rad(120.0))
 
 
@@ -20,7 +20,7 @@ def mutual_overlap(
     field_of_view: float = FIELD_OF_VIEW,
     rays: int = RAYS,
 ) -> NDArray[np.float64]:
-    """How much of either view the other one holds (Meng 2020, III-B).
+    """The share of each view that the other one sees as well (Meng 2020, III-B).
 
     The share of one view's points, sampled by equally spaced rays, that lie within the field of
     view of the other and in its line of sight. Symmetric only where both see equally far.
@@ -54,7 +54,7 @@ def _share(
     fan = Fan(field_of_view * ((np.arange(rays) + 0.5) / rays - 0.5))
     distance = caster.cast(viewers, fan).distance
     seen = np.isfinite(distance)
-    # Never back onto the viewer: where it stands itself has no bearing.
+    # Never back onto the viewer, whose own position has no bearing.
     reach = np.where(seen, np.maximum(distance - OFF_THE_WALL, distance / 2), 0.0)
     angles = viewers[:, 2:] + fan.angles
     direction = np.stack([np.cos(angles), np.sin(angles)], axis=-1)

@@ -2,7 +2,7 @@
 
 Large ones say so: "apartment/17/standard/large".
 
-A recorded trajectory names its world so, and the pictures are rendered again from the name.
+A recorded trajectory stores this name, and its images are rendered again from it.
 """
 
 from tutorial_lib.errors import InputError
@@ -34,7 +34,7 @@ def world_name(family: str, seed: int, palette: str = "standard", size: str = "a
 
 
 def parse_world(name: str) -> tuple[str, int, str, str]:
-    """Family, seed, palette and size of a name; each world has only one.
+    """Family, seed, palette and size of a name; each world has exactly one name.
 
     Raises:
         InputError: saying which part of the name is wrong.
@@ -93,6 +93,6 @@ def training_world(seed: int, palette: str = "standard") -> str:
 
 
 def _by_seed(families: tuple[str, ...], seed: int, palette: str, size: str = "any") -> str:
-    # The name is checked before the seed is reckoned with.
+    # The name is checked before the seed is used as a number.
     world_name(families[0], seed, palette, size)
     return world_name(families[int(seed) % len(families)], seed, palette, size)

@@ -33,7 +33,7 @@ FAMILIES = tuple(_DRAW)
 AREAS = {"any": (100.0, 500.0), "large": (200.0, 460.0)}
 """Least and greatest square metres of all rooms together, by size."""
 _WITHIN = (10.0, -30.0)
-"""What a draw aims at is by so much within the least and the greatest."""
+"""Margins in square metres by which the area aimed at keeps within these limits."""
 
 
 def generate(family: str, seed: int, palette: str = "standard", size: str = "any") -> FloorPlan:

@@ -22,7 +22,7 @@ SIZES = {
 WISHES = {"bedroom": 4.0, "bathroom": 2.0, "office": 1.3, "storage": 1.0, "living": 0.8}
 DEPTH = (3.6, 4.9)
 SECOND_LIVING_ROOM = 13.0
-"""Metres: a band beyond this length has a living room of its own."""
+"""Metres; a longer band has a living room of its own."""
 
 
 def apartment(rng: np.random.Generator, area: float) -> Layout:
@@ -45,7 +45,7 @@ def apartment(rng: np.random.Generator, area: float) -> Layout:
 
 
 def _skeleton(rng: np.random.Generator, area: float, hall: float) -> Skeleton:
-    """A hallway whose form goes with the apartment's size in square metres."""
+    """A hallway whose shape depends on the apartment's size in square metres."""
     across = sum(DEPTH) + hall
     if area < 190.0 or (area < 240.0 and rng.random() < 0.5):
         cap = tidy(rng.uniform(3.8, 5.2)) if rng.random() < 0.5 else 0.0

@@ -72,7 +72,7 @@ class Model:
     groups: range
 
     def copy_to(self, layout: Layout, move: Move) -> int:
-        """Add a copy with its furniture, without its door; returns the room's number."""
+        """Add a copy with its furniture, without its door; returns the room's index."""
         layout.place(
             [Furniture(p.kind, move.outline(p.outline), p.material) for p in self.pieces],
             self.groups,

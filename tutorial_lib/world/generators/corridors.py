@@ -24,7 +24,7 @@ SIZES = {
 WISHES = {"office": 2.0, "storage": 1.0, "open": 1.0, "lounge": 1.0, "bathroom": 0.7}
 DEPTH = (3.2, 4.6)
 FEWEST = 3
-"""A loop has at least so many rooms."""
+"""Least number of rooms of a loop."""
 
 
 def loop_corridor(rng: np.random.Generator, area: float) -> Layout:
@@ -61,7 +61,7 @@ def _band(
 
 
 def _skeleton(rng: np.random.Generator, area: float, hall: float, crowd: float) -> Skeleton:
-    """A ring whose length goes with the area in square metres."""
+    """A ring whose length depends on the area in square metres."""
     half_perimeter = area / (hall + 4.4 * crowd) / 2
     width = half_perimeter * rng.uniform(0.45, 0.65)
     height = half_perimeter - width

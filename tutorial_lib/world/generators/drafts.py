@@ -34,7 +34,7 @@ class RoomDraft:
 
 @dataclass(frozen=True)
 class Opening:
-    """A door: the hole in the wall, whether that wall runs along x, and the two rooms' numbers."""
+    """A door: the hole in the wall, whether that wall runs along x, and the two rooms' indices."""
 
     hole: Rect
     along_x: bool

@@ -34,7 +34,7 @@ def dress(
     """The same plan in colour.
 
     Args:
-        plan: its materials are named after rooms, or after furniture and a number.
+        plan: its materials are named after rooms, or after furniture with a number.
         uses: for each material of a room, what the room is used for.
         rng: draws all colours.
         palette: one of `PALETTES`.

@@ -22,7 +22,7 @@ from tutorial_lib.world.generators.layout import Layout
 from tutorial_lib.world.generators.rectilinear import Outline, Point, Rect, overlap, sides, tidy
 
 VARIANTS = 3
-"""Each kind of furniture comes in so many looks in one world."""
+"""Looks of each kind of furniture within one world."""
 TRIES = 14
 """Places tried for a group before it is left out."""
 TRIES_FOR_NEEDED = 50
@@ -39,7 +39,7 @@ Frame = tuple[Point, Point]
 
 
 def furnish(rng: np.random.Generator, layout: Layout, rooms: Iterable[int]) -> None:
-    """Furnish the rooms of these numbers, each in its own way."""
+    """Furnish the rooms with these indices, each in its own way."""
     for number in rooms:
         keep_free = [opening.approach for opening in layout.openings_of(number)]
         layout.place(furnish_room(rng, layout.rooms[number], keep_free))

@@ -47,19 +47,19 @@ class Layout:
     twins: list[int] = field(default_factory=list)
 
     def add(self, use: str, rects: Sequence[Rect]) -> int:
-        """Add a room that reaches to the middle of its walls; returns its number."""
+        """Add a room that reaches to the middle of its walls; returns its index."""
         outline = inset(outline_of(rects), self.thickness / 2)
         return self.add_faces(use, outline, f"{use} {len(self.rooms)}")
 
     def add_faces(self, use: str, outline: Outline, material: str) -> int:
-        """Add a room whose faces are given; returns its number."""
+        """Add a room whose faces are given; returns its index."""
         self.rooms.append(RoomDraft(use, outline, material))
         return len(self.rooms) - 1
 
     def add_corridors(
         self, rng: np.random.Generator, groups: Sequence[Sequence[Rect]]
     ) -> list[int]:
-        """Add hallways, with a door wherever two of them meet; returns their numbers.
+        """Add hallways, with a door wherever two of them meet; returns their indices.
 
         Raises:
             DoesNotFit: if a hallway is too narrow for a door.
@@ -173,7 +173,7 @@ def _laps(low: float, high: float) -> list[tuple[float, float]]:
 
 
 def _at(start: Point, end: Point, distance: float) -> Point:
-    """The point `distance` metres from start on the way to end, along x or y."""
+    """The point `distance` metres from start towards end, along x or y."""
     dx, dy = np.sign(np.subtract(end, start))
     return tidy(start[0] + distance * dx), tidy(start[1] + distance * dy)
 

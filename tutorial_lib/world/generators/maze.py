@@ -17,13 +17,13 @@ Cell = tuple[int, int]
 Passage = tuple[Cell, Cell]
 
 ROOM_CELLS = 15
-"""At least so many cells make a room; passages between rooms have a door."""
+"""Least number of cells of a room; passages between rooms have a door."""
 SMALLEST_ROOM = 5
 """Cells: a smaller rest belongs to the room beside it."""
 LOOPS = 0.12
 """Share of the closed walls between two rooms, cell by cell, that get a door."""
 CELLS_PER_PLAZA = 35
-"""For so many cells one wider place is tried."""
+"""Cells for which one wider place is tried."""
 WINDING = 0.8
 """Chance that a passage goes on from the newest cell, which makes long winding corridors."""
 
@@ -114,7 +114,7 @@ def _plazas(rng: np.random.Generator, grid: Grid) -> dict[Cell, Cell]:
 
 
 def _tree(rng: np.random.Generator, grid: Grid, plaza: dict[Cell, Cell]) -> dict[Cell, Passage]:
-    """A tree through all places: the ways into all but the first, in the order reached."""
+    """A tree through all places: the passages into all but the first, in the order reached."""
     beside: dict[Cell, list[tuple[Cell, Passage]]] = {place: [] for place in plaza.values()}
     for passage in grid.passages():
         one, two = (plaza[cell] for cell in passage)
@@ -140,7 +140,7 @@ def _tree(rng: np.random.Generator, grid: Grid, plaza: dict[Cell, Cell]) -> dict
 def _rooms(
     rng: np.random.Generator, grid: Grid, plaza: dict[Cell, Cell], tree: dict[Cell, Passage]
 ) -> dict[Cell, int]:
-    """Cut the tree into rooms: for each place the number of its room."""
+    """Cut the tree into rooms: for each place the index of its room."""
     parent = {
         place: next(plaza[cell] for cell in passage if plaza[cell] != place)
         for place, passage in tree.items()
@@ -154,7 +154,7 @@ def _rooms(
         else:
             size[parent[place]] += size[place]
     if heads and size[start] < SMALLEST_ROOM:
-        heads.pop()  # the one reached first, so it hangs on the start's room
+        heads.pop()  # the one reached first, so it belongs to the start's room
     room = {start: 0}
     for place in tree:
         room[place] = 1 + heads.index(place) if place in heads else room[parent[place]]

@@ -1,4 +1,4 @@
-"""Offices: corridors of several forms, with offices and shared rooms on both sides."""
+"""Offices: corridors of several shapes, with offices and shared rooms on both sides."""
 
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ def _room_at_the_end(
 
 
 def _skeleton(rng: np.random.Generator, area: float, hall: float) -> Skeleton:
-    """Corridors whose form goes with the office's size in square metres."""
+    """Corridors whose shape depends on the office's size in square metres."""
     across = sum(DEPTH) + hall
     form = rng.choice(_forms(area))
     if form == "straight":
@@ -111,6 +111,6 @@ def _skeleton(rng: np.random.Generator, area: float, hall: float) -> Skeleton:
 
 
 def _forms(area: float) -> list[str]:
-    """The forms of corridor that fit an area in square metres."""
+    """The shapes of corridor that fit an area in square metres."""
     smallest = {"straight": 0.0, "tee": 170.0, "u": 260.0, "z": 260.0, "ring": 230.0}
     return [name for name, least in smallest.items() if least <= area][-4:]

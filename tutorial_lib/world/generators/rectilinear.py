@@ -100,7 +100,7 @@ def inset(outline: Outline, distance: float) -> Outline:
 
 
 def _inward(start: Point, end: Point) -> Point:
-    """The unit vector to the left of the way from `start` to `end`."""
+    """The unit vector to the left of the direction from `start` to `end`."""
     return float(np.sign(start[1] - end[1])), float(np.sign(end[0] - start[0]))
 
 

@@ -1,4 +1,4 @@
-"""Taking away the furniture that keeps the car from getting everywhere."""
+"""Removes the furniture that keeps the car from getting everywhere."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ RESOLUTION = 0.05
 
 
 def open_up(plan: FloorPlan, twins: list[int]) -> FloorPlan:
-    """Remove furniture until the car can get from everywhere to everywhere.
+    """Remove furniture until the car can get from anywhere to anywhere.
 
     Args:
         plan: with all its furniture.
-        twins: for each piece its group; a group goes as one.
+        twins: for each piece its group; a group is removed as one.
 
     Raises:
         DoesNotFit: if the bare walls keep the car out of somewhere.
@@ -53,7 +53,7 @@ def _cut_off(plan: FloorPlan, grid: ClearanceGrid) -> set[int]:
 
 
 def _nearest_piece(plan: FloorPlan, points: NDArray[np.float64]) -> int:
-    """The number of the piece of furniture that is nearest to any of the points (N, 2)."""
+    """The index of the piece of furniture that is nearest to any of the points (N, 2)."""
     if not plan.furniture:
         raise DoesNotFit("walls that cut off a part of the floor")
     corners = [len(piece.outline) for piece in plan.furniture]

@@ -114,7 +114,7 @@ def _add_stretch(
     corridor: Model,
     place: tuple[float, float],
 ) -> int:
-    """Add a stretch of corridor with its rooms; returns the corridor's number."""
+    """Add a stretch of corridor with its rooms; returns the corridor's index."""
     dx, dy = place
     hall = corridor.copy_to(layout, Move(False, dx, dy))
     for model, at_start in _places(module, rooms):
@@ -150,7 +150,7 @@ def _add_ends(
         layout: to add to.
         module: the measures.
         corridor: has the door that all ends have.
-        ends: for each end the number of the stretch, and its x and its corridor's y in metres.
+        ends: for each end the index of the stretch, and its x and its corridor's y in metres.
     """
     for high_side in (False, True):
         here = [end for end in ends if (end[1] > 0.0) == high_side]

@@ -1,4 +1,4 @@
-"""Floor plans from maps that others made: ROS occupancy grids and HouseExpo outlines."""
+"""Floor plans from existing maps: ROS occupancy grids and HouseExpo outlines."""
 
 from tutorial_lib.world.importers.any_map import import_map
 from tutorial_lib.world.importers.houseexpo import import_houseexpo

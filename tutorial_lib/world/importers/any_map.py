@@ -1,4 +1,4 @@
-"""Any kind of map, recognised by its suffix and what it holds."""
+"""Any kind of map, recognised by its suffix and content."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Maps as ROS saves them: a YAML file beside a picture of the occupancy grid.
+"""Maps as ROS saves them: a YAML file beside an image of the occupancy grid.
 
 The meaning of every key is that of nav2's map_server.
 """
@@ -36,7 +36,7 @@ def import_ros_map(path: str | Path, seed: int = 0, palette: str = "standard") -
     the grid's cells and simplified within half a cell. Regions too small for the car are left out.
 
     Args:
-        path: the YAML file; its picture is found relative to it.
+        path: the YAML file; its image is found relative to it.
         seed: of the colours, which a map does not have.
         palette: "standard" or "shifted".
 
@@ -101,7 +101,7 @@ def _positive(entry: Field) -> float:
 
 
 def _origin(entry: Field) -> NDArray[np.float64]:
-    """The pose [x, y, yaw] of the picture's lower left corner."""
+    """The pose [x, y, yaw] of the image's lower left corner."""
     if not isinstance(entry.value, list) or len(entry.value) != 3:
         raise entry.fail("give [x, y, yaw]")
     return np.array([_number(item) for item in entry])

@@ -1,4 +1,4 @@
-"""Materials for walls that come from a map, which says nothing about how they look."""
+"""Materials for walls from a map, which does not record how they look."""
 
 from __future__ import annotations
 
