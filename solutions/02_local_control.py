@@ -788,8 +788,10 @@ other_pairs = [replace(lessons, targets=64, starts=2).block([1, 0])]
 def loss_chart(history):
     """How the loss falls."""
     figure, (axis,) = chart(7.0, 3.0)
-    steps = [look["step"] for look in history]
-    axis.plot(steps, [look["training"] for look in history], "o-", color="0.2", clip_on=False)
+    steps = [evaluation["step"] for evaluation in history]
+    axis.plot(
+        steps, [evaluation["training"] for evaluation in history], "o-", color="0.2", clip_on=False
+    )
     axis.set(
         xlabel="steps, each with 64 pairs of pictures",
         ylabel="training loss",
@@ -804,8 +806,8 @@ trained, progress = train(
     small_network,
     lessons,
     other_pairs,
-    Settings(steps=600, rate=4e-3, warmup_steps=40, every=60),
-    on_look=lambda _, progress: handle.update(loss_chart(progress.history)),
+    Settings(max_steps=600, learning_rate=4e-3, warmup_steps=40, eval_interval=60),
+    on_evaluation=lambda _, progress: handle.update(loss_chart(progress.history)),
 )
 
 # %%

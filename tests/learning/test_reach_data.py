@@ -265,7 +265,7 @@ def tiny(tmp_path, monkeypatch, recorded):
     """The command trains a tiny network on made-up outcomes, in a folder of the test's."""
     lesson = Lessons(recorded, made_up(recorded, 12, 0))
     mined = made_up(recorded, 3, 1)
-    short = Settings(steps=4, targets=2, every=2)
+    short = Settings(max_steps=4, targets=2, eval_interval=2)
     architecture = Architecture(0, outputs="reachability")
     recipe = replace(
         REACHABILITY["0"], architecture=architecture, first=short, second=replace(short, seed=1)

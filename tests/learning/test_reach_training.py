@@ -12,7 +12,7 @@ from tutorial_lib.learning import training
 from tutorial_lib.learning.losses import OVERLAP_WEIGHT, reach_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.reach_batches import Lessons, OutcomeSource
-from tutorial_lib.learning.training import Settings, take_over, train
+from tutorial_lib.learning.training import Settings, copy_matching_weights, train
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 TELLS = {"outputs": "reachability"}
@@ -123,29 +123,31 @@ def test_what_fits_is_taken_over_and_nothing_else():
     network, begin = LocalNetwork(SMALL), trained()
     before, own = trained(), LocalNetwork(SMALL)
     own.load_state_dict(network.state_dict())
-    take_over(network, begin)
+    copy_matching_weights(network, begin)
     assert differing(network, begin) == HEADS
     assert differing(begin, before) == set()
     assert differing(network, own) == set(own.state_dict()) - HEADS
     # Another context: its layer has another shape.
-    take_over(network := LocalNetwork(Architecture(2, "pair", **TELLS)), begin)
+    copy_matching_weights(network := LocalNetwork(Architecture(2, "pair", **TELLS)), begin)
     assert differing(network, begin) == HEADS | {"context.weight"}
 
 
 def test_training_begins_with_the_weights_that_it_is_given(lessons, pictured):
     source = OutcomeSource(lessons, SMALL, mined=0.0, worlds=2, targets=4)
-    still = Settings(steps=1, targets=4, rate=0.0)
-    network, _ = train(SMALL, source, [pictured], still, begin_with=trained())
+    still = Settings(max_steps=1, targets=4, learning_rate=0.0)
+    network, _ = train(SMALL, source, [pictured], still, init_from=trained())
     fresh, _ = train(SMALL, source, [pictured], still)
     assert differing(network, trained()) == HEADS
     assert differing(network, fresh) == set(fresh.state_dict()) - HEADS  # drawn by the seed
-    moved, _ = train(SMALL, source, [pictured], replace(still, rate=1e-3), begin_with=trained())
+    moved, _ = train(
+        SMALL, source, [pictured], replace(still, learning_rate=1e-3), init_from=trained()
+    )
     assert differing(moved, trained()) > HEADS
 
 
 def test_a_stopped_training_goes_on_to_the_same_weights(lessons, pictured, tmp_path):
     source = OutcomeSource(lessons, SMALL, mined=0.0, worlds=2, targets=4)
-    settings = Settings(steps=6, targets=4, warmup_steps=2, every=3)
+    settings = Settings(max_steps=6, targets=4, warmup_steps=2, eval_interval=3)
 
     class StoppedError(Exception):
         pass
@@ -153,12 +155,12 @@ def test_a_stopped_training_goes_on_to_the_same_weights(lessons, pictured, tmp_p
     def stop(network, progress):
         raise StoppedError
 
-    whole, progress = train(SMALL, source, [pictured], settings, begin_with=trained())
+    whole, progress = train(SMALL, source, [pictured], settings, init_from=trained())
     assert set(progress.history[0]) == {"step", "training", "validation"}
     checkpoint = tmp_path / "tiny.pt"
     with pytest.raises(StoppedError):
-        train(SMALL, source, [pictured], settings, checkpoint, stop, begin_with=trained())
-    again, there = train(SMALL, source, [pictured], settings, checkpoint, begin_with=trained())
+        train(SMALL, source, [pictured], settings, checkpoint, stop, init_from=trained())
+    again, there = train(SMALL, source, [pictured], settings, checkpoint, init_from=trained())
     assert differing(again, whole) == set()
     assert there == progress
 
@@ -173,7 +175,9 @@ class Fixed(OutcomeSource):
 def test_outcomes_by_lot_can_be_learnt_by_heart(lessons):
     fixed = Fixed(lessons, SMALL, mined=0.0, worlds=1, targets=8, vary=False)
     block = fixed.block([])
-    settings = Settings(steps=80, targets=8, rate=5e-3, warmup_steps=10, every=20)
+    settings = Settings(
+        max_steps=80, targets=8, learning_rate=5e-3, warmup_steps=10, eval_interval=20
+    )
     network, progress = train(SMALL, fixed, [block], settings)
     begun, least = (
         reach_loss(outputs, block).mean().item()

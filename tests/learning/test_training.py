@@ -22,7 +22,7 @@ from tutorial_lib.world.visibility import mutual_overlap
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 ARRAYS = [field.name for field in fields(Batch)]
 TINY = Architecture(1, "pair")
-SETTINGS = Settings(steps=20, targets=4, warmup_steps=5, every=4)
+SETTINGS = Settings(max_steps=20, targets=4, warmup_steps=5, eval_interval=4)
 
 
 @pytest.fixture(scope="module")
@@ -349,8 +349,8 @@ def finished(source, validation):
     return train(TINY, source, validation, SETTINGS)
 
 
-def test_the_rate_rises_and_falls():
-    settings = Settings(steps=1000, rate=0.01, warmup_steps=100)
+def test_the_learning_rate_rises_and_falls():
+    settings = Settings(max_steps=1000, learning_rate=0.01, warmup_steps=100)
     rates = [settings.learning_rate_at(step) for step in range(1000)]
     assert rates[0] == pytest.approx(0.01 / 100, rel=0.02)
     assert max(rates) == pytest.approx(0.01, rel=0.05)
@@ -368,9 +368,9 @@ def test_the_same_seed_trains_the_same_weights(source, validation, finished):
     assert not equal(other, network)
 
 
-def test_the_seed_draws_the_first_weights_too(source, validation):
+def test_the_seed_draws_the_initial_weights_too(source, validation):
     # At a rate of zero nothing is learnt.
-    still = replace(SETTINGS, steps=1, rate=0.0)
+    still = replace(SETTINGS, max_steps=1, learning_rate=0.0)
     first, again, other = (
         train(TINY, source, validation, replace(still, seed=seed))[0] for seed in (3, 3, 4)
     )
@@ -378,13 +378,13 @@ def test_the_seed_draws_the_first_weights_too(source, validation):
     assert not equal(first, other)
 
 
-def test_there_is_a_look_after_every_so_many_steps_and_at_the_end(source, validation, finished):
-    assert [look["step"] for look in finished[1].history] == [4, 8, 12, 16, 20]
-    for look in finished[1].history:
-        assert set(look) == {"step", "training", "validation", "median", "mean"}
-    uneven = replace(SETTINGS, steps=7)
+def test_evaluations_come_at_the_interval_and_at_the_end(source, validation, finished):
+    assert [evaluation["step"] for evaluation in finished[1].history] == [4, 8, 12, 16, 20]
+    for evaluation in finished[1].history:
+        assert set(evaluation) == {"step", "training", "validation", "median", "mean"}
+    uneven = replace(SETTINGS, max_steps=7)
     progress = train(TINY, source, validation, uneven)[1]
-    assert [look["step"] for look in progress.history] == [4, 7]
+    assert [evaluation["step"] for evaluation in progress.history] == [4, 7]
 
 
 @pytest.mark.parametrize("steps", [0, 2, 4, 11, 19])
@@ -413,8 +413,8 @@ def test_a_training_killed_at_every_look_goes_on_to_the_same_weights(
     checkpoint = tmp_path / "tiny.pt"
     for _ in range(5):
         with pytest.raises(Killed):
-            train(TINY, source, validation, SETTINGS, checkpoint, on_look=stop)
-    network, progress = train(TINY, source, validation, SETTINGS, checkpoint, on_look=stop)
+            train(TINY, source, validation, SETTINGS, checkpoint, on_evaluation=stop)
+    network, progress = train(TINY, source, validation, SETTINGS, checkpoint, on_evaluation=stop)
     assert equal(network, finished[0])
     assert progress == finished[1]
 
@@ -440,7 +440,7 @@ def test_a_killed_save_leaves_the_last_checkpoint(
 
 
 def scripted(monkeypatch, losses):
-    """Let the looks measure these losses, one by one, and keep the weights they were shown."""
+    """Let the evaluations return these losses, one by one, and keep the weights they were given."""
     shown = []
 
     def measure(network, validation):
@@ -451,7 +451,7 @@ def scripted(monkeypatch, losses):
     return shown
 
 
-def test_the_weights_of_the_best_look_are_returned(source, monkeypatch):
+def test_the_weights_of_the_best_evaluation_are_returned(source, monkeypatch):
     shown = scripted(monkeypatch, [3.0, 1.0, 2.0, 1.0, 1.5])
     network, progress = train(TINY, source, [], SETTINGS)
     assert progress.best == 1  # the first of two that are as good
@@ -506,14 +506,14 @@ def test_progress_knows_when_it_is_over():
 @pytest.fixture
 def checkpoint(source, validation, tmp_path):
     path = tmp_path / "tiny.pt"
-    train(TINY, source, validation, replace(SETTINGS, every=20), path)
+    train(TINY, source, validation, replace(SETTINGS, eval_interval=20), path)
     return path
 
 
 @pytest.mark.parametrize("other", ["seed", "architecture", "vary", "drives"])
 def test_a_checkpoint_of_another_training_is_refused(source, validation, checkpoint, other):
     before = checkpoint.read_bytes()
-    settings, architecture = replace(SETTINGS, every=20), TINY
+    settings, architecture = replace(SETTINGS, eval_interval=20), TINY
     if other == "seed":
         settings = replace(settings, seed=1)
     elif other == "architecture":
@@ -532,7 +532,7 @@ def test_a_checkpoint_cut_off_anywhere_is_refused(source, validation, checkpoint
     for size in (0, 1, 30, 1000, len(whole) // 2, len(whole) - 200, len(whole) - 1):
         checkpoint.write_bytes(whole[:size])
         with pytest.raises(InputError, match=r"tiny\.pt.*damaged.*delete it") as caught:
-            train(TINY, source, validation, replace(SETTINGS, every=20), checkpoint)
+            train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
         assert "\n" not in str(caught.value)
         assert checkpoint.read_bytes() == whole[:size]
 
@@ -548,7 +548,7 @@ def test_what_is_no_checkpoint_is_refused(source, validation, checkpoint, conten
     else:
         torch.save(content, checkpoint)
     with pytest.raises(InputError, match=r"tiny\.pt.*damaged.*delete it"):
-        train(TINY, source, validation, replace(SETTINGS, every=20), checkpoint)
+        train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
 
 
 class Fixed(Source):
@@ -562,7 +562,9 @@ class Fixed(Source):
 def test_a_tiny_problem_is_learnt(worlds, encoder):
     architecture = Architecture(0, encoder)
     fixed = Fixed(worlds[:1], architecture, worlds=1, targets=8, vary=False)
-    settings = Settings(steps=100, targets=8, rate=3e-3, warmup_steps=10, every=10)
+    settings = Settings(
+        max_steps=100, targets=8, learning_rate=3e-3, warmup_steps=10, eval_interval=10
+    )
     block = fixed.block([])
     network, progress = train(architecture, fixed, [block], settings)
     first, last = progress.history[0], progress.history[progress.best]

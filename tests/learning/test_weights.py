@@ -337,7 +337,7 @@ def tiny(tmp_path, monkeypatch):
         "tiny",
         "train waypoint --k 0",
         Architecture(0, "pair", outputs="action"),
-        Settings(steps=4, targets=2, every=2),
+        Settings(max_steps=4, targets=2, eval_interval=2),
         worlds=2,
         validation_worlds=1,
         cars=3,
@@ -359,7 +359,7 @@ def test_the_command_trains_saves_and_goes_on_where_it_was_stopped(tiny, tmp_pat
         path = tmp_path / "weights" / "tiny.safetensors"
         before = path.read_bytes()
         card = load_card("tiny", path.parent)
-        assert card.recipe["steps"] == 4
+        assert card.recipe["max_steps"] == 4
         assert card.recipe["worlds"] == 2
         assert card.validation["step"] in (2, 4)
         assert load_network("tiny", path.parent).architecture == tiny.architecture

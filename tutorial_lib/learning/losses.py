@@ -1,4 +1,4 @@
-"""What a network is punished for (Meng 2020, III-B, and the weights of its authors' code)."""
+"""Training losses (Meng 2020, III-B, with the weights of its authors' code)."""
 
 from torch import Tensor
 from torch.nn import functional
@@ -6,21 +6,21 @@ from torch.nn import functional
 from tutorial_lib.learning.batches import Batch
 
 ROUNDED = 0.1
-"""Metres below which an error counts as its square, and not as itself."""
+"""Metres below which the loss is quadratic in the error, and above which it is linear."""
 TOLERANCE = 0.15
-"""Metres of error that cost 1 where the target is; 1 m away from it, twice as many do."""
+"""Metres of error that cost 1 at the target; 1 m away from it, twice as many do."""
 OVERLAP_WEIGHT = 0.3
-"""Of the two overlaps, which reachability learns besides."""
+"""Of the two overlaps, an auxiliary output of reachability."""
 CONTEXT_WEIGHT = {"waypoint": 2.0, "action": 2.0, "reachability": 2.0}
-"""By a network's outputs, of where the context's pictures were taken: many labels for each pair,
-which teach matching. Reachability is asked about places that C was never trained with."""
+"""By a network's outputs, of the poses of the context's images: many labels for each pair, which
+teach matching. RE is queried about pairs that C was never trained with."""
 
 
 def position_loss(predicted: Tensor, wanted: Tensor) -> Tensor:
-    """What an error costs, (...), for positions (..., 2): less where it is far to go.
+    """Loss (...) of positions (..., 2): an error costs less where the target is far.
 
-    The authors divide the squared error by the distance. That draws doubtful waypoints to zero,
-    where the car stops; the distance itself, rounded off near zero, settles for the median.
+    The authors divide the squared error by the distance. That draws uncertain waypoints to zero,
+    where the car stops; a pseudo-Huber loss settles for the median.
     """
     error = ((predicted - wanted) ** 2).sum(-1)
     return ((error + ROUNDED**2).sqrt() - ROUNDED) / (TOLERANCE * (1.0 + wanted.norm(dim=-1)))
@@ -51,10 +51,10 @@ def outcome_loss(outputs: Tensor, batch: Batch) -> Tensor:
 
 
 def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
-    """(N,) of reachability and, less so, of the overlaps.
+    """(N,) of reachability and, with a smaller weight, of the overlaps.
 
-    The paper's RE tells one probability. What is seen of a target decides on it more than anything
-    else, and every pair teaches that, not only those about which an outcome tells something.
+    The paper's RE predicts one probability. It depends on the overlaps more than on anything else,
+    and every pair teaches these, also where its outcome carries little information.
     """
     shares = functional.binary_cross_entropy_with_logits(
         outputs[:, 1:], batch.tensor("overlap"), reduction="none"
@@ -63,7 +63,7 @@ def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
 
 
 def context_loss(poses: Tensor, batch: Batch) -> Tensor:
-    """(N,) where the pictures of the context were taken, on average."""
+    """(N,) mean loss of the relative poses of the context's images."""
     wanted = batch.tensor("context_poses")
     position = position_loss(poses[..., :2], wanted[..., :2])
     heading = ((poses[..., 2:] - wanted[..., 2:]) ** 2).sum(-1)
@@ -71,6 +71,6 @@ def context_loss(poses: Tensor, batch: Batch) -> Tensor:
 
 
 LOSSES = {"waypoint": waypoint_loss, "action": action_loss, "reachability": reach_loss}
-"""By a network's outputs, what it learns from."""
-JUDGED_BY = {**LOSSES, "reachability": outcome_loss}
-"""By a network's outputs, what tells the best look at the validation worlds."""
+"""By a network's outputs, the loss that it is trained with."""
+EVALUATION_LOSSES = {**LOSSES, "reachability": outcome_loss}
+"""By a network's outputs, the loss that selects the best evaluation."""

@@ -70,8 +70,8 @@ def _recipe(
     which: str, controller: str, targets: int, steps: tuple[int, int], architecture: Architecture
 ) -> ReachRecipe:
     name = f"reach_{which if which == 'laser' else 'k' + which}"
-    first = Settings(steps=steps[0])
-    second = Settings(steps=steps[1], rate=7e-4, seed=1, patience=steps[1])
+    first = Settings(max_steps=steps[0])
+    second = Settings(max_steps=steps[1], learning_rate=7e-4, seed=1, patience=steps[1])
     told = replace(architecture, outputs="reachability")
     command = f"train reachability --k {which}"
     return ReachRecipe(name, command, controller, targets, told, first, second)
@@ -90,8 +90,8 @@ SPTM = ReachRecipe(
     "",
     0,
     Architecture(0, outputs="reachability"),
-    Settings(steps=12_000),
-    Settings(steps=0),
+    Settings(max_steps=12_000),
+    Settings(max_steps=0),
 )
 """SPTM's network: temporal proximity of two pictures, learnt from nothing on the same drives."""
 
@@ -125,7 +125,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     for stage, settings in enumerate((recipe.first, recipe.second)):
         checkpoint = recipe.checkpoints(work)[stage]
         network, progress = train(
-            recipe.architecture, source, validation, settings, checkpoint, begin_with=network
+            recipe.architecture, source, validation, settings, checkpoint, init_from=network
         )
         stages.append(progress)
         if stage == 0:

@@ -51,7 +51,7 @@ class Recipe:
 
 
 WAYPOINT = {
-    k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(steps=steps))
+    k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(max_steps=steps))
     for k, name, architecture, steps in (
         ("0", "waypoint_k0", Architecture(0), 24_000),
         ("2", "waypoint_k2", Architecture(2), 20_000),

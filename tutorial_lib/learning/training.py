@@ -13,50 +13,51 @@ from tqdm.auto import tqdm
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
 from tutorial_lib.learning.batches import Batch, Blocks, batches
-from tutorial_lib.learning.losses import CONTEXT_WEIGHT, JUDGED_BY, LOSSES, context_loss
+from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.weights import digest_of
 
 
 @dataclass(frozen=True)
 class Settings:
-    """How a network is trained.
+    """Hyperparameters of a training.
 
     Attributes:
-        steps: batches at most.
+        max_steps: batches at most.
         targets: of a batch; each has `STARTS` pairs.
-        rate: the highest learning rate of Adam; it falls to nothing along half a cosine.
+        learning_rate: the highest of Adam; it decays to zero along half a cosine.
         warmup_steps: batches until it is reached.
-        every: batches between two looks at the validation worlds.
-        patience: looks without a better result after which training ends.
+        eval_interval: batches between two evaluations on the validation worlds.
+        patience: evaluations without a better result after which training ends.
         threads: of torch; the result depends on it in the last digits.
-        seed: of the first weights and of the batches.
+        seed: of the initial weights and of the batches.
     """
 
-    steps: int = 20_000
+    max_steps: int = 20_000
     targets: int = 16
-    rate: float = 2e-3
+    learning_rate: float = 2e-3
     warmup_steps: int = 200
-    every: int = 1_000
+    eval_interval: int = 1_000
     patience: int = 6
     threads: int = 1
     seed: int = 0
 
     def learning_rate_at(self, step: int) -> float:
         """The learning rate of a step."""
-        rise = min(1.0, (step + 1) / self.warmup_steps)
-        return self.rate * rise * 0.5 * (1.01 + math.cos(math.pi * step / self.steps))
+        warmup = min(1.0, (step + 1) / self.warmup_steps)
+        decay = 0.5 * (1.01 + math.cos(math.pi * step / self.max_steps))
+        return self.learning_rate * warmup * decay
 
 
 @dataclass
 class Progress:
-    """Where a training stands.
+    """How far a training has got.
 
     Attributes:
         step: batches learnt from.
-        history: for each look at the validation worlds the step, the training loss since the last
-            look, and what was measured.
-        seconds: it took, all sittings together.
+        history: for each evaluation the step, the mean training loss since the last one, and what
+            was measured on the validation worlds.
+        seconds: of training, summed over all interrupted runs.
     """
 
     step: int = 0
@@ -65,12 +66,12 @@ class Progress:
 
     @property
     def best(self) -> int:
-        """Number of the look with the smallest validation loss."""
-        losses = [look["validation"] for look in self.history]
+        """Index of the evaluation with the smallest validation loss."""
+        losses = [evaluation["validation"] for evaluation in self.history]
         return losses.index(min(losses))
 
     def is_over(self, patience: int) -> bool:
-        """Whether the last `patience` looks were no better than one before."""
+        """Whether the last `patience` evaluations were no better than one before."""
         return bool(self.history) and len(self.history) - 1 - self.best >= patience
 
 
@@ -80,22 +81,22 @@ def train(
     validation: Sequence[Batch],
     settings: Settings,
     checkpoint: Path | None = None,
-    on_look: Callable[[LocalNetwork, Progress], None] | None = None,
-    begin_with: LocalNetwork | None = None,
+    on_evaluation: Callable[[LocalNetwork, Progress], None] | None = None,
+    init_from: LocalNetwork | None = None,
 ) -> tuple[LocalNetwork, Progress]:
-    """Train a network from nothing, or from where `checkpoint` stands, to the same weights.
+    """Train a network from scratch or resume from `checkpoint`, with the same resulting weights.
 
     Args:
         architecture: of the network.
         source: of its batches.
         validation: batches of worlds that it is not trained on.
         settings: all else.
-        checkpoint: file that holds the state of the training between two looks.
-        on_look: is shown the network at every look.
-        begin_with: trained network whose weights are taken over, so far as they fit.
+        checkpoint: file to which the state is saved at every evaluation.
+        on_evaluation: called with the network and the progress after every evaluation.
+        init_from: trained network whose weights are copied where name and shape match.
 
     Returns:
-        The network with the weights of the best look, and the progress.
+        The network with the weights of the best evaluation, and the progress.
 
     Raises:
         InputError: when the checkpoint belongs to another training.
@@ -103,62 +104,62 @@ def train(
     torch.set_num_threads(settings.threads)
     torch.manual_seed(settings.seed)
     fresh = LocalNetwork(architecture)
-    if begin_with is not None:
-        take_over(fresh, begin_with)
-    begun_with = "" if begin_with is None else digest_of(begin_with)
-    state = _State(fresh, settings, source, begun_with)
+    if init_from is not None:
+        copy_matching_weights(fresh, init_from)
+    initial = "" if init_from is None else digest_of(init_from)
+    state = _State(fresh, settings, source, initial)
     if checkpoint is not None and checkpoint.exists():
         state.load(checkpoint)
     network, progress = state.network, state.progress
     coming = batches(source, settings.seed, progress.step, settings.targets)
-    bar = tqdm(total=settings.steps, initial=progress.step, disable=None, leave=False)
-    while progress.step < settings.steps and not progress.is_over(settings.patience):
+    bar = tqdm(total=settings.max_steps, initial=progress.step, disable=None, leave=False)
+    while progress.step < settings.max_steps and not progress.is_over(settings.patience):
         state.learn(next(coming))
         bar.update()
-        if progress.step % settings.every == 0 or progress.step == settings.steps:
-            look = state.look(validation)
-            bar.set_postfix({name: f"{value:.3f}" for name, value in look.items()})
+        if progress.step % settings.eval_interval == 0 or progress.step == settings.max_steps:
+            evaluation = state.evaluate(validation)
+            bar.set_postfix({name: f"{value:.3f}" for name, value in evaluation.items()})
             if checkpoint is not None:
                 state.save(checkpoint)
-            if on_look is not None:
-                on_look(network, progress)
+            if on_evaluation is not None:
+                on_evaluation(network, progress)
     bar.close()
     coming.close()
     network.load_state_dict(state.best)
     return network.eval(), progress
 
 
-def take_over(network: LocalNetwork, trained: LocalNetwork) -> None:
+def copy_matching_weights(network: LocalNetwork, trained: LocalNetwork) -> None:
     """Copy every weight of `trained` that has a counterpart of the same shape in `network`."""
     own = network.state_dict()
-    fit = {
+    matching = {
         name: value
         for name, value in trained.state_dict().items()
         if name in own and own[name].shape == value.shape
     }
-    network.load_state_dict({**own, **fit})
+    network.load_state_dict({**own, **matching})
 
 
 class _State:
-    """All that changes while a network learns."""
+    """All that changes while a network trains."""
 
     def __init__(
-        self, network: LocalNetwork, settings: Settings, source: Blocks, begun_with: str
+        self, network: LocalNetwork, settings: Settings, source: Blocks, initial: str
     ) -> None:
         self.network, self.settings, self.progress = network, settings, Progress()
         self.recipe = {
             **asdict(network.architecture),
             **asdict(settings),
-            "begun_with": begun_with,
+            "init_from": initial,
             "source": source.recipe,
         }
-        self.optimizer = torch.optim.Adam(network.parameters(), settings.rate)
+        self.optimizer = torch.optim.Adam(network.parameters(), settings.learning_rate)
         self.best = _copy(network)
-        self.punished: list[float] = []
-        self.looked = time.monotonic()
+        self.losses: list[float] = []
+        self.evaluated = time.monotonic()
 
     def learn(self, batch: Batch) -> None:
-        """One step down the gradient."""
+        """One gradient step."""
         for group in self.optimizer.param_groups:
             group["lr"] = self.settings.learning_rate_at(self.progress.step)
         loss = total_loss(self.network, batch)
@@ -166,19 +167,20 @@ class _State:
         loss.backward()
         self.optimizer.step()
         self.progress.step += 1
-        self.punished.append(loss.item())
+        self.losses.append(loss.item())
 
-    def look(self, validation: Sequence[Batch]) -> dict[str, float]:
-        """Look at the validation worlds, and keep the weights if they are the best so far."""
-        look = {"training": sum(self.punished) / len(self.punished)}
-        look |= validate(self.network, validation)
-        self.punished.clear()
+    def evaluate(self, validation: Sequence[Batch]) -> dict[str, float]:
+        """Evaluate on the validation worlds, and keep the weights if they are the best so far."""
+        evaluation = {"training": sum(self.losses) / len(self.losses)}
+        evaluation |= validate(self.network, validation)
+        self.losses.clear()
         now = time.monotonic()
-        self.looked, self.progress.seconds = now, self.progress.seconds + now - self.looked
-        self.progress.history.append({"step": self.progress.step, **look})
+        self.progress.seconds += now - self.evaluated
+        self.evaluated = now
+        self.progress.history.append({"step": self.progress.step, **evaluation})
         if self.progress.best == len(self.progress.history) - 1:
             self.best = _copy(self.network)
-        return look
+        return evaluation
 
     def save(self, path: Path) -> None:
         """Write the state, whole or not at all."""
@@ -195,7 +197,7 @@ class _State:
             torch.save(state, temporary)
 
     def load(self, path: Path) -> None:
-        """Go on where `save` stopped.
+        """Resume from what `save` wrote.
 
         Raises:
             InputError: when the file is damaged or belongs to another training.
@@ -228,12 +230,12 @@ def outputs_of(network: LocalNetwork, batch: Batch) -> tuple[Tensor, Tensor]:
 
 
 def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
-    """What the network is punished for, on average over the pairs that count."""
+    """Training loss, averaged over the pairs by weight."""
     outputs, poses = outputs_of(network, batch)
-    told = network.architecture.outputs
-    loss = LOSSES[told](outputs, batch)
+    kind = network.architecture.outputs
+    loss = LOSSES[kind](outputs, batch)
     if not network.stacked:
-        loss = loss + CONTEXT_WEIGHT[told] * batch.tensor("placed") * context_loss(poses, batch)
+        loss = loss + CONTEXT_WEIGHT[kind] * batch.tensor("placed") * context_loss(poses, batch)
     weight = batch.tensor("weight")
     return (loss * weight).sum() / weight.sum().clamp(min=1.0)
 
@@ -241,13 +243,13 @@ def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
 @torch.inference_mode()
 def validate(network: LocalNetwork, validation: Sequence[Batch]) -> dict[str, float]:
     """Mean loss on validation worlds, and median and mean error of waypoints in metres."""
-    told = network.architecture.outputs
+    kind = network.architecture.outputs
     losses, errors = [], []
     for batch in validation:
         outputs, _ = outputs_of(network, batch)
         kept = batch.tensor("weight") > 0
-        losses.append(JUDGED_BY[told](outputs, batch)[kept])
-        if told == "waypoint":
+        losses.append(EVALUATION_LOSSES[kind](outputs, batch)[kept])
+        if kind == "waypoint":
             errors.append((outputs[:, :2] - batch.tensor("waypoint")).norm(dim=1)[kept])
     measured = {"validation": torch.cat(losses).mean().item()}
     if errors:

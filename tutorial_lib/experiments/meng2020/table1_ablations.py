@@ -27,7 +27,7 @@ _COMMAND = "experiment meng_table1 --ablation"
 
 
 def _variants(ablation: str, **architectures: tuple[Architecture, int]) -> dict[str, Recipe]:
-    settings = Settings(steps=STEPS)
+    settings = Settings(max_steps=STEPS)
     return {
         name: Recipe(f"ablation_{name}", f"{_COMMAND} {ablation}", architecture, settings, worlds)
         for name, (architecture, worlds) in architectures.items()
@@ -100,7 +100,7 @@ def run(options: Options) -> Report:
 
 def _quickly(recipe: Recipe) -> Recipe:
     """The same with few steps, to see that it works."""
-    settings = replace(recipe.settings, steps=_QUICK_STEPS, every=_QUICK_STEPS)
+    settings = replace(recipe.settings, max_steps=_QUICK_STEPS, eval_interval=_QUICK_STEPS)
     return replace(recipe, name=f"{recipe.name}_quick", settings=settings)
 
 
