@@ -6,9 +6,9 @@
 #
 # After this notebook you can
 #
-# - build a reactive driver from small *motion policies* that each say what they want and how much it matters;
-# - say what a network has to be told so that it can lead a car to a picture, and make these labels from a recorded drive;
-# - explain how two pictures are compared, and why half of that work needs to be done only once;
+# - build a reactive controller from small *motion policies*, each with a desired acceleration and a weight;
+# - say which labels train a network to guide a car to the place shown in an image, and compute them from a recorded trajectory;
+# - explain how a network compares two images, and why half of that work needs to be done only once;
 # - train a small network, watch a car drive by it, and read the table that compares such controllers.
 #
 # There are five exercises with hints behind folds. When your function passes its check, **the cells below use it**; until then they use the library's.
@@ -66,20 +66,20 @@ from tutorial_lib.world.worlds import local_world, scene_of
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
-# ## 1 · Drive to a picture
+# ## 1 · Drive to the place shown in an image
 #
-# A *local controller* $\mathcal C$ is shown what the robot sees now, $o_\text{current}$, and what it should see, $o_\text{target}$. Ten times a second it says how to
-# drive, until both agree. No map, no coordinates: only pictures. It is not meant to cross a building. It has to do a few metres, and reliably.
+# A **local controller** $\mathcal C$ takes the robot's current image, $o_\text{current}$, and an image taken at the target, $o_\text{target}$. Ten times a second it returns a
+# command, until the two images agree. It has no map and no coordinates, only images. It does not have to cross a building. It has to cover a few metres, reliably.
 #
-# One picture of the target would do, but a recording holds more: what the camera saw shortly before and after. These neighbours show more of the room, and they
-# tell in which direction the recorded drive went on. The target *with its context* is (paper, III-B)
+# One image of the target would do, but a recorded trajectory holds more: the frames shortly before and after. These neighbours show more of the room, and they
+# show in which direction the trajectory continues. The target *with its context* is (paper, III-B)
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ frames} = 0.3\ \text{s}, $$
 #
-# that is $2k+1$ pictures; $k = 0$ is the plain picture.
+# that is $2k+1$ images; $k = 0$ is the single image.
 #
-# Below, 24 cars have crossed an apartment once, driven by an oracle that knows the map. Their drives are the recordings. An **episode** starts beside a recorded drive (up
-# to 1 m aside, turned a little), and its target is a frame of that drive, from 1 m behind the start to 3 m ahead of it.
+# Below, an oracle that knows the map has driven 24 cars through an apartment. Their recordings are the **trajectories**. An **episode** has a start and a target: the start lies beside a trajectory (up
+# to 1 m aside, turned a little), and the target is a frame of that trajectory, from 1 m behind the start to 3 m ahead of it.
 
 # %%
 WORLD = local_world(10_004)  # no network was trained on it
@@ -87,33 +87,33 @@ scene = scene_of(WORLD)
 paths = GridPaths(scene.clearance)
 recorded = RecordedWorld(scene, demonstrate(WORLD, scene, 24, seed=0, controller=RMPController()))
 episodes = draw_episodes(recorded, paths, 120, np.random.default_rng(0))
-view = PlanView(scene, 1430, 2015)  # 130 pixels a metre: closer looks are cut out of it
+view = PlanView(scene, 1430, 2015)  # 130 pixels per metre: close-ups are cut out of it
 car = BicycleCar()
-people_camera = Camera(rows=64)  # the same picture as the network's 16 rows, for people
+people_camera = Camera(rows=64)  # the same view as the network's 16 rows, for people
 
 shared = mutual_overlap(scene.caster, episodes.starts, episodes.goals)
 goals_seen = relative(episodes.starts, episodes.goals)
-# The most telling episode: a target ahead and aside, whose picture shares much with the first.
-telling = shared.min(axis=1) + 0.4 * np.minimum(np.abs(goals_seen[:, 1]), 1.0)
-example = int(np.where(episodes.ahead > 1.8, telling, 0.0).argmax())
+# An instructive episode: a target ahead and aside, whose image overlaps much with the start's.
+score = shared.min(axis=1) + 0.4 * np.minimum(np.abs(goals_seen[:, 1]), 1.0)
+example = int(np.where(episodes.ahead > 1.8, score, 0.0).argmax())
 start, goal = episodes.starts[example], episodes.goals[example]
 frames = recorded.context(episodes.targets[[example]], 2)[0]
 now = people_camera.look(scene, start[None])[0]
 context = people_camera.look(scene, recorded.poses[frames])[0]
 names = [f"{3 * j:+d} frames" if j else "target" for j in range(-2, 3)]
-large = [camera_picture(picture, 465) for picture in (now[0], context[2])]
-row = side_by_side([camera_picture(picture, 184) for picture in context], names, gap=6)
+large = [camera_picture(image, 465) for image in (now[0], context[2])]
+row = side_by_side([camera_picture(image, 184) for image in context], names, gap=6)
 pair = side_by_side(large, ["what the car sees now", "what it should see"])
 show(stacked([pair, row], gap=8))
 
 # %% [markdown]
-# **Predict** from these pictures alone: does the target lie to the left or to the right of where the car is heading? Will the car have turned left or right when it arrives?
+# **Predict** from these images alone: does the target lie to the left or to the right of the car's heading? Will the car have turned left or right when it arrives?
 # Then run the next cell.
 
 
 # %%
 def map_with(start, goal, track=(), picture=None):
-    """The map with a recorded drive's target, a car and perhaps its track."""
+    """The map with a target, a car and perhaps its track."""
     picture = view.base.copy() if picture is None else picture
     view.goal(picture, goal[:2])
     tip = to_world(goal, [0.7, 0.0])
@@ -138,34 +138,34 @@ print(f"on arrival the car has turned by {np.rad2deg(turn):+.0f} degrees (+ is l
 show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 
 # %% [markdown]
-# Orange is the recorded drive, green the target and the heading that it was seen with, the dots are its context.
+# Orange is the recorded trajectory, green the target and the heading at which it was recorded, the dots are its context.
 #
 # The paper splits the controller in two:
 #
 # $$ \mathcal C(o_\text{current}, \hat o_\text{target}) \;=\; \mathcal C_{RMP}\bigl(\mathcal C_{WP}(o_\text{current}, \hat o_\text{target})\bigr). $$
 #
-# $\mathcal C_{WP}$ is a network: pictures in, a **waypoint** $(x, y)$ in the robot's frame out. It knows nothing of wheels. $\mathcal C_{RMP}$ drives to the waypoint by the laser, and knows nothing of
-# pictures. The waypoint need not be exact, it is only a hint, and it is given anew ten times a second. We build the second part first.
+# $\mathcal C_{WP}$ is a network: images in, a **waypoint** $(x, y)$ in the robot's frame out. It knows nothing about wheels. $\mathcal C_{RMP}$ drives to the waypoint with the laser, and knows nothing about
+# images. The waypoint need not be exact: it is only a hint, and it is updated ten times a second. We build the second part first.
 #
-# ## 2 · Motion policies: what I want, and how much it matters
+# ## 2 · Motion policies: what to do, and how much it matters
 #
-# A driver wants several things at once: to reach the waypoint, to keep off the wall on the left, and off the post on the right. Adding up forces is the classic recipe, and it has a classic flaw:
-# a wall far away still pulls at the sum, and a push that is right beside a wall is wrong in front of it. A **Riemannian motion policy** (RMP) says two things:
+# A controller has several aims at once: to reach the waypoint, to keep off the wall on the left, and off the post on the right. Adding up forces (a potential field) is the classic recipe, and it has a classic flaw:
+# a wall far away still contributes to the sum, and a push that is right beside a wall is wrong in front of it. A **Riemannian motion policy** (RMP) has two parts:
 #
-# - an acceleration $a$: *what I want*;
-# - a metric $M$, a symmetric matrix: *how much I care, and in which directions*.
+# - an acceleration $a$: *what it wants*;
+# - a metric $M$, a symmetric matrix: *how much it matters, and in which directions*.
 #
-# A policy that does not care has $M \approx 0$ and disappears from the result, whatever its $a$ says.
+# A policy with $M \approx 0$ has no influence on the result, whatever its $a$ is.
 #
-# The **goal policy** pulls a point $x$ to its goal $g$ and damps its velocity. It cares for all directions alike (paper, III-B; the form is that of its authors' code):
+# The **goal policy** pulls a point $x$ to its goal $g$ and damps its velocity. It weights all directions equally (paper, III-B; the form is that of its authors' code):
 #
 # $$ a = \gamma\,\frac{g - x}{\max(|g - x|,\ \varepsilon)} - \beta\,\dot x, \qquad M = I . $$
 #
-# The pull $\gamma$ has the same strength at 3 m and at 1 m; only within $\varepsilon$ it fades.
+# The pull $\gamma$ has the same strength at 3 m and at 1 m; only within $\varepsilon$ does it fade.
 #
 # ### Exercise 1 · `goal_policy` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The offset over its length is a unit vector: direction without distance. Near the goal dividing by a tiny length would make the pull jump about, hence the max.</details>
+# <details><summary>Hint 1: concept</summary>The offset divided by its length is a unit vector: direction without distance. Near the goal, division by a tiny length would make the pull jump about, hence the max.</details>
 # <details><summary>Hint 2: approach</summary>np.linalg.norm(offsets, axis=-1, keepdims=True) gives each row its own length and keeps an axis to divide by. The metric is the identity for each of them: np.broadcast_to(np.eye(2), shape).</details>
 # <details><summary>Hint 3: one line</summary>gain * offsets / np.maximum(distance, near) - damping * velocities. The shape of the metrics is (*offsets.shape, 2).</details>
 
@@ -188,26 +188,26 @@ def goal_policy(offsets, velocities, gain, damping, near):
 goal_policy = check_goal_policy.use(goal_policy)
 
 # %% [markdown]
-# An **obstacle policy** looks at one number, the distance $d$ to one point that the laser has met. It wants $d$ to grow, the more the nearer it is and the faster it is
-# closing in (at $c$ m/s), and it cares only when it is near:
+# An **obstacle policy** acts on one number, the distance $d$ to one laser point. It accelerates away from the point, more strongly the nearer the point is and the faster the distance
+# shrinks (at $c$ m/s), and its metric is large only nearby:
 #
 # $$ \ddot d = \frac{p + b\,\max(c, 0)}{d}, \qquad m = w\,e^{-d/\ell} . $$
 #
-# $p$ is the push, $b$ the brake, $w$ the weight at contact, and $\ell$ the length over which the weight fades. Distances below 0.01 m count as 0.01 m, in both formulas. What recedes is only pushed: no policy should suck the car back to a wall
+# $p$ is the push, $b$ the brake, $w$ the weight at contact, and $\ell$ the length over which the weight fades. Distances below 0.01 m count as 0.01 m, in both formulas. The brake acts only while the distance shrinks: no policy should pull the car back to a wall
 # that it is leaving.
 #
 # ### Exercise 2 · `obstacle_policy` (easy, 8 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Acceleration and metric do two different jobs. The first grows when the wall is near; the second decides whether anybody listens.</details>
+# <details><summary>Hint 1: concept</summary>Acceleration and metric do two different jobs. The first grows when the wall is near; the second decides how much it counts.</details>
 # <details><summary>Hint 2: approach</summary>First limit the distances from below, np.maximum(distances, 0.01), and use that in both formulas: at contact you would otherwise divide by zero.</details>
 # <details><summary>Hint 3: one line</summary>away = (push + brake * np.maximum(closing, 0)) / distances. What is the metric?</details>
 
 
 # %% exercise="obstacle_policy"
 def obstacle_policy(distances, closing, push, brake, weight, fade):
-    """Make distances from obstacles grow.
+    """Accelerate away from obstacles.
 
-    distances: (N,) m; below 0.01 m they count as 0.01 m. closing: (N,) m/s at which they shrink.
+    distances: (N,) m; below 0.01 m they count as 0.01 m. closing: (N,) m/s, positive when they shrink.
     push, brake, weight, fade: as above. Returns accelerations (N,) and metrics (N,).
     """
     ### BEGIN SOLUTION
@@ -221,18 +221,18 @@ def obstacle_policy(distances, closing, push, brake, weight, fade):
 obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 
 # %% [markdown]
-# Each policy speaks of its own quantity: the goal policy of a point of the car, the obstacle policy of a distance. The driver can only change its *controls*. How a quantity moves with the controls is its
-# **Jacobian** $J$. If the controls are accelerated by $u$, the quantity is accelerated by $J u$. What $u$ suits all policies best? That which is wrong by least, weighted with the metrics:
+# Each policy acts on its own quantity: the goal policy on a point of the car, the obstacle policy on a distance. The controller can only change the car's *controls*. The derivative of a quantity with respect to the controls is its
+# **Jacobian** $J$. If the controls are accelerated by $u$, the quantity is accelerated by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted with the metrics:
 #
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
-# $J^{\top} M a$ is the policy's *force* on the controls and $J^{\top} M J$ its metric there. Carrying both over is the **pull-back**; adding up and solving is called **resolve**.
-# Where no policy cares for a direction, the sum of the metrics is singular; adding $10^{-6}$ to its diagonal means *then do nothing*.
+# $J^{\top} M a$ is the policy's *force* on the controls and $J^{\top} M J$ its metric there. Computing both is the **pullback**; summing and solving is called **resolve**.
+# If no policy has a weight in some direction, the sum of the metrics is singular; adding $10^{-6}$ to its diagonal means *then do nothing*.
 #
 # ### Exercise 3 · `resolve` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>It is least squares with weights. Two policies that want the same thing agree; two that do not share the blame in the proportion of their metrics.</details>
-# <details><summary>Hint 2: approach</summary>Begin with force = np.zeros(2) and metric = 1e-6 * np.eye(2). Go through the policies and add J.T @ M @ a to the one and J.T @ M @ J to the other. Solve once, at the end.</details>
+# <details><summary>Hint 1: concept</summary>It is weighted least squares. Where two policies disagree, the result is their average, weighted with their metrics.</details>
+# <details><summary>Hint 2: approach</summary>Begin with force = np.zeros(2) and metric = 1e-6 * np.eye(2). Loop over the policies and add J.T @ M @ a to the first and J.T @ M @ J to the second. Solve once, at the end.</details>
 # <details><summary>Hint 3: one line</summary>return np.linalg.solve(metric, force)</details>
 
 
@@ -255,10 +255,10 @@ def resolve(policies):
 resolve = check_resolve.use(resolve)
 
 # %% [markdown]
-# ### A field of wishes
+# ### The resolved field
 #
 # First the simplest robot: a disc that can be pushed in any direction, so that $J$ of its position is the identity, and that of its distance to a laser point is the row $-h^{\top}$, with $h$ the unit vector
-# towards the point. At every place of a grid it stands still and asks its policies. The arrows are the resolved accelerations, the ellipses the sum of the metrics: *long where the policies care much*.
+# towards the point. The policies are evaluated for a disc at rest at every point of a grid. The arrows are the resolved accelerations, the ellipses the sum of the metrics: *long in the directions that matter*.
 #
 # **Predict:** what shape do the ellipses have in the middle of a room, and beside a wall: long along the wall or across it? Where will the arrows be wrong, if anywhere? Then run the cell.
 
@@ -269,34 +269,34 @@ beam_angles = full_circle(96)
 beam_rays = np.stack([np.cos(beam_angles), np.sin(beam_angles)], axis=1)
 
 
-def keep_off(points, place, radius, jacobian, velocity, push, weight):
+def keep_off(points, centre, radius, jacobian, velocity, push, weight):
     """One policy for each laser point (P, 2): keep a disc of the body off it.
 
-    place: (2,) of the disc, which moves with `velocity` (2,) and by `jacobian` (2, 2) with the controls.
+    centre: (2,) of the disc. velocity: (2,) of the centre. jacobian: (2, 2) of the centre by the controls.
     """
-    offsets = points - place
+    offsets = points - centre
     far = np.linalg.norm(offsets, axis=1)
     towards = offsets / far[:, None]
     away, metrics = obstacle_policy(far - radius, towards @ velocity, push, 0.12, weight, 0.08)
-    rows = -towards @ jacobian  # how each distance grows with the controls
+    rows = -towards @ jacobian  # derivative of each distance by the controls
     return [
         (row[None], a[None], m[None, None]) for row, a, m in zip(rows, away, metrics, strict=True)
     ]
 
 
 def field(places, push=0.12, weight=0.3, gain=2.4):
-    """What a disc at rest at `places` (P, 2) wants, (P, 2), and how much, (P, 2, 2)."""
+    """Resolved accelerations (P, 2) and metrics (P, 2, 2) of a disc at rest at `places` (P, 2)."""
     still = np.zeros(2)
     lasers = Laser().scan(scene, np.column_stack([places, np.zeros(len(places))]))
-    wanted, cared = [], []
+    accelerations, metrics = [], []
     for place, beams in zip(places, lasers, strict=True):
         near = beams < 1.0
         policies = [(np.eye(2), *goal_policy(door_goal - place, still, gain, 3.0, 0.35))]
         points = beams[near, None] * beam_rays[near]
         policies += keep_off(points, still, 0.15, np.eye(2), still, push, weight)
-        wanted.append(resolve(policies))
-        cared.append(sum(j.T @ m @ j for j, _, m in policies))
-    return np.array(wanted), np.array(cared)
+        accelerations.append(resolve(policies))
+        metrics.append(sum(j.T @ m @ j for j, _, m in policies))
+    return np.array(accelerations), np.array(metrics)
 
 
 grid = np.stack(
@@ -309,10 +309,10 @@ near_door = np.array([[-1.0, -13.4], [2.0, -10.0]])
 def field_picture(push, weight, gain):
     """The field near the doorway."""
     picture = view.base.copy()
-    wanted, cared = field(grid, push, weight, gain)
-    draw_metrics(view, picture, grid, cared)
-    strength = np.linalg.norm(wanted, axis=1, keepdims=True)
-    draw_arrows(view, picture, grid, 0.24 * wanted / np.maximum(strength, 2.4))
+    accelerations, metrics = field(grid, push, weight, gain)
+    draw_metrics(view, picture, grid, metrics)
+    strength = np.linalg.norm(accelerations, axis=1, keepdims=True)
+    draw_arrows(view, picture, grid, 0.24 * accelerations / np.maximum(strength, 2.4))
     view.goal(picture, door_goal)
     return picture
 
@@ -321,9 +321,9 @@ show(closeup(view, field_picture(0.12, 0.3, 2.4), near_door, 0.35))
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# In the open the ellipses are circles: only the goal policy cares, and it cares for all directions alike. Beside a wall they are long <i>across</i> the wall: towards it there is something to lose, along it there is
-# not. So the arrows beside a wall may run along it freely, and are turned away from it only where that matters. Behind the wall that has the door in it, the arrows point at the goal straight through the wall, and are bent
-# off in front of it. There they can meet in a <b>dead end</b>: nothing in a reactive driver looks for a way round. That is why the waypoint must be chosen so that a straight line leads to it (section 3).
+# In the open the ellipses are circles: only the goal policy has a weight there, the same in all directions. Beside a wall they are long <i>across</i> the wall: motion towards it matters, motion along it does
+# not. So the arrows beside a wall may run along it freely, and are turned away from it only where that matters. Behind the wall that has the door in it, the arrows point at the goal straight through the wall, and are deflected
+# in front of it. There they can end in a <b>local minimum</b>: a reactive controller does not search for a path around the wall. That is why the waypoint must be chosen so that a straight line leads to it (section 3).
 # </details>
 #
 # ### The car, driven by your three functions
@@ -333,7 +333,7 @@ show(closeup(view, field_picture(0.12, 0.3, 2.4), near_door, 0.35))
 # $$ \begin{pmatrix}\dot x\\ \dot y\end{pmatrix} = \begin{pmatrix}1 & -p_y\\ 0 & p_x\end{pmatrix}\begin{pmatrix}v\\ \omega\end{pmatrix}, \qquad \omega = \frac{v}{L}\tan\delta . $$
 #
 # The Jacobian of the point is the first matrix (`point_jacobian`) times the derivative of $(v, \omega)$ by the controls (`control_jacobian`). The rest is as before: the goal policy pulls the car's *nose*, and each
-# laser point pushes four discs that cover the car. **Predict, then move the sliders:** what will the car do at the doorpost when the weight is zero, and can a large push make up for it? And what does the gain change: the way, or only the time?
+# laser point pushes four discs that cover the car. **Predict, then move the sliders:** what will the car do at the doorpost when the weight is zero, and can a large push make up for it? And what does the gain change: the path, or only the time?
 
 # %%
 nose = np.array([0.36, 0.0])
@@ -341,9 +341,9 @@ discs = cover(car)
 
 
 def drive_by_policies(observation, waypoint, push, weight, gain):
-    """The action (2,) that the three functions want from one car."""
+    """The action (2,) of one car from the three functions."""
     controls = np.array([observation.speed[0], observation.steering[0]])
-    # At rest no steering turns the car; the policies must see what it will do.
+    # At rest, steering does not turn the car; the policies must see what it will do.
     moving = np.array([max(controls[0], 0.25), controls[1]])
     by_controls, twist = control_jacobian(car, moving), car.twist(controls)
     beams = observation.laser[0]
@@ -352,15 +352,15 @@ def drive_by_policies(observation, waypoint, push, weight, gain):
     pull = goal_policy(waypoint - nose, body @ twist, gain, 3.0, 0.35)
     policies = [(body @ by_controls, *pull)]
     for along, radius in discs:
-        place = np.array([along, 0.0])
-        body = point_jacobian(place)
-        policies += keep_off(points, place, radius, body @ by_controls, body @ twist, push, weight)
+        centre = np.array([along, 0.0])
+        body = point_jacobian(centre)
+        policies += keep_off(points, centre, radius, body @ by_controls, body @ twist, push, weight)
     speed, steering = controls + STEP * resolve(policies)
     return np.array([np.clip(speed, -0.3, 0.8), np.clip(steering, -0.45, 0.45)])
 
 
 def drive_through_the_door(push, weight, gain):
-    """The field, the car's track and how it ended."""
+    """The field, the car's track and how the rollout ended."""
     simulation = Simulation(scene, door_start, sensors=Sensors(camera=None))
     track, ending = [simulation.poses[0]], "out of time"
     for _ in range(120):
@@ -368,7 +368,7 @@ def drive_through_the_door(push, weight, gain):
         simulation.step(drive_by_policies(simulation.observe(), waypoint, push, weight, gain)[None])
         track.append(simulation.poses[0])
         if simulation.collided[0]:
-            ending = "it touched something"
+            ending = "collided"
             break
         if np.linalg.norm(simulation.poses[0, :2] - door_goal) < 0.4:
             ending = "arrived"
@@ -391,22 +391,22 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
-# With a weight of zero nobody listens to the walls: the car heads straight for the goal and touches the doorpost, <i>whatever the push</i>. What a policy wants is worth nothing without its metric. With a push of zero and a small weight it touches
-# too; with a large weight it gets through even without a push, since the brake alone holds the car off. Between these, the car goes round the post in much the same way over a wide range of push and weight: a metric that fades makes the setting forgiving. The gain
-# hardly changes the way, but the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4 and only 0.2 m/s at 0.6. There the 12 seconds run out.
+# With a weight of zero the walls have no influence: the car heads straight for the goal and hits the doorpost, <i>whatever the push</i>. An acceleration counts for nothing without its metric. With a push of zero and a small weight it collides
+# too; with a large weight it gets through even without a push, since the brake alone holds the car off. Between these, the car passes the post on much the same path over a wide range of push and weight: a metric that fades with distance makes the parameters uncritical. The gain
+# hardly changes the path, but it changes the time: pull and damping balance at gain / 3.0, which is 0.8 m/s at a gain of 2.4 and only 0.2 m/s at 0.6. There the 12 seconds run out.
 # </details>
 #
 # ### Why the car must be able to reverse
 #
-# Table I of the paper asks for targets up to **one metre behind** the car. The policies above only ever drive forwards to what lies ahead. The library's `RMPController` blends the same policies, and before it asks them, it
+# Table I of the paper asks for targets up to **one metre behind** the car. The policies above only drive forwards to what lies ahead. The library's `RMPController` blends the same policies, but first it
 # chooses an *arc* to the waypoint, forwards or in reverse, and turns in several moves where one arc is too tight.
 #
-# **Predict:** a car that never reverses, and the library's car, both know exactly where the target is. Over all episodes whose target lies behind, which share of them will either reach?
+# **Predict:** a car that never reverses, and the library's car, both know exactly where the target is. Driving an episode with a controller is a **rollout**. Of all episodes whose target lies behind the car, in what share will each of them reach it?
 
 
 # %%
-def drive_to(goals, controller):
-    """A driver that is told where the targets are."""
+def oracle_policy(goals, controller):
+    """A policy that knows the positions of the targets."""
 
     def act(simulation, robots):
         waypoints = to_local(simulation.poses[robots], goals[robots, :2])
@@ -415,72 +415,72 @@ def drive_to(goals, controller):
     return act
 
 
-def run(driver, episodes, body=car):
-    """Drive all episodes at once."""
+def run(policy, episodes, body=car):
+    """Roll out all episodes at once."""
     simulation = Simulation(episodes.recorded.scene, episodes.starts, body=body)
-    return drive(simulation, driver, episodes.goals[:, :2], episodes.limit)
+    return drive(simulation, policy, episodes.goals[:, :2], episodes.limit)
 
 
-never = 1e6  # what reversing costs, and the room it needs
+never = 1e6  # cost of reversing, and the room it needs
 forwards = RMPController(reverse_cost=never, go_on=never, begin=never)
 behind = draw_episodes(recorded, paths, 400, np.random.default_rng(5))
 straight_behind = relative(behind.starts, behind.goals)[:, 0] < -0.3
 behind = behind.some(np.flatnonzero((behind.ahead < 0) & straight_behind))
-found = {
-    name: run(drive_to(behind.goals, controller), behind)
+results = {
+    name: run(oracle_policy(behind.goals, controller), behind)
     for name, controller in (("never reverses", forwards), ("may reverse", RMPController()))
 }
-for name, drives in found.items():
-    print(f"{name}: {drives.reached.sum()} of {len(behind)} targets behind reached")
-differ = found["may reverse"].reached & ~found["never reverses"].reached
+for name, rollouts in results.items():
+    print(f"{name}: {rollouts.reached.sum()} of {len(behind)} targets behind the car reached")
+differ = results["may reverse"].reached & ~results["never reverses"].reached
 one = int(np.where(differ, -relative(behind.starts, behind.goals)[:, 0], 0).argmax())
 panels = []
-for drives in found.values():
-    steps = round(drives.seconds[one] / STEP)
-    track = drives.poses[: steps + 1, one]
+for rollouts in results.values():
+    steps = round(rollouts.seconds[one] / STEP)
+    track = rollouts.poses[: steps + 1, one]
     picture = map_with(track[0], behind.goals[one], track[:, :2])
     for pose in track[[steps // 3, 2 * steps // 3, steps]]:
         view.robot(picture, pose, car.footprint)
     corners = np.concatenate(
-        [d.poses[: round(d.seconds[one] / STEP) + 1, one, :2] for d in found.values()]
+        [r.poses[: round(r.seconds[one] / STEP) + 1, one, :2] for r in results.values()]
     )
     panels.append(closeup(view, picture, corners, 0.6, square=True))
-show(side_by_side(panels, list(found), height=420))
+show(side_by_side(panels, list(results), height=420))
 
 # %% [markdown]
-# A car needs 1.6 m of width for a half circle (notebook 01; the rear axle drives a circle of 1.24 m, the corners sweep more). Few places of an apartment are that wide, so a car that only knows *forwards* must go round the block to get 50 cm back. This is a property of the *body*, and no
+# A car needs 1.6 m of width for a half circle (notebook 01; the rear axle drives a circle of 1.24 m, the corners sweep more). Few places of an apartment are that wide, so a car that only drives forwards must make a long detour to get 50 cm back. This is a property of the *body*, and no
 # network can make up for it.
 #
-# ## 3 · Which waypoint should the network say?
+# ## 3 · Which waypoint should the network predict?
 #
-# The network learns from examples, so somebody must say what would have been right. We have the recorded drive and, in simulation, the map. The rule (paper, IV, and its authors' code):
+# The network learns from examples, and each example needs a label: the right waypoint. We have the recorded trajectory and, in simulation, the map. The rule (paper, IV, and its authors' code):
 #
-# - the car is to go **to the farthest place of the recorded drive, up to the target, that is in clear sight**: a straight line leads there and keeps 6 cm from every wall;
+# - the waypoint is **the farthest point of the trajectory, up to the target, that is in clear sight**: a straight line leads there and keeps 6 cm from every wall;
 # - a target that was recorded at or before the start's own frame is its own waypoint, in sight or not.
 #
-# The car never has to go round a corner in one step. It goes to the corner, looks again, and gets a new waypoint. And a car that has strayed is led *back to the drive*, which was free of obstacles.
+# The car never has to drive around a corner in one step. It drives to the corner, takes a new image, and gets a new waypoint. And a car that has left the trajectory is led *back to it*, where the path was free of obstacles.
 #
 # ### Exercise 4 · `waypoint_label` (medium, 12 minutes)
 #
-# <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the drive: the frame with the largest number. A place may be hidden by a post while a later one is in sight again.</details>
-# <details><summary>Hint 2: approach</summary>First treat the target that is not after the source. Otherwise take the places track[source + 1 : target + 1, :2], ask sees(start[:2], places) which of them are in clear sight, and use the last one. If there is none, return None: such a pair is thrown away.</details>
-# <details><summary>Hint 3: one line</summary>np.flatnonzero(sees(start[:2], places)) gives the numbers of those in sight; to_local(start, place) is the answer.</details>
+# <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the trajectory: the frame with the largest index. A point may be hidden by a post while a later one is in sight again.</details>
+# <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], find with sees(start[:2], points) which of them are in clear sight, and use the last one. If there is none, return None: such a pair is discarded.</details>
+# <details><summary>Hint 3: one line</summary>np.flatnonzero(sees(start[:2], points)) gives the indices of those in sight; to_local(start, point) is the answer.</details>
 
 
 # %% exercise="waypoint_label"
 def waypoint_label(start, track, source, target, sees):
-    """The farthest place of the drive in clear sight, as seen from the start.
+    """The farthest point of a trajectory in clear sight, in the frame of the start.
 
-    start: (3,) pose beside the recording's frame `source`. track: (T, 3) poses of the drive. source, target: frame numbers.
-    sees: sees(place (2,), points (C, 2)) tells which points are in clear sight, (C,) bool.
-    Returns (2,) in the car's coordinates at `start`, or None where nothing is in sight.
+    start: (3,) pose beside the trajectory's frame `source`. track: (T, 3) poses of the trajectory. source, target: frame indices.
+    sees: sees(place (2,), points (C, 2)) returns which points are in clear sight of the place, (C,) bool.
+    Returns (2,) in the car's frame at `start`, or None where nothing is in sight.
     """
     ### BEGIN SOLUTION
     if target <= source:
         return to_local(start, track[target, :2])
-    places = track[source + 1 : target + 1, :2]
-    seen = np.flatnonzero(sees(start[:2], places))
-    return to_local(start, places[seen[-1]]) if len(seen) else None
+    points = track[source + 1 : target + 1, :2]
+    seen = np.flatnonzero(sees(start[:2], points))
+    return to_local(start, points[seen[-1]]) if len(seen) else None
     ### END SOLUTION
 
 
@@ -488,8 +488,8 @@ def waypoint_label(start, track, source, target, sees):
 waypoint_label = check_waypoint_label.use(waypoint_label)
 
 # %% [markdown]
-# Now on a real drive. Five starts are *perturbed*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as the paper's authors do, so that the network also sees what a car sees that has strayed. **Predict:** the
-# target is beyond a corner. Where will the green waypoints of the starts lie: all at the same place?
+# Now on a recorded trajectory. Five starts are *perturbed*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as the paper's authors do, so that the network also learns from views off the trajectory. **Predict:** the
+# target is beyond a corner. Where will the green waypoints of the starts lie: all at the same point?
 
 # %%
 sees = clear_sight(scene.caster)
@@ -498,10 +498,10 @@ hidden = ~scene.caster.sees(recorded.poses[sources, :2], episodes.goals[:, :2])
 far_enough = recorded.arc[episodes.targets] - recorded.arc[sources] > 2.7
 
 
-def short_of_target(number):
-    """How far before its target the waypoint of an episode lies, m."""
-    pose, target = recorded.poses[sources[number]], episodes.targets[number]
-    waypoint = waypoint_label(pose, recorded.poses, sources[number], target, sees)
+def short_of_target(i):
+    """Distance from the waypoint of episode i to its target, m."""
+    pose, target = recorded.poses[sources[i]], episodes.targets[i]
+    waypoint = waypoint_label(pose, recorded.poses, sources[i], target, sees)
     if waypoint is None:
         return 0.0
     return np.linalg.norm(to_world(pose, waypoint) - recorded.poses[target, :2])
@@ -528,14 +528,14 @@ for pose in beside[found]:
 show(closeup(view, picture, recorded.poses[source : target + 1, :2], 1.2))
 
 # %% [markdown]
-# <details><summary>Are they all at the same place?</summary>
-# No. Who stands farther out in the bend sees farther round it. The lines graze the corner at a distance of 6 cm. (The car is 24 cm wide and would touch there: keeping off is the job of the policies, not of the waypoint.)
+# <details><summary>Are they all at the same point?</summary>
+# No. A car farther out in the bend sees farther around it. The lines pass the corner at a distance of 6 cm. (The car is 24 cm wide and would collide there: obstacle avoidance is the job of the motion policies, not of the waypoint.)
 # </details>
 #
-# ### How much do two pictures have in common?
+# ### How much do two images overlap?
 #
-# The network also learns the **mutual overlap** of the two pictures (paper, III-B): the share of what one camera sees that the other sees too, in both directions. The robot will need it in notebook 04, to know how near it is to a
-# target. By hand: 100 rays from the one camera; each ends at a point of a wall, which is pulled back by 6 cm; count those that lie in the other's field of view, with nothing in between.
+# The network also learns the **mutual overlap** of the two images (paper, III-B): the share of one camera's view that the other camera sees too, in both directions. The robot needs it in notebook 04, to judge how close it is to a
+# target. The computation: cast 100 rays from one camera; each ends at a point of a wall, which is pulled back by 6 cm; count the points that lie in the other's field of view, with nothing in between.
 #
 # **Predict:** one camera stands 1.5 m behind the other, and both look the same way. Which share is larger: that of the *rear* view that the front camera sees, or that of the *front* view that the rear camera sees?
 
@@ -545,7 +545,7 @@ rays = Fan(2 * half_view * ((np.arange(100) + 0.5) / 100 - 0.5))
 
 
 def points_in_view(viewer, other):
-    """100 points (100, 2) that the viewer sees, and which of them the other sees as well."""
+    """100 points (100, 2) that the viewer sees, and which of them the other sees too."""
     distance = scene.caster.cast(viewer[None], rays).distance[0]
     reach = np.maximum(distance - 0.06, distance / 2)
     angles = viewer[2] + rays.angles
@@ -568,28 +568,28 @@ for name, viewer, other in (("rear", rear, front), ("front", front, rear)):
     panels.append(closeup(view, picture, np.array([[-0.4, -7.8], [2.0, -0.6]]), 0.2))
     titles.append(f"{name} view: {both.mean():.0%} shared")
 by_library = mutual_overlap(scene.caster, rear[None], front[None])[0]
-print(f"the library says {by_library[0]:.0%} and {by_library[1]:.0%}")
+print(f"the library returns {by_library[0]:.0%} and {by_library[1]:.0%}")
 show(side_by_side(panels, titles, height=600))
 
 # %% [markdown]
 # <details><summary>Which is larger, and why are there two numbers?</summary>
 # The share of the <i>front</i> view that the rear camera sees: what lies before both of them is seen by both, and the front camera sees little else. The rear camera also sees the walls beside the front one, at its edges.
-# So the two numbers tell who is ahead: a target <i>ahead</i> of the car shows a large share of its picture in the car's, and the car a smaller share in the target's. One number could not tell that.
+# So the two numbers show which camera is ahead: when the target is <i>ahead</i> of the car, the car sees a large share of the target's view, and the target a smaller share of the car's. One number could not show that.
 # </details>
 #
-# ## 4 · Comparing two pictures
+# ## 4 · Comparing two images
 #
-# ### The paper's way, and a saving in it
+# ### The paper's design, and a saving in it
 #
-# Some words first. A *layer* multiplies its input by weights and adds up; a *convolution* is a layer that uses the same weights at every place of a picture; an *encoder* is a few layers that turn a picture into a *feature vector*, a list of numbers that describe it; the *loss* is the error that training makes smaller, step by step.
+# Some terms first. A *layer* multiplies its input by weights and adds up; a *convolution* is a layer that uses the same weights at every position of an image; an *encoder* is a few layers that turn an image into a *feature vector*, a list of numbers that describe it; the *loss* is the error that training reduces, step by step.
 #
-# The pictures have 3 channels (red, green, blue). The paper stacks *nine*: the current picture, the target, and their difference, $[\,\text{cur},\ \text{tgt},\ \text{cur} - \text{tgt}\,]$, and feeds them to convolutions (III-B). Its
-# first layer multiplies by weights and adds up. That is *linear*. With $A$, $B$, $D$ the weights of the three parts
+# The images have 3 channels (red, green, blue). The paper stacks *nine*: the current image, the target, and their difference, $[\,\text{cur},\ \text{tgt},\ \text{cur} - \text{tgt}\,]$, and feeds them to convolutions (III-B). Its
+# first layer multiplies by weights and adds up: it is *linear*. With $A$, $B$, $D$ the weights of the three parts
 #
 # $$ A\,\text{cur} + B\,\text{tgt} + D\,(\text{cur} - \text{tgt}) . $$
 #
-# Sort this by picture, and the layer falls into a part that sees only cur and one that sees only tgt. The results are exactly the same. What is it good for? The current picture is compared with $2k+1$ pictures of the target, and its part
-# has to be computed only **once**. The target's part does not change while the car drives: it can be computed when the target is stored, and **kept**.
+# Collect terms by image, and the layer splits into a part that sees only cur and one that sees only tgt. The results are exactly the same. Why do it? The current image is compared with $2k+1$ images of the target, and its part
+# has to be computed only **once**. The target's part does not change while the car drives: it can be computed when the target is stored, and **cached**.
 #
 # ### Exercise 5 · `split_first_layer` (easy, 6 minutes)
 #
@@ -614,7 +614,7 @@ def split_first_layer(weights):
 split_first_layer = check_split_first_layer.use(split_first_layer)
 
 # %% [markdown]
-# **Predict:** with $k = 2$, how many times fewer multiplications does the first layer need when it is split? And when the target's part is kept as well?
+# **Predict:** with $k = 2$, by what factor do the multiplications of the first layer decrease when it is split? And when the target's part is cached as well?
 
 # %%
 torch.manual_seed(0)
@@ -634,8 +634,8 @@ with torch.no_grad():
     ]
     apart = halves[0] + halves[1] + layer.bias[:, None, None]
 print(f"largest difference between stacked and split: {(together - apart).abs().max():.1e}")
-each = 48 * 16 * 5 * 32  # multiplications for one channel of one picture
-print("  k     stacked       split  target kept    (million multiplications per query)")
+each = 48 * 16 * 5 * 32  # multiplications for one channel of one image
+print("  k     stacked       split      cached    (million multiplications per query)")
 for k in (0, 2, 5):
     counts = [9 * (2 * k + 1), 3 * (2 * k + 2), 3]
     print(
@@ -645,32 +645,32 @@ for k in (0, 2, 5):
     )
 
 # %% [markdown]
-# ### A way that matches columns
+# ### An encoder that matches columns
 #
-# What stacking can compare is what lies at the *same place* of both pictures. But when the car turns, everything moves sideways by many columns. Our networks therefore use another encoder, which the paper does not have. Both pictures are
-# reduced to 32 columns with a feature vector each. Then **every column of the one is compared with every column of the other**: a table of 32 × 32 similarities, the *correlation volume*. Its *softmax* along a row, which turns similarities into shares that add up to 1, says where a
-# column is seen again; what is found there, and where, joins the column's own features. (Both halves can still be computed alone; only the table is left for the pair.)
+# Stacking compares what lies at the *same position* in both images. But when the car turns, everything shifts sideways by many columns. Our networks therefore use another encoder, which the paper does not have. Both images are
+# reduced to 32 columns with a feature vector each. Then **every column of one image is compared with every column of the other**: a table of 32 × 32 similarities, the *correlation volume*. Its *softmax* along a row, which turns similarities into shares that add up to 1, shows where a
+# column reappears in the target; the features found there, and their position, are appended to the column's own features. (Both halves can still be computed separately; only the table depends on the pair.)
 #
-# Nobody tells the network which columns belong together. It is trained on waypoints, headings and overlaps.
+# The network gets no labels for matching columns. It is trained on waypoints, headings and overlaps.
 #
-# **Predict:** in the table, rows are the columns of the current picture, from left to right, and columns those of the target. What do you expect when the two pictures are the *same*? When the car has turned 25° to the left? When it stands 1.5 m
-# farther back, as the rear camera of section 3? Then run the cell: dark is what the trained network thinks, the orange dots are the truth by the map.
+# **Predict:** in the table, rows are the columns of the current image, from left to right, and columns those of the target. What do you expect when the two images are the *same*? When the car has turned 25° to the left? When it stands 1.5 m
+# farther back, as the rear camera of section 3? Then run the cell: dark is the trained network's match, the orange dots are the ground truth from the map.
 
 # %%
-shipped = WaypointNetwork("waypoint_k2")
+pretrained = WaypointNetwork("waypoint_k2")
 
 
 def matches(first, second):
-    """The network's table (32, 32) for what is seen from two poses."""
-    pictures = shipped.view.numbers(shipped.view.render(scene, np.array([first, second])))
+    """The network's table (32, 32) for the images from two poses."""
+    images = pretrained.view.numbers(pretrained.view.render(scene, np.array([first, second])))
     with torch.no_grad():
-        encoder = shipped.network.encoder
-        volume = encoder.volume(encoder.current(pictures[:1]), encoder.target(pictures[1:]))
+        encoder = pretrained.network.encoder
+        volume = encoder.volume(encoder.current(images[:1]), encoder.target(images[1:]))
     return volume.softmax(dim=-1)[0].numpy()
 
 
 def seen_again(first, second):
-    """Places (T, 2) in both pictures, as shares of their widths, of what is seen from two poses."""
+    """Positions (T, 2) of the same points in the images from two poses, as shares of their widths."""
     fan = Camera(columns=32).fan
     distance = scene.caster.cast(first[None], fan).distance[0]
     angles = first[2] + fan.angles
@@ -688,23 +688,23 @@ def seen_again(first, second):
 panels = []
 turned = compose(goal, [0.0, 0.0, np.deg2rad(25)])
 for first, second in ((goal, goal), (turned, goal), (rear, front), (start, goal)):
-    pictures = people_camera.look(scene, np.array([first, second]))[0]
-    found = matches(first, second), seen_again(first, second)
-    panels.append(matches_picture(*pictures, *found, side=320))
-titles = ["the same picture", "turned 25 degrees to the left"]
+    images = people_camera.look(scene, np.array([first, second]))[0]
+    tables = matches(first, second), seen_again(first, second)
+    panels.append(matches_picture(*images, *tables, side=320))
+titles = ["the same image", "turned 25 degrees to the left"]
 upper = side_by_side(panels[:2], titles, gap=40)
 titles = ["1.5 m behind (section 3)", "the pair of section 1"]
 show(stacked([upper, side_by_side(panels[2:], titles, gap=40)]))
 
 # %% [markdown]
-# <details><summary>How is it to be read?</summary>
-# The same picture gives the diagonal: each column is found where it is. A turn shifts the line to one side. (It is also bent a little, since columns at the edge of a flat picture cover smaller angles.) A car that stands farther back sees the target's content squeezed into its
-# middle: few rows, many columns, the line gets flatter. So the <i>shape</i> of the line holds the turn and the shift, and that is what the layers behind it read off. Plain walls give a pale smear: one piece of a plain wall looks like the next. Rows without an orange dot show something that is not in the other picture; their shares must go somewhere, and mean nothing. Repeated
+# <details><summary>How do you read it?</summary>
+# The same image gives the diagonal: each column matches itself. A turn shifts the line to one side. (It is also slightly curved, since columns at the edge of a pinhole image cover smaller angles.) A car that stands farther back sees the target's content squeezed into the
+# middle of its image: few rows, many columns, the line gets flatter. So the <i>shape</i> of the line encodes rotation and translation, and the layers that follow read them off. Plain walls give a pale smear: one piece of a plain wall looks like the next. Rows without an orange dot show something that is not in the other image; their shares must go somewhere, and mean nothing. Repeated
 # furniture gives a second line, and a chance of a wrong match.
 # </details>
 #
-# Does it pay? The table below compares four encoders that were trained alike, with $k = 2$, for the same number of steps: *pair* is the paper's, *separate* turns each picture into a feature vector of its own before they are compared, *stacked* puts all
-# pictures into one stack. The paper found its design "much better" than the last two (III-B). (Three of them also learn where each picture of the context was taken. The stack cannot, since it has no features of single pictures.) **Predict** the order before you look.
+# Is it worth it? The table below compares four encoders, trained in the same way, with $k = 2$, for the same number of steps: *pair* is the paper's, *separate* encodes each image into a feature vector of its own before they are compared, *stacked* puts all
+# images into one stack. The paper found its design "much better" than the last two (III-B). (Three of them also learn where each image of the context was taken. The stack cannot, since it has no features of single images.) **Predict** the order before you look.
 
 # %%
 ablation = load_result("ablation_encoder")
@@ -716,46 +716,46 @@ for line in sorted(ablation.rows, key=lambda line: -line["success"]):
         f"{line['variant']:10s}{line['parameters']:12,d}{line['median_m']:12.2f} m{line['mean_m']:10.2f} m"
         f"   {line['success']:.1%} ({line['low']:.1%} to {line['high']:.1%})"
     )
-print("\nthe same episodes, side by side:", *ablation.notes, sep="\n  ")
+print("\npaired differences on the same episodes:", *ablation.notes, sep="\n  ")
 
 # %% [markdown]
-# (To train and race them again takes a quarter of an hour: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
+# (To train and evaluate them again takes a quarter of an hour: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
 #
-# ## 5 · Watch one learn
+# ## 5 · Watch a network learn
 #
-# What is learnt, for each pair of pictures: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss adds up the errors of all three (`learning/losses.py` says how they are weighted, and where we differ from the paper's authors).
+# For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors (`learning/losses.py` shows the weights, and where we differ from the paper's authors).
 #
-# The shipped networks were trained for up to half an hour on 96 worlds. We have 20 seconds, so we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 recorded drives and their pictures are rendered as they are needed.
+# The pretrained networks were trained for up to half an hour on 96 worlds. We have 20 seconds, so we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories and their images are rendered on demand.
 #
-# The test is 40 episodes with targets more than a metre away. **Predict:** what will a car do that drives by a network *before* it has learnt anything?
+# The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
 
 # %%
 def targets_of(network, episodes):
-    """The targets' pictures with their context, encoded once."""
+    """The target images with their context, encoded once."""
     world = episodes.recorded
     frames = world.context(episodes.targets, network.architecture.k)
     return network.prepare(network.view.render(world.scene, world.poses[frames]))
 
 
-def by_sight(network, episodes, controller, waypoints=None):
-    """A driver that only looks; what the network says is kept in `waypoints`, if given."""
+def visual_policy(network, episodes, controller, waypoints=None):
+    """C: the network's waypoints, driven to by the controller; they are kept in `waypoints`, if given."""
     targets = targets_of(network, episodes)
     local_controller = ComposedController(network, controller)
 
     def act(simulation, robots):
-        seen = simulation.observe(robots)
+        observations = simulation.observe(robots)
         if waypoints is not None:
-            said, _ = network.predict(seen, targets[robots])
-            waypoints.append((robots, to_world(simulation.poses[robots], said)))
-        return local_controller.act(seen, targets[robots])
+            predicted, _ = network.predict(observations, targets[robots])
+            waypoints.append((robots, to_world(simulation.poses[robots], predicted)))
+        return local_controller.act(observations, targets[robots])
 
     return act
 
 
-def closest(drives, episodes):
-    """Metres (N,) to the target where each drive came closest to it."""
-    return np.linalg.norm(drives.poses[:, :, :2] - episodes.goals[:, :2], axis=2).min(axis=0)
+def closest(rollouts, episodes):
+    """Smallest distance (N,) of each rollout to its target, m."""
+    return np.linalg.norm(rollouts.poses[:, :, :2] - episodes.goals[:, :2], axis=2).min(axis=0)
 
 
 def forty_of(episodes):
@@ -769,11 +769,11 @@ small_network = Architecture(k=0)
 torch.manual_seed(0)
 outcomes = {}
 untrained = WaypointNetwork(LocalNetwork(small_network).eval())
-outcomes["before"] = run(by_sight(untrained, forty, RMPController()), forty)
+outcomes["before"] = run(visual_policy(untrained, forty, RMPController()), forty)
 print(f"before: {outcomes['before'].reached.sum()} of {len(forty)} targets reached")
 
 # %%
-lessons = Source(
+training_pairs = Source(
     [recorded],
     small_network,
     perturbation=PAPER_PERTURBATION,
@@ -782,18 +782,16 @@ lessons = Source(
     close=0.0,
     vary=False,
 )
-other_pairs = [replace(lessons, targets=64, starts=2).block([1, 0])]
+validation_pairs = [replace(training_pairs, targets=64, starts=2).block([1, 0])]
 
 
 def loss_chart(history):
-    """How the loss falls."""
+    """The training loss over the steps."""
     figure, (axis,) = chart(7.0, 3.0)
-    steps = [evaluation["step"] for evaluation in history]
-    axis.plot(
-        steps, [evaluation["training"] for evaluation in history], "o-", color="0.2", clip_on=False
-    )
+    steps = [entry["step"] for entry in history]
+    axis.plot(steps, [entry["training"] for entry in history], "o-", color="0.2", clip_on=False)
     axis.set(
-        xlabel="steps, each with 64 pairs of pictures",
+        xlabel="steps, each with 64 pairs of images",
         ylabel="training loss",
         xlim=(0, 620),
         ylim=(0, None),
@@ -804,78 +802,78 @@ def loss_chart(history):
 handle = display(loss_chart([]), display_id=True)
 trained, progress = train(
     small_network,
-    lessons,
-    other_pairs,
+    training_pairs,
+    validation_pairs,
     Settings(max_steps=600, learning_rate=4e-3, warmup_steps=40, eval_interval=60),
     on_evaluation=lambda _, progress: handle.update(loss_chart(progress.history)),
 )
 
 # %%
 learnt = WaypointNetwork(trained)
-outcomes["after 600 steps"] = run(by_sight(learnt, forty, RMPController()), forty)
-outcomes["shipped, k = 2"] = run(by_sight(shipped, forty, RMPController()), forty)
+outcomes["after 600 steps"] = run(visual_policy(learnt, forty, RMPController()), forty)
+outcomes["pretrained, k = 2"] = run(visual_policy(pretrained, forty, RMPController()), forty)
 panels, titles = [], []
-for name, drives in outcomes.items():
+for name, rollouts in outcomes.items():
     picture = view.base.copy()
     for robot in range(0, 40, 4):
-        track = drives.poses[: round(drives.seconds[robot] / STEP) + 1, robot]
+        track = rollouts.poses[: round(rollouts.seconds[robot] / STEP) + 1, robot]
         view.polyline(picture, track[:, :2], colours.TRACK, 8)
         view.robot(picture, track[0], 1.4 * car.footprint)
-        colour = colours.GOAL if drives.reached[robot] else colours.LASER
+        colour = colours.GOAL if rollouts.reached[robot] else colours.LASER
         view.disc(picture, forty.goals[robot, :2], 0.16, colour)
     panels.append(picture)
-    titles.append(f"{name}: {drives.reached.sum()} of 40")
-    near = np.median(closest(drives, forty))
+    titles.append(f"{name}: {rollouts.reached.sum()} of 40")
+    near = np.median(closest(rollouts, forty))
     print(
-        f"{name}: {drives.reached.sum()} of {len(forty)} reached, closest approach {near:.2f} m (median)"
+        f"{name}: {rollouts.reached.sum()} of {len(forty)} reached, closest approach {near:.2f} m (median)"
     )
 show(side_by_side(panels, titles, height=460))
 
 # %% [markdown]
-# Ten of the 40 drives are drawn; a target is green where it was reached and red where not.
+# Ten of the 40 rollouts are drawn; a target is green if it was reached and red if not.
 #
-# Has it learnt *this apartment*, or has it learnt to *compare pictures*? **Predict** how many of 40 targets it reaches in another apartment, which neither network was trained in.
+# Has the network learnt *this apartment*, or has it learnt to *compare images*? **Predict** how many of 40 targets it reaches in another apartment, in which neither network was trained.
 
 # %%
 elsewhere = scene_of(local_world(10_008))
-other_drives = demonstrate("another", elsewhere, 24, seed=0, controller=RMPController())
-other_world = RecordedWorld(elsewhere, other_drives)
+other_trajectories = demonstrate("another", elsewhere, 24, seed=0, controller=RMPController())
+other_world = RecordedWorld(elsewhere, other_trajectories)
 other_paths = GridPaths(elsewhere.clearance)
 others = forty_of(draw_episodes(other_world, other_paths, 120, np.random.default_rng(0)))
-for name, network in (("trained for a few seconds", learnt), ("shipped, k = 2", shipped)):
-    drives = run(by_sight(network, others, RMPController()), others)
-    print(f"elsewhere, {name}: {drives.reached.sum()} of {len(others)} targets reached")
+for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2", pretrained)):
+    rollouts = run(visual_policy(network, others, RMPController()), others)
+    print(f"elsewhere, {name}: {rollouts.reached.sum()} of {len(others)} targets reached")
 
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
-# Before training, the network says nearly the same waypoint whatever it sees, so every car drives much the same curve. After 600 steps many drives end at their target or close to it. Some of that is useless anywhere else: the looks of these
-# rooms. But much of it is not. A column that is found again further left means the same in every building, and for finding it again the network only needs colours to compare. This is why the matching encoder learns from so little. What the half hour on
-# 96 worlds adds is precision, and robustness against the colours, turns and hidden targets that one apartment does not have.
+# Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 600 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
+# rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour on
+# 96 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
 # </details>
 #
-# ## 6 · Drive by sight
+# ## 6 · Drive by camera
 #
-# Now the shipped network, in an apartment that it was not trained in. The two parts are put together as in the formula, and the same $\mathcal C_{WP}$ also leads another robot: a round one with two driven wheels that turns in place. **Only $\mathcal C_{RMP}$ is exchanged**; the network is not trained again
-# (paper, III-B: it is "agnostic to robot dynamics"). For comparison, both are also *told* where the target is, so that only the body counts. **Predict:** which of the two robots will be more successful?
+# Now the pretrained network, in an apartment in which it was not trained. The two parts are combined as in the formula, and the same $\mathcal C_{WP}$ also drives another robot: a round one with differential drive that can turn in place. **Only $\mathcal C_{RMP}$ is exchanged**; the network is not retrained
+# (paper, III-B: it is "agnostic to robot dynamics"). For comparison, an oracle that knows the position of the target also drives both robots, so that only the body counts. **Predict:** which of the two robots will be more successful?
 
 # %%
 round_robot = DifferentialDrive()
 fits = episodes.some(np.flatnonzero(is_free(scene, round_robot, episodes.starts)))
 tracks = {}
 for name, body in (("car", car), ("round robot", round_robot)):
-    tracks[name] = run(by_sight(shipped, fits, RMPController(body=body)), fits, body)
-    told = run(drive_to(fits.goals, RMPController(body=body)), fits, body)
+    tracks[name] = run(visual_policy(pretrained, fits, RMPController(body=body)), fits, body)
+    by_oracle = run(oracle_policy(fits.goals, RMPController(body=body)), fits, body)
     print(
-        f"{name}: {tracks[name].reached.sum()} of {len(fits)} targets reached by sight, "
-        f"{told.reached.sum()} when told where they are"
+        f"{name}: {tracks[name].reached.sum()} of {len(fits)} targets reached by camera, "
+        f"{by_oracle.reached.sum()} by the oracle"
     )
 apart = np.abs(relative(fits.starts, fits.goals)[:, 1])
 both = tracks["car"].reached & tracks["round robot"].reached
 shown = int(np.where(both, apart, 0).argmax())
 panels = []
 for name, body in (("car", car), ("round robot", round_robot)):
-    drives = tracks[name]
-    track = drives.poses[: round(drives.seconds[shown] / STEP) + 1, shown]
+    rollouts = tracks[name]
+    track = rollouts.poses[: round(rollouts.seconds[shown] / STEP) + 1, shown]
     picture = view.base.copy()
     view.goal(picture, fits.goals[shown, :2])
     view.polyline(picture, track[:, :2], colours.TRACK, 3)
@@ -886,57 +884,62 @@ for name, body in (("car", car), ("round robot", round_robot)):
 show(side_by_side(panels, list(tracks), height=420))
 
 # %% [markdown]
-# <details><summary>Is the round robot better, since it can turn on the spot?</summary>
-# Told where the target is, either body reaches nearly every one: here the body is no excuse. What is missing by sight is the waypoint's fault, and turning on the spot does not mend a wrong waypoint. The network was trained on starts beside recorded drives of a <i>car</i>, turned by some
-# tens of degrees at most. A robot that turns on the spot soon looks in directions in which no picture of the training was taken.
+# <details><summary>Is the round robot better, since it can turn in place?</summary>
+# With the oracle, either body reaches nearly every target: the body is not the cause. What is missing with the camera is due to the waypoints, and turning in place does not fix a wrong waypoint. The network was trained on starts beside trajectories of a <i>car</i>, turned by some
+# tens of degrees at most. A robot that turns in place soon looks in directions in which no training image was taken.
 # </details>
 #
-# And a film: the map is for us; all that the car gets is its camera, its laser, and the target's pictures. The green line leads to the waypoint of the moment. **Predict:** will the waypoint lie still, or move?
+# And a film: the map is only for us; the car gets its camera, its laser, and the target's images. The green line leads to the current waypoint. **Predict:** will the waypoint stay in place, or move?
 
 # %%
-long_way = (fits.ahead > 2.0) & tracks["car"].reached
-filmed = int(np.where(long_way, apart + fits.ahead, 0).argmax())
-one_episode, said = fits.some(np.array([filmed])), []
-drives = run(by_sight(shipped, one_episode, RMPController(), said), one_episode)
-track, goal_pose = drives.poses[:, 0], one_episode.goals[0]
-pictures = people_camera.look(scene, np.concatenate([track, goal_pose[None]]))[0]
+long_path = (fits.ahead > 2.0) & tracks["car"].reached
+filmed = int(np.where(long_path, apart + fits.ahead, 0).argmax())
+one_episode, predictions = fits.some(np.array([filmed])), []
+rollouts = run(visual_policy(pretrained, one_episode, RMPController(), predictions), one_episode)
+track, goal_pose = rollouts.poses[:, 0], one_episode.goals[0]
+images = people_camera.look(scene, np.concatenate([track, goal_pose[None]]))[0]
 film = []
-for step in range(0, len(said), 2):
-    waypoint = said[step][1]
+for step in range(0, len(predictions), 2):
+    waypoint = predictions[step][1]
     picture = view.base.copy()
     view.goal(picture, goal_pose[:2])
     view.polyline(picture, track[: step + 1, :2], colours.TRACK, 3)
     view.polyline(picture, [track[step, :2], waypoint[0]], colours.GOAL, 2)
     view.points(picture, waypoint, colours.GOAL, 5)
     view.robot(picture, track[step], car.footprint)
-    near = closeup(view, picture, np.array([track[0, :2], goal_pose[:2]]), 1.2, square=True)
-    views = [camera_picture(pictures[step], 320), camera_picture(pictures[-1], 320)]
-    film.append(side_by_side([near, stacked(views, ["now", "target"])], height=340))
+    above = closeup(view, picture, np.array([track[0, :2], goal_pose[:2]]), 1.2, square=True)
+    views = [camera_picture(images[step], 320), camera_picture(images[-1], 320)]
+    film.append(side_by_side([above, stacked(views, ["now", "target"])], height=340))
 play(film, 5, count=3)
 
 # %% [markdown]
 # ## 7 · How it fails
 #
-# With context the car misses so few targets that there is little to study. So here the plain picture leads it, $k = 0$: 200 episodes, 100 here and 100 in a maze, most of which succeed. What do the others have in common? For each episode we measure four things that could matter, and compare how often it fails with and without them. **Predict** which of the four hurts most.
+# With context the car misses so few targets that there is little to study. So here it drives by single images, $k = 0$: 200 episodes, 100 here and 100 in a maze, most of which succeed. What do the failures have in common? For each episode we check four conditions that could matter, and compare the failure rates with and without each. **Predict** which of the four hurts most.
 
 # %%
 places = [(scene, recorded, paths, view)]
 maze_world = local_world(10_006)
 maze = scene_of(maze_world)
-maze_drives = demonstrate(maze_world, maze, 24, seed=0, controller=RMPController())
+maze_trajectories = demonstrate(maze_world, maze, 24, seed=0, controller=RMPController())
 places.append(
-    (maze, RecordedWorld(maze, maze_drives), GridPaths(maze.clearance), PlanView(maze, 1000, 1000))
+    (
+        maze,
+        RecordedWorld(maze, maze_trajectories),
+        GridPaths(maze.clearance),
+        PlanView(maze, 1000, 1000),
+    )
 )
-plain = WaypointNetwork("waypoint_k0")
+single_image = WaypointNetwork("waypoint_k0")
 cases = []
-for number, (where, world, ways, _) in enumerate(places):
-    hundred = draw_episodes(world, ways, 100, np.random.default_rng(11))
-    drives = run(by_sight(plain, hundred, RMPController()), hundred)
+for place, (where, world, geodesics, _) in enumerate(places):
+    hundred = draw_episodes(world, geodesics, 100, np.random.default_rng(11))
+    rollouts = run(visual_policy(single_image, hundred, RMPController()), hundred)
     overlap = mutual_overlap(where.caster, hundred.starts, hundred.goals).min(axis=1)
     room = np.minimum(
         where.clearance.at(hundred.starts[:, :2]), where.clearance.at(hundred.goals[:, :2])
     )
-    near = closest(drives, hundred)
+    near = closest(rollouts, hundred)
     for i in range(100):
         traits = {
             "target behind": hundred.ahead[i] < 0,
@@ -948,20 +951,20 @@ for number, (where, world, ways, _) in enumerate(places):
         }
         cases.append(
             {
-                "place": number,
+                "place": place,
                 "robot": i,
                 "traits": traits,
-                "failed": not drives.reached[i],
-                "touched": drives.collided[i],
+                "failed": not rollouts.reached[i],
+                "collided": rollouts.collided[i],
                 "near": near[i],
-                "drives": drives,
+                "rollouts": rollouts,
                 "episodes": hundred,
             }
         )
 failed = [case for case in cases if case["failed"]]
-touched = sum(case["touched"] for case in failed)
+collided = sum(case["collided"] for case in failed)
 print(
-    f"{len(failed)} of {len(cases)} failed: {touched} touched something, {len(failed) - touched} ran out of time"
+    f"{len(failed)} of {len(cases)} failed: {collided} collided, {len(failed) - collided} ran out of time"
 )
 print(
     f"{sum(case['near'] < 0.5 for case in failed)} of them came within half a metre of the target"
@@ -969,17 +972,17 @@ print(
 for trait in cases[0]["traits"]:
     rates = []
     for has in (True, False):
-        some = [case["failed"] for case in cases if bool(case["traits"][trait]) == has]
-        rates.append(f"{np.mean(some):.0%} of {len(some)}")
+        subset = [case["failed"] for case in cases if bool(case["traits"][trait]) == has]
+        rates.append(f"{np.mean(subset):.0%} of {len(subset)}")
     print(f"{trait:33s} failed with it: {rates[0]:>10s}   without: {rates[1]:>10s}")
 
 
 # %%
 def failure_strip(case):
-    """Four moments of a drive that failed, and what the car saw at its end beside its target."""
+    """Four moments of a failed rollout, and the final image beside the target image."""
     where, _, _, plan = places[case["place"]]
-    drives, hundred, robot = case["drives"], case["episodes"], case["robot"]
-    track = drives.poses[: round(drives.seconds[robot] / STEP) + 1, robot]
+    rollouts, hundred, robot = case["rollouts"], case["episodes"], case["robot"]
+    track = rollouts.poses[: round(rollouts.seconds[robot] / STEP) + 1, robot]
     moments = []
     for step in np.linspace(0, len(track) - 1, 4).round().astype(int):
         picture = plan.base.copy()
@@ -988,8 +991,8 @@ def failure_strip(case):
         plan.robot(picture, track[step], car.footprint)
         corners = np.concatenate([track[:, :2], hundred.goals[[robot], :2]])
         moments.append(closeup(plan, picture, corners, 0.6, square=True))
-    pictures = people_camera.look(where, np.array([track[-1], hundred.goals[robot]]))[0]
-    views = stacked([camera_picture(p, 220) for p in pictures], ["at the end", "target"], gap=4)
+    images = people_camera.look(where, np.array([track[-1], hundred.goals[robot]]))[0]
+    views = stacked([camera_picture(image, 220) for image in images], ["final", "target"], gap=4)
     maps = side_by_side(
         moments,
         [f"{0.1 * s:.1f} s" for s in np.linspace(0, len(track) - 1, 4).round()],
@@ -1011,22 +1014,22 @@ chosen = (chosen + [case for case in failed if case not in chosen])[:3]
 titles = []
 for case in chosen:
     causes = [trait for trait, has in case["traits"].items() if has] or ["none of the four"]
-    ending = "touched something" if case["touched"] else "out of time"
+    ending = "collided" if case["collided"] else "out of time"
     titles.append(f"{ending}, {case['near']:.2f} m from the target at best: {', '.join(causes)}")
 show(stacked([failure_strip(case) for case in chosen], titles, gap=10))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# One trait stands out. Where the two pictures share less than a tenth, about one drive in four fails; of the others one in fifty. There is nothing to match: the network must guess from what rooms are usually like. A target <i>hidden</i> from the start is too rare here to tell (7 episodes).
-# A target behind and a tight place do no harm: to reverse and to keep off is the driver's job, and it does it by the laser. For the same reason none touches anything. A third of the failures end within half a metre: there the pictures differ
-# little, the network takes the place for the target, and the car waits. (One trait seldom comes alone, and 200 episodes are few: differences of a few points mean nothing here.)
+# One condition stands out. Where the two images overlap by less than a tenth, about one episode in four fails; of the others one in fifty. There is nothing to match: the network must guess from what rooms usually look like. Targets <i>hidden</i> from the start are too rare here to judge (7 episodes).
+# A target behind the car and a tight place do no harm: $\mathcal C_{RMP}$ reverses and avoids obstacles, with the laser. For the same reason there are no collisions. A third of the failures end within half a metre: there the images differ
+# little, the network takes the place for the target, and the car waits. (The conditions seldom occur alone, and 200 episodes are few: differences of a few points mean nothing here.)
 #
-# The controller itself notices none of this. That is the subject of notebook 03: to <i>know</i> beforehand which targets it will reach.
+# The controller itself notices none of this. That is the subject of notebook 03: to <i>predict</i> which targets it will reach.
 # </details>
 #
 # ### Find the bug
 #
-# A colleague writes the context of targets for the whole recording at once, "which is simpler". It runs without an error, and training with it goes well; only success near the ends of drives is strangely low. Look at the five pictures of a target in context, and decide what is wrong before you unfold the
+# A colleague computes the context of targets for the whole recording at once, "which is simpler". It runs without an error, and training with it goes well; only the success rate near the ends of trajectories is strangely low. Look at the five images of a target in context, and decide what is wrong before you unfold the
 # answer.
 
 
@@ -1037,27 +1040,25 @@ def context_frames(world, frames, k):
     return np.clip(around_it, 0, len(world.poses) - 1)
 
 
-last_of_a_drive = np.array([recorded.last[0] - 2])
-pictures = people_camera.look(
-    scene, recorded.poses[context_frames(recorded, last_of_a_drive, 2)[0]]
-)[0]
-show(side_by_side([camera_picture(p, 185) for p in pictures], names, gap=6))
+near_the_end = np.array([recorded.last[0] - 2])
+images = people_camera.look(scene, recorded.poses[context_frames(recorded, near_the_end, 2)[0]])[0]
+show(side_by_side([camera_picture(image, 185) for image in images], names, gap=6))
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# The recording is many drives laid end to end. Near the end of one drive, the frames "after" the target belong to the <i>next</i> drive, somewhere else in the building: the last pictures show another room. The frames must be kept within the target's own drive, where the last one is
-# repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code>. Bugs in data do not crash. Looking at a few examples of what the network really gets finds most of them.
+# The recording is many trajectories laid end to end. Near the end of one, the frames "after" the target belong to the <i>next</i> trajectory, somewhere else in the building: the last images show another room. The frames must be clipped to the target's own trajectory, whose last frame is
+# repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code>. Bugs in data do not crash. Looking at a few examples of the network's actual inputs finds most of them.
 # </details>
 #
 # ## 8 · Table I
 #
-# The paper compares its controllers on targets from 1 m behind to 3 m ahead in four unseen buildings: *direct* is a network that goes from the pictures straight to the car's controls, without a waypoint; the others are $\mathcal C$ with more and more context. Below is our twin. **Same protocol, easier
-# world:** straight walls with painted stripes and even light instead of scanned buildings. A target counts as reached when the car comes within 0.3 m in time and touches nothing. *Random* drives to random waypoints, and the *oracle* knows the map: no controller can be expected to be much better than that. *Laser* is the same network with 64 distances in place of
-# the picture, as in the paper's laser variant.
+# The paper compares its controllers on targets from 1 m behind to 3 m ahead in four unseen buildings: *direct* is a network that maps the images straight to the car's controls, without a waypoint; the others are $\mathcal C$ with more and more context. Below is our counterpart. **Same protocol, easier
+# world:** straight walls with painted stripes and even light instead of scanned buildings. A target counts as reached when the car comes within 0.3 m in time and without a collision. *Random* drives to random waypoints, and the *oracle* knows the map: no controller can be expected to be much better. *Laser* is the same network with 64 distances in place of
+# the image, as in the paper's laser variant.
 #
-# Some of the protocol the paper leaves open. With us a start has 5 cm to spare all around, is at least 0.3 m from its target, and may share nothing with the target's picture. The paper's *direct* controller has $k = 0$, ours $k = 2$.
+# The paper leaves some of the protocol open. Here a start has 5 cm of clearance all around, is at least 0.3 m from its target, and its view may have no overlap with the target image. The paper's *direct* controller has $k = 0$, ours $k = 2$.
 #
-# **Predict:** what will context do for us, and how far below the oracle will we be?
+# **Predict:** how much does context help, and how far below the oracle are the controllers?
 
 # %%
 table = load_result("meng_table1")
@@ -1077,8 +1078,8 @@ for place, name in enumerate(order):
         axis.text(place + aside, line["paper"] + 0.02, f"{line['paper']:.0%}", **text)
 axis.set(
     ylim=(0, 1.08),
-    ylabel="targets reached",
-    title="blue and grey: here, with 95 % intervals; orange: the paper",
+    ylabel="success rate",
+    title="blue and grey: ours, with 95 % intervals; orange: the paper",
 )
 axis.set_xticks(range(len(order)), order)
 show(from_figure(figure))
@@ -1117,23 +1118,23 @@ for name in order:
     )
 
 # %% [markdown]
-# *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the way; these are other episodes, at least 2 m long and with room to get past, so compare them within their own column. *shifted*: colours and light that no network has seen in
+# *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
 # training. (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_table1`.)
 #
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# In both, going through waypoints beats direct control. The paper's direct controller was trained to imitate forward acceleration and steering velocity; ours imitates speed and steering of the same driver, and has k = 2. Our pictures are simpler than scanned buildings, which helps; but they have 16 rows in place of 64,
-# the networks are small enough to train in half an hour on a laptop, and the car is larger for its world: its rear axle needs 1.24 m for its tightest circle, the paper's car 0.9 m. The oracle's row shows what the <i>body</i> and the time limit cost before any network has looked at a picture. Compare within one column; between
-# the two worlds compare the order, not the numbers.
+# In both, control through waypoints beats direct control. The paper's direct controller was trained to imitate forward acceleration and steering velocity; ours imitates speed and steering of the same demonstrator, and has k = 2. Our images are simpler than those of scanned buildings, which helps; but they have 16 rows in place of 64,
+# the networks are small enough to train in half an hour on a laptop, and the car is larger relative to its world: its rear axle needs 1.24 m for its tightest circle, the paper's car 0.9 m. The oracle's row shows what the <i>body</i> and the time limit cost before any network is involved. Compare within one column; between
+# the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
-# One picture is enough for nine targets in ten; each step of context takes away a third to a half of what is left, and with k = 5 only one or two points are missing to the oracle. Context pays most where views are blocked: look at the column of the obstacles. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle do exactly the same as before, since none of them sees colours. On the real maps every network loses, and the oracle does not: their walls and rooms have other shapes than those of any training world.
+# A single image is enough for nine targets in ten; each step of context removes a third to a half of the remaining failures, and k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the real maps every network loses, and the oracle does not: walls and rooms have other shapes there than in any training world.
 # </details>
-# <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and then closes its eyes?</summary>
-# The loop is closed ten times a second: what an error has done to the car is seen in the next picture, and the next waypoint answers it. Without looking, the errors would add up as those of the odometry did in notebook 01.
+# <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
+# The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.
 # </details>
 # <details><summary>Two controllers differ by 2 points, and their intervals overlap. Is there a difference?</summary>
-# The intervals say how far each number could be off in <i>other worlds</i>. Both controllers drove the <i>same</i> episodes, so what is hard for one is hard for both: look at the difference episode by episode. The notes below the table that the command prints do that, with an interval of the difference.
+# The intervals show how much each number could vary in <i>other worlds</i>. Both controllers drove the <i>same</i> episodes, so what is hard for one is hard for both: look at the difference episode by episode. The notes below the table that the command prints do that, with an interval of the difference.
 # </details>
 
 # %%
@@ -1143,33 +1144,33 @@ print("\n".join(table.notes))
 # ## Optional extras
 #
 # - **Extra 1.** Let the network of section 5 drive in another apartment: `local_world(10_012)`. Then train it again with `vary=True`, which changes the colours at random. What do you gain, and what does it cost?
-# - **Extra 2.** Direct control: `DirectNetwork("direct_k2")` says speed and steering at once. Below it drives the forty episodes. Where does it fail that the waypoints do not?
+# - **Extra 2.** Direct control: `DirectNetwork("direct_k2")` predicts speed and steering directly. Below it drives the forty episodes. Where does it fail where the waypoints do not?
 # - **Extra 3.** Give the widget's car a `damping` of 1.0 in place of 3.0. What does it do at the door? What would a policy look like that keeps the car from driving faster than it can see?
-# - **Extra 4.** In `waypoint_label`, let the label be the *nearest* place in sight that is at least 1 m away. Which drives would become smoother, and which worse?
+# - **Extra 4.** In `waypoint_label`, let the label be the *nearest* point in sight that is at least 1 m away. Which rollouts would become smoother, and which worse?
 
 # %%
 direct = DirectNetwork("direct_k2")
 direct_targets = targets_of(direct, forty)
-directly = run(
+rollouts = run(
     lambda simulation, robots: direct.act(simulation.observe(robots), direct_targets[robots]), forty
 )
 print(
-    f"direct control: {directly.reached.sum()} of {len(forty)} reached, {directly.collided.sum()} touched something"
+    f"direct control: {rollouts.reached.sum()} of {len(forty)} reached, {rollouts.collided.sum()} collided"
 )
 for name in ("waypoint_k0", "waypoint_k5", "laser_k2"):
-    drives = run(by_sight(WaypointNetwork(name), forty, RMPController()), forty)
+    rollouts = run(visual_policy(WaypointNetwork(name), forty, RMPController()), forty)
     print(
-        f"{name}: {drives.reached.sum()} of {len(forty)} reached, {drives.collided.sum()} touched something"
+        f"{name}: {rollouts.reached.sum()} of {len(forty)} reached, {rollouts.collided.sum()} collided"
     )
 
 # %% [markdown]
 # ## What to remember
 #
-# - $\mathcal C = \mathcal C_{RMP} \circ \mathcal C_{WP}$: pictures to a waypoint, a waypoint to the wheels. Either part can be exchanged without the other.
-# - A motion policy says what it wants *and how much that matters*. Pull back, add up, solve once.
-# - The label of a waypoint is the farthest place of the recorded drive in clear sight. It asks nothing of the network that a straight line cannot do.
-# - The first layer of a comparison is linear, so the target's half can be computed once and kept. A map of hundreds of targets becomes affordable.
-# - A car that closes the loop ten times a second forgives noise. It does not forgive a wrong idea of where it is.
+# - $\mathcal C = \mathcal C_{RMP} \circ \mathcal C_{WP}$: images to a waypoint, a waypoint to the wheels. Either part can be exchanged without the other.
+# - A motion policy is an acceleration *and how much it matters*. Pull back, sum, solve once.
+# - The waypoint label is the farthest point of the trajectory in clear sight. A straight line leads to it.
+# - The first layer of the comparison is linear, so the target's half can be computed once and cached. A map of hundreds of targets becomes affordable.
+# - Control that closes the loop ten times a second is robust to noise. It is not robust to a wrong waypoint.
 # - The controller does not know when it will fail.
 #
-# **Read next:** the paper, III-C (*Learning the Reachability Estimator*), and then notebook 03, where the last point is mended. On motion policies: N. Ratliff et al., *Riemannian Motion Policies* (2018).
+# **Read next:** the paper, III-C (*Learning the Reachability Estimator*), and then notebook 03, which addresses the last point. On motion policies: N. Ratliff et al., *Riemannian Motion Policies* (2018).
