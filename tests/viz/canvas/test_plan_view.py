@@ -1,40 +1,14 @@
-import cv2
 import numpy as np
 import pytest
 
 from tests.conftest import make_box
-from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import to_world
-from tutorial_lib.interfaces import Observation
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.dashboard import Moment, beams_of, dashboard, draw_laser
-from tutorial_lib.viz.figures.film import write_film, write_picture
-from tutorial_lib.viz.figures.panels import evenly
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, Laser
 
 CAR = np.array([[0.36, 0.12], [-0.06, 0.12], [-0.06, -0.12], [0.36, -0.12]])
-
-
-def frames(count, height=48, width=64):
-    """Pictures of one colour each, getting redder."""
-    shades = np.linspace(20, 220, count).astype(np.uint8)
-    pictures = np.zeros((count, height, width, 3), np.uint8)
-    pictures[..., 0] = shades[:, None, None]
-    pictures[..., 2] = 40
-    return list(pictures)
-
-
-def read_film(path):
-    film = cv2.VideoCapture(str(path))
-    rate, pictures = film.get(cv2.CAP_PROP_FPS), []
-    while True:
-        more, picture = film.read()
-        if not more:
-            return rate, pictures
-        pictures.append(picture[..., ::-1])
 
 
 def at(view, picture, point):
@@ -115,84 +89,3 @@ def test_goals_discs_lines_and_dots_change_only_their_place():
     view.polyline(untouched, np.zeros((0, 2)), colours.PATH, 3)
     view.points(untouched, np.zeros((0, 2)), colours.LASER, 3)
     assert (untouched == view.base).all()
-
-
-def test_the_dashboard_shows_the_camera_and_the_laser_with_ahead_up():
-    scene, pose = Scene(make_box()), np.array([[1.0, 5.0, 0.0]])  # a wall 1 m behind
-    image, depth = Camera(64).look(scene, pose)
-    scan = Laser().scan(scene, pose)
-    observation = Observation(image, depth, scan, pose, np.zeros(1), np.zeros(1))
-    moment = Moment(
-        pose[0], CAR, observation, pose[:, :2], pose[:, :2], pose[0, :2] + 1, None, [("t", "0 s")]
-    )
-    assert beams_of(scan[0])[:, 0].min() == pytest.approx(-1.0, abs=0.01)
-    assert dashboard(PlanView(scene), moment, "a title").shape == (760, 1260, 3)
-    laser = draw_laser(moment, 320)
-    assert laser[20, 160].tolist() == list(colours.PAPER)  # free ahead
-    assert laser[300, 160].tolist() == list(colours.ROOMS["open"])  # behind the wall
-    assert laser[160 + 40, 140:180].tolist().count(list(colours.LASER)) > 0  # the wall itself
-
-
-def test_a_film_has_all_frames_in_order_at_its_size_and_rate(tmp_path):
-    given = frames(12)
-    write_film(tmp_path / "drive.webm", given, 10)
-    rate, pictures = read_film(tmp_path / "drive.webm")
-    assert rate == pytest.approx(10)
-    assert [p.shape for p in pictures] == [(48, 64, 3)] * 12
-    assert np.abs(np.array(pictures).astype(int) - given).mean() < 8
-    assert [f.name for f in tmp_path.iterdir()] == ["drive.webm"]
-    assert (tmp_path / "drive.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, so WebM
-
-
-@pytest.mark.parametrize(
-    ("name", "pictures", "words"),
-    [
-        ("a.webm", [], "no frames"),
-        ("a.webm", [*frames(3), frames(1, 20)[0]], "size"),
-        ("a.webm", frames(3, 47, 63), "even"),
-        ("a.xyz", frames(3), "webm"),
-    ],
-    ids=["no frames", "two sizes", "odd size", "other suffix"],
-)
-@pytest.mark.filterwarnings("ignore")
-def test_a_film_that_cannot_be_written_leaves_what_was_there(name, pictures, words, tmp_path):
-    (tmp_path / name).write_text("an older film")
-    with pytest.raises(InputError, match=words):
-        write_film(tmp_path / name, pictures, 10)
-    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {name: "an older film"}
-
-
-def test_a_film_interrupted_midway_leaves_what_was_there(tmp_path):
-    class Frames(list):
-        def __iter__(self):
-            yield from self[:3]
-            raise KeyboardInterrupt
-
-    (tmp_path / "a.webm").write_text("an older film")
-    with pytest.raises(KeyboardInterrupt):
-        write_film(tmp_path / "a.webm", Frames(frames(5)), 10)
-    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
-
-
-def test_a_picture_comes_back_as_it_was(tmp_path):
-    picture = np.random.default_rng(0).integers(0, 256, (13, 17, 3), np.uint8)
-    write_picture(tmp_path / "view.png", picture)
-    assert (cv2.imread(str(tmp_path / "view.png"))[..., ::-1] == picture).all()
-    assert [f.name for f in tmp_path.iterdir()] == ["view.png"]
-
-
-def test_a_picture_that_cannot_be_written_leaves_what_was_there(tmp_path, monkeypatch):
-    (tmp_path / "view.png").write_text("an older picture")
-    monkeypatch.setattr(cv2, "imwrite", lambda *_: False)  # so OpenCV says that the disk is full
-    with pytest.raises(OSError, match=r"view\.png"):
-        write_picture(tmp_path / "view.png", frames(1)[0])
-    assert [f.read_text() for f in tmp_path.iterdir()] == ["an older picture"]
-
-
-def test_frames_are_chosen_evenly_from_first_to_last():
-    assert evenly(10, 4).tolist() == [0, 3, 6, 9]
-    assert evenly(2, 4).tolist() == [0, 1]
-    assert evenly(9, 1).tolist() == [0]
-    for total, count in ((0, 3), (5, 0)):
-        with pytest.raises(InputError, match="no frames"):
-            evenly(total, count)

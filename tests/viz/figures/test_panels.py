@@ -1,35 +1,16 @@
-import base64
-import re
-
-import cv2
 import numpy as np
 import pytest
 
-from tests.conftest import make_box
+from tests.viz.pictures import plain
 from tutorial_lib.errors import InputError
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view, ray_ends
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.film import png
 from tutorial_lib.viz.figures.panels import (
     TITLE,
     camera_picture,
-    faded,
+    evenly,
     film_strip,
     side_by_side,
     stacked,
 )
-from tutorial_lib.viz.notebook.display import play, show
-from tutorial_lib.world.scene import Scene
-
-
-def plain(height, width, shade=100):
-    return np.full((height, width, 3), shade, np.uint8)
-
-
-def decoded(data):
-    return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
 
 
 def test_a_camera_picture_is_three_to_one_whatever_its_rows():
@@ -98,73 +79,10 @@ def test_a_film_strip_holds_frames_from_first_to_last_with_times():
         film_strip(frames, [1.0, 2.0])
 
 
-def test_rays_end_at_the_walls_and_the_field_of_view_is_tinted():
-    scene, pose = Scene(make_box()), np.array([2.0, 5.0, 0.0])
-    ends = ray_ends(scene, pose, [0.0, np.pi / 2, np.pi])
-    assert np.allclose(ends, [[10, 5], [2, 10], [0, 5]])
-    view = PlanView(scene, 200, 200)
-    picture = view.base.copy()
-    draw_field_of_view(view, picture, scene, pose)
-
-    def changed(point):
-        column, row = np.floor(view.pixels(point)).astype(int)
-        return (picture[row, column] != view.base[row, column]).any()
-
-    assert changed([6.0, 5.0])
-    assert not changed([1.0, 5.0])  # behind
-    assert not changed([2.5, 9.0])  # 83 degrees to the left
-    assert (faded(picture) >= picture).all()
-    before = picture.copy()
-    view.rays(picture, pose, ends)
-    view.arrow(picture, pose)
-    assert (picture != before).any()
-
-
-def test_a_png_keeps_few_colours_and_nearly_keeps_many():
-    few = plain(20, 30)
-    few[5:9, 3:20] = colours.LASER
-    assert (decoded(png(few)) == few).all()
-    slope = np.stack([np.tile(np.arange(256), (40, 1))] * 3, axis=-1).astype(np.uint8)
-    slope[..., 2] = np.arange(40)[:, None] * 6
-    assert np.abs(decoded(png(slope)).astype(int) - slope).mean() < 8
-    for k, colour in enumerate(colours.THINGS):  # which keep their colours beside many others
-        slope[2 * k, :20] = colour
-    back = decoded(png(slope))
-    assert all((back[2 * k, :20] == colour).all() for k, colour in enumerate(colours.THINGS))
-    with pytest.raises(InputError, match="uint8"):
-        png(slope / 255)
-    assert decoded(show(few)._repr_png_()).shape == few.shape
-
-
-def test_a_figure_becomes_a_picture():
-    figure, axes = chart(4, 3, columns=2)
-    for axis in axes:
-        axis.plot([0, 1], [0, 1], color=colours.unit(colours.ROBOT))
-    picture = from_figure(figure)
-    assert picture.shape == (288, 384, 3)
-    assert picture.dtype == np.uint8
-    near = np.abs(picture.astype(int) - colours.ROBOT).max(axis=-1) < 3
-    assert near.sum() > 50
-
-
-def test_a_film_is_one_of_its_own_kind_and_leaves_a_strip(tmp_path):
-    frames = [plain(31, 45, shade) for shade in range(0, 200, 20)]  # odd sizes too
-    film = play(frames, 5)
-    page = film._repr_html_()
-    assert all(word in page for word in ("<video", "controls", "loop", "muted"))
-    assert re.findall(r"(?:https?:)?//[a-z]", page.split("base64")[0]) == []
-    data = base64.b64decode(re.search(r"base64,([^\"]*)", page)[1])
-    (tmp_path / "film.webm").write_bytes(data)
-    capture = cv2.VideoCapture(str(tmp_path / "film.webm"))
-    count = 0
-    while capture.read()[0]:
-        count += 1
-    assert count == 10
-    assert decoded(film._repr_png_()).shape[0] == 31 + 1 + TITLE
-
-
-def test_a_film_shows_as_html_and_as_a_picture(monkeypatch):
-    shown = []
-    monkeypatch.setattr("IPython.display.publish_display_data", shown.append)
-    play([plain(32, 32)] * 3, 5)._ipython_display_()
-    assert [next(iter(data)) for data in shown] == ["text/html", "image/png"]
+def test_frames_are_chosen_evenly_from_first_to_last():
+    assert evenly(10, 4).tolist() == [0, 3, 6, 9]
+    assert evenly(2, 4).tolist() == [0, 1]
+    assert evenly(9, 1).tolist() == [0]
+    for total, count in ((0, 3), (5, 0)):
+        with pytest.raises(InputError, match="no frames"):
+            evenly(total, count)

@@ -20,7 +20,7 @@ _JUMP = 0.25  # metres between two steps: the robot was teleported
 
 
 def state_name(state: int) -> str:
-    """A state as it is spoken of.
+    """The name of a state in plain words.
 
     >>> state_name(2)
     'dead reckoning'
@@ -29,7 +29,7 @@ def state_name(state: int) -> str:
 
 
 def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
-    """Draw the dense frames of a recorded drive (T, 3), a small dot each."""
+    """Draw the frames of a trajectory, poses (T, 3), as small dots."""
     view.points(picture, np.asarray(poses, dtype=float)[:, :2], colours.PATH, radius)
 
 
@@ -41,7 +41,7 @@ def draw_anchors(
     size: float = 6.0,
     colour: tuple[int, int, int] = colours.GOAL,
 ) -> None:
-    """Draw anchors at poses (A, 3) as arrowheads, and write their places beside them if asked."""
+    """Draw anchors at poses (A, 3) as arrowheads, `numbered` by their place in the sequence."""
     for place, pose in enumerate(np.asarray(poses, dtype=float)):
         view.arrow(picture, pose, colour, size)
         if numbered:
@@ -51,9 +51,9 @@ def draw_anchors(
 def draw_states(
     view: PlanView, picture: Picture, poses: ArrayLike, states: ArrayLike, width: float = 3.0
 ) -> None:
-    """Draw where a robot was, poses (T, 3), in the colours of its states (T,).
+    """Draw a robot's path, poses (T, 3), in the colours of its states (T,).
 
-    The line is broken where the robot was put elsewhere.
+    The line is broken where the robot was teleported.
     """
     poses, states = np.asarray(poses, dtype=float), np.asarray(states)
     jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP

@@ -1,4 +1,4 @@
-"""One colour for each thing, in every picture of the course (Okabe and Ito; colour-blind safe)."""
+"""One colour for each kind of thing in all pictures (Okabe and Ito; colour-blind safe)."""
 
 ROBOT = (0, 114, 178)
 GOAL = (0, 158, 115)
@@ -14,7 +14,7 @@ PAPER = (255, 255, 255)
 SOLID = (88, 92, 102)
 
 THINGS = (ROBOT, GOAL, PATH, TRACK, LASER, VIEW, PERSON, INK, FAINT, PAPER, SOLID)
-"""All of these, for those who make a picture with few colours."""
+"""All of these, kept exactly where a picture has few colours (`film.png`)."""
 
 ROOMS = {
     "hallway": (236, 236, 232),

@@ -22,7 +22,7 @@ def label(
 ) -> None:
     """Write on a picture; (x, y) is the lower left corner of the first letter. Latin letters only.
 
-    OpenCV knows no others and draws question marks in their place.
+    OpenCV draws question marks in place of all others.
     """
     cv2.putText(picture, text, (x, y), FONT, size, colour, 1, cv2.LINE_AA)
 
@@ -30,7 +30,7 @@ def label(
 def write_beside(
     view: PlanView, picture: Picture, text: str, pose: ArrayLike, off: float = 18.0
 ) -> None:
-    """Write a word to the left of a pose (3,), `off` pixels from it."""
+    """Write a text to the left of a pose (3,), `off` pixels from it."""
     beside = to_world(pose, [0.0, off / view.scale])
     (wide, high), _ = cv2.getTextSize(text, FONT, 0.5, 1)
     corner = view.pixels(beside) + np.array([-wide / 2, high / 2])

@@ -1,4 +1,4 @@
-"""Motion policies drawn: what they ask for as arrows, how much they care as ellipses."""
+"""Riemannian motion policies: accelerations drawn as arrows, metrics as ellipses."""
 
 import cv2
 import numpy as np
@@ -35,9 +35,9 @@ def draw_metrics(
     most: float = 3.0,
     colour: tuple[int, int, int] = colours.GOAL,
 ) -> None:
-    """Draw metrics (P, 2, 2) at `points` (P, 2) as ellipses: long where they weigh most.
+    """Draw metrics (P, 2, 2) at `points` (P, 2) as ellipses, long along large weights.
 
-    Half an axis is `size` metres times the root of the weight along it, at most `most` times.
+    A semi-axis is `size` metres times the root of the weight along it, at most `most` times `size`.
     """
     points = np.asarray(points, dtype=float).reshape(-1, 2)
     metrics = np.asarray(metrics, dtype=float).reshape(-1, 2, 2)

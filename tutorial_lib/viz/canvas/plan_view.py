@@ -1,4 +1,4 @@
-"""A floor plan from above, and what moves on it, as RGB arrays."""
+"""A floor plan from above, and what moves on it, drawn as RGB arrays."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PlanView:
             scene: what to draw.
             width: pixels.
             height: pixels.
-            margin: pixels around it.
+            margin: pixels around the plan.
             bounds: x0, y0, x1, y1 in metres; the whole plan unless given.
         """
         given = scene.plan.bounds if bounds is None else bounds
@@ -68,7 +68,7 @@ class PlanView:
         colour: tuple[int, int, int],
         opacity: float = 1.0,
     ) -> None:
-        """Fill a polygon (P, 2), letting what lies under it show through."""
+        """Fill a polygon (P, 2); below an opacity of 1, what lies under it shows through."""
         corners = self._fixed(points)
         if opacity >= 1.0:
             cv2.fillPoly(picture, [corners], colour, cv2.LINE_AA, _SHIFT)
@@ -93,7 +93,7 @@ class PlanView:
             self.disc(picture, point, radius / self.scale, colour)
 
     def robot(self, picture: Picture, pose: ArrayLike, footprint: ArrayLike) -> None:
-        """Draw a robot at `pose` (3,) with its nose in a lighter colour."""
+        """Draw a robot at `pose` (3,), its front in a lighter colour."""
         footprint = np.asarray(footprint, dtype=float)
         front, half = footprint[:, 0].max(), np.abs(footprint[:, 1]).max()
         self.polygon(picture, to_world(pose, footprint), colours.ROBOT)
@@ -107,7 +107,7 @@ class PlanView:
         colour: tuple[int, int, int] = colours.ROBOT,
         size: float = 10.0,
     ) -> None:
-        """Mark a pose (3,) by an arrowhead of `size` pixels, for maps on which a car is tiny."""
+        """Mark a pose (3,) by an arrowhead of `size` pixels, for maps on which the car is tiny."""
         head = np.array([[1.3, 0.0], [-0.9, 0.9], [-0.5, 0.0], [-0.9, -0.9]])
         rim = head * (size + 3.0) / self.scale
         self.polygon(picture, to_world(pose, rim), colours.PAPER)
@@ -140,7 +140,7 @@ class PlanView:
         self.points(picture, ends, colour, 3.0)
 
     def _fixed(self, points: ArrayLike) -> NDArray[np.int32]:
-        """(P, 2) pixels in OpenCV's fixed point, whose whole numbers are pixels' middles."""
+        """(P, 2) pixels in OpenCV's fixed point; whole numbers are centres of pixels."""
         pixels = self.pixels(np.asarray(points, dtype=float).reshape(-1, 2)) - 0.5
         return np.round(pixels * 2**_SHIFT).astype(np.int32)
 

@@ -1,4 +1,4 @@
-"""Topological maps drawn on the plan, though they know nothing of it (Meng 2020, Figs. 4 and 8)."""
+"""Topological maps drawn on the floor plan, which they do not know (Meng 2020, Figs. 4 and 8)."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.world.materials import Colour
 
 _GOLDEN = 0.618034  # of the circle of hues from one trajectory to the next
-_ASIDE = 0.05  # metres to the right of its line that an edge is drawn, so that two ways are seen
+_ASIDE = 0.05  # metres to the right of its line that an edge is drawn, so that opposite ones differ
 _HEAD = 0.62  # share of an edge at which its arrowhead lies
 
 
 def hue(number: int) -> Colour:
-    """A colour for each trajectory; neighbours differ much."""
+    """A colour for each trajectory; consecutive ones differ clearly."""
     red, green, blue = colorsys.hsv_to_rgb((0.58 + number * _GOLDEN) % 1.0, 0.75, 0.8)
     return round(255 * red), round(255 * green), round(255 * blue)
 
@@ -40,7 +40,7 @@ def draw_topomap(
         view: of the plan.
         picture: to draw on.
         topomap: the map.
-        poses: (V, 3) where its vertices were seen, see `navigation.vertex_poses`.
+        poses: (V, 3) where its vertices were recorded, see `navigation.vertex_poses`.
         size: pixels of a vertex.
         width: pixels of an edge.
     """
@@ -83,7 +83,7 @@ def draw_plan(
     goal: ArrayLike | None = None,
     colour: Colour = colours.PATH,
 ) -> None:
-    """Draw a way over vertices at poses (V, 3), from where the robot is to the goal, if given."""
+    """Draw a path over vertices at poses (V, 3), from the robot and to the goal where given."""
     poses = np.asarray(poses, dtype=float)
     places = [poses[vertex] for vertex in vertices]
     places = [*([] if here is None else [np.asarray(here, dtype=float)]), *places]

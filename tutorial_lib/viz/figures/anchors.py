@@ -1,4 +1,4 @@
-"""Anchors along a drive, a follower's states, and how far it gets (Meng 2020, Figs. 5 to 7)."""
+"""Anchors of a trajectory, a follower's states, and the cover rate (Meng 2020, Figs. 5 to 7)."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -35,7 +35,7 @@ def anchors_picture(
     margin: float = 0.8,
     numbered: bool = False,
 ) -> Picture:
-    """A drive's frames (T, 3) and its `anchors` (A,), cut out of the plan: a panel of Fig. 5."""
+    """A trajectory's frames (T, 3) and `anchors` (A,), cut out of the plan: a panel of Fig. 5."""
     poses, picture = np.asarray(poses, dtype=float), view.base.copy()
     draw_frames(view, picture, poses)
     draw_anchors(view, picture, poses[np.asarray(anchors)], numbered)
@@ -43,7 +43,7 @@ def anchors_picture(
 
 
 def state_ribbon(states: ArrayLike, width: int = 960, longest: int | None = None) -> Picture:
-    """What a follower was doing over time, as a bar of colours with seconds under it.
+    """A follower's states over time, as a bar of colours with seconds under it.
 
     Args:
         states: (T,) one for each control step.
@@ -85,18 +85,18 @@ def follower_strip(
     side: int = 230,
     discs: Mapping[int, NDArray[np.float64]] | None = None,
 ) -> Picture:
-    """Moments of a drive around the robot, each framed in the colour of its state.
+    """Moments of a rollout around the robot, each framed in the colour of its state.
 
     Args:
         view: the plan.
-        base: it with what does not move, such as anchors.
+        base: the plan with what does not move, such as anchors.
         poses: (T, 3) of the robot.
         states: (T,).
-        steps: numbers of the moments to show.
+        steps: indices of the moments to show.
         footprint: (K, 2) of the robot.
         reach: metres shown around the robot.
         side: pixels of each picture.
-        discs: for steps people and obstacles, (D, 3) as x, y, radius.
+        discs: people and obstacles by step, (D, 3) as x, y, radius.
     """
     poses, panels, titles = np.asarray(poses, dtype=float), [], []
     for step in steps:
@@ -124,19 +124,19 @@ def numbered_views(
     margin: float = 0.8,
     points: ArrayLike | None = None,
 ) -> Picture:
-    """A drive on the plan, and what was seen at numbered places of it (Fig. 6).
+    """A path on the plan, and the images taken at numbered places along it (Fig. 6).
 
-    The pictures stand beside the plan, or below it where it is wide.
+    The images stand beside the plan, or below it where it is wide.
 
     Args:
         view: the plan.
-        picture: it, with the drive; the numbers are drawn on it.
+        picture: the plan with the path; the numbers are drawn on it.
         poses: (P, 3) of the numbered places.
-        images: (H, W, 3) seen there.
+        images: (H, W, 3) taken there.
         width: pixels of each image.
         columns: of images.
-        margin: metres around the drive.
-        points: (Q, 2) that the cut-out plan must hold, besides the numbered places.
+        margin: metres around the places.
+        points: (Q, 2) that the cut-out must contain besides the numbered places.
     """
     poses = np.asarray(poses, dtype=float)
     views = []
@@ -158,10 +158,10 @@ def cover_chart(
     width: float = 9.0,
     levels: Mapping[str, float] | None = None,
 ) -> Picture:
-    """How much of the trajectories is followed against how little of them is kept (Fig. 7).
+    """Cover rate against sparsity (Fig. 7).
 
     Args:
-        rows: of `experiment meng_fig7` under one condition. Thresholds are written beside k = 5.
+        rows: of `experiment meng_fig7` under one condition; k = 5 is labelled by its thresholds.
         against: "sparsity" or "stored".
         width: inches.
         levels: cover rates to compare with, from 0 to 1, as lines with these names.

@@ -1,4 +1,4 @@
-"""Charts in the course's style, drawn by matplotlib without any display."""
+"""Charts in the course's style, drawn by matplotlib without a display."""
 
 import numpy as np
 from matplotlib import rc_context
@@ -32,7 +32,7 @@ def chart(
 ) -> tuple[Figure, NDArray[np.object_]]:
     """An empty figure of `width` x `height` inches and its (columns,) axes.
 
-    The figure is no part of pyplot's state: show it by `from_figure`, or as a cell's last line.
+    The figure is not part of pyplot's state: show it by `from_figure`, or as a cell's last line.
     """
     with rc_context(_STYLE):
         figure = Figure(figsize=(width, height), dpi=96, layout="constrained")

@@ -1,4 +1,4 @@
-"""A part of a map, and what two pictures have in common, for a closer look."""
+"""Close-ups: a part of the plan, and what two images have in common."""
 
 import cv2
 import numpy as np
@@ -12,9 +12,9 @@ from tutorial_lib.viz.figures.panels import camera_picture
 def closeup(
     view: PlanView, picture: Picture, points: ArrayLike, margin: float = 0.8, square: bool = False
 ) -> Picture:
-    """The part of a map that holds `points` (P, 2) and `margin` metres around them.
+    """The part of a plan that holds `points` (P, 2) and `margin` metres around them.
 
-    A `square` one is as wide as it is high. What lies beyond the map is white.
+    A `square` one is as wide as it is high. What lies beyond the plan is white.
     """
     pixels = view.pixels(np.asarray(points, dtype=float).reshape(-1, 2))
     low, high = pixels.min(axis=0), pixels.max(axis=0)
@@ -44,16 +44,16 @@ def matches_picture(
     truth: ArrayLike,
     side: int = 416,
 ) -> Picture:
-    """Which columns of one picture are found again in which columns of the other.
+    """Which columns of one image match which columns of the other.
 
-    Rows of the square are the current picture's columns, from its left at the top to its right;
-    columns are the target's. The pictures stand along its sides.
+    Rows of the square are the current image's columns, from its left at the top to its right;
+    columns are the target's. The images stand along its sides.
 
     Args:
         current: (H, W, 3).
         target: (H, W, 3).
-        shares: (R, C) how sure it is that column r is seen again in column c; the darker.
-        truth: (T, 2) where it really is seen again, as shares of width of both pictures, 0 to 1.
+        shares: (R, C) how well column r matches column c; the better, the darker.
+        truth: (T, 2) true matches, as shares from 0 to 1 of the width of both images.
         side: pixels of the square.
     """
     dark = np.clip(np.asarray(shares, dtype=float), 0.0, 1.0)[..., None] ** 0.6

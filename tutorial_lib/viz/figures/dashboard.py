@@ -1,4 +1,4 @@
-"""One picture of a drive: the map, the camera's view and the laser's, and what the robot does."""
+"""One frame of a film: the plan, the camera's and the laser's view, and the robot's state."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,18 +22,18 @@ _LASER_REACH = 4.0  # metres shown around the robot
 
 @dataclass(frozen=True)
 class Moment:
-    """What is to be shown of one moment.
+    """What is shown of one moment.
 
     Attributes:
         pose: (3,) of the robot.
         footprint: (K, 2) of the robot.
         observation: of this one robot.
         track: (T, 2) where it has been.
-        path: (P, 2) what is left of its way.
+        path: (P, 2) the rest of its path.
         goal: (2,), or None where the robot has none.
         discs: people and obstacles.
-        lines: what to write below the pictures.
-        target: (H, W, 3) picture of what the robot is to reach, where it is shown one.
+        lines: names and values, written beside the laser's view.
+        target: (H, W, 3) image of the goal, where the robot is given one.
     """
 
     pose: Array
@@ -49,7 +49,7 @@ class Moment:
 
 @dataclass(frozen=True)
 class RolloutFilm(Sequence[Picture]):
-    """The pictures of a drive, each drawn when it is asked for."""
+    """The frames of a rollout's film, each drawn on request."""
 
     view: PlanView
     moments: Sequence[Moment]
@@ -63,7 +63,7 @@ class RolloutFilm(Sequence[Picture]):
 
 
 def beams_of(laser: Array) -> Array:
-    """Points (B, 2) in the robot's frame that a full-circle scan (B,) met."""
+    """Points (B, 2) in the robot's frame where the beams of a full-circle scan (B,) end."""
     angles = full_circle(len(laser))
     return laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
@@ -78,7 +78,7 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
     top = MARGIN + 36
     views = [(moment.observation.image[0], "camera, 120 degrees")]
     if moment.target is not None:
-        views.append((moment.target, "what the camera should see: the goal"))
+        views.append((moment.target, "target image: the goal"))
     for image, caption in views:
         shown = camera_picture(image, SIDE, smooth=True)
         picture[top : top + SIDE // 3, left : left + SIDE] = shown
@@ -93,7 +93,7 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
         label(picture, value, left + size + 16, top + 40 + round(gap * i), 0.6, colours.INK)
     legend = (
         ("robot", colours.ROBOT),
-        ("way", colours.PATH),
+        ("path", colours.PATH),
         ("driven", colours.TRACK),
         ("laser", colours.LASER),
         ("person", colours.PERSON),
@@ -107,7 +107,7 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
 
 
 def draw_map(view: PlanView, moment: Moment) -> Picture:
-    """The map from above with everything that moves."""
+    """The plan from above with everything that moves."""
     picture = view.base.copy()
     points = to_world(moment.pose, beams_of(moment.observation.laser[0]))
     half = np.abs(np.arctan2(*beams_of(moment.observation.laser[0]).T[::-1])) < np.deg2rad(60)
@@ -126,7 +126,7 @@ def draw_map(view: PlanView, moment: Moment) -> Picture:
 
 
 def draw_laser(moment: Moment, size: int) -> Picture:
-    """What the laser tells, `size` pixels square: the robot in the middle, ahead is up."""
+    """The laser scan, `size` pixels square: the robot in the middle, ahead is up."""
     picture = np.full((size, size, 3), colours.ROOMS["open"], np.uint8)
     middle, scale = size / 2, size / 2 / _LASER_REACH
 

@@ -1,4 +1,4 @@
-"""The rules of map building drawn: tables of reachabilities, and sequences laid side by side."""
+"""Rules of map building: tables of reachabilities, and sequences of anchors side by side."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
 
 HOLDS, FAILS, PALE = (214, 236, 228), (250, 226, 214), (244, 244, 244)
-"""Tints of a cell: an edge, none, and one that means nothing."""
+"""Tints of a cell: an edge, no edge, and neither."""
 _CELL, _HEAD = 46, 46  # pixels
 
 
@@ -25,11 +25,11 @@ def edge_table(
     """A table of numbers (R, C); `chosen` cells are green, the others red.
 
     Args:
-        values: (R, C); what is no finite number is left empty.
+        values: (R, C); cells that are not finite stay empty.
         chosen: (R, C) bool.
         rings: (R, C) bool, cells with a frame around them.
-        names: what rows and columns are.
-        blank: leave the others white in place of red.
+        names: of rows and columns.
+        blank: leave the others pale instead of red.
     """
     values, chosen = np.asarray(values, dtype=float), np.asarray(chosen, dtype=bool)
     rows, columns = values.shape
@@ -58,9 +58,9 @@ def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: Sequence
     """Two rows of anchors, one above the other, with the RE of each aligned pair between them.
 
     Args:
-        row: names of the anchors of the trajectory that comes.
-        column: names of the vertices beside them, as many.
-        pairs: RE of each pair; the least one is red.
+        row: names of the anchors of the new trajectory.
+        column: names of the vertices aligned with them, as many.
+        pairs: RE of each pair; the smallest is red.
     """
     wide, high = 104, 190
     picture = np.full((high, wide * len(row) + 20, 3), colours.PAPER, np.uint8)

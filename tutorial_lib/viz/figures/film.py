@@ -1,4 +1,4 @@
-"""Films and pictures on disk."""
+"""Films and pictures as files."""
 
 import io
 import os
@@ -47,7 +47,7 @@ def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: f
                 f"{path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
             )
         for frame in frames:
-            if frame.shape != frames[0].shape:  # OpenCV would drop it without a word
+            if frame.shape != frames[0].shape:  # OpenCV would drop it silently
                 raise InputError(f"{path}: frames differ in size; give all the same")
             writer.write(frame[..., ::-1])
         writer.release()
@@ -63,24 +63,24 @@ def write_picture(path: str | Path, picture: Picture) -> None:
 def png(picture: Picture) -> bytes:
     """An RGB picture (H, W, 3) as the bytes of a PNG file of at most 256 colours.
 
-    That is a third of the size of one with all colours, and a page of pictures adds up.
+    That is a third of the size of one with all colours; a notebook has many pictures.
 
     Raises:
-        InputError: when it is no such picture.
+        InputError: when it is not such a picture.
     """
     picture = np.ascontiguousarray(picture)
     if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
         raise InputError(f"picture: {picture.shape} {picture.dtype}; give (H, W, 3) uint8")
-    # Means of colours will do for walls, but the car, the goal and the floors keep their own.
+    # Mean colours are enough for walls; the car, the goal and the floors keep their own.
     kept = [*colours.THINGS, *colours.ROOMS.values()]
     means = Image.fromarray(picture).quantize(256 - len(kept), method=Image.Quantize.MEDIANCUT)
     palette = (means.getpalette() or [])[: 768 - 3 * len(kept)]
     palette += [0] * (768 - 3 * len(kept) - len(palette))
-    numbers, codes = np.array(means), picture @ np.array([1 << 16, 1 << 8, 1])
-    for number, (red, green, blue) in enumerate(kept, 256 - len(kept)):
-        numbers[codes == (red << 16) + (green << 8) + blue] = number
+    indices, codes = np.array(means), picture @ np.array([1 << 16, 1 << 8, 1])
+    for index, (red, green, blue) in enumerate(kept, 256 - len(kept)):
+        indices[codes == (red << 16) + (green << 8) + blue] = index
         palette += [red, green, blue]
-    few = Image.fromarray(numbers)
+    few = Image.fromarray(indices)
     few.putpalette(palette)
     buffer = io.BytesIO()
     few.save(buffer, "PNG")
@@ -89,7 +89,7 @@ def png(picture: Picture) -> bytes:
 
 @contextmanager
 def _hushed() -> Iterator[None]:
-    """Keep FFmpeg's remark about VP8's tag, which is of no consequence, off the terminal."""
+    """Keep FFmpeg's harmless warning about VP8's tag off the terminal."""
     sys.stderr.flush()
     kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     try:

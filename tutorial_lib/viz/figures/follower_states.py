@@ -1,4 +1,4 @@
-"""Rules drawn: a table of reachabilities with the anchors chosen, and the follower's states."""
+"""Rules of following: a table of reachabilities with the chosen anchors, and the state machine."""
 
 from collections.abc import Sequence
 
@@ -23,8 +23,8 @@ _PLACES = {
     State.DONE: (0.44, 0.44),
     State.LOST: (0.44, 0.10),
 }
-# From, to, how far the arrow bends, what makes the robot go this way, and where that stands.
-_WAYS = (
+# From, to, how far the arrow bends, the condition, and where it is written.
+_TRANSITIONS = (
     (State.SEARCH, State.FOLLOW, 0.0, "RE(best) > p_search", (0.265, 0.86)),
     (State.SEARCH, State.LOST, 0.0, "otherwise", (0.20, 0.42)),
     (State.FOLLOW, State.DEAD_RECKONING, -0.3, "RE(active) too low", (0.60, 0.97)),
@@ -35,9 +35,9 @@ _WAYS = (
 
 
 def reach_table(reach: ArrayLike, threshold: float, anchors: Sequence[int] = ()) -> Picture:
-    """RE (T, T) from each frame, a row, to each later one, a column.
+    """RE (T, T) from each frame (row) to each later one (column).
 
-    What is above the threshold is green, the rest red. The rows of `anchors` stand out, and in them
+    Values above the threshold are green, the rest red. The rows of `anchors` stand out; in each,
     the next anchor is ringed.
     """
     reach = np.asarray(reach, dtype=float)
@@ -81,7 +81,7 @@ def frames_kept(total: int, kept: Sequence[int], anchors: Sequence[int]) -> Pict
 
 
 def follower_machine(width: float = 9.0) -> Picture:
-    """The follower's states, and what makes it change them (Meng 2020, III-H)."""
+    """The follower's states and transitions (Meng 2020, III-H)."""
     figure, (axis,) = chart(width, 3.4)
     axis.set(xlim=(0, 1), ylim=(0, 1))
     axis.axis("off")
@@ -91,7 +91,7 @@ def follower_machine(width: float = 9.0) -> Picture:
         words = {"ha": "center", "va": "center", "color": "white", "fontsize": 13, "bbox": box}
         boxes[state] = axis.text(x, y, state_name(state), **words).get_bbox_patch()
     figure.draw_without_rendering()  # the boxes are as large as their words only now
-    for start, end, bend, words, (x, y) in _WAYS:
+    for start, end, bend, words, (x, y) in _TRANSITIONS:
         arrow = FancyArrowPatch(
             _PLACES[start],
             _PLACES[end],

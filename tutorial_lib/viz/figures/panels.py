@@ -1,4 +1,4 @@
-"""Pictures put together for the notebooks: side by side, with titles, as a strip of a film."""
+"""Pictures combined: side by side or stacked, with titles, and as a strip of a film."""
 
 from collections.abc import Sequence
 
@@ -12,11 +12,11 @@ from tutorial_lib.viz.canvas.labels import FONT, SIZE, label
 from tutorial_lib.viz.canvas.plan_view import Picture
 
 TITLE = 30
-"""Pixels of a title's line; its letters can still be read at half the width."""
+"""Pixels of a title's height; it stays readable at half the size."""
 
 
 def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = False) -> Picture:
-    """A camera's image (H, W, 3) at people's size, `width` x `width / 3` pixels.
+    """A camera's image (H, W, 3) enlarged for people, `width` x `width / 3` pixels.
 
     The camera sees 120 degrees from left to right and 60 from top to bottom, which is 3 to 1 on its
     image plane, whatever its number of rows. `smooth` blends the pixels; otherwise each is a tile.
@@ -27,7 +27,7 @@ def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = Fa
 
 
 def faded(picture: Picture, share: float = 0.5) -> Picture:
-    """A picture made paler by a share from 0 to 1, so that what is drawn on it stands out."""
+    """A picture made paler by a share from 0 to 1, so that drawings on it stand out."""
     return cv2.addWeighted(picture, 1 - share, np.full_like(picture, 255), share, 0)
 
 
@@ -44,10 +44,10 @@ def side_by_side(
         pictures: (H, W, 3) uint8 each, of any size; untitled ones stand level in the middle.
         titles: one for each picture, or none at all.
         height: pixels to which every picture is scaled; as they are unless given.
-        gap: white pixels between two.
+        gap: white pixels between neighbours.
 
     Raises:
-        InputError: when there is nothing to show, or another number of titles.
+        InputError: when there is nothing to show, or titles are missing.
     """
     return _arranged(pictures, titles, height, gap, along=1)
 
@@ -64,7 +64,7 @@ def stacked(
 
 
 def evenly(total: int, count: int) -> NDArray[np.intp]:
-    """The numbers of `count` frames from the first to the last of `total`; all when fewer.
+    """Indices of `count` frames spread evenly over `total`; all of them when fewer.
 
     Raises:
         InputError: when there are no frames to choose from.
@@ -81,17 +81,17 @@ def film_strip(
     width: int = 960,
     gap: int = 8,
 ) -> Picture:
-    """A film as `count` frames from first to last, beside each other, their times under them.
+    """A film as `count` frames from first to last, side by side, with their times under them.
 
     Args:
         frames: (H, W, 3) uint8 each, of one size.
-        times: (N,) seconds of the frames; none are written unless given.
-        count: frames to show; fewer when there are not so many.
+        times: (N,) seconds of the frames, written under them if given.
+        count: frames to show; fewer if the film is shorter.
         width: pixels of the whole strip; frames are scaled down to fit, never up.
-        gap: white pixels between two.
+        gap: white pixels between neighbours.
 
     Raises:
-        InputError: when there are no frames, or another number of times.
+        InputError: when there are no frames, or not as many times.
     """
     chosen = evenly(len(frames), count)
     if times is not None and len(np.atleast_1d(times)) != len(frames):
@@ -147,7 +147,7 @@ def _scaled(picture: Picture, scale: float) -> Picture:
 
 
 def _line(text: str, width: int) -> Picture:
-    """A white line with a text, its letters smaller where it would not fit."""
+    """A white line with a text, in smaller letters where it would not fit."""
     line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
     (wide, _), _ = cv2.getTextSize(text, FONT, SIZE, 1)
     label(line, text, 1, TITLE - 10, SIZE * min(1.0, (width - 2) / max(wide, 1)))

@@ -1,4 +1,4 @@
-"""Small graphs with their probabilities, to plan on with a pencil."""
+"""Small graphs with RE on their edges, for planning by hand."""
 
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
@@ -23,23 +23,23 @@ _PLACES = {
 
 def graph_picture(
     graph: Mapping[Any, Mapping[Any, float]],
-    way: Sequence[Any] = (),
+    path: Sequence[Any] = (),
     places: Mapping[Any, tuple[float, float]] | None = None,
     width: float = 6.4,
 ) -> Picture:
-    """A small graph with RE beside its edges; those of `way` stand out.
+    """A small graph with RE beside its edges; those of `path` stand out.
 
     Args:
-        graph: for each vertex, those that an edge leads to, with RE.
-        way: vertices in order.
-        places: of the vertices, from (0, 0) to (1, 1); those of the pencil example unless given.
+        graph: for each vertex, its successors with the RE of each edge.
+        path: vertices in order.
+        places: of the vertices, from (0, 0) to (1, 1); those of the example by hand unless given.
         width: inches.
     """
     places = _PLACES if places is None else places
     figure, (axis,) = chart(width, 0.62 * width)
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axis.axis("off")
-    taken = set(pairwise(way))
+    taken = set(pairwise(path))
     for source, edges in graph.items():
         for target, probability in edges.items():
             both = source in graph.get(target, {})
@@ -61,7 +61,7 @@ def graph_picture(
             axis.text(*beside, f"{probability:g}", bbox=under, **_words(10))
     for vertex, (x, y) in places.items():
         if vertex in graph:
-            on = vertex in way
+            on = vertex in path
             box = {"boxstyle": "round,pad=0.35", "color": colours.unit(_tone(vertex, on))}
             axis.text(x, y, str(vertex), **_words(12), color="white", bbox=box)
     return from_figure(figure)
@@ -70,7 +70,7 @@ def graph_picture(
 def _beside(
     first: tuple[float, float], last: tuple[float, float], both: bool
 ) -> tuple[float, float]:
-    """Where the number of an edge stands."""
+    """Where the RE of an edge is written."""
     share, aside = (0.5, 0.11) if both else (0.5, 0.0)
     along = (last[0] - first[0], last[1] - first[1])
     x = first[0] + share * along[0] - aside * along[1]

@@ -1,4 +1,4 @@
-"""Reachability drawn: probabilities on a map and along a drive, pairs of pictures, reliability."""
+"""Figures of reachability: along a trajectory, pairs of images, reliability diagrams."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,7 +15,7 @@ _Z = 1.96  # of a 95 % interval
 
 
 def probability_bar(low: str = "never", high: str = "always", width: int = 200) -> Picture:
-    """A legend: the colours on `width` pixels between the words for 0 and 1."""
+    """A legend: the colours over `width` pixels, between the words for 0 and 1."""
     colourful = np.broadcast_to(probability_colours(np.linspace(0, 1, width)), (16, width, 3))
     words = []
     for word in (low, high):
@@ -25,7 +25,7 @@ def probability_bar(low: str = "never", high: str = "always", width: int = 200) 
 
 
 def pictured_pair(now: ArrayLike, target: ArrayLike, width: int = 300) -> Picture:
-    """What is seen (H, W, 3) above what should be seen."""
+    """The current image (H, W, 3) above the target image."""
     pictures = [camera_picture(np.asarray(image), width) for image in (now, target)]
     return stacked(pictures, ["now", "target"], gap=4)
 
@@ -37,12 +37,12 @@ def draw_reliability(
     count: ArrayLike | None = None,
     **looks: object,
 ) -> None:
-    """Draw a reliability diagram on an axis, with the diagonal of those who are right.
+    """Draw a reliability diagram on an axis, with the diagonal of perfect calibration.
 
     Args:
         axis: to draw on.
         predicted: (B,) mean probability of each bin.
-        measured: (B,) share that came true.
+        measured: (B,) share of successes.
         count: (B,) or one number, how many are in a bin; draws Wilson's 95 % intervals if given.
         looks: of the line, such as label or color.
     """
@@ -53,20 +53,20 @@ def draw_reliability(
     if count is not None:
         low, high = _interval(measured, np.broadcast_to(np.asarray(count, float), measured.shape))
         axis.vlines(predicted, low, high, colors=line.get_color(), linewidth=1.2, zorder=2)
-    axis.set(xlim=(0, 1), ylim=(0, 1), xlabel="probability claimed", ylabel="share reached")
+    axis.set(xlim=(0, 1), ylim=(0, 1), xlabel="predicted probability", ylabel="share reached")
     axis.set_aspect("equal")
 
 
 def along_trajectory(
     metres: ArrayLike, probability: ArrayLike, now: int, reached: bool | None = None
 ) -> Picture:
-    """How probable each target of a drive is (T,), the present one marked.
+    """RE (T,) for each target along a trajectory, with the present one marked.
 
     Args:
-        metres: (T,) along the drive from the start to each target.
-        probability: (T,) that it is reached.
-        now: number of the present target.
-        reached: what became of the drive to it, if there was one.
+        metres: (T,) along the trajectory from the start to each target.
+        probability: (T,) that RE predicts.
+        now: index of the present target.
+        reached: the outcome of the rollout to it, if there was one.
     """
     metres, probability = np.asarray(metres, float), np.asarray(probability, float)
     figure, (axis,) = chart(4.6, 2.7)
@@ -76,7 +76,7 @@ def along_trajectory(
         tone = colours.unit(colours.ROBOT if reached else colours.LASER)
         axis.plot(metres[now], float(reached), "s", color=tone, markersize=9, clip_on=False)
     axis.set(ylim=(0, 1), xlim=(metres[0], metres[-1]), ylabel="RE")
-    axis.set(xlabel="m along the drive to the target")
+    axis.set(xlabel="m along the trajectory to the target")
     return from_figure(figure)
 
 

@@ -1,4 +1,4 @@
-"""Pictures and films as the output of a notebook's cell; nothing is fetched from anywhere."""
+"""Pictures and films as output of notebook cells; nothing is fetched from the network."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Still:
 
 @dataclass(frozen=True)
 class Film:
-    """A film as a cell's output, with a strip of its pictures for viewers that play none.
+    """A film as a cell's output, with a strip of its frames for viewers that cannot play it.
 
     Attributes:
         webm: the film's bytes.
@@ -55,7 +55,7 @@ class Film:
         return png(self.still)
 
     def _ipython_display_(self) -> None:
-        # Two outputs, since a viewer shows one kind of each output, and the film may be taken out.
+        # Two outputs: a viewer shows one kind of each output, and hosted viewers drop the film.
         from IPython.display import publish_display_data
 
         publish_display_data({"text/html": self._repr_html_(), "text/plain": repr(self)})
@@ -81,8 +81,8 @@ def play(
     Args:
         frames: (H, W, 3) uint8 RGB, all of one size; a line or column of white makes it even.
         frames_per_second: of the film.
-        times: (N,) seconds to write under the strip's pictures; the film's own unless given.
-        count: pictures on the strip.
+        times: (N,) seconds to write under the strip's frames; the film's own unless given.
+        count: frames on the strip.
 
     Raises:
         InputError: when there are no frames, or their sizes differ.

@@ -1,4 +1,4 @@
-"""A car to be driven by hand: a pure function that draws it, and a controller without Jupyter."""
+"""Teleoperation of a car: a pure function that draws it, and a controller without Jupyter."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ ACTIONS = {
 }
 """Each button's speed in m/s and steering in rad."""
 STILL = 960
-"""Pixels that a static strip is wide."""
+"""Width of a static strip in pixels."""
 
 
 def teleop_picture(view: PlanView, moment: Moment) -> Picture:
-    """The map, the camera's picture and the laser at a moment, 962 x 548 pixels.
+    """The plan, the camera's image and the laser scan of a moment, 962 x 548 pixels.
 
     `view` must be `MAP` x `MAP` pixels.
     """
@@ -58,11 +58,11 @@ def teleop_picture(view: PlanView, moment: Moment) -> Picture:
 
 
 class TeleopController:
-    """A car that goes on for a while at each press of a button; the world waits in between.
+    """A car that drives a few steps at each press of a button; the world waits in between.
 
     Attributes:
         simulation: the car and its world.
-        track: (2,) places where it has been, one for each control step.
+        track: its positions (2,), one for each control step.
     """
 
     def __init__(
@@ -73,21 +73,21 @@ class TeleopController:
         Args:
             scene: the world.
             pose: (3,) where the car starts.
-            people: who walks about.
+            people: in the scene.
             steps: control steps of 0.1 s that a press lasts.
 
         Raises:
             InputError: when the car cannot stand there, or `steps` is less than 1.
         """
         if steps < 1:
-            raise InputError(f"drive: {steps} steps for a press; give at least 1")
+            raise InputError(f"teleop: {steps} steps for a press; give at least 1")
         self.scene, self.people, self.steps = scene, tuple(people), steps
         self._start = np.array(pose, dtype=float).reshape(3)
         self.view = PlanView(scene, MAP, MAP)
         self.reset()
 
     def reset(self) -> None:
-        """Put the car back to its start, and everybody else too."""
+        """Put the car and all people back to their start."""
         sensors = Sensors(camera=Camera(rows=64, columns=192))
         self.simulation = Simulation(
             self.scene, self._start[None], people=self.people, sensors=sensors
@@ -95,20 +95,20 @@ class TeleopController:
         self.track = [self.simulation.poses[0, :2]]
 
     def press(self, name: str) -> None:
-        """Drive for `steps` control steps as the button of this name says.
+        """Drive for `steps` control steps with the action of the button `name`.
 
         Raises:
             InputError: when there is no such button.
         """
         if name not in ACTIONS:
-            raise InputError(f"drive: no button {name!r}; use one of {', '.join(ACTIONS)}")
+            raise InputError(f"teleop: no button {name!r}; use one of {', '.join(ACTIONS)}")
         for _ in range(self.steps):
             self.simulation.step([ACTIONS[name]])
             self.track.append(self.simulation.poses[0, :2])
 
     @property
     def moment(self) -> Moment:
-        """The state as it is to be drawn."""
+        """The present state, ready to be drawn."""
         simulation = self.simulation
         x, y, heading = simulation.poses[0]
         lines = (
@@ -130,7 +130,7 @@ class TeleopController:
 
     @property
     def text(self) -> str:
-        """One line on how it goes."""
+        """One line about the state."""
         driven = arc_length(self.track)[-1]
         words = f"{driven:.1f} m driven in {self.simulation.seconds:.1f} s."
         if self.simulation.touching[0]:
@@ -138,11 +138,11 @@ class TeleopController:
         return words
 
     def render(self) -> Picture:
-        """The picture of the present state."""
+        """A picture of the present state."""
         return teleop_picture(self.view, self.moment)
 
     def rehearse(self, presses: Sequence[str], count: int = 3) -> Picture:
-        """A strip of what a fresh car would show during some presses; this one stays where it is.
+        """A strip of what a fresh car shows during some presses; this car does not move.
 
         Args:
             presses: names of buttons.
@@ -161,7 +161,7 @@ class TeleopController:
 
 
 def still_strip(pictures: Sequence[Picture], titles: Sequence[str]) -> Picture:
-    """Pictures side by side on a strip that is `STILL` pixels wide, or narrower."""
+    """Pictures side by side on a strip at most `STILL` pixels wide."""
     width = max(picture.shape[1] for picture in pictures)
     scale = min(1.0, (STILL / len(pictures) - 16) / width)
     height = round(max(picture.shape[0] for picture in pictures) * scale)

@@ -1,8 +1,8 @@
-"""Things to play with in a notebook: thin shells of ipywidgets around what needs no Jupyter.
+"""Interactive widgets: thin shells of ipywidgets around code that needs no Jupyter.
 
-A pure function draws a state, a controller changes it (both in `by_hand` for the car), and a shell
-connects them to buttons and sliders. The shells' callbacks need no browser either: click a button
-with `.click()`, move a slider by its `.value`.
+A pure function draws a state, a controller changes it (for the car, both are in `teleoperation`),
+and a shell connects them to buttons and sliders. The callbacks need no browser either: click a
+button with `.click()`, move a slider by its `.value`.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ __all__ = [
 
 
 class Shell(ipywidgets.VBox):
-    """A box that leaves a static picture in the notebook as well.
+    """A box that also leaves a static picture in the notebook.
 
-    Both are in one output: a live notebook shows the widget, a page that cannot shows the picture.
+    Both are in one output: a live notebook shows the widget, a static page the picture.
     """
 
     def __init__(self, children: Sequence[ipywidgets.Widget], still: Callable[[], Picture]) -> None:
-        """Take the box's contents, and what draws the static picture when it is displayed."""
+        """Take the box's contents and the function that draws the static picture on display."""
         super().__init__(children)
         self.still = still
 
@@ -56,9 +56,9 @@ class TeleopPanel(Shell):
     """Buttons, a picture and a line of text for a `TeleopController`.
 
     Attributes:
-        buttons: by their names, "start again" among them.
+        buttons: by name, with "start again".
         picture: what is shown, as PNG.
-        line: how it goes.
+        line: text about the state.
     """
 
     def __init__(self, controller: TeleopController, rehearsal: Sequence[str]) -> None:
@@ -92,7 +92,7 @@ def teleop(
     controller: TeleopController,
     rehearsal: Sequence[str] = ("forward", "forward", "left", "left", "left", "forward"),
 ) -> TeleopPanel:
-    """Buttons to drive a car by, as a cell's last line."""
+    """Buttons that drive a car, as a cell's last line."""
     return TeleopPanel(controller, rehearsal)
 
 
@@ -102,7 +102,7 @@ class SliderPanel(Shell):
     Attributes:
         controls: the sliders and menus by name.
         picture: what is shown, as PNG.
-        line: the numbers.
+        line: text about the values.
     """
 
     def __init__(
@@ -121,13 +121,13 @@ class SliderPanel(Shell):
 
     @property
     def values(self) -> dict[str, Any]:
-        """What the controls say now."""
+        """The present values of the controls."""
         return {name: control.value for name, control in self.controls.items()}
 
     def _changed(self, _: object) -> None:
         try:
             self._show(*self._render(**self.values))
-        except Exception as error:  # else it would be lost: a callback has no cell to print in
+        except Exception as error:  # a callback has no cell to print in, so the error would be lost
             self.line.value = _words(f"{type(error).__name__}: {error}", "b")
 
     def _show(self, picture: Picture, text: str) -> None:

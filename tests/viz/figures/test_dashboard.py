@@ -1,0 +1,28 @@
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.plan_view import PlanView
+from tutorial_lib.viz.figures.dashboard import Moment, beams_of, dashboard, draw_laser
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Camera, Laser
+
+CAR = np.array([[0.36, 0.12], [-0.06, 0.12], [-0.06, -0.12], [0.36, -0.12]])
+
+
+def test_the_dashboard_shows_the_camera_and_the_laser_with_ahead_up():
+    scene, pose = Scene(make_box()), np.array([[1.0, 5.0, 0.0]])  # a wall 1 m behind
+    image, depth = Camera(64).look(scene, pose)
+    scan = Laser().scan(scene, pose)
+    observation = Observation(image, depth, scan, pose, np.zeros(1), np.zeros(1))
+    moment = Moment(
+        pose[0], CAR, observation, pose[:, :2], pose[:, :2], pose[0, :2] + 1, None, [("t", "0 s")]
+    )
+    assert beams_of(scan[0])[:, 0].min() == pytest.approx(-1.0, abs=0.01)
+    assert dashboard(PlanView(scene), moment, "a title").shape == (760, 1260, 3)
+    laser = draw_laser(moment, 320)
+    assert laser[20, 160].tolist() == list(colours.PAPER)  # free ahead
+    assert laser[300, 160].tolist() == list(colours.ROOMS["open"])  # behind the wall
+    assert laser[160 + 40, 140:180].tolist().count(list(colours.LASER)) > 0  # the wall itself

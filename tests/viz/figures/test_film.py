@@ -1,0 +1,100 @@
+import cv2
+import numpy as np
+import pytest
+
+from tests.viz.pictures import decoded, plain
+from tutorial_lib.errors import InputError
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.figures.film import png, write_film, write_picture
+from tutorial_lib.viz.notebook.display import show
+
+
+def frames(count, height=48, width=64):
+    """Pictures of one colour each, getting redder."""
+    shades = np.linspace(20, 220, count).astype(np.uint8)
+    pictures = np.zeros((count, height, width, 3), np.uint8)
+    pictures[..., 0] = shades[:, None, None]
+    pictures[..., 2] = 40
+    return list(pictures)
+
+
+def read_film(path):
+    film = cv2.VideoCapture(str(path))
+    rate, pictures = film.get(cv2.CAP_PROP_FPS), []
+    while True:
+        more, picture = film.read()
+        if not more:
+            return rate, pictures
+        pictures.append(picture[..., ::-1])
+
+
+def test_a_film_has_all_frames_in_order_at_its_size_and_rate(tmp_path):
+    given = frames(12)
+    write_film(tmp_path / "film.webm", given, 10)
+    rate, pictures = read_film(tmp_path / "film.webm")
+    assert rate == pytest.approx(10)
+    assert [p.shape for p in pictures] == [(48, 64, 3)] * 12
+    assert np.abs(np.array(pictures).astype(int) - given).mean() < 8
+    assert [f.name for f in tmp_path.iterdir()] == ["film.webm"]
+    assert (tmp_path / "film.webm").read_bytes()[:4] == b"\x1aE\xdf\xa3"  # EBML, so WebM
+
+
+@pytest.mark.parametrize(
+    ("name", "pictures", "words"),
+    [
+        ("a.webm", [], "no frames"),
+        ("a.webm", [*frames(3), frames(1, 20)[0]], "size"),
+        ("a.webm", frames(3, 47, 63), "even"),
+        ("a.xyz", frames(3), "webm"),
+    ],
+    ids=["no frames", "two sizes", "odd size", "other suffix"],
+)
+@pytest.mark.filterwarnings("ignore")
+def test_a_film_that_cannot_be_written_leaves_what_was_there(name, pictures, words, tmp_path):
+    (tmp_path / name).write_text("an older film")
+    with pytest.raises(InputError, match=words):
+        write_film(tmp_path / name, pictures, 10)
+    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {name: "an older film"}
+
+
+def test_a_film_interrupted_midway_leaves_what_was_there(tmp_path):
+    class Frames(list):
+        def __iter__(self):
+            yield from self[:3]
+            raise KeyboardInterrupt
+
+    (tmp_path / "a.webm").write_text("an older film")
+    with pytest.raises(KeyboardInterrupt):
+        write_film(tmp_path / "a.webm", Frames(frames(5)), 10)
+    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
+
+
+def test_a_picture_comes_back_as_it_was(tmp_path):
+    picture = np.random.default_rng(0).integers(0, 256, (13, 17, 3), np.uint8)
+    write_picture(tmp_path / "view.png", picture)
+    assert (cv2.imread(str(tmp_path / "view.png"))[..., ::-1] == picture).all()
+    assert [f.name for f in tmp_path.iterdir()] == ["view.png"]
+
+
+def test_a_picture_that_cannot_be_written_leaves_what_was_there(tmp_path, monkeypatch):
+    (tmp_path / "view.png").write_text("an older picture")
+    monkeypatch.setattr(cv2, "imwrite", lambda *_: False)  # so OpenCV says that the disk is full
+    with pytest.raises(OSError, match=r"view\.png"):
+        write_picture(tmp_path / "view.png", frames(1)[0])
+    assert [f.read_text() for f in tmp_path.iterdir()] == ["an older picture"]
+
+
+def test_a_png_keeps_few_colours_and_nearly_keeps_many():
+    few = plain(20, 30)
+    few[5:9, 3:20] = colours.LASER
+    assert (decoded(png(few)) == few).all()
+    slope = np.stack([np.tile(np.arange(256), (40, 1))] * 3, axis=-1).astype(np.uint8)
+    slope[..., 2] = np.arange(40)[:, None] * 6
+    assert np.abs(decoded(png(slope)).astype(int) - slope).mean() < 8
+    for k, colour in enumerate(colours.THINGS):  # which keep their colours beside many others
+        slope[2 * k, :20] = colour
+    back = decoded(png(slope))
+    assert all((back[2 * k, :20] == colour).all() for k, colour in enumerate(colours.THINGS))
+    with pytest.raises(InputError, match="uint8"):
+        png(slope / 255)
+    assert decoded(show(few)._repr_png_()).shape == few.shape
