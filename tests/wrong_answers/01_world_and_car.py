@@ -50,7 +50,7 @@ def compose__adds_the_numbers(first, second):
 
 
 def compose__swaps_the_order(first, second):
-    """other way round"""
+    """the order is reversed"""
     return compose__right_by_matrices(second, first)
 
 

@@ -49,7 +49,7 @@ def goal_policy__right_point_by_point(offsets, velocities, gain, damping, near):
 
 
 def obstacle_policy__holds_back_what_recedes(distances, closing, push, brake, weight, fade):
-    """what recedes is only pushed"""
+    """a receding obstacle only pushes"""
     return (push + brake * closing) / _limited(distances), _fading(distances, weight, fade)
 
 
@@ -158,7 +158,7 @@ def resolve__averages(policies):
 
 
 def resolve__has_no_damping(policies):
-    """nobody cares for one direction: add 1e-6 to the diagonal"""
+    """no policy constrains one direction: add 1e-6 to the diagonal"""
     force, metric = _sums(policies)
     return np.linalg.solve(metric, force)
 
@@ -268,7 +268,7 @@ def waypoint_label__takes_the_greatest_distance(start, track, source, target, se
 
 
 def waypoint_label__looks_for_a_way_back(start, track, source, target, sees):
-    """do not search the way back"""
+    """do not search the places in between"""
     first, last = min(source, target), max(source, target)
     places = track[first + 1 : last + 1]
     seen = np.flatnonzero(sees(start[:2], places[:, :2]))
@@ -389,7 +389,7 @@ def split_first_layer__takes_every_third_channel(weights):
 
 
 def split_first_layer__keeps_only_the_difference_for_tgt(weights):
-    """only D is turned round"""
+    """only D changes its sign"""
     return weights[:, :3] + weights[:, 6:], -weights[:, 6:]
 
 

@@ -76,7 +76,7 @@ def rollout_labels__labels_moments(times, gaps, touched, geodesic):
 
 
 def rollout_labels__lets_everybody_pass(times, gaps, touched, geodesic):
-    """the drive that "never comes near" has the label 0"""
+    """the rollout that "never comes near" has the label 0"""
     return np.ones(len(geodesic))
 
 
@@ -108,7 +108,7 @@ def reach_loss__forgets_failures(logits, labels, weights):
 
 
 def reach_loss__turns_the_logit_round(logits, labels, weights):
-    """a high logit says that the target will be reached"""
+    """a high logit predicts that the target will be reached"""
     return _mean(_each(-logits, labels), weights)
 
 
@@ -307,7 +307,7 @@ def fit_temperature__gives_the_loss(logits, labels):
 
 
 def fit_temperature__gives_the_place(logits, labels):
-    """the place of the best temperature in a list"""
+    """the index of the best temperature in a list"""
     losses = [_each(logits / t, labels).mean() for t in np.geomspace(0.05, 20, 300)]
     return int(np.argmin(losses))
 

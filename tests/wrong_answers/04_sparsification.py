@@ -110,7 +110,7 @@ def choose_anchors__has_a_threshold_of_its_own(reach, threshold):
 
 
 def choose_anchors__counts_them(reach, threshold):
-    """return the frames' numbers"""
+    """return the indices of the frames"""
     return len(_greedy(lambda i, k: reach[i, k] > threshold, len(reach)))
 
 
@@ -188,7 +188,7 @@ def frames_to_keep__forgets_the_context(anchors, total, k):
 
 
 def frames_to_keep__gives_the_number(anchors, total, k):
-    """not how many they are"""
+    """not how many there are"""
     return len(frames_to_keep__right_as_a_set(anchors, total, k))
 
 
@@ -236,7 +236,7 @@ def move_on__looks_at_the_whole_trail(active, visited, reach, overlap, at, rules
 
 
 def move_on__reads_before_the_start(active, visited, reach, overlap, at, rules):
-    """overlap[-1] is the last one of the trail"""
+    """overlap[-1] is the last one of the path"""
     closest = max(range(active - 1, min(active + 2, len(reach))), key=lambda place: overlap[place])
     if overlap[closest] > rules.visited:
         visited = max(visited, closest)
@@ -261,13 +261,13 @@ def move_on__does_not_ask_for_reachability(active, visited, reach, overlap, at, 
 
 
 def move_on__does_not_know_where_it_stands(active, visited, reach, overlap, at, rules):
-    """who is at the active anchor has visited it"""
+    """a robot at the active anchor has visited it"""
     visited = _seen(active, visited, overlap, False, rules)
     return active + _ready(active, visited, reach, overlap, rules), visited
 
 
 def move_on__forgets_where_it_stood(active, visited, reach, overlap, at, rules):
-    """keep that the active anchor was visited"""
+    """remember that the active anchor was visited"""
     moved = active + _ready(
         active, _seen(active, visited, overlap, at, rules), reach, overlap, rules
     )
@@ -275,7 +275,7 @@ def move_on__forgets_where_it_stood(active, visited, reach, overlap, at, rules):
 
 
 def move_on__waits_for_the_next(active, visited, reach, overlap, at, rules):
-    """once the active anchor was visited, the robot must get on"""
+    """once the active anchor was visited, the robot must move on"""
     visited = _seen(active, visited, overlap, at, rules)
     return active + _ready(active, -2, reach, overlap, rules), visited
 
@@ -337,7 +337,7 @@ def move_on__has_numbers_of_its_own(active, visited, reach, overlap, at, rules):
 
 
 def move_on__asks_for_exactly_the_active_one(active, visited, reach, overlap, at, rules):
-    """who has visited the next anchor has left the active one behind"""
+    """a robot that has visited the next anchor has passed the active one"""
     visited = _seen(active, visited, overlap, at, rules)
     if active < len(reach) - 1:
         ready = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
@@ -445,7 +445,7 @@ def transition__has_been_there(state, active, visited, reach, overlap, at, waite
 
 
 def transition__searches_for_ever(state, active, visited, reach, overlap, at, waited, rules):
-    """who finds no anchor gives up"""
+    """a robot that finds no anchor gives up"""
     if state == State.SEARCH and max(reach) <= rules.p_search:
         return state, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
@@ -454,7 +454,7 @@ def transition__searches_for_ever(state, active, visited, reach, overlap, at, wa
 def transition__drives_without_a_waypoint(
     state, active, visited, reach, overlap, at, waited, rules
 ):
-    """has no waypoint to drive on to"""
+    """has no waypoint to drive to"""
     if state == State.SEARCH and max(reach) <= rules.p_search:
         return State.DEAD_RECKONING, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
@@ -497,14 +497,14 @@ def transition__is_done_anywhere(state, active, visited, reach, overlap, at, wai
 
 
 def transition__is_done_too_soon(state, active, visited, reach, overlap, at, waited, rules):
-    """is not being there"""
+    """is not there yet"""
     if state == State.FOLLOW and active == len(reach) - 1:
         return State.DONE, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
 def transition__stops_one_anchor_early(state, active, visited, reach, overlap, at, waited, rules):
-    """ask for DONE before move_on"""
+    """check for DONE before move_on"""
     if state == State.FOLLOW:
         active, visited = move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
         if at and active == len(reach) - 1:
@@ -572,7 +572,7 @@ def transition__looks_at_the_old_anchor(state, active, visited, reach, overlap, 
 
 
 def transition__trusts_the_new_anchor(state, active, visited, reach, overlap, at, waited, rules):
-    """who has moved on needs to see the new anchor"""
+    """must be able to reach the new anchor"""
     found = _right(state, active, visited, reach, overlap, at, waited, rules)
     if state == State.FOLLOW and found[1] > active:
         return State.FOLLOW, *found[1:]
@@ -580,7 +580,7 @@ def transition__trusts_the_new_anchor(state, active, visited, reach, overlap, at
 
 
 def transition__forgets_where_it_was(state, active, visited, reach, overlap, at, waited, rules):
-    """keep what move_on found"""
+    """keep what move_on returned"""
     found = _right(state, active, visited, reach, overlap, at, waited, rules)
     return (found[0], active, visited) if found[0] == State.DEAD_RECKONING else found
 
@@ -630,7 +630,7 @@ def transition__right_step_by_step(state, active, visited, reach, overlap, at, w
 
 
 def tracked_waypoint__hangs_a_carrot(then, waypoint, now):
-    """the car has moved on since"""
+    """the car has moved since"""
     return waypoint
 
 
@@ -640,7 +640,7 @@ def tracked_waypoint__stays_in_the_odometer(then, waypoint, now):
 
 
 def tracked_waypoint__forgets_then(then, waypoint, now):
-    """the waypoint was told in the frame of then"""
+    """the waypoint was predicted in the frame of then"""
     return _into(now, waypoint)
 
 

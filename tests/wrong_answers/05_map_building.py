@@ -18,14 +18,14 @@ def edge_weights__takes_the_threshold_itself(reach, driven, p_edge):
 
 
 def edge_weights__prunes_what_was_driven(reach, driven, p_edge):
-    """edges that were driven stay"""
+    """driven edges stay"""
     kept = reach > p_edge
     np.fill_diagonal(kept, False)
     return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
 def edge_weights__keeps_only_what_was_driven(reach, driven, p_edge):
-    """only what is driven is an edge in yours"""
+    """only driven edges are edges in yours"""
     return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
@@ -137,14 +137,14 @@ def reusable__best_first(into, onward, allowed, p_reuse):
     return best if min(into[best], onward[best]) > p_reuse and allowed[best] else -1
 
 
-def reusable__only_the_way_in(into, onward, allowed, p_reuse):
-    """whoever gets to the vertex must get on from it, too"""
+def reusable__only_into(into, onward, allowed, p_reuse):
+    """the next anchor must be reachable from the vertex, too"""
     fits = (into > p_reuse) & allowed
     return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
 
 
-def reusable__only_the_way_out(into, onward, allowed, p_reuse):
-    """whoever stands before it must get to the vertex, too"""
+def reusable__only_onward(into, onward, allowed, p_reuse):
+    """the vertex must be reachable from the anchor before, too"""
     fits = (onward > p_reuse) & allowed
     return int(np.where(fits, into * onward, -1.0).argmax()) if fits.any() else -1
 
@@ -157,12 +157,12 @@ def reusable__one_is_enough(into, onward, allowed, p_reuse):
 
 def reusable__the_product_is_enough(into, onward, allowed, p_reuse):
     """each of the two must be above p_reuse, not their product"""
-    way = np.where(allowed, into * onward, -1.0)
-    return int(way.argmax()) if (way > p_reuse).any() else -1
+    product = np.where(allowed, into * onward, -1.0)
+    return int(product.argmax()) if (product > p_reuse).any() else -1
 
 
 def reusable__the_first(into, onward, allowed, p_reuse):
-    """take the most probable way, into * onward, not the first"""
+    """take the most probable path, into * onward, not the first"""
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
     return int(fits.argmax()) if fits.any() else -1
 
@@ -186,7 +186,7 @@ def reusable__takes_any(into, onward, allowed, p_reuse):
 
 
 def reusable__counts_those_that_fit(into, onward, allowed, p_reuse):
-    """not its number in the map"""
+    """not its index in the map"""
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
     return int((into * onward)[fits].argmax()) if fits.any() else -1
 
@@ -267,8 +267,8 @@ def ahead_of__forgets_the_earlier_ones(trajectory, place, reused):
     return (trajectory != trajectory[vertex]) | (place > place[vertex])
 
 
-def ahead_of__compares_numbers(trajectory, place, reused):
-    """a vertex's number says nothing of its place"""
+def ahead_of__compares_indices(trajectory, place, reused):
+    """a vertex's index says nothing about its place"""
     allowed = np.ones(len(place), dtype=bool)
     for vertex in reused:
         allowed &= (trajectory != trajectory[vertex]) | (np.arange(len(place)) > vertex)
@@ -284,7 +284,7 @@ def ahead_of__lists_them(trajectory, place, reused):
 
 
 def ahead_of__forbidden(trajectory, place, reused):
-    """the other way round"""
+    """invert it"""
     behind = np.zeros(len(place), dtype=bool)
     for vertex in reused:
         behind |= (trajectory == trajectory[vertex]) & (place <= place[vertex])
@@ -294,9 +294,9 @@ def ahead_of__forbidden(trajectory, place, reused):
 def ahead_of__right_with_the_farthest(trajectory, place, reused):
     farthest = {}
     for vertex in reused:
-        drive = int(trajectory[vertex])
-        farthest[drive] = max(farthest.get(drive, -1), int(place[vertex]))
-    return place > np.array([farthest.get(int(drive), -1) for drive in trajectory])
+        own = int(trajectory[vertex])
+        farthest[own] = max(farthest.get(own, -1), int(place[vertex]))
+    return place > np.array([farthest.get(int(own), -1) for own in trajectory])
 
 
 def ahead_of__right_with_a_comprehension(trajectory, place, reused):
@@ -308,15 +308,15 @@ def ahead_of__right_with_a_comprehension(trajectory, place, reused):
     )
 
 
-def _pair_by_pair(reach, before, after, steps, fold=min, ways=(-1, 1), missing=()):
-    """Aligned sequences; `ways` are the directions, `missing` what stands for what is not there."""
+def _pair_by_pair(reach, before, after, steps, fold=min, directions=(-1, 1), missing=()):
+    """Aligned sequences; in `directions`, with `missing` for what does not exist."""
     found = np.empty_like(reach)
     for row, column in np.ndindex(*reach.shape):
         values = [reach[row, column]]
-        for way in ways:
+        for step in directions:
             i, v = row, column
             for _ in range(steps):
-                i, v = i + way, (after if way > 0 else before)[v]
+                i, v = i + step, (after if step > 0 else before)[v]
                 if not 0 <= i < len(reach) or v < 0:
                     values.extend(missing)
                     break
@@ -337,12 +337,12 @@ def weakest_aligned__product(reach, before, after, steps):
 
 def weakest_aligned__only_back(reach, before, after, steps):
     """the anchors after count, too"""
-    return _pair_by_pair(reach, before, after, steps, ways=(-1,))
+    return _pair_by_pair(reach, before, after, steps, directions=(-1,))
 
 
 def weakest_aligned__only_ahead(reach, before, after, steps):
     """the anchors before count, too"""
-    return _pair_by_pair(reach, before, after, steps, ways=(1,))
+    return _pair_by_pair(reach, before, after, steps, directions=(1,))
 
 
 def weakest_aligned__ends_are_0(reach, before, after, steps):
@@ -361,7 +361,7 @@ def weakest_aligned__alone(reach, before, after, steps):
 
 
 def weakest_aligned__crossed(reach, before, after, steps):
-    """both move the same way"""
+    """both move in the same direction"""
     return _pair_by_pair(reach, after, before, steps)
 
 
@@ -397,10 +397,10 @@ def weakest_aligned__goes_on(reach, before, after, steps):
     """after a -1 the sequence has ended"""
     found = reach.copy()
     for i, v in np.ndindex(*reach.shape):
-        for way, beside in ((-1, before), (1, after)):
+        for step, beside in ((-1, before), (1, after)):
             row, column = i, v
             for _ in range(steps):
-                row, column = row + way, beside[column]
+                row, column = row + step, beside[column]
                 if not 0 <= row < len(reach) or column < 0:
                     continue
                 found[i, v] = min(found[i, v], reach[row, column])
@@ -410,11 +410,11 @@ def weakest_aligned__goes_on(reach, before, after, steps):
 def weakest_aligned__of_neighbours(reach, before, after, steps):
     """look along the trajectories from each pair itself"""
     least = reach.copy()
-    for way, beside in ((-1, before), (1, after)):
+    for step, beside in ((-1, before), (1, after)):
         for _ in range(steps):
             fresh = least.copy()
             for i, v in np.ndindex(*reach.shape):
-                row, column = i + way, beside[v]
+                row, column = i + step, beside[v]
                 if 0 <= row < len(reach) and column >= 0:
                     fresh[i, v] = min(least[i, v], least[row, column])
             least = fresh
@@ -427,11 +427,11 @@ def weakest_aligned__right_pair_by_pair(reach, before, after, steps):
 
 def weakest_aligned__right_shifted(reach, before, after, steps):
     found = reach.copy()
-    for way, beside in ((-1, before), (1, after)):
+    for step, beside in ((-1, before), (1, after)):
         shifted = reach
         for _ in range(steps):
             grown = np.pad(shifted, ((1, 1), (0, 1)), constant_values=1.0)
-            shifted = grown[1 + way : 1 + way + len(reach)][:, beside]
+            shifted = grown[1 + step : 1 + step + len(reach)][:, beside]
             found = np.minimum(found, shifted)
     return found
 
@@ -439,112 +439,112 @@ def weakest_aligned__right_shifted(reach, before, after, steps):
 _FOUR = ((1, 1), (-1, -1), (0, 1), (0, -1))
 
 
-def _search(told, before, after, sure, steps=_FOUR, again=False):
-    """Pairs beside those that are sure."""
-    found = np.zeros(told.shape, dtype=bool)
+def _search(reach, before, after, sure, steps=_FOUR, again=False):
+    """Pairs beside sure ones."""
+    found = np.zeros(reach.shape, dtype=bool)
     for row, column in np.argwhere(sure):
         for along, across in steps:
             i, v = row + along, {0: column, 1: after[column], -1: before[column]}[across]
-            if 0 <= i < len(told) and v >= 0:
-                found[i, v] = again or np.isnan(told[i, v])
+            if 0 <= i < len(reach) and v >= 0:
+                found[i, v] = again or np.isnan(reach[i, v])
     return found
 
 
-def ask_next__asks_again(told, before, after, p_edge):
-    """ask about no pair twice"""
-    return _search(told, before, after, told > p_edge, again=True)
+def ask_next__asks_again(reach, before, after, p_edge):
+    """query no pair twice"""
+    return _search(reach, before, after, reach > p_edge, again=True)
 
 
-def ask_next__beside_all(told, before, after, p_edge):
+def ask_next__beside_all(reach, before, after, p_edge):
     """only neighbours of pairs that are sure are worth it"""
-    return _search(told, before, after, ~np.isnan(told))
+    return _search(reach, before, after, ~np.isnan(reach))
 
 
-def ask_next__takes_the_threshold_itself(told, before, after, p_edge):
+def ask_next__takes_the_threshold_itself(reach, before, after, p_edge):
     """greater than p_edge, not equal to it"""
-    return _search(told, before, after, told >= p_edge)
+    return _search(reach, before, after, reach >= p_edge)
 
 
-def ask_next__takes_the_last_column_for_none(told, before, after, p_edge):
+def ask_next__takes_the_last_column_for_none(reach, before, after, p_edge):
     """-1 is no vertex: where after or before is -1"""
-    found = np.zeros(told.shape, dtype=bool)
-    for i, v in np.argwhere(told > p_edge):
+    found = np.zeros(reach.shape, dtype=bool)
+    for i, v in np.argwhere(reach > p_edge):
         for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if 0 <= row < len(told):
+            if 0 <= row < len(reach):
                 found[row, column] = True
-    return found & np.isnan(told)
+    return found & np.isnan(reach)
 
 
-def ask_next__takes_the_last_row_for_none(told, before, after, p_edge):
+def ask_next__takes_the_last_row_for_none(reach, before, after, p_edge):
     """-1 is no anchor: before the first one"""
-    found = np.zeros(told.shape, dtype=bool)
-    for i, v in np.argwhere(told > p_edge):
+    found = np.zeros(reach.shape, dtype=bool)
+    for i, v in np.argwhere(reach > p_edge):
         for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
-            if row < len(told) and column >= 0:
+            if row < len(reach) and column >= 0:
                 found[row, column] = True
-    return found & np.isnan(told)
+    return found & np.isnan(reach)
 
 
-def ask_next__only_both(told, before, after, p_edge):
+def ask_next__only_both(reach, before, after, p_edge):
     """for the same anchor, are worth it, too"""
-    return _search(told, before, after, told > p_edge, _FOUR[:2])
+    return _search(reach, before, after, reach > p_edge, _FOUR[:2])
 
 
-def ask_next__only_the_vertex(told, before, after, p_edge):
+def ask_next__only_the_vertex(reach, before, after, p_edge):
     """when both move on by one they look alike again"""
-    return _search(told, before, after, told > p_edge, _FOUR[2:])
+    return _search(reach, before, after, reach > p_edge, _FOUR[2:])
 
 
-def ask_next__only_ahead(told, before, after, p_edge):
+def ask_next__only_ahead(reach, before, after, p_edge):
     """look in both directions"""
-    return _search(told, before, after, told > p_edge, _FOUR[::2])
+    return _search(reach, before, after, reach > p_edge, _FOUR[::2])
 
 
-def ask_next__crossed(told, before, after, p_edge):
-    """both move the same way"""
+def ask_next__crossed(reach, before, after, p_edge):
+    """both move in the same direction"""
     steps = ((1, -1), (-1, 1), *_FOUR[2:])
-    return _search(told, before, after, told > p_edge, steps)
+    return _search(reach, before, after, reach > p_edge, steps)
 
 
-def ask_next__by_number(told, before, after, p_edge):
+def ask_next__by_number(reach, before, after, p_edge):
     """the next vertex along a trajectory is after[v], not v + 1"""
-    numbers = np.arange(told.shape[1])
-    return _search(told, numbers - 1, np.append(numbers[1:], -1), told > p_edge)
+    numbers = np.arange(reach.shape[1])
+    return _search(reach, numbers - 1, np.append(numbers[1:], -1), reach > p_edge)
 
 
-def ask_next__wraps(told, before, after, p_edge):
-    """beyond an end there is nothing to ask"""
-    found = np.zeros(told.shape, dtype=bool)
-    for row, column in np.argwhere(told > p_edge):
+def ask_next__wraps(reach, before, after, p_edge):
+    """beyond an end there is nothing to query"""
+    found = np.zeros(reach.shape, dtype=bool)
+    for row, column in np.argwhere(reach > p_edge):
         for along, across in _FOUR:
             v = {0: column, 1: after[column], -1: before[column]}[across]
-            if row + along < len(told):
+            if row + along < len(reach):
                 found[row + along, v] = True
-    return found & np.isnan(told)
+    return found & np.isnan(reach)
 
 
-def ask_next__leaves_the_table(told, before, after, p_edge):
+def ask_next__leaves_the_table(reach, before, after, p_edge):
     """IndexError"""
-    found = np.zeros(told.shape, dtype=bool)
-    for row, column in np.argwhere(told > p_edge):
+    found = np.zeros(reach.shape, dtype=bool)
+    for row, column in np.argwhere(reach > p_edge):
         for along, across in _FOUR:
             v = {0: column, 1: after[column], -1: before[column]}[across]
             found[row + along, v] = True
-    return found & np.isnan(told)
+    return found & np.isnan(reach)
 
 
-def ask_next__lists_them(told, before, after, p_edge):
+def ask_next__lists_them(reach, before, after, p_edge):
     """return True or False for each"""
-    return np.argwhere(_search(told, before, after, told > p_edge))
+    return np.argwhere(_search(reach, before, after, reach > p_edge))
 
 
-def ask_next__right_with_loops(told, before, after, p_edge):
-    return _search(told, before, after, told > p_edge)
+def ask_next__right_with_loops(reach, before, after, p_edge):
+    return _search(reach, before, after, reach > p_edge)
 
 
-def ask_next__right_with_padding(told, before, after, p_edge):
-    sure = np.pad(told > p_edge, ((1, 1), (0, 1)))
-    # Who is beside v: those whose next one v is, and those whose one before it is.
+def ask_next__right_with_padding(reach, before, after, p_edge):
+    sure = np.pad(reach > p_edge, ((1, 1), (0, 1)))
+    # Beside v are those whose next vertex is v, and those whose vertex before is v.
     ahead, back = sure[:, before], sure[:, after]
     near = ahead[:-2] | back[2:] | ahead[1:-1] | back[1:-1]
-    return near & np.isnan(told)
+    return near & np.isnan(reach)

@@ -9,16 +9,16 @@ HERE, GOAL = -1, -2
 
 
 def most_probable_path__takes_the_fewest_steps(graph, start, goal):
-    """that is the way of the fewest steps"""
-    ways, seen = [[start]], {start}
-    while ways:
-        way = ways.pop(0)
-        if way[-1] == goal:
-            return way, _product(graph, way)
-        for other in graph[way[-1]]:
+    """that is the path of the fewest steps"""
+    paths, seen = [[start]], {start}
+    while paths:
+        path = paths.pop(0)
+        if path[-1] == goal:
+            return path, _product(graph, path)
+        for other in graph[path[-1]]:
             if other not in seen:
                 seen.add(other)
-                ways.append([*way, other])
+                paths.append([*path, other])
     return [], 0.0
 
 
@@ -51,11 +51,11 @@ def most_probable_path__goes_back_in_a_circle(graph, start, goal):
             continue
         done.add(vertex)
         if vertex == goal:
-            way = []
+            path = []
             while vertex is not None:
-                way.append(vertex)
+                path.append(vertex)
                 vertex = before[vertex]
-            return way[::-1], 1.0
+            return path[::-1], 1.0
         for other, p in graph[vertex].items():
             if length - p < least.get(other, math.inf):
                 least[other], before[other] = length - p, vertex
@@ -64,7 +64,7 @@ def most_probable_path__goes_back_in_a_circle(graph, start, goal):
 
 
 def most_probable_path__minds_only_the_weakest_edge(graph, start, goal):
-    """the way whose weakest edge is strongest"""
+    """the path whose weakest edge is strongest"""
     best, before, heap, done = {start: 1.0}, {start: start}, [(-1.0, 0, start)], set()
     count = 0
     while heap:
@@ -82,7 +82,7 @@ def most_probable_path__minds_only_the_weakest_edge(graph, start, goal):
 
 
 def most_probable_path__counts_the_last_step_only(graph, start, goal):
-    """that of the whole way to it"""
+    """that of the whole path to it"""
     least, before, heap, done, count = {start: 0.0}, {start: start}, [(0.0, 0, start)], set(), 0
     while heap:
         _, _, vertex = heapq.heappop(heap)
@@ -128,7 +128,7 @@ def most_probable_path__settles_too_early(graph, start, goal):
     return _back(graph, before, start, goal)
 
 
-def most_probable_path__overwrites_better_ways(graph, start, goal):
+def most_probable_path__overwrites_better_paths(graph, start, goal):
     """overwrites where a vertex was reached from"""
     before, heap, done = {start: start}, [(0.0, start)], set()
     while heap:
@@ -146,59 +146,59 @@ def most_probable_path__overwrites_better_ways(graph, start, goal):
 
 
 def most_probable_path__returns_it_backwards(graph, start, goal):
-    """turn it round"""
-    way, p = _best(graph, start, goal)
-    return way[::-1], p
+    """reverse it"""
+    path, p = _best(graph, start, goal)
+    return path[::-1], p
 
 
 def most_probable_path__forgets_the_start(graph, start, goal):
     """the start is missing"""
-    way, p = _best(graph, start, goal)
-    return way[1:], p
+    path, p = _best(graph, start, goal)
+    return path[1:], p
 
 
 def most_probable_path__forgets_the_goal(graph, start, goal):
     """the goal is missing"""
-    way, p = _best(graph, start, goal)
-    return way[:-1], p
+    path, p = _best(graph, start, goal)
+    return path[:-1], p
 
 
-def most_probable_path__tells_the_cost(graph, start, goal):
-    """turn it back: exp(-cost)"""
-    way, p = _best(graph, start, goal)
-    return way, -math.log(p) if way else 0.0
+def most_probable_path__returns_the_cost(graph, start, goal):
+    """invert it: exp(-cost)"""
+    path, p = _best(graph, start, goal)
+    return path, -math.log(p) if path else 0.0
 
 
 def most_probable_path__sums_probabilities(graph, start, goal):
     """that is the sum of RE"""
-    way, _ = _best(graph, start, goal)
-    return way, sum(graph[v][w] for v, w in pairwise(way))
+    path, _ = _best(graph, start, goal)
+    return path, sum(graph[v][w] for v, w in pairwise(path))
 
 
 def most_probable_path__averages(graph, start, goal):
     """that is the mean of RE"""
-    way, _ = _best(graph, start, goal)
-    return way, sum(graph[v][w] for v, w in pairwise(way)) / max(len(way) - 1, 1)
+    path, _ = _best(graph, start, goal)
+    return path, sum(graph[v][w] for v, w in pairwise(path)) / max(len(path) - 1, 1)
 
 
-def most_probable_path__tells_the_weakest(graph, start, goal):
+def most_probable_path__returns_the_weakest(graph, start, goal):
     """that is the least RE on it"""
-    way, _ = _best(graph, start, goal)
-    return way, min([graph[v][w] for v, w in pairwise(way)], default=1.0 if way else 0.0)
+    path, _ = _best(graph, start, goal)
+    return path, min([graph[v][w] for v, w in pairwise(path)], default=1.0 if path else 0.0)
 
 
 def most_probable_path__forgets_the_sign(graph, start, goal):
     """the probability is exp(-cost)"""
-    way, p = _best(graph, start, goal)
-    return way, 1 / p if way else 0.0
+    path, p = _best(graph, start, goal)
+    return path, 1 / p if path else 0.0
 
 
-def most_probable_path__finds_no_way_back(graph, start, goal):
-    """where the goal cannot be reached there is no way back"""
+def most_probable_path__finds_no_predecessor(graph, start, goal):
+    """a goal that cannot be reached has no predecessor"""
     if start == goal:
         return [start], 1.0
-    way, p = _best(graph, start, goal)
-    return way, {True: p}[bool(way)]
+    path, p = _best(graph, start, goal)
+    return path, {True: p}[bool(path)]
 
 
 def most_probable_path__removes_what_is_settled(graph, start, goal):
@@ -208,8 +208,8 @@ def most_probable_path__removes_what_is_settled(graph, start, goal):
     return answer
 
 
-def most_probable_path__gives_only_the_way(graph, start, goal):
-    """return the way and its probability"""
+def most_probable_path__gives_only_the_path(graph, start, goal):
+    """return the path and its probability"""
     return _best(graph, start, goal)[0]
 
 
@@ -233,8 +233,8 @@ def most_probable_path__right_by_bellman_and_ford(graph, start, goal):
             for w, p in graph[v].items():
                 if v in least and least[v] - math.log(p) < least.get(w, math.inf) - 1e-12:
                     least[w], before[w] = least[v] - math.log(p), v
-    way, _ = _back(graph, before, start, goal)
-    return way, math.exp(-least[goal]) if way else 0.0
+    path, _ = _back(graph, before, start, goal)
+    return path, math.exp(-least[goal]) if path else 0.0
 
 
 def join_ends__changes_the_map(graph, from_here, to_goals, p_here, p_goal):
@@ -248,8 +248,8 @@ def join_ends__copies_only_the_outside(graph, from_here, to_goals, p_here, p_goa
     """the copy shares its inner dictionaries with the map"""
     joined = dict(graph)
     joined[HERE], joined[GOAL] = {v: p for v, p in from_here.items() if p > p_here}, {}
-    for picture in to_goals:
-        for v, p in picture.items():
+    for image in to_goals:
+        for v, p in image.items():
             if p > p_goal and v in joined:
                 joined[v][GOAL] = p
     return joined
@@ -261,8 +261,8 @@ def join_ends__joins_backwards(graph, from_here, to_goals, p_here, p_goal):
     for v, p in from_here.items():
         if p > p_here and v in graph:
             joined[v][HERE] = p
-    for picture in to_goals:
-        for v, p in picture.items():
+    for image in to_goals:
+        for v, p in image.items():
             if v in joined and p > max(p_goal, joined[GOAL].get(v, 0)):
                 joined[GOAL][v] = p
     return joined
@@ -295,44 +295,44 @@ def join_ends__is_strict_on_both_sides(graph, from_here, to_goals, p_here, p_goa
 
 def join_ends__overwrites(graph, from_here, to_goals, p_here, p_goal):
     """not the last"""
-    last = {v: p for picture in to_goals for v, p in picture.items()}
+    last = {v: p for image in to_goals for v, p in image.items()}
     return _joined(graph, from_here, [last], p_here, p_goal)
 
 
-def join_ends__demands_all_pictures(graph, from_here, to_goals, p_here, p_goal):
+def join_ends__demands_all_images(graph, from_here, to_goals, p_here, p_goal):
     """yours demands all of them"""
-    common = set.intersection(*(set(picture) for picture in to_goals))
-    least = {v: min(picture[v] for picture in to_goals) for v in common}
+    common = set.intersection(*(set(image) for image in to_goals))
+    least = {v: min(image[v] for image in to_goals) for v in common}
     return _joined(graph, from_here, [least], p_here, p_goal)
 
 
 def join_ends__averages(graph, from_here, to_goals, p_here, p_goal):
     """do not average"""
-    told = defaultdict(list)
-    for picture in to_goals:
-        for v, p in picture.items():
-            told[v].append(p)
-    mean = {v: sum(p) / len(p) for v, p in told.items()}
+    reach = defaultdict(list)
+    for image in to_goals:
+        for v, p in image.items():
+            reach[v].append(p)
+    mean = {v: sum(p) / len(p) for v, p in reach.items()}
     return _joined(graph, from_here, [mean], p_here, p_goal)
 
 
 def join_ends__multiplies(graph, from_here, to_goals, p_here, p_goal):
     """do not multiply"""
     product = defaultdict(lambda: 1.0)
-    for picture in to_goals:
-        for v, p in picture.items():
+    for image in to_goals:
+        for v, p in image.items():
             product[v] *= p
     return _joined(graph, from_here, [product], p_here, p_goal)
 
 
-def join_ends__looks_at_one_picture(graph, from_here, to_goals, p_here, p_goal):
+def join_ends__looks_at_one_image(graph, from_here, to_goals, p_here, p_goal):
     """not only the first one"""
     return _joined(graph, from_here, to_goals[:1], p_here, p_goal)
 
 
 def join_ends__needs_the_map(graph, from_here, to_goals, p_here, p_goal):
     """a goal in sight needs no map"""
-    seen = [{v: p for v, p in picture.items() if v in graph} for picture in to_goals]
+    seen = [{v: p for v, p in image.items() if v in graph} for image in to_goals]
     return _joined(graph, from_here, seen, p_here, p_goal)
 
 
@@ -342,8 +342,8 @@ def join_ends__is_lenient_in_sight(graph, from_here, to_goals, p_here, p_goal):
     for v, p in from_here.items():
         if v in graph and p > p_here:
             joined[HERE][v] = p
-    for picture in to_goals:
-        for v, p in picture.items():
+    for image in to_goals:
+        for v, p in image.items():
             if v in joined and p > (p_here if v == HERE else p_goal):
                 joined[v][GOAL] = max(p, joined[v].get(GOAL, 0.0))
     return joined
@@ -355,8 +355,8 @@ def join_ends__brings_back_the_dead(graph, from_here, to_goals, p_here, p_goal):
     for v, p in from_here.items():
         if p > p_here:
             joined[HERE][v] = p
-    for picture in to_goals:
-        for v, p in picture.items():
+    for image in to_goals:
+        for v, p in image.items():
             if p > max(p_goal, joined[v].get(GOAL, 0.0)):
                 joined[v][GOAL] = p
     return dict(joined)
@@ -390,113 +390,113 @@ def join_ends__right_step_by_step(graph, from_here, to_goals, p_here, p_goal):
 
 
 def decide__trusts_every_goal(graph, from_here, to_goals, rules):
-    """yours sets out to a goal that is nowhere reached with more than rules.p_goal"""
-    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    return way, p, "no way" if not way else "" if p >= rules.least else "too improbable"
+    """yours starts towards a goal that no vertex reaches with more than rules.p_goal"""
+    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    return path, p, "no way" if not path else "" if p >= rules.least else "too improbable"
 
 
 def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
     """plan with edges to the goal above rules.p_goal first"""
-    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    if not way:
-        return way, p, "no way"
-    if len(way) > 1 and max(t.get(way[-2], 0.0) for t in to_goals) <= rules.p_goal:
-        return way, p, "not on the map"
-    return way, p, "" if p >= rules.least else "too improbable"
+    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    if not path:
+        return path, p, "no way"
+    if len(path) > 1 and max(t.get(path[-2], 0.0) for t in to_goals) <= rules.p_goal:
+        return path, p, "not on the map"
+    return path, p, "" if p >= rules.least else "too improbable"
 
 
 def decide__is_as_strict_about_here(graph, from_here, to_goals, rules):
     """from here rules.p_query is enough"""
-    way, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_goal)
-    if way:
-        return way, p, "" if p >= rules.least else "too improbable"
-    way, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_query)
-    return way, p, "not on the map" if way else "no way"
+    path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_goal)
+    if path:
+        return path, p, "" if p >= rules.least else "too improbable"
+    path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_query)
+    return path, p, "not on the map" if path else "no way"
 
 
 def decide__dares_everything(graph, from_here, to_goals, rules):
-    """a way that is less probable than rules.least"""
-    way, p, reason = _decided(graph, from_here, to_goals, rules)
-    return way, p, "" if reason == "too improbable" else reason
+    """a path that is less probable than rules.least"""
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
+    return path, p, "" if reason == "too improbable" else reason
 
 
 def decide__demands_more_than_enough(graph, from_here, to_goals, rules):
     """exactly rules.least is enough"""
-    way, p, reason = _decided(graph, from_here, to_goals, rules)
-    return way, p, "too improbable" if not reason and p <= rules.least else reason
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
+    return path, p, "too improbable" if not reason and p <= rules.least else reason
 
 
-def decide__demands_too_much_of_the_way(graph, from_here, to_goals, rules):
-    """the whole way must have rules.least"""
-    way, p, reason = _decided(graph, from_here, to_goals, rules)
+def decide__demands_too_much_of_the_path(graph, from_here, to_goals, rules):
+    """the whole path must have rules.least"""
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
     if reason in ("", "too improbable"):
         reason = "" if p > rules.p_goal else "too improbable"
-    return way, p, reason
+    return path, p, reason
 
 
 def decide__never_says_why(graph, from_here, to_goals, rules):
-    """say so: not on the map"""
-    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    return way, p, "no way" if not way else "" if p >= rules.least else "too improbable"
+    """return the reason: not on the map"""
+    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    return path, p, "no way" if not path else "" if p >= rules.least else "too improbable"
 
 
 def decide__looks_for_the_goal_anywhere(graph, from_here, to_goals, rules):
-    """whether there is one with rules.p_query tells the reason"""
-    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    if way:
-        return way, p, "" if p >= rules.least else "too improbable"
-    way, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    seen = any(told > rules.p_goal for picture in to_goals for told in picture.values())
-    return way, p, "no way" if seen or not way else "not on the map"
+    """the reason depends on whether there is one with rules.p_query"""
+    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    if path:
+        return path, p, "" if p >= rules.least else "too improbable"
+    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
+    seen = any(reach > rules.p_goal for image in to_goals for reach in image.values())
+    return path, p, "no way" if seen or not path else "not on the map"
 
 
 def decide__blames_the_goal(graph, from_here, to_goals, rules):
     """the reason is no way"""
-    way, p, reason = _decided(graph, from_here, to_goals, rules)
-    return way, p, "not on the map" if reason == "no way" else reason
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
+    return path, p, "not on the map" if reason == "no way" else reason
 
 
-def decide__keeps_the_way_to_itself(graph, from_here, to_goals, rules):
-    """tells the way and its probability all the same"""
-    way, p, reason = _decided(graph, from_here, to_goals, rules)
-    return ([], 0.0, reason) if reason else (way, p, reason)
+def decide__keeps_the_path_to_itself(graph, from_here, to_goals, rules):
+    """return the path and its probability also when the robot refuses"""
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
+    return ([], 0.0, reason) if reason else (path, p, reason)
 
 
 def decide__says_yes_or_no(graph, from_here, to_goals, rules):
     """give one of"""
-    way, p, reason = _decided(graph, from_here, to_goals, rules)
-    return way, p, not reason
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
+    return path, p, not reason
 
 
 def decide__has_rules_of_its_own(graph, from_here, to_goals, rules):
     """other rules"""
-    way, p = _planned(graph, from_here, to_goals, 0.5, 0.985)
-    if way:
-        return way, p, "" if p >= 0.5 else "too improbable"
-    way, p = _planned(graph, from_here, to_goals, 0.5, 0.5)
-    return way, p, "not on the map" if way else "no way"
+    path, p = _planned(graph, from_here, to_goals, 0.5, 0.985)
+    if path:
+        return path, p, "" if p >= 0.5 else "too improbable"
+    path, p = _planned(graph, from_here, to_goals, 0.5, 0.5)
+    return path, p, "not on the map" if path else "no way"
 
 
 def decide__right_in_a_loop(graph, from_here, to_goals, rules):
     for least, reason in ((rules.p_goal, ""), (rules.p_query, "not on the map")):
-        way, p = _planned(graph, from_here, to_goals, rules.p_query, least)
-        if way:
-            return way, p, reason or ("too improbable" if p < rules.least else "")
-    return way, p, "no way"
+        path, p = _planned(graph, from_here, to_goals, rules.p_query, least)
+        if path:
+            return path, p, reason or ("too improbable" if p < rules.least else "")
+    return path, p, "no way"
 
 
-def travel__shuns_what_it_left(plan, drive, replans):
+def travel__excludes_what_it_left(plan, drive, replans):
     """not the one before it"""
     excluded = set()
     for _ in range(replans + 1):
-        way = plan(excluded)
-        if not way:
+        path = plan(excluded)
+        if not path:
             return False, excluded
-        stopped = drive(way)
+        stopped = drive(path)
         if stopped is None:
             return True, excluded
-        if way[stopped - 1] != HERE:
-            excluded.add(way[stopped - 1])
+        if path[stopped - 1] != HERE:
+            excluded.add(path[stopped - 1])
     return False, excluded
 
 
@@ -504,55 +504,55 @@ def travel__forgets_the_first(plan, drive, replans):
     """not only the last one"""
     excluded = set()
     for _ in range(replans + 1):
-        way = plan(excluded)
-        if not way:
+        path = plan(excluded)
+        if not path:
             return False, excluded
-        stopped = drive(way)
+        stopped = drive(path)
         if stopped is None:
             return True, excluded
-        excluded = {way[stopped]} - {GOAL}
+        excluded = {path[stopped]} - {GOAL}
     return False, excluded
 
 
-def travel__shuns_the_whole_way(plan, drive, replans):
-    """who shuns the whole way leaves no other"""
-    return _travelled(plan, drive, replans, lambda way, stopped: set(way) - {HERE, GOAL})
+def travel__excludes_the_whole_path(plan, drive, replans):
+    """excluding the whole path leaves no other"""
+    return _travelled(plan, drive, replans, lambda path, stopped: set(path) - {HERE, GOAL})
 
 
-def travel__shuns_what_was_not_tried(plan, drive, replans):
-    """only way[stopped] was tried in vain"""
-    return _travelled(plan, drive, replans, lambda way, stopped: set(way[stopped:]) - {GOAL})
+def travel__excludes_what_was_not_tried(plan, drive, replans):
+    """only path[stopped] was tried in vain"""
+    return _travelled(plan, drive, replans, lambda path, stopped: set(path[stopped:]) - {GOAL})
 
 
-def travel__shuns_nothing(plan, drive, replans):
+def travel__excludes_nothing(plan, drive, replans):
     """or the next plan is the same"""
-    return _travelled(plan, drive, replans, lambda way, stopped: set())
+    return _travelled(plan, drive, replans, lambda path, stopped: set())
 
 
-def travel__shuns_the_place(plan, drive, replans):
-    """shun the vertex there"""
+def travel__excludes_the_index(plan, drive, replans):
+    """exclude the vertex there"""
     return _travelled(
-        plan, drive, replans, lambda way, stopped: {stopped} if way[stopped] != GOAL else set()
+        plan, drive, replans, lambda path, stopped: {stopped} if path[stopped] != GOAL else set()
     )
 
 
-def travel__shuns_the_goal(plan, drive, replans):
+def travel__excludes_the_goal(plan, drive, replans):
     """the goal is no vertex of the map"""
-    return _travelled(plan, drive, replans, lambda way, stopped: {way[stopped]})
+    return _travelled(plan, drive, replans, lambda path, stopped: {path[stopped]})
 
 
-def travel__drives_the_old_way(plan, drive, replans):
+def travel__drives_the_old_path(plan, drive, replans):
     """yours drives along the old one"""
     excluded = set()
-    way = plan(excluded)
-    if not way:
+    path = plan(excluded)
+    if not path:
         return False, excluded
     for _ in range(replans + 1):
-        stopped = drive(way)
+        stopped = drive(path)
         if stopped is None:
             return True, excluded
-        if way[stopped] != GOAL:
-            excluded.add(way[stopped])
+        if path[stopped] != GOAL:
+            excluded.add(path[stopped])
     return False, excluded
 
 
@@ -575,36 +575,36 @@ def travel__drives_on_nothing(plan, drive, replans):
     """a refusal, and yours drives all the same"""
     excluded = set()
     for _ in range(replans + 1):
-        way = plan(excluded)
-        stopped = drive(way)
+        path = plan(excluded)
+        stopped = drive(path)
         if stopped is None:
             return True, excluded
-        excluded.add(way[stopped])
+        excluded.add(path[stopped])
     return False, excluded
 
 
 def travel__never_ends(plan, drive, replans):
     """your function never ends"""
     while True:
-        way = plan(set())
-        if way and drive(way) is None:
+        path = plan(set())
+        if path and drive(path) is None:
             return True, set()
 
 
-def travel__tells_only_the_end(plan, drive, replans):
+def travel__returns_only_the_end(plan, drive, replans):
     """return whether it arrived, and the set"""
     return _travelled(plan, drive, replans)[0]
 
 
 def travel__right_by_recursion(plan, drive, replans):
     def go(excluded, left):
-        way = plan(excluded)
-        if not way:
+        path = plan(excluded)
+        if not path:
             return False, excluded
-        stopped = drive(way)
+        stopped = drive(path)
         if stopped is None:
             return True, excluded
-        more = excluded | ({way[stopped]} if way[stopped] >= 0 else set())
+        more = excluded | ({path[stopped]} if path[stopped] >= 0 else set())
         return go(more, left - 1) if left else (False, more)
 
     return go(frozenset(), replans)
@@ -612,12 +612,12 @@ def travel__right_by_recursion(plan, drive, replans):
 
 def travel__right_while_plans_are_left(plan, drive, replans):
     excluded, made = set(), 0
-    while made <= replans and (way := plan(set(excluded))):
-        made, stopped = made + 1, drive(way)
+    while made <= replans and (path := plan(set(excluded))):
+        made, stopped = made + 1, drive(path)
         if stopped is None:
             return True, excluded
-        if way[stopped] not in (HERE, GOAL):
-            excluded.add(way[stopped])
+        if path[stopped] not in (HERE, GOAL):
+            excluded.add(path[stopped])
     return False, excluded
 
 
@@ -670,8 +670,8 @@ def tally__forgets_the_direction(trips):
     """edges have a direction"""
     found = Counter()
     tried = Counter()
-    for way, stopped in trips:
-        for place, edge in enumerate(pairwise(way), 1):
+    for path, stopped in trips:
+        for place, edge in enumerate(pairwise(path), 1):
             was, passed = _judged(place, stopped)
             tried[tuple(sorted(edge))] += was
             found[tuple(sorted(edge))] += passed
@@ -708,8 +708,8 @@ def tally__gives_shares(trips):
 
 def tally__right_with_counters(trips):
     tried, passed = Counter(), Counter()
-    for way, stopped in trips:
-        edges = list(pairwise(way))
+    for path, stopped in trips:
+        edges = list(pairwise(path))
         end = len(edges) if stopped is None else stopped
         tried.update(edges[:end])
         passed.update(edges if stopped is None else edges[: stopped - 1])
@@ -726,8 +726,8 @@ def _judged(place, stopped):
 
 def _counted(trips, judged):
     counts = {}
-    for way, stopped in trips:
-        for place, edge in enumerate(pairwise(way), 1):
+    for path, stopped in trips:
+        for place, edge in enumerate(pairwise(path), 1):
             tried, passed = judged(place, stopped)
             if tried:
                 before = counts.get(edge, (0, 0))
@@ -735,16 +735,16 @@ def _counted(trips, judged):
     return counts
 
 
-def _travelled(plan, drive, replans, shun=None):
+def _travelled(plan, drive, replans, exclude=None):
     excluded = set()
     for _ in range(replans + 1):
-        way = plan(excluded)
-        if not way:
+        path = plan(excluded)
+        if not path:
             return False, excluded
-        stopped = drive(way)
+        stopped = drive(path)
         if stopped is None:
             return True, excluded
-        excluded |= shun(way, stopped) if shun else {way[stopped]} - {GOAL}
+        excluded |= exclude(path, stopped) if exclude else {path[stopped]} - {GOAL}
     return False, excluded
 
 
@@ -757,8 +757,8 @@ def _joined(graph, from_here, to_goals, p_here, p_goal):
     for v, p in from_here.items():
         if p > p_here and v in graph:
             joined[HERE][v] = p
-    for picture in to_goals:
-        for v, p in picture.items():
+    for image in to_goals:
+        for v, p in image.items():
             if v in joined and p > max(p_goal, joined[v].get(GOAL, 0.0)):
                 joined[v][GOAL] = p
     return joined
@@ -799,11 +799,11 @@ def _back(graph, before, start, goal):
         return [start], 1.0
     if goal not in before:
         return [], 0.0
-    way = [goal]
-    while way[-1] != start:
-        way.append(before[way[-1]])
-    return way[::-1], _product(graph, way[::-1])
+    path = [goal]
+    while path[-1] != start:
+        path.append(before[path[-1]])
+    return path[::-1], _product(graph, path[::-1])
 
 
-def _product(graph, way):
-    return math.prod(graph[v][w] for v, w in pairwise(way))
+def _product(graph, path):
+    return math.prod(graph[v][w] for v, w in pairwise(path))

@@ -29,13 +29,13 @@ def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 -
 def hinting(kind: type[Exception], hint: str) -> Callable[..., Any]:
     """A way to call a student's function that adds a hint to one kind of error."""
 
-    def ask(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+    def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         try:
             return call(student, *arguments)
         except kind as error:
             raise WrongAnswer(f"{what}: {kind.__name__}, {error}; {hint}") from None
 
-    return ask
+    return invoke
 
 
 def returned(what: str, got: Any) -> Any:  # noqa: ANN401 - whatever students return

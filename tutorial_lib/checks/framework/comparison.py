@@ -24,7 +24,7 @@ def compare(
     right: Function,
     faults: Mapping[str, Function],
     *,
-    ask: Function = lambda what, student, *case: call(student, *case),
+    invoke: Function = lambda what, student, *case: call(student, *case),
     form: Function = lambda what, answer, *case: answer,
     same: Function = lambda got, want, *case: equal(got, want),
     difference: Function = lambda got, want, *case: first_difference(got, want),
@@ -39,7 +39,7 @@ def compare(
         right: gives the right answer to a case.
         faults: for known mistakes, what to say and a function that makes this mistake. The first
             one that gives all of the student's answers is named.
-        ask: (what, student, *case) calls the student's function.
+        invoke: (what, student, *case) calls the student's function.
         form: (what, answer, *case) demands an answer of the right form, and may bring it into the
             form in which answers are compared.
         same: (got, want, *case) tells whether two answers are equally good.
@@ -66,7 +66,7 @@ def compare(
         pairs = zip(some, others, named.values(), strict=True)
         return all(same(one, other, *case) for one, other, case in pairs)
 
-    got = [form(what, ask(what, student, *case), *case) for what, case in named.items()]
+    got = [form(what, invoke(what, student, *case), *case) for what, case in named.items()]
     wanted = answers(right)
     picture = draw(wanted[0], got[0]) if draw else None
     for (what, case), mine, want in zip(named.items(), got, wanted, strict=True):

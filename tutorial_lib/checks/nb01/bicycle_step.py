@@ -15,7 +15,7 @@ from tutorial_lib.world.bodies import BicycleCar, advance
 def bicycle_step(
     pose: Array, speed: float, steering: float, wheelbase: float, seconds: float
 ) -> Array:
-    """A pose (3,) after driving on, by the library's car."""
+    """The pose (3,) after one step, by the library's car."""
     car = BicycleCar(wheelbase=wheelbase)
     x, y, heading = advance(pose, car.twist(np.array([speed, steering])), seconds)
     return np.array([x, y, pose[2] + geometry.wrap(heading - pose[2])])

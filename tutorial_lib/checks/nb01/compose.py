@@ -1,4 +1,4 @@
-"""The check of one motion after another, in notebook 01."""
+"""The check of composing poses, in notebook 01."""
 
 from collections.abc import Callable
 
@@ -13,7 +13,7 @@ from tutorial_lib.geometry import Array
 
 @check(geometry.compose, (np.array([1.0, 2.0, 0.5]), np.array([0.1, 0.0, 0.2])))
 def check_compose(student: Callable[..., Array]) -> None:
-    """One motion after another."""
+    """A pose, and a second one in its frame."""
     cases = (
         ([1.0, 2.0, 0.4], [0.5, 0.2, 0.3]),
         ([0.0, 1.0, -2.0], [1.5, -0.5, 1.0]),
@@ -25,7 +25,7 @@ def check_compose(student: Callable[..., Array]) -> None:
         plain = np.array([*(first + second)[:2], want[2]])
         mistakes = {
             "the second pose is seen from the first: turn its step by the first heading": plain,
-            "the other way round: first comes first": geometry.compose(second, first),
+            "the order is reversed: the first pose comes first": geometry.compose(second, first),
             "wrap the heading into -pi to pi": [*want[:2], first[2] + second[2]],
             "headings add up: the second is measured from the first": [*want[:2], second[2]],
             "the step is turned the wrong way; from the robot to the world it is R itself": [

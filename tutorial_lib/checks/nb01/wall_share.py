@@ -19,7 +19,7 @@ def wall_share(depth: float, rows: int) -> Array:
 
 @check(wall_share, (2.0, 16))
 def check_wall_share(student: Callable[..., Array]) -> NDArray[np.uint8]:
-    """One column of a picture, with exact shares."""
+    """Columns of an image, with exact shares."""
     depths, rows = np.array([0.6, 1.0, 1.7, 3.1, 6.0]), 16
     answers = []
     for depth in depths:
@@ -31,7 +31,7 @@ def check_wall_share(student: Callable[..., Array]) -> NDArray[np.uint8]:
         halves = _shares(0.5 / depth, -0.5 / depth, rows)
         mistakes = {
             "some pixels are partly covered; give the share, not 0 or 1": np.round(want),
-            "upside down: row 0 is the top of the picture": want[::-1],
+            "upside down: row 0 is the top of the image": want[::-1],
             "the eye is 0.25 m above the floor, not half way up the wall": halves,
             "divide the heights by the depth": _shares(WALL_HEIGHT - EYE, -EYE, rows),
             "the wall rises 0.75 m above the eye, not 1 m": _shares(

@@ -50,5 +50,5 @@ def check_goal_policy(student: Callable[..., Any]) -> None:
             got = call(student, offsets, velocities, gain, damping, near)
         accelerations, metrics = parts("goal_policy", got, 2, PARTS)
         expect_close(f"accelerations of {name}", accelerations, want, 1e-6, mistakes)
-        zeros = {"it cares equally for all directions: the identity, not zeros": 0 * metric}
+        zeros = {"the metric weighs all directions equally: the identity, not zeros": 0 * metric}
         expect_close(f"metrics of {name}", metrics, metric, 1e-6, zeros)

@@ -59,20 +59,19 @@ def _pushed(distances: Array, closing: Array, push: float, brake: float) -> dict
     near, shrinking = np.maximum(distances, 0.01), np.maximum(closing, 0)
     right, both = push + brake * shrinking, push + brake * closing
     return {
-        "what recedes is only pushed: its closing speed counts as 0": both / near,
-        "what recedes is not braked: np.maximum(closing, 0), not the absolute value": (
+        "a receding obstacle only pushes: its closing speed counts as 0": both / near,
+        "no brake for a receding obstacle: np.maximum(closing, 0), not the absolute value": (
             push + brake * np.abs(closing)
         )
         / near,
-        "what recedes is still pushed: limit the closing speed from below, not the sum": np.maximum(
-            both, 0
-        )
-        / near,
+        "a receding obstacle still pushes: limit the closing speed from below, not the sum": (
+            np.maximum(both, 0) / near
+        ),
         "it makes the distance grow: positive": -right / near,
         "the push and the brake are both divided by the distance": push / near + brake * shrinking,
         "divide both terms by the distance, the push as well": push + brake * shrinking / near,
         "divide by the distance: near obstacles push harder": right,
-        "whoever closes in is braked on top of the push": push / near,
+        "while closing in, the brake comes on top of the push": push / near,
         "nearer than 0.01 m counts as 0.01 m, in the acceleration too": right
         / np.where(distances == 0, np.nan, distances),
     }

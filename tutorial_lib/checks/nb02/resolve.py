@@ -18,7 +18,7 @@ _DAMPING = 1e-6
 
 
 def resolve(policies: list[Policy]) -> Array:
-    """(2,) accelerations of the controls that suit all policies best, by the library."""
+    """(2,) accelerations of the controls that fit all policies best, by the library."""
     force, metric = np.zeros(2), np.zeros((2, 2))
     for policy in policies:
         more = rmp.pull_back(*policy)
@@ -67,7 +67,7 @@ def check_resolve(student: Callable[..., Any]) -> None:
         expect_close(f"resolve, {name}", got, want, 1e-4, mistakes)
 
 
-_FREE = "nobody cares for one direction: add 1e-6 to the diagonal"
+_FREE = "no policy constrains one direction: add 1e-6 to the diagonal"
 
 
 _ONCE = "solve once, after the sums: one policy alone may leave a direction free"
@@ -104,8 +104,8 @@ def _unresolved(policies: list[Policy]) -> dict[str, Array]:
         ),
         "pull back the force with J too: J^T M a": np.linalg.solve(metric + small, flat[0]),
         "pull back the metric with J too: J^T M J": np.linalg.solve(flat[1] + small, force),
-        "add up what all policies ask for; only the last one counts": alone[-1],
-        "only the first one counts; is the return inside the loop?": alone[0],
+        "sum over all policies; only the last one counts in yours": alone[-1],
+        "only the first one counts in yours; is the return inside the loop?": alone[0],
         "the metric of the controls is J^T M J, not J^T J": np.linalg.solve(
             sum(j.T @ j for j, _, _ in policies) + small, force
         ),

@@ -25,14 +25,14 @@ def check_split_first_layer(student: Callable[..., Any]) -> None:
     answer = call(student, weights)
     words = "return two arrays, for cur and for tgt"
     for_cur, for_tgt = parts("split_first_layer", answer, 2, words)
-    forgot = "the third part sees cur - tgt, so both pictures: it belongs to both halves"
+    forgot = "the third part sees cur - tgt, so both images: it belongs to both halves"
     mixed = "the channels are stacked: 0 to 2 are cur's, 3 to 5 tgt's, 6 to 8 the difference's"
     thirds = weights[:, 0::3] + weights[:, 2::3]
     first = {forgot: a, "that is the part of tgt; cur comes first": b - d, mixed: thirds}
     first |= {"cur enters the difference with a plus": a - d}
     second = {
         "tgt enters the difference with a minus": b + d,
-        "tgt has the weights B of its own as well; only D is turned round": -d,
+        "tgt has the weights B of its own as well; only D changes its sign": -d,
         "D, not B, changes its sign": d - b,
         forgot: b,
     }

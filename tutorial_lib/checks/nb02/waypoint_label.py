@@ -21,21 +21,21 @@ Sees = Callable[[Array, Array], NDArray[np.bool_]]
 def waypoint_label(
     start: Array, track: Array, source: int, target: int, sees: Sees
 ) -> Array | None:
-    """The farthest place of a drive in clear sight, seen from the start; None if there is none.
+    """The farthest place in clear sight, in the frame of the start; None if there is none.
 
     Args:
         start: (3,) pose of the robot, beside frame `source`.
-        track: (T, 3) poses of the drive.
-        source: frame number.
-        target: frame number; a target at or before the source is its own waypoint.
-        sees: tells which points (C, 2) are in clear sight of a place (2,).
+        track: (T, 3) poses of the trajectory.
+        source: index of a frame.
+        target: index of a frame; a target at or before the source is its own waypoint.
+        sees: returns which points (C, 2) are in clear sight of a place (2,).
     """
     place = _chosen(start, track, source, target, sees)
     return None if place is None else to_local(start, place)
 
 
 def clear_sight(caster: Raycaster) -> Sees:
-    """What `waypoint_label` asks about the walls of a world."""
+    """The line-of-sight test of `waypoint_label` among the walls of a world."""
 
     def sees(origin: Array, points: Array) -> NDArray[np.bool_]:
         points = np.asarray(points, dtype=float)
@@ -45,7 +45,7 @@ def clear_sight(caster: Raycaster) -> Sees:
 
 
 def _facing_ahead(points: list[tuple[float, float]], step: float = 0.1) -> Array:
-    """A drive (T, 3) through corners, a frame every `step` metres."""
+    """A trajectory (T, 3) through corners, a frame every `step` metres."""
     corners = np.array(points, dtype=float)
     miles = arc_length(corners)
     places = np.arange(0.0, miles[-1] + step / 2, step)
@@ -62,7 +62,7 @@ _LABEL_CASES = (
     ("round a corner", [_CORNER_WALL], [1.0, -0.2, 0.3], _CORNER, 10, 40),
     ("past a post", [[1, -0.36, 1, -0.24]], [0.0, -0.6, 0.2], _STRAIGHT, 0, 40),
     ("out and back", [_FAR_WALL], [0.0, 0.3, 0.0], _ROUND, 0, len(_ROUND) - 1),
-    ("a drive that goes on", [_FAR_WALL], [0.5, 0.2, 0.1], _STRAIGHT, 5, 20),
+    ("a trajectory that goes on", [_FAR_WALL], [0.5, 0.2, 0.1], _STRAIGHT, 5, 20),
     ("target behind, in sight", [_CORNER_WALL], [2.1, 1.5, 1.6], _CORNER, 35, 25),
     ("target behind, hidden", [_CORNER_WALL], [2.1, 1.5, 1.6], _CORNER, 35, 5),
     ("target at the source", [_CORNER_WALL], [0.9, 0.2, -0.4], _CORNER, 10, 10),
@@ -78,14 +78,16 @@ def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """Round a corner, past a post, out and back, targets ahead and behind, nothing in sight."""
     _, walls, start, track, *frames = _LABEL_CASES[0]
     walls, start = np.array(walls, float), np.array(start)
-    asked = (start, track, *frames, clear_sight(Raycaster(walls)))
-    picture = _labels_from_above(walls, start, track, waypoint_label(*asked), student(*asked))
+    arguments = (start, track, *frames, clear_sight(Raycaster(walls)))
+    picture = _labels_from_above(
+        walls, start, track, waypoint_label(*arguments), student(*arguments)
+    )
     for name, walls, start, track, *frames in _LABEL_CASES:
         sees, start = clear_sight(Raycaster(np.array(walls, float))), np.array(start)
-        asked, kept = (start, track, *frames, sees), (start.copy(), track.copy())
-        want, what = waypoint_label(*asked), f"waypoint_label, {name}"
+        arguments, kept = (start, track, *frames, sees), (start.copy(), track.copy())
+        want, what = waypoint_label(*arguments), f"waypoint_label, {name}"
         try:
-            got = student(*asked)
+            got = student(*arguments)
         except (IndexError, ValueError):  # of an empty choice
             if want is not None and frames[1] > frames[0]:
                 raise
@@ -100,7 +102,7 @@ def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
             continue
         if got is None and frames[1] <= frames[0]:
             raise WrongAnswer(f"{what}: {_BEHIND if frames[1] < frames[0] else _THERE}", picture)
-        expect_close(what, got, want, 1e-6, _mislabelled(*asked), picture)
+        expect_close(what, got, want, 1e-6, _mislabelled(*arguments), picture)
     return picture
 
 
@@ -109,7 +111,7 @@ _THERE = "a target at the source's own frame is its own waypoint too: target <= 
 
 
 def _expect_none(what: str, got: object, own: Array, picture: NDArray[np.uint8]) -> None:
-    """Demand that there is no waypoint; `own` is the place of the source, seen from the start."""
+    """Demand that there is no waypoint; `own` is the source's place, seen from the start."""
     if got is None:
         return
     words = "there is no waypoint; return None"
@@ -132,8 +134,8 @@ def _mislabelled(
         seen = np.flatnonzero(sees(start[:2], places))
         wrong = {}
         if len(seen):
-            wrong[f"{_BEHIND}; do not search the way back"] = places[seen[0]]
-            wrong[f"{_BEHIND}; do not look for the nearest on the way back"] = places[seen[-1]]
+            wrong[f"{_BEHIND}; do not search the places in between"] = places[seen[0]]
+            wrong[f"{_BEHIND}; do not take the nearest of the places in between"] = places[seen[-1]]
     else:
         wrong = _misplaced(start, track, source, target, sees)
     for words, place in wrong.items():
@@ -163,18 +165,18 @@ def _misplaced(
         "a place farther on is in sight again; do not stop at the first hidden one": places[
             max(first_hidden - 1, 0)
         ],
-        "the last place along the drive counts, not the one at the greatest distance": places[
+        "the last place along the trajectory counts, not the one at the greatest distance": places[
             ranked.argmax()
         ],
         "look from the start, not from the place of source: sees(start[:2], places)": places[
             from_source[-1] if len(from_source) else 0
         ],
         "the target itself is a candidate too": places[before[-1] if len(before) else 0],
-        "one frame too early: number 0 of the candidates is frame source + 1": track[
+        "one frame too early: index 0 of the candidates is frame source + 1": track[
             source + last, :2
         ],
-        "the numbers of the places in sight count from the first candidate, not from the start "
-        "of the track: places[seen[-1]]": track[last, :2],
+        "the indices of the places in sight count from the first candidate, not from the start of "
+        "the track: places[seen[-1]]": track[last, :2],
         "that is the first place that is hidden; take the last one in sight": places[
             min(first_hidden, len(places) - 1)
         ],
@@ -193,7 +195,7 @@ def _chosen(start: Array, track: Array, source: int, target: int, sees: Sees) ->
 def _labels_from_above(
     walls: Array, start: Array, track: Array, want: Array | None, got: object
 ) -> NDArray[np.uint8]:
-    """Wall, drive, start and label, target and yours beside each other."""
+    """Wall, trajectory, start and label, target and yours beside each other."""
     blocks = []
     for name, label in (("target", want), ("yours", got)):
         block = np.full((300, 330, 3), 255, np.uint8)

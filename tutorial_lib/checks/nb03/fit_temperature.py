@@ -27,10 +27,10 @@ def _losses(logits: Array, labels: Array) -> Array:
     return np.array([reach_loss(logits / t, labels, ones) for t in _TEMPERATURES])
 
 
-def _told(temperature: float, blunders: float = 0.0, soft: bool = False) -> tuple[Array, Array]:
-    """Logits (600,) of a network that should be divided by about so much, and labels.
+def _logits(temperature: float, blunders: float = 0.0, soft: bool = False) -> tuple[Array, Array]:
+    """Logits (600,) that should be divided by about this temperature, and labels.
 
-    The opposite happens of what is expected in a share of `blunders`, which squares mind less.
+    A share of `blunders` turns out the opposite of what is expected; squared errors mind it less.
     """
     rng = np.random.default_rng(7)
     logits = rng.normal(1.0, 2.0, 600) * temperature
@@ -38,13 +38,13 @@ def _told(temperature: float, blunders: float = 0.0, soft: bool = False) -> tupl
     return logits, chance if soft else (rng.random(600) < chance).astype(float)
 
 
-@check(fit_temperature, _told(2.5))
+@check(fit_temperature, _logits(2.5))
 def check_fit_temperature(student: Callable[..., Any]) -> None:
-    """A network that is too sure, one that is not sure enough, and soft labels."""
+    """An overconfident network, an underconfident one, and soft labels."""
     cases = (
-        ("one too sure", _told(2.0, blunders=0.12)),
-        ("one too modest", _told(0.4)),
-        ("soft labels", _told(1.8, soft=True)),
+        ("an overconfident network", _logits(2.0, blunders=0.12)),
+        ("an underconfident network", _logits(0.4)),
+        ("soft labels", _logits(1.8, soft=True)),
     )
     for name, (logits, labels) in cases:
         best, what = fit_temperature(logits, labels), f"fit_temperature, {name}"
@@ -67,10 +67,11 @@ def _expect_temperature(what: str, got: float, best: float, logits: Array, label
         "that is 1 / T: the logits are divided by the temperature": 1 / best,
         "that is the smallest loss; give the temperature that has it": losses.min(),
         "that is the logarithm of the temperature": np.log(best),
-        "a temperature below 1 is allowed, it makes a network surer": 1.0,
+        "a temperature below 1 is allowed, it makes a network more confident": 1.0,
         "the cross-entropy is to be smallest, not the squared error": squares,
-        "the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes its "
-        "bin": _TEMPERATURES[np.argmin(errors)],
+        "the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes bins": (
+            _TEMPERATURES[np.argmin(errors)]
+        ),
         "the loss is to be smallest, not largest": _TEMPERATURES[losses.argmax()],
     }
     same = partial(np.isclose, rtol=0.012)
@@ -82,6 +83,6 @@ def _no_temperature(got: float, best: float) -> str:
     if got <= 0:
         return f"{got:.3g}, but a temperature is greater than 0"
     if got == int(got) and got >= len(_TEMPERATURES) / 100:
-        words = "is that the place of the best temperature in a list? Give the temperature"
+        words = "is that the index of the best temperature in a list? Give the temperature"
         return f"{got:.0f}; {words}"
     return f"{got:.4g}, but {best:.4g} is right"

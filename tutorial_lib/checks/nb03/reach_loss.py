@@ -31,7 +31,7 @@ _CLIPS = (1e-16, 1e-15, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
 
 @check(reach_loss, (np.linspace(-4, 4, 4000), np.linspace(0, 1, 4000), np.ones(4000)))
 def check_reach_loss(student: Callable[..., Any]) -> None:
-    """Hard and soft labels, weights, and logits of which no exponential can be taken."""
+    """Hard and soft labels, weights, and logits whose exponential overflows."""
     for name, *numbers in _LOSS_CASES:
         case = [np.array(column) for column in numbers]
         what, want = f"reach_loss, {name}", reach_loss(*case)
@@ -45,7 +45,7 @@ def check_reach_loss(student: Callable[..., Any]) -> None:
 
 
 def _expect_no_limit(what: str, got: float, want: float, case: list[Array]) -> None:
-    """Demand that the loss was neither lost on the way nor limited."""
+    """Demand that the loss neither overflows nor is clipped."""
     if not np.isfinite(got):
         words = "infinite, since exp(1000) is too large a number"
         if np.isnan(got):
@@ -77,10 +77,10 @@ def _misjudged(logits: Array, labels: Array, weights: Array) -> dict[str, float]
 
     return {
         "a loss is positive: turn its sign round": -mean(each),
-        "pairs that are not reached count, too: there is a second term, with 1 - y": mean(
+        "pairs that are not reached count too: there is a second term, with 1 - y": mean(
             labels * np.logaddexp(0.0, -logits)
         ),
-        "the wrong way round: a high logit says that the target will be reached": mean(
+        "the wrong way round: a high logit predicts that the target will be reached": mean(
             nothing - (1 - labels) * logits
         ),
         "labels may lie between 0 and 1: do not round them": mean(

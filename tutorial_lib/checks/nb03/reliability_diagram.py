@@ -55,8 +55,8 @@ def _misbinned(
     def means(values: Array, groups: list[Array]) -> Array:
         return np.array([values[group].mean() if len(group) else np.nan for group in groups])
 
-    said, found = means(predicted, parts), means(came_true, parts)
-    gap, count = np.abs(said - found), np.array([len(part) for part in parts])
+    predictions, measured = means(predicted, parts), means(came_true, parts)
+    gap, count = np.abs(predictions - measured), np.array([len(part) for part in parts])
     sizes = "these bins are equally wide; each is to have as many predictions as the next"
     rising = "the bins rise: the lowest predictions come first"
     first = {
@@ -68,8 +68,8 @@ def _misbinned(
         "that is the middle of equally wide bins; give the mean prediction": (
             (np.arange(bins) + 0.5) / bins
         ),
-        "predictions come first, what came true second": found,
-        rising: said[::-1],
+        "predictions come first, what came true second": measured,
+        rising: predictions[::-1],
     }
     second = {
         "what came true belongs to its prediction: put both in the same order": means(
@@ -78,10 +78,10 @@ def _misbinned(
         "what came true belongs to its prediction: do not sort it by itself": means(
             np.sort(came_true), plain
         ),
-        "give the share that came true, not how many": found * count,
-        rising: found[::-1],
+        "give the share that came true, not how many": measured * count,
+        rising: measured[::-1],
     }
-    signed = float(((said - found) * count).sum() / count.sum())
+    signed = float(((predictions - measured) * count).sum() / count.sum())
     third = {
         "too high and too low must not cancel: take absolute gaps": signed,
         "too high and too low must not cancel, so take absolute gaps": -signed,

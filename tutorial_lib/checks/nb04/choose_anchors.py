@@ -13,7 +13,7 @@ from tutorial_lib.checks.framework.answers import call
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.framework.timeout import within_line_limit
-from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
+from tutorial_lib.checks.nb04.frame_indices import frame_indices
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.viz.figures.follower_states import reach_table
@@ -31,17 +31,17 @@ BY_HAND = np.array(
         [0.10, 0.12, 0.15, 0.17, 0.22, 0.64, 0.95, 1.00],
     ]
 )
-"""A small drive of eight frames: RE from each (row) to each (column)."""
+"""A small trajectory of eight frames: RE from each (row) to each (column)."""
 
 
 class _Table:
-    """A `Reachability` that looks its answer up; observations and targets are frame numbers."""
+    """A `Reachability` that looks up a table; observations and targets are indices of frames."""
 
     def __init__(self, reach: Array) -> None:
         self.reach = reach
 
     def prepare(self, targets: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Nothing is to be prepared."""
+        """Prepare nothing."""
         return targets
 
     def probability(self, observations: NDArray[np.intp], prepared: NDArray[np.intp]) -> Array:
@@ -50,19 +50,19 @@ class _Table:
 
 
 def choose_anchors(reach: Array, threshold: float) -> NDArray[np.intp]:
-    """The library's anchors for a table of reachabilities.
+    """The library's anchors for a table of RE.
 
     Args:
         reach: (T, T), RE from each frame, a row, to each other one.
         threshold: p_sparsify.
     """
     reach = np.asarray(reach)
-    numbers: Any = np.arange(len(reach))
-    return sparsify(_Table(reach), numbers, numbers, threshold)
+    frames: Any = np.arange(len(reach))
+    return sparsify(_Table(reach), frames, frames, threshold)
 
 
 def _smooth(frames: int, seed: int) -> Array:
-    """A random drive (T, T): RE falls with distance, not evenly."""
+    """A random trajectory (T, T): RE falls with distance, not evenly."""
     rng = np.random.default_rng(seed)
     gap = np.abs(np.subtract.outer(np.arange(frames), np.arange(frames)))
     hard = rng.uniform(0.2, 1.0, frames)[:, None]
@@ -72,7 +72,7 @@ def _smooth(frames: int, seed: int) -> Array:
 
 _EVEN = np.array([[1, 0.9, 0.8], [0.9, 1, 0.9], [0.8, 0.9, 1]])
 _CASES = {
-    "the drive above": (BY_HAND, 0.9),
+    "the trajectory above": (BY_HAND, 0.9),
     "every frame can be reached": (np.full((6, 6), 0.98), 0.9),
     "no frame can be reached": (np.full((5, 5), 0.3), 0.9),
     "RE equals the threshold": (_EVEN, 0.8),
@@ -82,7 +82,7 @@ _CASES = {
 }
 _ENDLESS = (
     "choose_anchors: your function never ends. Where not even frame i + 1 can be reached so "
-    "surely, it is the next anchor all the same: one must get on"
+    "surely, it is the next anchor all the same: the path must go on"
 )
 
 
@@ -92,7 +92,7 @@ def _greedy(
     reached: Callable[[Array, int, int, float], bool],
     gap: bool = False,
 ) -> list[int]:
-    """Anchors by a rule of one's own; with `gap`, frames that fail may lie between."""
+    """Anchors by another rule; with `gap`, frames that fail may lie between."""
     anchors = [0]
     while anchors[-1] < len(reach) - 1:
         i = anchors[-1]
@@ -149,15 +149,15 @@ _MISTAKES: dict[str, Callable[[Array, float], ArrayLike]] = {
     "yours stops where frame i + 1 cannot be reached; keep that frame, and go on from it": (
         _gives_up
     ),
-    "the last frame is always an anchor, since the drive must end where it ended": lambda r, p: (
-        choose_anchors(r, p)[:-1]
+    "the last frame is always an anchor, since the path must end where the trajectory ends": (
+        lambda r, p: choose_anchors(r, p)[:-1]
     ),
     "the first frame is an anchor, too": lambda r, p: choose_anchors(r, p)[1:],
     "greater than the threshold, not equal to it": lambda r, p: _greedy(
         r, p, lambda r, i, k, p: bool(r[i, k] >= p)
     ),
-    "ask from the anchor i each time, reach[i, k], not from one frame to the next": lambda r, p: (
-        _greedy(r, p, lambda r, i, k, p: bool(r[k - 1, k] > p))
+    "take RE from the anchor i each time, reach[i, k], not from one frame to the next": (
+        lambda r, p: _greedy(r, p, lambda r, i, k, p: bool(r[k - 1, k] > p))
     ),
     "row and column are exchanged: reach[i, k] leads from frame i ahead to frame k": lambda r, p: (
         _greedy(r, p, lambda r, i, k, p: bool(r[k, i] > p))
@@ -172,12 +172,12 @@ _MISTAKES: dict[str, Callable[[Array, float], ArrayLike]] = {
 
 
 def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
-    """Where an answer first goes another way."""
+    """Where an answer first differs."""
     same = 0
     while same < min(len(got), len(want)) and got[same] == want[same]:
         same += 1
     if same == 0:
-        return f"the first frame is an anchor, number 0; yours begins with {got[0]}"
+        return f"the first frame is an anchor, index 0; yours begins with {got[0]}"
     after = f"after anchor {want[same - 1]}"
     if same == len(want):
         return f"{after}, the last frame, comes no other; yours goes on to {got[same]}"
@@ -193,21 +193,21 @@ def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
     return side_by_side(tables, ["target", "yours"], gap=30)
 
 
-def _ask(what: str, student: Callable[..., Any], *case: object) -> Any:  # noqa: ANN401 - students'
+def _invoke(what: str, student: Callable[..., Any], *case: object) -> Any:  # noqa: ANN401 - students'
     return within_line_limit(call, student, *case, otherwise=_ENDLESS)
 
 
 @check(choose_anchors, (_smooth(200, 3), 0.9))
 def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """The drive done by hand, drives where all or nothing can be reached, and longer ones."""
+    """The trajectory done by hand, ones where all or nothing can be reached, and longer ones."""
     return compare(
         "choose_anchors",
         student,
         _CASES,
         choose_anchors,
         _MISTAKES,
-        ask=_ask,
-        form=frame_numbers,
+        invoke=_invoke,
+        form=frame_indices,
         difference=_apart,
         draw=_tables,
     )

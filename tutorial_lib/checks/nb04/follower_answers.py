@@ -10,7 +10,7 @@ from tutorial_lib.checks.framework.answers import hinting, parts
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.topology.following.transitions import State
 
-ASK = hinting(IndexError, "after the last anchor there is none: stay there")
+INVOKE = hinting(IndexError, "after the last anchor there is none: stay there")
 """How students' rules are called."""
 
 

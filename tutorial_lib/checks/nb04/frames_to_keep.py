@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.checks.framework.answers import call
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import expect
-from tutorial_lib.checks.nb04.frame_numbers import frame_numbers
+from tutorial_lib.checks.nb04.frame_indices import frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.viz.figures.follower_states import frames_kept
 from tutorial_lib.viz.figures.panels import stacked
 
 
 def frames_to_keep(anchors: ArrayLike, total: int, k: int) -> NDArray[np.intp]:
-    """The frames of a drive of `total` frames that its anchors (A,) with their contexts need."""
+    """The frames, of a trajectory of `total`, that its anchors (A,) with their contexts need."""
     return np.unique(frames_around(np.asarray(anchors), k, 0, total - 1))
 
 
@@ -32,13 +32,13 @@ _KEPT_CASES = (
 
 @check(frames_to_keep, (np.arange(0, 400, 13), 400, 5))
 def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Contexts that lie apart, that share frames, and that reach beyond the drive's ends."""
+    """Contexts that lie apart, that share frames, and that reach beyond the trajectory's ends."""
     picture = None
     for name, anchors, total, k in _KEPT_CASES:
         got, what = call(student, np.array(anchors), total, k), f"frames_to_keep, {name}"
         if isinstance(got, int | np.integer):
-            raise WrongAnswer(f"{what}: return the frames' numbers, not how many they are")
-        got, want = np.sort(frame_numbers(what, got)), frames_to_keep(anchors, total, k)
+            raise WrongAnswer(f"{what}: return the indices of the frames, not how many there are")
+        got, want = np.sort(frame_indices(what, got)), frames_to_keep(anchors, total, k)
         picture = _rows(total, anchors, want, got) if picture is None else picture
         mistakes = _mistaken(np.array(anchors), total, k).items()
         expect(what, got, want, mistakes, _same, _difference, picture)
@@ -77,8 +77,8 @@ def _mistaken(anchors: NDArray[np.intp], total: int, k: int) -> dict[str, NDArra
         ),
         "there are no frames before 0 or after the last; there the context repeats the first or "
         "last frame": np.unique(around(steps)),
-        "a frame before 0 is no frame from the end; np.clip keeps it within the drive": np.unique(
-            around(steps) % total
+        "a frame before 0 is no frame from the end; np.clip keeps it within the trajectory": (
+            np.unique(around(steps) % total)
         ),
         "the frames of a context are 3 frames apart": kept(range(-k, k + 1)),
         "only every third frame of a context is needed": kept(range(-3 * k, 3 * k + 1)),

@@ -1,4 +1,4 @@
-"""What a follower sees in single looks, for the checks of notebook 04."""
+"""Single observations of a follower, for the checks of notebook 04."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ RULES = FollowerSettings()
 OTHER_RULES = FollowerSettings(
     p_search=0.7, p_follow=0.8, p_lose=0.3, visited=0.5, near=0.4, patience=2.0
 )
-"""Other numbers than the usual ones, for whoever writes those into a function."""
+"""Other thresholds than the usual ones, to find those that are written into a function."""
 
 
 def look(
@@ -33,7 +33,7 @@ def look(
     at: bool = False,
     rules: FollowerSettings = RULES,
 ) -> Case:
-    """A case: what it is like, and the arguments of `move_on`."""
+    """A case of `move_on`: what it is like, and the arguments."""
     return why, (active, visited, np.array(reach), np.array(overlap), at, rules)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb04.follower_answers import ASK, spoken, two_anchors
+from tutorial_lib.checks.nb04.follower_answers import INVOKE, spoken, two_anchors
 from tutorial_lib.checks.nb04.looks import LOOKS
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import (
@@ -22,15 +22,15 @@ from tutorial_lib.topology.following.transitions import (
 def move_on(
     active: int, visited: int, reach: Array, overlap: Array, at: bool, rules: FollowerSettings
 ) -> tuple[int, int]:
-    """Active and last visited anchor after one look, by the library's rules.
+    """Active and last visited anchor after one observation, by the library's rules.
 
     Args:
-        active: place along the trail of the anchor that is driven to.
-        visited: place of the anchor last visited, -1 for none.
-        reach: (L,) RE of the trail's anchors; 0 where nobody asked.
+        active: index along the path of the anchor that the robot drives to.
+        visited: index of the anchor visited last, -1 for none.
+        reach: (L,) RE of the path's anchors; 0 where not evaluated.
         overlap: (L,) mean predicted overlap with them.
         at: whether the robot is at the active anchor.
-        rules: what is enough.
+        rules: the thresholds.
     """
     last = len(reach) - 1
     near = (active - 1, active, active + 1)
@@ -82,7 +82,7 @@ def _visited(
     last = len(overlap) - 1
     first, end = max(active - 1, 0), min(active + 1, last) + 1
     first, end = {
-        "whole trail": (0, last + 1),
+        "whole path": (0, last + 1),
         "wraps": (active - 1, end),
         "wide": (first, min(active + 2, last) + 1),
     }.get(fault, (first, end))
@@ -100,28 +100,28 @@ def _visited(
 _UNMOVED = {
     "the last visited anchor never goes back to an earlier one: max": "back",
     "the closest anchor counts as visited only if its overlap is above rules.visited": "always",
-    "look only at the anchors before, at and after the active one; one far along the trail may "
-    "look alike": "whole trail",
+    "look only at the anchors before, at and after the active one; one far along the path may "
+    "look alike": "whole path",
     "compare no overlaps beyond that of the next anchor, active + 1; active + 2 is too far": "wide",
     "of several neighbours above rules.visited only the closest counts, not the farthest": (
         "farthest"
     ),
-    "before the first anchor there is none; overlap[-1] is the last one of the trail": "wraps",
+    "before the first anchor there is none; overlap[-1] is the last one of the path": "wraps",
     "the next anchor must be near, too: its overlap above rules.near": "no overlap",
     "the next anchor must be reachable, too: its RE above rules.p_follow": "no reach",
-    "who is at the active anchor has visited it, whatever the overlap": "no at",
+    "a robot at the active anchor has visited it, whatever the overlap": "no at",
     "at means at the active anchor: that one was visited, not the closest": "at closest",
-    "ask for at whether or not the closest anchor was visited: if, not elif": "either",
-    "keep that the active anchor was visited: at": "at forgotten",
-    "once the active anchor was visited, the robot must get on": "no visit",
-    "who has visited the next anchor has left the active one behind, too: visited >= active": (
+    "check at whether or not the closest anchor was visited: if, not elif": "either",
+    "remember that the active anchor was visited: at": "at forgotten",
+    "once the active anchor was visited, the robot must move on": "no visit",
+    "a robot that has visited the next anchor has passed the active one, too: visited >= active": (
         "equal"
     ),
-    "go on by one anchor at a time, to active + 1, not to visited + 1": "leaps",
-    "once the active anchor was visited, the robot must get on, whatever the RE of the next one": (
+    "move on by one anchor at a time, to active + 1, not to visited + 1": "leaps",
+    "once the active anchor was visited, the robot must move on, whatever the RE of the next one": (
         "visit needs reach"
     ),
-    "update the last visited anchor first, then ask whether the active one was visited": "old",
+    "update the last visited anchor first, then check whether the active one was visited": "old",
     "the RE of the next anchor counts, reach[active + 1], not that of the active one": "own reach",
     "the active anchor never moves on": "never",
     "the paper's visited + 1 lets the active anchor fall back as soon as the next one is in doubt; "
@@ -131,9 +131,16 @@ _UNMOVED = {
 
 @check(move_on, LOOKS["next"][1])
 def check_move_on(student: Callable[..., Any]) -> None:
-    """Twenty-one looks: under way, near, at an anchor, at both ends, and with other rules."""
+    """Twenty-one observations: under way, near, at an anchor, at both ends, by other rules."""
     faults = with_faults(_moved, _UNMOVED)
     cases = dict(LOOKS.values())
     compare(
-        "move_on", student, cases, move_on, faults, ask=ASK, form=two_anchors, difference=spoken
+        "move_on",
+        student,
+        cases,
+        move_on,
+        faults,
+        invoke=INVOKE,
+        form=two_anchors,
+        difference=spoken,
     )

@@ -19,14 +19,14 @@ from tutorial_lib.viz.figures.panels import side_by_side
 
 
 def tracked_waypoint(then: ArrayLike, waypoint: ArrayLike, now: ArrayLike) -> Array:
-    """Waypoints (..., 2) told at odometry poses `then` (..., 3), as they are seen from `now`."""
+    """Waypoints (..., 2) predicted at odometry poses `then` (..., 3), in the frame of `now`."""
     return to_local(now, to_world(then, waypoint))
 
 
 _THEN = np.array([[0.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1.0, 2.0, 0.7], [-2.0, 0.5, 2.6]])
 
 
-_TOLD = np.array([[1.5, 0.0], [1.2, -0.4], [1.0, 0.5], [0.8, -0.9]])
+_PREDICTED = np.array([[1.5, 0.0], [1.2, -0.4], [1.0, 0.5], [0.8, -0.9]])
 
 
 _NOW = np.array([[0.6, 0.1, 0.4], [1.7, 1.9, -0.5], [1.4, 2.5, 1.4], [-2.3, 0.9, -2.9]])
@@ -40,35 +40,38 @@ _TRACKED = (
 )
 
 
-@check(tracked_waypoint, (np.tile(_THEN, (25, 1)), np.tile(_TOLD, (25, 1)), np.tile(_NOW, (25, 1))))
+@check(
+    tracked_waypoint,
+    (np.tile(_THEN, (25, 1)), np.tile(_PREDICTED, (25, 1)), np.tile(_NOW, (25, 1))),
+)
 def check_tracked_waypoint(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """A waypoint as it was told, after a shift, after a turn, and after both; one and many."""
-    one = student(_THEN[2], _TOLD[2], _NOW[2])
-    want = tracked_waypoint(_THEN[2], _TOLD[2], _NOW[2])
+    """A waypoint as predicted, after a shift, after a turn, and after both; one and many."""
+    one = student(_THEN[2], _PREDICTED[2], _NOW[2])
+    want = tracked_waypoint(_THEN[2], _PREDICTED[2], _NOW[2])
     picture = side_by_side([_seen_from_above(want), _seen_from_above(one)], ["target", "yours"])
-    cases = [(f"four cars, {name}", then, _TOLD, now) for name, then, now in _TRACKED]
-    for name, then, told, now in [*cases, ("one car", _THEN[2], _TOLD[2], _NOW[2])]:
-        got, want = call(student, then, told, now), tracked_waypoint(then, told, now)
+    cases = [(f"four cars, {name}", then, _PREDICTED, now) for name, then, now in _TRACKED]
+    for name, then, waypoint, now in [*cases, ("one car", _THEN[2], _PREDICTED[2], _NOW[2])]:
+        got, want = call(student, then, waypoint, now), tracked_waypoint(then, waypoint, now)
         what = f"tracked_waypoint, {name}"
-        expect_close(what, got, want, 1e-6, _mistracked(then, told, now), picture)
+        expect_close(what, got, want, 1e-6, _mistracked(then, waypoint, now), picture)
     return picture
 
 
-def _mistracked(then: Array, told: Array, now: Array) -> dict[str, Array]:
+def _mistracked(then: Array, waypoint: Array, now: Array) -> dict[str, Array]:
     """Known mistakes, and the waypoints they give."""
-    place, shift = to_world(then, told), now[..., :2] - then[..., :2]
-    turned = to_world(np.concatenate([0 * shift, then[..., 2:]], axis=-1), told)
+    place, shift = to_world(then, waypoint), now[..., :2] - then[..., :2]
+    turned = to_world(np.concatenate([0 * shift, then[..., 2:]], axis=-1), waypoint)
     return {
-        "that is the waypoint as it was told; the car has moved on since": told,
-        "that is the place in the odometer's frame; give it as seen from now: to_local": place,
-        "the waypoint was told in the frame of then: to_world(then, waypoint) first": to_local(
-            now, told
+        "that is the waypoint as it was predicted; the car has moved since": waypoint,
+        "that is the place in the odometer's frame; give it in the frame of now: to_local": place,
+        "the waypoint was predicted in the frame of then: to_world(then, waypoint) first": to_local(
+            now, waypoint
         ),
-        "then and now are exchanged": to_local(then, to_world(now, told)),
-        "the car has turned as well; a shift is not enough": told - shift,
+        "then and now are exchanged": to_local(then, to_world(now, waypoint)),
+        "the car has turned as well; a shift is not enough": waypoint - shift,
         "the shift is measured along the odometer's axes, and the waypoint along the car's": (
             to_local(
-                np.concatenate([0 * shift, now[..., 2:] - then[..., 2:]], axis=-1), told - shift
+                np.concatenate([0 * shift, now[..., 2:] - then[..., 2:]], axis=-1), waypoint - shift
             )
         ),
         "shifted, but not turned by the heading of now: to_local": turned - shift,
@@ -76,7 +79,7 @@ def _mistracked(then: Array, told: Array, now: Array) -> dict[str, Array]:
 
 
 def _seen_from_above(waypoint: object) -> NDArray[np.uint8]:
-    """The car then and now, the waypoint as it was told, and where one has it from now on."""
+    """The car then and now, the waypoint as predicted then, and as tracked now."""
     picture = np.full((300, 330, 3), 255, np.uint8)
 
     def at(point: Array) -> tuple[int, int]:
@@ -90,10 +93,10 @@ def _seen_from_above(waypoint: object) -> NDArray[np.uint8]:
         cv2.circle(picture, (column, row), 9, colour, cv2.FILLED, cv2.LINE_AA)
         cv2.line(picture, at(pose), at(ahead), colour, 4, cv2.LINE_AA)
         label(picture, name, column + 16, row + 12, 0.5, colour)
-    told = to_world(_THEN[2], _TOLD[2])
-    cv2.line(picture, at(_THEN[2]), at(told), colours.FAINT, 1, cv2.LINE_AA)
-    cv2.circle(picture, at(told), 8, colours.FAINT, 2, cv2.LINE_AA)
-    label(picture, "the place that was meant", at(told)[0] - 100, at(told)[1] - 18, 0.5)
+    meant = to_world(_THEN[2], _PREDICTED[2])
+    cv2.line(picture, at(_THEN[2]), at(meant), colours.FAINT, 1, cv2.LINE_AA)
+    cv2.circle(picture, at(meant), 8, colours.FAINT, 2, cv2.LINE_AA)
+    label(picture, "the place that was meant", at(meant)[0] - 100, at(meant)[1] - 18, 0.5)
     try:
         point = np.asarray(waypoint, dtype=float)
     except (TypeError, ValueError):

@@ -9,7 +9,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb04.follower_answers import ASK, spoken, state_and_anchors
+from tutorial_lib.checks.nb04.follower_answers import INVOKE, spoken, state_and_anchors
 from tutorial_lib.checks.nb04.looks import LOOKS, OTHER_RULES, RULES, Case, look
 from tutorial_lib.checks.nb04.move_on import move_on
 from tutorial_lib.geometry import Array
@@ -26,17 +26,17 @@ def transition(
     waited: float,
     rules: FollowerSettings,
 ) -> tuple[State, int, int]:
-    """State, active and last visited anchor of a follower after one look.
+    """State, active and last visited anchor of a follower after one observation.
 
     Args:
         state: until now: SEARCH, FOLLOW or DEAD_RECKONING.
         active: see `move_on`.
         visited: see `move_on`.
-        reach: see `move_on`; while searching all are known.
+        reach: see `move_on`; while searching, all are evaluated.
         overlap: see `move_on`.
         at: see `move_on`.
         waited: seconds in dead reckoning.
-        rules: what is enough.
+        rules: the thresholds.
     """
     return _changed(state, active, visited, reach, overlap, at, waited, rules)
 
@@ -90,24 +90,26 @@ def _changed(
 _UNCHANGED = {
     "Search takes the anchor with the highest RE, not the first above the threshold": "first",
     "the anchor that was found is still ahead; visited is the one before it": "been there",
-    "who finds no anchor gives up: LOST": "searches on",
-    "who finds no anchor has no waypoint to drive on to: LOST": "searches blindly",
+    "a robot that finds no anchor gives up: LOST": "searches on",
+    "a robot that finds no anchor has no waypoint to drive to: LOST": "searches blindly",
     "Search has a threshold of its own, rules.p_search": "follow's threshold",
     "Follow is left below rules.p_lose, not below rules.p_follow": "soon lost",
     "dead reckoning is left above rules.p_follow, not above rules.p_lose": "soon back",
     "in dead reckoning the active anchor stays; do not call move_on": "moves on blindly",
     "after more than rules.patience seconds of dead reckoning the robot is LOST": "never lost",
     "after exactly rules.patience seconds the robot is not lost yet; it takes more": "impatient",
-    "who can reach the active anchor again is not lost, however long it took": "lost first",
+    "a robot that can reach the active anchor again is not lost, however long it took": (
+        "lost first"
+    ),
     "at an anchor that is not the last one the robot is not done": "any anchor",
-    "ask for DONE before move_on; at belongs to the anchor that was active before it, and yours "
+    "check for DONE before move_on; at belongs to the anchor that was active before it, and yours "
     "stops one anchor early": "done after",
-    "driving to the last anchor is not being there: at": "last is enough",
+    "a robot that drives to the last anchor is not there yet: at": "last is enough",
     "at the last anchor the robot is DONE": "never done",
     "in Follow the active anchor must move on: move_on": "stands",
-    "ask for the RE of the anchor that is active after move_on": "old reach",
-    "who has moved on needs to see the new anchor, too: its RE decides": "moved",
-    "keep what move_on found, in dead reckoning too": "forgets",
+    "use the RE of the anchor that is active after move_on": "old reach",
+    "a robot that has moved on must be able to reach the new anchor, too: its RE decides": "moved",
+    "keep what move_on returned, in dead reckoning too": "forgets",
     "Follow must notice when the active anchor cannot be reached: DEAD_RECKONING": "trusts",
 }
 
@@ -168,7 +170,7 @@ def check_transition(student: Callable[..., Any]) -> None:
         dict(_STEPS),
         transition,
         faults,
-        ask=ASK,
+        invoke=INVOKE,
         form=state_and_anchors,
         difference=spoken,
     )

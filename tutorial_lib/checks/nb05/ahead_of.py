@@ -18,20 +18,22 @@ _PLACES = {
     for name, trajectory, place, reused in (
         ("nothing was reused yet", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], []),
         ("one was reused", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], [1]),
-        ("one of each drive", [0, 0, 0, 1, 1, 1], [0, 1, 2, 0, 1, 2], [1, 3]),
-        ("two of the same drive", [0, 0, 0, 0, 1], [0, 1, 2, 3, 0], [1, 2]),
+        ("one of each trajectory", [0, 0, 0, 1, 1, 1], [0, 1, 2, 0, 1, 2], [1, 3]),
+        ("two of the same trajectory", [0, 0, 0, 0, 1], [0, 1, 2, 3, 0], [1, 2]),
         ("one, then one of another", [0, 0, 0, 0, 1, 1], [0, 1, 2, 3, 0, 1], [2, 5, 3]),
-        ("numbers in no order", [2, 0, 2, 0, 2, 0], [5, 4, 1, 0, 3, 2], [4, 5]),
+        ("indices in no order", [2, 0, 2, 0, 2, 0], [5, 4, 1, 0, 3, 2], [4, 5]),
     )
 }
 
 
-def _behind(keep: Callable[[Any, Any, int], Any], some: slice = slice(None)) -> Callable[..., Any]:
-    """A rule of one's own: `keep` says which vertices one that was reused leaves."""
+def _behind(
+    keep: Callable[[Any, Any, int], Any], counted: slice = slice(None)
+) -> Callable[..., Any]:
+    """Another rule: `keep` returns which vertices a reused one leaves allowed."""
 
     def rule(trajectory: NDArray, place: NDArray, reused: list[int]) -> NDArray[np.bool_]:
         allowed = np.ones(len(place), dtype=bool)
-        for vertex in reused[some]:
+        for vertex in reused[counted]:
             allowed &= keep(trajectory, place, vertex)
         return allowed
 
@@ -55,16 +57,16 @@ _MISPLACED: dict[str, Callable[..., Any]] = {
     "all vertices that were reused count, not only the first one": _behind(
         lambda t, p, v: (t != t[v]) | (p > p[v]), slice(0, 1)
     ),
-    "a vertex's number says nothing of its place along its trajectory: compare place": _behind(
+    "a vertex's index says nothing about its place along its trajectory: compare place": _behind(
         lambda t, p, v: (t != t[v]) | (np.arange(len(p)) > v)
     ),
-    "the numbers in reused are vertices, place[vertex], not places": _behind(
+    "reused holds indices of vertices: place[vertex], not places": _behind(
         lambda t, p, v: (t != t[v]) | (p > v)
     ),
-    "that forbids what may be taken, and allows the rest: the other way round": lambda *case: (
+    "yours forbids what may be taken and allows the rest: invert it": lambda *case: (
         ~edge_rules.ahead_of(*case)
     ),
-    "who must lie ahead of each one that was reused must hold for all of them: and, not or": (
+    "a vertex must lie ahead of all that were reused, not of one of them: and, not or": (
         lambda t, p, reused: (
             np.any([(t != t[v]) | (p > p[v]) for v in reused], axis=0)
             if reused
@@ -74,9 +76,9 @@ _MISPLACED: dict[str, Callable[..., Any]] = {
 }
 
 
-@check(edge_rules.ahead_of, _PLACES["one of each drive"])
+@check(edge_rules.ahead_of, _PLACES["one of each trajectory"])
 def check_ahead_of(student: Callable[..., Any]) -> None:
-    """Six maps: nothing reused yet, one vertex, several, and numbers in no order."""
+    """Six maps: nothing reused yet, one vertex, several, and indices in no order."""
     compare("ahead_of", student, _PLACES, edge_rules.ahead_of, _MISPLACED, form=_per_vertex)
 
 

@@ -20,27 +20,27 @@ from tutorial_lib.viz.figures.panels import side_by_side
 _BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
 
 
-def ask_next(told: Array, before: Numbers, after: Numbers, p_edge: float) -> NDArray[np.bool_]:
-    """(A, V) pairs that nobody asked about, beside one along their trajectories that is sure.
+def ask_next(reach: Array, before: Numbers, after: Numbers, p_edge: float) -> NDArray[np.bool_]:
+    """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories.
 
     Args:
-        told: (A, V) RE, not a number where nobody asked.
+        reach: (A, V) RE, NaN where not evaluated.
         before: (V,) the vertex before each on its trajectory, -1 for none.
         after: (V,) the vertex after each.
-        p_edge: RE from which on a pair is sure.
+        p_edge: RE above which a pair is sure.
     """
-    return _asked(told, before, after, p_edge)
+    return _queried(reach, before, after, p_edge)
 
 
-def _asked(
-    told: Array, before: Numbers, after: Numbers, p_edge: float, fault: str = ""
+def _queried(
+    reach: Array, before: Numbers, after: Numbers, p_edge: float, fault: str = ""
 ) -> NDArray[np.bool_]:
     """The rule with a `fault`, if one is named."""
-    found = np.zeros(told.shape, dtype=bool)
-    sure = {"equal": told >= p_edge, "all": ~np.isnan(told), "unsure": told <= p_edge}.get(
-        fault, told > p_edge
+    found = np.zeros(reach.shape, dtype=bool)
+    sure = {"equal": reach >= p_edge, "all": ~np.isnan(reach), "unsure": reach <= p_edge}.get(
+        fault, reach > p_edge
     )
-    pairs = {"diagonal": _BESIDE[:2], "across": _BESIDE[2:], "one way": _BESIDE[::2]}
+    pairs = {"diagonal": _BESIDE[:2], "across": _BESIDE[2:], "one direction": _BESIDE[::2]}
     steps = pairs.get(fault, _BESIDE)
     if fault == "rows":
         steps = (*_BESIDE, (1, 0), (-1, 0))
@@ -52,19 +52,19 @@ def _asked(
         if fault == "by number":
             beside = columns + across
         ahead = rows + along
-        exist = (ahead >= 0) & (ahead < len(told)) & (beside < told.shape[1])
+        exist = (ahead >= 0) & (ahead < len(reach)) & (beside < reach.shape[1])
         if fault == "wraps":
-            exist = ahead < len(told)
+            exist = ahead < len(reach)
         elif fault == "row wraps":
-            exist = (ahead < len(told)) & (beside >= 0)
+            exist = (ahead < len(reach)) & (beside >= 0)
         elif fault != "column wraps":
             exist &= beside >= 0
         found[ahead[exist], beside[exist]] = True
-    return found if fault == "again" else found & np.isnan(told)
+    return found if fault == "again" else found & np.isnan(reach)
 
 
 def _holes(reach: Array, share: float, seed: int) -> Array:
-    """RE of which a share was never asked about."""
+    """RE of which a share was not evaluated."""
     rng = np.random.default_rng(seed)
     return np.where(rng.random(reach.shape) < share, np.nan, reach)
 
@@ -76,41 +76,41 @@ _SEARCHES = {
     "nothing known": (np.full((3, 6), np.nan), *TWO, 0.8),
     "everything known": (random_reach(4, 6, 8), *TWO, 0.5),
     "RE equals p_edge": (np.where(_FEW == 0.95, 0.8, _FEW), *TWO, 0.8),
-    "vertices numbered in no order": (_holes(random_reach(6, 7, 9), 0.7, 10), *MIXED, 0.6),
+    "vertices in no order": (_holes(random_reach(6, 7, 9), 0.7, 10), *MIXED, 0.6),
     "a larger one": (_holes(random_reach(9, 7, 11), 0.8, 12), *MIXED, 0.5),
 }
 _MISSED = {
-    "ask about no pair twice: only where told is not a number": "again",
-    "only neighbours of pairs that are sure are worth it: told > p_edge": "all",
+    "query no pair twice: only where reach is not a number": "again",
+    "only neighbours of pairs that are sure are worth it: reach > p_edge": "all",
     "the neighbours of pairs that are sure are worth it, not of the others": "unsure",
     "greater than p_edge, not equal to it": "equal",
     "the vertices before and after the same vertex, for the same anchor, are worth it, too": (
         "diagonal"
     ),
-    "when both move on by one they look alike again: ask about anchor +- 1 and the vertex after "
-    "or before": "across",
-    "look in both directions along the trajectories": "one way",
+    "when both move on by one they look alike again: query anchor +- 1 and the vertex after or "
+    "before": "across",
+    "look in both directions along the trajectories": "one direction",
     "the same vertex for the next anchor is none of the four neighbours": "rows",
-    "both move the same way: the next anchor and the vertex after": "crossed",
+    "both move in the same direction: the next anchor and the vertex after": "crossed",
     "the next vertex along a trajectory is after[v], not v + 1": "by number",
-    "-1 is no vertex: where after or before is -1 there is nothing to ask": "column wraps",
-    "-1 is no anchor: before the first one there is nothing to ask": "row wraps",
-    "-1 is no vertex, and no anchor; beyond an end there is nothing to ask": "wraps",
+    "-1 is no vertex: where after or before is -1 there is nothing to query": "column wraps",
+    "-1 is no anchor: before the first one there is nothing to query": "row wraps",
+    "-1 is no vertex, and no anchor; beyond an end there is nothing to query": "wraps",
 }
 
 
 @check(ask_next, (_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6))
 def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Six tables: little known, nothing, everything, numbers in no order."""
-    faults = with_faults(_asked, _MISSED)
-    ask = hinting(IndexError, "beyond an end of a trajectory there is nothing to ask")
+    """Six tables: little known, nothing, everything, vertices in no order."""
+    faults = with_faults(_queried, _MISSED)
+    invoke = hinting(IndexError, "beyond an end of a trajectory there is nothing to query")
     return compare(
-        "ask_next", student, _SEARCHES, ask_next, faults, ask=ask, form=_pairs, draw=_tables
+        "ask_next", student, _SEARCHES, ask_next, faults, invoke=invoke, form=_pairs, draw=_tables
     )
 
 
-def _pairs(what: str, got: object, told: Array, *_: object) -> NDArray[np.bool_]:
-    return mask(what, got, told.shape)
+def _pairs(what: str, got: object, reach: Array, *_: object) -> NDArray[np.bool_]:
+    return mask(what, got, reach.shape)
 
 
 def _tables(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:

@@ -26,9 +26,9 @@ BY_HAND = np.array(
         [0.03, 0.10, 0.55, 0.02, 0.28, 1.00],
     ]
 )
-"""RE from each vertex (row) to each (column) of two drives, 0 to 1 to 2 and 3 to 4 to 5."""
+"""RE from each vertex (row) to each (column) of two trajectories, 0-1-2 and 3-4-5."""
 DRIVEN = np.zeros((6, 6), dtype=bool)
-"""Where those two drives went."""
+"""The edges of these two trajectories."""
 DRIVEN[[0, 1, 3, 4], [1, 2, 4, 5]] = True
 
 
@@ -37,8 +37,8 @@ def edge_weights(reach: ArrayLike, driven: ArrayLike, p_edge: float) -> Array:
 
     Args:
         reach: (V, V) RE from each vertex, a row, to each other one.
-        driven: (V, V) where a trajectory went from vertex to vertex.
-        p_edge: RE from which on two are joined.
+        driven: (V, V) where a trajectory goes from vertex to vertex.
+        p_edge: RE above which two are joined.
     """
     reach = np.asarray(reach, dtype=float)
     kept = (reach > p_edge) | np.asarray(driven, dtype=bool)
@@ -47,7 +47,7 @@ def edge_weights(reach: ArrayLike, driven: ArrayLike, p_edge: float) -> Array:
 
 
 def _random_map(vertices: int, seed: int) -> tuple[Array, NDArray[np.bool_]]:
-    """RE and driven edges of one long drive."""
+    """RE and driven edges of one long trajectory."""
     reach = np.random.default_rng(seed).uniform(0.0, 1.0, (vertices, vertices)).round(2)
     np.fill_diagonal(reach, 1.0)
     return reach, np.eye(vertices, k=1, dtype=bool)
@@ -59,8 +59,8 @@ _FAINT = BY_HAND.copy()
 _FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
 _MAPS = (
     ("the map above", BY_HAND, DRIVEN, 0.9),
-    ("RE = 0 where a drive went", _NEVER, DRIVEN, 0.9),
-    ("RE = 1e-15 where a drive went", _FAINT, DRIVEN, 0.9),
+    ("RE = 0 on a driven edge", _NEVER, DRIVEN, 0.9),
+    ("RE = 1e-15 on a driven edge", _FAINT, DRIVEN, 0.9),
     ("p_edge = 1", BY_HAND, DRIVEN, 1.0),
     ("12 vertices", *_random_map(12, 1), 0.5),
 )
@@ -68,7 +68,7 @@ _MAPS = (
 
 @check(edge_weights, (*_random_map(120, 2), 0.9))
 def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """The map done by hand, two where RE is hardly anything, one of no sure edge, a larger one."""
+    """The map done by hand, two where RE is almost 0, one without sure edges, a larger one."""
     answers = [call(student, *case[1:]) for case in _MAPS]
     picture = _weights_picture(answers[0])
     for (name, *case), got in zip(_MAPS, answers, strict=True):
@@ -94,7 +94,7 @@ def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict
         "greater than p_edge, not equal to it": only(
             ((reach >= p_edge) | driven) & ~own, edge_rules.weight(reach)
         ),
-        "edges that were driven stay, whatever RE says of them": only(reach > p_edge, right),
+        "driven edges stay, whatever their RE": only(reach > p_edge, right),
         "a driven edge has a weight like any other one, -log RE, not 0": only(
             there, np.where(driven, 0.0, right)
         ),
@@ -106,7 +106,7 @@ def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict
         "no vertex is joined to itself; the diagonal is inf": only(
             there | own, edge_rules.weight(reach)
         ),
-        "only what is driven is an edge in yours; who can be reached is joined, too": only(
+        "only driven edges are edges in yours; vertices with RE above p_edge are joined, too": only(
             driven, right
         ),
         "row and column are exchanged: reach[i, j] leads from i to j": right.T,
@@ -121,7 +121,7 @@ def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict
             there, right, 0.0
         ),
         "not a number stands where there is no edge; put np.inf": np.where(there, right, np.nan),
-        "the map is directed: whether j can be reached from i says nothing of the way back": (
+        "the map is directed: RE from i to j says nothing about RE from j to i": (
             edge_weights(both, driven | driven.T, p_edge)
         ),
     }
@@ -129,8 +129,8 @@ def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict
 
 def _weights_picture(got: object) -> NDArray[np.uint8]:
     """Target and yours, if it can be drawn."""
-    pictures = []
+    tables = []
     for weights in (edge_weights(BY_HAND, DRIVEN, 0.9), got):
         if isinstance(weights, np.ndarray) and weights.shape == BY_HAND.shape:
-            pictures.append(edge_table(weights, np.isfinite(weights), DRIVEN, blank=True))
-    return side_by_side(pictures, ["target", "yours"][: len(pictures)], gap=30)
+            tables.append(edge_table(weights, np.isfinite(weights), DRIVEN, blank=True))
+    return side_by_side(tables, ["target", "yours"][: len(tables)], gap=30)

@@ -8,16 +8,16 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Numbers
 
 
-def neighbours(*trails: list[int]) -> tuple[Numbers, Numbers]:
+def neighbours(*paths: list[int]) -> tuple[Numbers, Numbers]:
     """(V,) the vertex before and after each, -1 for none."""
-    before, after = np.full((2, sum(map(len, trails))), -1)
-    for trail in trails:
-        before[trail[1:]], after[trail[:-1]] = trail[:-1], trail[1:]
+    before, after = np.full((2, sum(map(len, paths))), -1)
+    for path in paths:
+        before[path[1:]], after[path[:-1]] = path[:-1], path[1:]
     return before, after
 
 
 def random_reach(anchors: int, vertices: int, seed: int) -> Array:
-    """RE (A, V), drawn."""
+    """RE (A, V) at random."""
     return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
 
 
@@ -35,4 +35,4 @@ MIXED = neighbours([4, 0, 6, 2], [1, 5, 3])
 
 
 JOINED = np.array([-1, 0, 1, -1, 1]), np.array([1, 2, -1, 1, -1])
-"""A drive 0, 1, 2; vertex 1 was reused by one that comes from 3, and by one that goes on to 4."""
+"""A trajectory 0, 1, 2; vertex 1 is reused by one from 3 and by one that goes on to 4."""

@@ -30,10 +30,10 @@ def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -
     """
     least = np.array(reach, dtype=float)
     count = len(least)
-    for way in (-1, 1):
+    for direction in (-1, 1):
         columns = np.arange(least.shape[1])
-        for step in range(way, way * (steps + 1), way):
-            columns = stepped(columns, way, before, after)
+        for step in range(direction, direction * (steps + 1), direction):
+            columns = stepped(columns, direction, before, after)
             rows = np.arange(max(0, -step), min(count, count - step))
             beside = np.asarray(reach)[np.ix_(rows + step, columns)]
             there = np.where(columns >= 0, beside, 1.0)
@@ -42,19 +42,19 @@ def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -
 
 
 _ALIGNED = {
-    "one drive beside another": (random_reach(5, 5, 1), *ONE, 2),
+    "one trajectory beside another": (random_reach(5, 5, 1), *ONE, 2),
     "one anchor before and after": (random_reach(5, 5, 2), *ONE, 1),
     "no neighbours": (random_reach(4, 6, 3), *TWO, 0),
-    "two drives on the map": (random_reach(6, 6, 4), *TWO, 2),
-    "vertices numbered in no order": (random_reach(5, 7, 5), *MIXED, 2),
-    "drives that run into another": (random_reach(5, 5, 23), *JOINED, 2),
+    "two trajectories on the map": (random_reach(6, 6, 4), *TWO, 2),
+    "vertices in no order": (random_reach(5, 7, 5), *MIXED, 2),
+    "trajectories that run into another": (random_reach(5, 5, 23), *JOINED, 2),
     "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
 }
 
 
 @check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
 def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Seven tables: longer and shorter sequences, several drives, numbers in no order."""
+    """Seven tables: longer and shorter sequences, several trajectories, vertices in no order."""
     faults = with_faults(_misaligned, _FAULTS)
     return compare(
         "weakest_aligned",
@@ -62,7 +62,7 @@ def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | No
         _ALIGNED,
         weakest_aligned,
         faults,
-        ask=hinting(IndexError, "where a trajectory ends the sequence ends, too"),
+        invoke=hinting(IndexError, "where a trajectory ends the sequence ends, too"),
         form=_per_pair,
         same=partial(close, tolerance=1e-9),
         difference=farthest,
@@ -78,17 +78,17 @@ def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault
     """The rule with a `fault`, pair by pair."""
     steps = {"one step": min(steps, 1), "three": steps + 1, "none": 0}.get(fault, steps)
     fold = {"mean": np.mean, "product": np.prod, "greatest": np.max}.get(fault, np.min)
-    ways = ((-1, before), (1, after))
+    directions = ((-1, before), (1, after))
     if fault == "crossed":
-        ways = ((1, before), (-1, after))
+        directions = ((1, before), (-1, after))
     if fault in ("only after", "only before"):
-        ways = ways[1:] if fault == "only after" else ways[:1]
+        directions = directions[1:] if fault == "only after" else directions[:1]
     if fault == "of neighbours":
-        return _of_neighbours(reach, ways, steps)
+        return _of_neighbours(reach, directions, steps)
     found = np.empty_like(reach)
     for pair in np.ndindex(*reach.shape):
         values = [] if fault == "not itself" else [reach[pair]]
-        for step, beside in ways:
+        for step, beside in directions:
             values += _along(reach, pair, step, beside, steps, fault)
         if fault == "end is 0" and len(values) < 2 * steps + 1:
             values.append(0.0)
@@ -96,13 +96,13 @@ def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault
     return found
 
 
-def _of_neighbours(reach: Array, ways: tuple[tuple[int, Numbers], ...], steps: int) -> Array:
-    """The least of each pair and of what its neighbour has already, again and again."""
+def _of_neighbours(reach: Array, directions: tuple[tuple[int, Numbers], ...], steps: int) -> Array:
+    """Repeatedly, the least of each pair and of what its neighbour has found."""
     least = reach.copy()
-    for step, beside in ways:
+    for step, beside in directions:
         for _ in range(steps):
-            told = np.pad(least, ((1, 1), (0, 1)), constant_values=np.inf)
-            least = np.minimum(least, told[1 + step : 1 + step + len(least)][:, beside])
+            padded = np.pad(least, ((1, 1), (0, 1)), constant_values=np.inf)
+            least = np.minimum(least, padded[1 + step : 1 + step + len(least)][:, beside])
     return least
 
 
@@ -135,9 +135,8 @@ _FAULTS = {
     "the least of them counts, not the greatest": "greatest",
     "the anchors before count, too": "only after",
     "the anchors after count, too": "only before",
-    "before goes with the anchor before, after with the one after: both move the same way": (
-        "crossed"
-    ),
+    "before goes with the anchor before, after with the one after: both move in the same "
+    "direction": "crossed",
     "only one anchor on either side counts in yours; go on for as many as steps says": "one step",
     "yours goes one anchor farther than steps says": "three",
     "the neighbours on either side count as well": "none",
@@ -147,13 +146,13 @@ _FAULTS = {
     "-1 is no vertex, and no anchor: there the sequence ends": "wraps",
     "after a -1 the sequence has ended: break, and do not go on from there": "goes on",
     "look along the trajectories from each pair itself; the least that a neighbour has found may "
-    "lie on another one, where a drive runs into it": "of neighbours",
+    "lie on another one, where a trajectory runs into it": "of neighbours",
     "where a trajectory ends the sequence is shorter; what does not exist is not 0": "end is 0",
     "the pair itself counts, too": "not itself",
 }
 
 
 def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
-    reach = _ALIGNED["one drive beside another"][0]
+    reach = _ALIGNED["one trajectory beside another"][0]
     tables = [edge_table(least, least > 0.5, names=("a", "v")) for least in (reach, want, got)]
     return side_by_side(tables, ["RE", "target", "yours"], gap=24)

@@ -14,11 +14,11 @@ from tutorial_lib.topology.mapping.edge_rules import weight
 Vertex = Any
 Graph = dict[Vertex, dict[Vertex, float]]
 """For each vertex, those that an edge leads to, with RE."""
-Way = tuple[list[Vertex], float]
-"""Vertices from start to goal, and how probably all steps come true."""
+Found = tuple[list[Vertex], float]
+"""Vertices from start to goal, and the probability that all steps succeed."""
 
 HERE, GOAL = -1, -2
-"""Vertices that are on no map: what is seen now, and what is to be seen."""
+"""Vertices that are not on the map: the current observation, and the goal image."""
 
 BY_HAND: Graph = {
     "here": {"A": 0.70, "B": 0.90, "D": 0.95, "E": 0.72},
@@ -33,8 +33,8 @@ BY_HAND: Graph = {
 SMALL_MAP: Graph = {0: {1: 0.99, 3: 0.995}, 1: {2: 0.99}, 2: {3: 0.992}, 3: {0: 0.993}, 4: {}}
 
 
-def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Way:
-    """The most probable way over a graph, and its probability; [] and 0 where there is none.
+def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    """The most probable path over a graph, and its probability; [] and 0 where there is none.
 
     Args:
         graph: for each vertex, those that an edge leads to, with RE.
@@ -46,15 +46,15 @@ def most_probable_path(graph: Graph, start: Vertex, goal: Vertex) -> Way:
     edges = ((v, w, float(weight(p))) for v, out in graph.items() for w, p in out.items())
     drawn.add_weighted_edges_from(edges)
     try:
-        way = nx.dijkstra_path(drawn, start, goal)
+        path = nx.dijkstra_path(drawn, start, goal)
     except nx.NetworkXNoPath:
         return [], 0.0
-    return way, probability_of(graph, way)
+    return path, probability_of(graph, path)
 
 
-def probability_of(graph: Graph, way: list[Vertex]) -> float:
-    """The product of RE along a way."""
-    return math.prod(graph[v][w] for v, w in pairwise(way))
+def probability_of(graph: Graph, path: list[Vertex]) -> float:
+    """The product of RE along a path."""
+    return math.prod(graph[v][w] for v, w in pairwise(path))
 
 
 def random_graph(count: int, degree: int, seed: int) -> Graph:

@@ -24,7 +24,7 @@ def join_ends(
     Args:
         graph: of a map.
         from_here: RE from here to vertices.
-        to_goals: for each picture of the goal, RE to it from vertices, and from `HERE`.
+        to_goals: for each goal image, RE to it from vertices, and from `HERE`.
         p_here: above which there is an edge from here.
         p_goal: above which there is an edge to the goal.
     """
@@ -58,17 +58,17 @@ def _joined(
 
     for vertex, probability in from_here.items():
         connect(HERE, vertex, probability, p_here)
-    told: dict[Vertex, list[float]] = {}
-    for picture in to_goals[:1] if fault == "first picture" else to_goals:
-        for vertex, probability in picture.items():
-            told.setdefault(vertex, []).append(probability)
+    reach: dict[Vertex, list[float]] = {}
+    for image in to_goals[:1] if fault == "first image" else to_goals:
+        for vertex, probability in image.items():
+            reach.setdefault(vertex, []).append(probability)
     combine: dict[str, Callable[[list[float]], float]] = {
         "last": lambda p: p[-1],
         "least": lambda p: min(p) if len(p) == len(to_goals) else 0.0,
         "mean": lambda p: sum(p) / len(p),
         "product": math.prod,
     }
-    for vertex, probabilities in told.items():
+    for vertex, probabilities in reach.items():
         if fault == "not directly" and vertex == HERE:
             continue
         connect(vertex, GOAL, combine.get(fault, max)(probabilities), p_goal)
@@ -78,10 +78,10 @@ def _joined(
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
 _TO = {2: 0.99, 3: 0.5, 4: 0.985, 0: 0.1}
 _ENDS: dict[str, tuple[Any, ...]] = {
-    "one picture of the goal": (SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
+    "one goal image": (SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
     "one threshold": (SMALL_MAP, _FROM, [_TO], 0.4, 0.4),
     "the goal is in sight": (SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6),
-    "three pictures of the goal": (
+    "three goal images": (
         SMALL_MAP,
         _FROM,
         [{2: 0.7, 3: 0.99}, {2: 0.995, 1: 0.6}, {2: 0.9, 4: 0.5}],
@@ -99,7 +99,7 @@ _ENDS: dict[str, tuple[Any, ...]] = {
     "nothing can be reached": (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9),
 }
 _MISJOINED = {
-    "an edge is to lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
+    "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
     "greater than the threshold, not equal to it": "equal",
     "what is below the threshold is no edge": "all",
     "p_here is for the edges from HERE, p_goal for those to GOAL; yours exchanges them": (
@@ -107,20 +107,20 @@ _MISJOINED = {
     ),
     "the edges from HERE have a threshold of their own, p_here": "p_goal only",
     "the edges to GOAL have a threshold of their own, p_goal": "p_here only",
-    "one picture of the goal is enough: of several take the surest, not the last": ("last"),
-    "one picture of the goal is enough; yours demands all of them": "least",
-    "one picture of the goal is enough; do not average over them": "mean",
-    "one picture of the goal is enough; do not multiply": "product",
-    "all pictures of the goal count, not only the first one": "first picture",
-    "a goal in sight needs no map: to_goals may tell of HERE, too": "not directly",
+    "one goal image is enough: of several take the highest RE, not the last": ("last"),
+    "one goal image is enough; yours demands all of them": "least",
+    "one goal image is enough; do not average over them": "mean",
+    "one goal image is enough; do not multiply": "product",
+    "all goal images count, not only the first one": "first image",
+    "a goal in sight needs no map: to_goals may contain HERE, too": "not directly",
     "the edge from HERE to GOAL leads to GOAL: p_goal counts": "p_here in sight",
-    "a vertex that is not on the graph must not come back by an edge to it": "ghosts",
+    "a vertex that is not in the graph must not come back through an edge to it": "ghosts",
 }
 
 
 @check(join_ends, (random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9))
 def check_join_ends(student: Callable[..., Any]) -> None:
-    """One picture and several, thresholds, a goal in sight, and vertices that are not there."""
+    """One goal image and several, thresholds, a goal in sight, and vertices that are not there."""
     faults = with_faults(_joined, _MISJOINED)
     compare(
         "join_ends",
@@ -128,7 +128,7 @@ def check_join_ends(student: Callable[..., Any]) -> None:
         _ENDS,
         join_ends,
         faults,
-        ask=untouched,
+        invoke=untouched,
         form=_graph,
         difference=_unlike,
     )
@@ -158,8 +158,8 @@ def _unlike(got: Graph, want: Graph, *_: object) -> str:
             if yours is None:
                 return f"the edge {step} is missing"
             if right is None:
-                return f"there is to be no edge {step}"
+                return f"there must be no edge {step}"
             if yours != right:
                 return f"the edge {step} has {yours:.4g}, but {right:.4g} is right"
     extra = sorted(set(got) - set(want))
-    return f"vertices {extra} are on no map"
+    return f"vertices {extra} are not on the map"

@@ -1,4 +1,4 @@
-"""Known mistakes on the way to the most probable way, and the answers that they give."""
+"""Known mistakes in finding the most probable path, and the answers that they give."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 
-from tutorial_lib.checks.nb06.graphs import Graph, Vertex, Way, most_probable_path, probability_of
+from tutorial_lib.checks.nb06.graphs import Found, Graph, Vertex, most_probable_path, probability_of
 
 
 def _searched(
     graph: Graph, start: Vertex, goal: Vertex, cost: Callable[[float], float], fault: str = ""
-) -> Way:
+) -> Found:
     """Dijkstra by any cost, with a `fault` if one is named."""
     count, heap, before, done = 0, [(0.0, 0, start)], {start: start}, set()
     least = {start: 0.0}
@@ -40,34 +40,34 @@ def _searched(
     return _back(graph, before, start, goal)
 
 
-def _back(graph: Graph, before: dict[Vertex, Vertex], start: Vertex, goal: Vertex) -> Way:
-    """The way back from the goal, turned round."""
+def _back(graph: Graph, before: dict[Vertex, Vertex], start: Vertex, goal: Vertex) -> Found:
+    """The path back from the goal, reversed."""
     if goal not in before:
         return [], 0.0
-    way = [goal]
-    while way[-1] != start:
-        way.append(before[way[-1]])
-    return way[::-1], probability_of(graph, way[::-1])
+    path = [goal]
+    while path[-1] != start:
+        path.append(before[path[-1]])
+    return path[::-1], probability_of(graph, path[::-1])
 
 
 def _cost(probability: float) -> float:
     return -math.log(probability)
 
 
-def _told(change: Callable[..., Way]) -> Callable[..., Way]:
-    """The right way, told in another form."""
+def _restated(change: Callable[..., Found]) -> Callable[..., Found]:
+    """The right path, returned in another form."""
 
-    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Way:
-        way, probability = most_probable_path(graph, start, goal)
-        if not way:
-            return way, probability
-        return change(way, probability, [graph[v][w] for v, w in pairwise(way)])
+    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+        path, probability = most_probable_path(graph, start, goal)
+        if not path:
+            return path, probability
+        return change(path, probability, [graph[v][w] for v, w in pairwise(path)])
 
     return answer
 
 
-MISTAKES: dict[str, Callable[..., Way]] = {
-    "that is the way of the fewest steps; a longer one may be more probable": partial(
+MISTAKES: dict[str, Callable[..., Found]] = {
+    "that is the path of the fewest steps; a longer one may be more probable": partial(
         _searched, cost=lambda p: 1.0
     ),
     "1 - RE only resembles -log RE, and only near 1; take the logarithm": partial(
@@ -76,42 +76,42 @@ MISTAKES: dict[str, Callable[..., Way]] = {
     "RE is no cost: the smaller it is, the worse; take -log RE": partial(
         _searched, cost=lambda p: p
     ),
-    "-RE is below 0, so that each further step makes a way cheaper; take -log RE": partial(
+    "-RE is below 0, so that each further step makes a path cheaper; take -log RE": partial(
         _searched, cost=lambda p: -p
     ),
     "1 / RE is no sum of logarithms; take -log RE": partial(_searched, cost=lambda p: 1.0 / p),
-    "that is the way whose weakest edge is strongest; all edges must hold, so costs add up": (
+    "that is the path whose weakest edge is strongest; all edges must hold, so costs add up": (
         partial(_searched, cost=_cost, fault="weakest")
     ),
-    "the cost of a vertex is that of the whole way to it, not only of the last step": partial(
+    "the cost of a vertex is that of the whole path to it, not only of the last step": partial(
         _searched, cost=_cost, fault="greedy"
     ),
     "yours stops when it first sees the goal; go on until the goal is taken from the heap": (
         partial(_searched, cost=_cost, fault="first sight")
     ),
-    "a vertex is settled when it is taken from the heap, not when it is put there; a better way "
+    "a vertex is settled when it is taken from the heap, not when it is put there; a better path "
     "may be found in between": partial(_searched, cost=_cost, fault="pushed"),
-    "a worse way, found later, overwrites where a vertex was reached from; compare costs first": (
+    "a worse path, found later, overwrites where a vertex was reached from; compare costs first": (
         partial(_searched, cost=_cost, fault="overwrites")
     ),
-    "the way leads backwards, from goal to start; turn it round": _told(
-        lambda way, p, steps: (way[::-1], p)
+    "the path leads backwards, from goal to start; reverse it": _restated(
+        lambda path, p, steps: (path[::-1], p)
     ),
-    "the start is missing from the way": _told(lambda way, p, steps: (way[1:], p)),
-    "the goal is missing from the way": _told(lambda way, p, steps: (way[:-1], p)),
-    "that is the cost, -log of the probability; turn it back: exp(-cost)": _told(
-        lambda way, p, steps: (way, -math.log(p))
+    "the start is missing from the path": _restated(lambda path, p, steps: (path[1:], p)),
+    "the goal is missing from the path": _restated(lambda path, p, steps: (path[:-1], p)),
+    "that is the cost, -log of the probability; invert it: exp(-cost)": _restated(
+        lambda path, p, steps: (path, -math.log(p))
     ),
-    "the way is right, but that is the sum of RE; multiply": _told(
-        lambda way, p, steps: (way, math.fsum(steps))
+    "the path is right, but that is the sum of RE; multiply": _restated(
+        lambda path, p, steps: (path, math.fsum(steps))
     ),
-    "the way is right, but that is the mean of RE; multiply": _told(
-        lambda way, p, steps: (way, math.fsum(steps) / max(len(steps), 1))
+    "the path is right, but that is the mean of RE; multiply": _restated(
+        lambda path, p, steps: (path, math.fsum(steps) / max(len(steps), 1))
     ),
-    "the way is right, but that is the least RE on it; multiply": _told(
-        lambda way, p, steps: (way, min(steps, default=1.0))
+    "the path is right, but that is the least RE on it; multiply": _restated(
+        lambda path, p, steps: (path, min(steps, default=1.0))
     ),
-    "the way is right, but that is the exponential of the cost; the probability is exp(-cost)": (
-        _told(lambda way, p, steps: (way, 1.0 / p))
+    "the path is right, but that is the exponential of the cost; the probability is exp(-cost)": (
+        _restated(lambda path, p, steps: (path, 1.0 / p))
     ),
 }

@@ -17,13 +17,13 @@ from tutorial_lib.geometry import Array, relative
 _FALSE_FROM, _FALSE_TO = (-0.9, 7.3, -1.7), (-6.0, 1.0, 3.0)
 """Poses in the notebook's building, with a corner and some vertices between them."""
 Trip = tuple[list[Vertex], int | None]
-"""A way, and the place of it that could not be reached."""
+"""A path, and the place of it that could not be reached."""
 Tally = dict[tuple[Vertex, Vertex], tuple[int, int]]
 """For each edge, how often it was tried and how often it was passed."""
 
 
 def with_false_edge(graph: Graph, poses: Array, probability: float) -> Graph:
-    """A graph with an edge that nobody can follow: the bug of the bug hunt.
+    """A graph with an edge that no robot can follow: the bug of the bug hunt.
 
     Args:
         graph: of the map of the notebook's building.
@@ -44,7 +44,7 @@ def tally(trips: Sequence[Trip]) -> Tally:
     """How often each edge was tried, and how often it was passed.
 
     Args:
-        trips: each a way, and the place of it that could not be reached; None on arrival.
+        trips: each a path, and the place of it that could not be reached; None on arrival.
     """
     return _tallied(trips)
 
@@ -52,8 +52,8 @@ def tally(trips: Sequence[Trip]) -> Tally:
 def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
     """The tally, with a `fault` if one is named."""
     counts: Tally = {}
-    for way, stopped in trips:
-        for place, edge in enumerate(pairwise(way), 1):
+    for path, stopped in trips:
+        for place, edge in enumerate(pairwise(path), 1):
             arrived = stopped is None
             passed = arrived or place < stopped
             tried = arrived or place <= stopped
@@ -102,11 +102,11 @@ _TRIPS: dict[str, tuple[list[Trip]]] = {
 _MISTALLIED = {
     "the edges before the one where it was lost were passed; do not blame them": "blames all",
     "what comes after the place where it was lost was never tried": "blames what was not tried",
-    "the edge to way[stopped] was tried, but not passed": "passes the last",
-    "the robot was lost on the edge that leads to way[stopped], not on the one after it": (
+    "the edge to path[stopped] was tried, but not passed": "passes the last",
+    "the robot was lost on the edge that leads to path[stopped], not on the one after it": (
         "one too late"
     ),
-    "the robot was lost on the edge that leads to way[stopped], not on the one before it": (
+    "the robot was lost on the edge that leads to path[stopped], not on the one before it": (
         "one too early"
     ),
     "trips that failed count, too": "only arrivals",
@@ -128,7 +128,7 @@ def check_tally(student: Callable[..., Any]) -> None:
         _TRIPS,
         tally,
         faults,
-        ask=untouched,
+        invoke=untouched,
         form=_counts,
         difference=_unlike,
     )

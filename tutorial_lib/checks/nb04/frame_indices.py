@@ -1,4 +1,4 @@
-"""Frame numbers that students give."""
+"""Indices of frames that students return."""
 
 from __future__ import annotations
 
@@ -11,16 +11,18 @@ from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 
 
-def frame_numbers(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
-    """The frame numbers (A,) that a student gave."""
+def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
+    """The indices of frames (A,) that a student returned."""
     got = returned(what, got)
     try:
         numbers = np.asarray(got if isinstance(got, np.ndarray) else list(got), dtype=float)
     except (TypeError, ValueError):
         kind = type(got).__name__
-        raise WrongAnswer(f"{what}: this came back: {kind}; return the frames' numbers") from None
+        raise WrongAnswer(
+            f"{what}: this came back: {kind}; return the indices of the frames"
+        ) from None
     if numbers.ndim != 1:
         raise WrongAnswer(f"{what}: shape {numbers.shape}, but a flat list of frames is needed")
     if not len(numbers) or (numbers != np.round(numbers)).any():
-        raise WrongAnswer(f"{what}: return whole numbers of frames, one at least")
+        raise WrongAnswer(f"{what}: return whole numbers, the indices of frames, at least one")
     return numbers.astype(np.intp)
