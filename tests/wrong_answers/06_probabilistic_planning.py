@@ -392,14 +392,14 @@ def join_ends__right_step_by_step(graph, from_here, to_goals, p_here, p_goal):
 def decide__trusts_every_goal(graph, from_here, to_goals, rules):
     """yours starts towards a goal that no vertex reaches with more than rules.p_goal"""
     path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
-    return path, p, "no way" if not path else "" if p >= rules.least else "too improbable"
+    return path, p, "no path" if not path else "" if p >= rules.least else "too improbable"
 
 
 def decide__asks_for_the_goal_last(graph, from_here, to_goals, rules):
     """plan with edges to the goal above rules.p_goal first"""
     path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
     if not path:
-        return path, p, "no way"
+        return path, p, "no path"
     if len(path) > 1 and max(t.get(path[-2], 0.0) for t in to_goals) <= rules.p_goal:
         return path, p, "not on the map"
     return path, p, "" if p >= rules.least else "too improbable"
@@ -411,7 +411,7 @@ def decide__is_as_strict_about_here(graph, from_here, to_goals, rules):
     if path:
         return path, p, "" if p >= rules.least else "too improbable"
     path, p = _planned(graph, from_here, to_goals, rules.p_goal, rules.p_query)
-    return path, p, "not on the map" if path else "no way"
+    return path, p, "not on the map" if path else "no path"
 
 
 def decide__dares_everything(graph, from_here, to_goals, rules):
@@ -437,7 +437,7 @@ def decide__demands_too_much_of_the_path(graph, from_here, to_goals, rules):
 def decide__never_says_why(graph, from_here, to_goals, rules):
     """return the reason: not on the map"""
     path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
-    return path, p, "no way" if not path else "" if p >= rules.least else "too improbable"
+    return path, p, "no path" if not path else "" if p >= rules.least else "too improbable"
 
 
 def decide__looks_for_the_goal_anywhere(graph, from_here, to_goals, rules):
@@ -447,13 +447,13 @@ def decide__looks_for_the_goal_anywhere(graph, from_here, to_goals, rules):
         return path, p, "" if p >= rules.least else "too improbable"
     path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_query)
     seen = any(reach > rules.p_goal for image in to_goals for reach in image.values())
-    return path, p, "no way" if seen or not path else "not on the map"
+    return path, p, "no path" if seen or not path else "not on the map"
 
 
 def decide__blames_the_goal(graph, from_here, to_goals, rules):
-    """the reason is no way"""
+    """the reason is no path"""
     path, p, reason = _decided(graph, from_here, to_goals, rules)
-    return path, p, "not on the map" if reason == "no way" else reason
+    return path, p, "not on the map" if reason == "no path" else reason
 
 
 def decide__keeps_the_path_to_itself(graph, from_here, to_goals, rules):
@@ -474,7 +474,7 @@ def decide__has_rules_of_its_own(graph, from_here, to_goals, rules):
     if path:
         return path, p, "" if p >= 0.5 else "too improbable"
     path, p = _planned(graph, from_here, to_goals, 0.5, 0.5)
-    return path, p, "not on the map" if path else "no way"
+    return path, p, "not on the map" if path else "no path"
 
 
 def decide__right_in_a_loop(graph, from_here, to_goals, rules):
@@ -482,7 +482,7 @@ def decide__right_in_a_loop(graph, from_here, to_goals, rules):
         path, p = _planned(graph, from_here, to_goals, rules.p_query, least)
         if path:
             return path, p, reason or ("too improbable" if p < rules.least else "")
-    return path, p, "no way"
+    return path, p, "no path"
 
 
 def travel__excludes_what_it_left(plan, drive, replans):

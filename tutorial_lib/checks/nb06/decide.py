@@ -23,7 +23,7 @@ from tutorial_lib.topology.planner import DijkstraPlanner
 
 Decision = tuple[list[Vertex], float, str]
 """A path, its probability, and the reason to refuse; empty to start."""
-REASONS = ("", "too improbable", "not on the map", "no way")
+REASONS = ("", "too improbable", "not on the map", "no path")
 
 
 def decide(
@@ -75,11 +75,11 @@ def _decided(
             return [], 0.0, "too improbable"
         return path, probability, "" if enough else "too improbable"
     if fault == "never why":
-        return [], 0.0, "no way"
+        return [], 0.0, "no path"
     path, probability = found(rules.p_query)
     if fault == "seen somewhere" and any(max(reach.values()) > rules.p_goal for reach in to_goals):
-        return path, probability, "no way"
-    reason = "not on the map" if path or fault == "always unknown" else "no way"
+        return path, probability, "no path"
+    reason = "not on the map" if path or fault == "always unknown" else "no path"
     return ([], 0.0, reason) if fault == "empty" else (path, probability, reason)
 
 
@@ -121,7 +121,7 @@ _UNDECIDED = {
     "the map": ("never why"),
     "there is no path with rules.p_goal; the reason depends on whether there is one with "
     "rules.p_query, wherever the goal is seen": "seen somewhere",
-    "where even with rules.p_query there is no path, the reason is no way": "always unknown",
+    "where even with rules.p_query there is no path, the reason is no path": "always unknown",
     "return the path and its probability also when the robot refuses": "empty",
 }
 
