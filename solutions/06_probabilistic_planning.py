@@ -663,7 +663,7 @@ for target, saw in zip(
 ):
     views.append(side_by_side([camera_picture(target, 216), camera_picture(saw, 216)], gap=4))
 comparison = stacked(
-    views, [f"{n}: the vertex's image, and what it saw" for n in range(1, len(views) + 1)], gap=2
+    views, [f"{n}: the image on the plan, and what it saw" for n in range(1, len(views) + 1)], gap=2
 )
 show(side_by_side([picture, comparison], gap=10))
 
