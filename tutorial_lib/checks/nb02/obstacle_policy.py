@@ -39,7 +39,7 @@ def check_obstacle_policy(student: Callable[..., Any]) -> None:
                 f"0.01 m, {where}"
             )
         mistakes = {"that is the metric: give the accelerations first": metric}
-        mistakes |= _pushed(distances, closing, *gains[:2])
+        mistakes |= _mistakes(distances, closing, *gains[:2])
         expect_close(f"accelerations, {name}", away, want, 1e-6, mistakes)
         near = np.maximum(distances, 0.01)
         more = {
@@ -54,7 +54,7 @@ def check_obstacle_policy(student: Callable[..., Any]) -> None:
         expect_close(f"metrics, {name}", metrics, metric, 1e-6, more)
 
 
-def _pushed(distances: Array, closing: Array, push: float, brake: float) -> dict[str, Array]:
+def _mistakes(distances: Array, closing: Array, push: float, brake: float) -> dict[str, Array]:
     """Known mistakes, and the accelerations they give."""
     near, shrinking = np.maximum(distances, 0.01), np.maximum(closing, 0)
     right, both = push + brake * shrinking, push + brake * closing

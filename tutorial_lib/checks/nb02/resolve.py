@@ -60,7 +60,7 @@ def check_resolve(student: Callable[..., Any]) -> None:
         before, after = ([part for policy in ps for part in policy] for ps in (kept, policies))
         if not all(np.array_equal(a, b) for a, b in zip(before, after, strict=True)):
             raise WrongAnswer("your function changes the policies; make new arrays")
-        mistakes, want = _unresolved(policies), resolve(policies)
+        mistakes, want = _mistakes(policies), resolve(policies)
         if free and isinstance(got, np.ndarray) and got.shape == (2,):
             fits = np.allclose(metric @ got, force, atol=1e-3) or not np.isfinite(got).all()
             mistakes |= {_FREE: got} if fits else {}
@@ -78,7 +78,7 @@ def _sums(policies: list[Policy]) -> tuple[Array, Array]:
     return sum(j.T @ m @ a for j, a, m in policies), sum(j.T @ m @ j for j, _, m in policies)
 
 
-def _unresolved(policies: list[Policy]) -> dict[str, Array]:
+def _mistakes(policies: list[Policy]) -> dict[str, Array]:
     """Known mistakes, and the answers they give."""
     force, metric = _sums(policies)
     small = _DAMPING * np.eye(2)

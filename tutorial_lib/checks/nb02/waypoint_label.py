@@ -58,7 +58,7 @@ _STRAIGHT = _facing_ahead([(0, 0), (4, 0)])
 _ROUND = _facing_ahead([(0, 0), (3, 0), (3, 0.8), (1.5, 0.8)])
 _FAR_WALL = [9.0, 9.0, 9.0, 10.0]
 _CORNER_WALL = [-1, 0.5, 1.5, 0.5]
-_LABEL_CASES = (
+_CASES = (
     ("round a corner", [_CORNER_WALL], [1.0, -0.2, 0.3], _CORNER, 10, 40),
     ("past a post", [[1, -0.36, 1, -0.24]], [0.0, -0.6, 0.2], _STRAIGHT, 0, 40),
     ("out and back", [_FAR_WALL], [0.0, 0.3, 0.0], _ROUND, 0, len(_ROUND) - 1),
@@ -76,13 +76,13 @@ _LABEL_CASES = (
 )
 def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """Round a corner, past a post, out and back, targets ahead and behind, nothing in sight."""
-    _, walls, start, track, *frames = _LABEL_CASES[0]
+    _, walls, start, track, *frames = _CASES[0]
     walls, start = np.array(walls, float), np.array(start)
     arguments = (start, track, *frames, clear_sight(Raycaster(walls)))
     picture = _labels_from_above(
         walls, start, track, waypoint_label(*arguments), student(*arguments)
     )
-    for name, walls, start, track, *frames in _LABEL_CASES:
+    for name, walls, start, track, *frames in _CASES:
         sees, start = clear_sight(Raycaster(np.array(walls, float))), np.array(start)
         arguments, kept = (start, track, *frames, sees), (start.copy(), track.copy())
         want, what = waypoint_label(*arguments), f"waypoint_label, {name}"
@@ -102,7 +102,7 @@ def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
             continue
         if got is None and frames[1] <= frames[0]:
             raise WrongAnswer(f"{what}: {_BEHIND if frames[1] < frames[0] else _THERE}", picture)
-        expect_close(what, got, want, 1e-6, _mislabelled(*arguments), picture)
+        expect_close(what, got, want, 1e-6, _mistakes(*arguments), picture)
     return picture
 
 
@@ -120,9 +120,7 @@ def _expect_none(what: str, got: object, own: Array, picture: NDArray[np.uint8])
     raise WrongAnswer(f"{what}: {words}", picture)
 
 
-def _mislabelled(
-    start: Array, track: Array, source: int, target: int, sees: Sees
-) -> dict[str, Array]:
+def _mistakes(start: Array, track: Array, source: int, target: int, sees: Sees) -> dict[str, Array]:
     """Known mistakes, and the answers they give."""
     right = _chosen(start, track, source, target, sees)
     mistakes = {

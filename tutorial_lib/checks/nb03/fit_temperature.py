@@ -34,8 +34,8 @@ def _logits(temperature: float, blunders: float = 0.0, soft: bool = False) -> tu
     """
     rng = np.random.default_rng(7)
     logits = rng.normal(1.0, 2.0, 600) * temperature
-    chance = blunders + (1 - 2 * blunders) * sigmoid(logits / temperature)
-    return logits, chance if soft else (rng.random(600) < chance).astype(float)
+    probability = blunders + (1 - 2 * blunders) * sigmoid(logits / temperature)
+    return logits, probability if soft else (rng.random(600) < probability).astype(float)
 
 
 @check(fit_temperature, _logits(2.5))
@@ -60,9 +60,9 @@ def _expect_temperature(what: str, got: float, best: float, logits: Array, label
     if got > 0 and abs(np.log(got / best)) < 0.03:
         return
     losses = _losses(logits, labels)
-    chances = [sigmoid(logits / t) for t in _TEMPERATURES]
-    squares = _TEMPERATURES[np.argmin([((p - labels) ** 2).mean() for p in chances])]
-    errors = [reliability(p, labels).ece for p in chances]
+    probabilities = [sigmoid(logits / t) for t in _TEMPERATURES]
+    squares = _TEMPERATURES[np.argmin([((p - labels) ** 2).mean() for p in probabilities])]
+    errors = [reliability(p, labels).ece for p in probabilities]
     mistakes = {
         "that is 1 / T: the logits are divided by the temperature": 1 / best,
         "that is the smallest loss; give the temperature that has it": losses.min(),

@@ -20,17 +20,17 @@ def reliability_diagram(predicted: Array, came_true: Array, bins: int) -> Diagra
     return found.predicted, found.measured, found.ece
 
 
-_CHANCES = np.random.default_rng(3).beta(1.2, 0.6, 203)
+_PREDICTED = np.random.default_rng(3).beta(1.2, 0.6, 203)
 
 
-_CAME_TRUE = (np.random.default_rng(4).random(203) < _CHANCES**1.7).astype(float)
+_CAME_TRUE = (np.random.default_rng(4).random(203) < _PREDICTED**1.7).astype(float)
 
 
-@check(reliability_diagram, (np.repeat(_CHANCES, 10), np.repeat(_CAME_TRUE, 10), 10))
+@check(reliability_diagram, (np.repeat(_PREDICTED, 10), np.repeat(_CAME_TRUE, 10), 10))
 def check_reliability_diagram(student: Callable[..., Any]) -> None:
     """203 predictions in ten bins of equal mass, most of them near 1; and four in two."""
     few = np.array([0.9, 0.1, 0.6, 0.2]), np.array([1.0, 0.0, 0.0, 0.0]), 2
-    cases = (("203 predictions", (_CHANCES, _CAME_TRUE, 10)), ("four predictions", few))
+    cases = (("203 predictions", (_PREDICTED, _CAME_TRUE, 10)), ("four predictions", few))
     for name, case in cases:
         wanted = reliability_diagram(*case)
         with np.errstate(all="ignore"):
@@ -38,12 +38,12 @@ def check_reliability_diagram(student: Callable[..., Any]) -> None:
         words = "return three things: predicted, measured, ece"
         answers = parts("reliability_diagram", got, 3, words)
         names = ("predicted", "measured", "ece")
-        for part, *values in zip(names, answers, wanted, _misbinned(*case), strict=True):
+        for part, *values in zip(names, answers, wanted, _mistakes(*case), strict=True):
             answer, want, mistakes = values
             expect_close(f"{part}, {name}", answer, want, 1e-9, mistakes)
 
 
-def _misbinned(
+def _mistakes(
     predicted: Array, came_true: Array, bins: int
 ) -> tuple[dict[str, Array], dict[str, Array], dict[str, float]]:
     """Known mistakes of the three answers, and what they give."""

@@ -77,7 +77,7 @@ def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8]:
     if np.shape(got) == rollouts[1].shape:
         words = "one answer for each moment; a rollout has one label, 1 if any moment is good"
         raise WrongAnswer(f"{what}: {words}", picture)
-    labels, known = numbers(what, got, _LABELS.shape), _mislabelled(*rollouts).items()
+    labels, known = numbers(what, got, _LABELS.shape), _mistakes(*rollouts).items()
     expect(what, labels, _LABELS, known, close, _worst_story, picture)
     return picture
 
@@ -90,7 +90,7 @@ def _worst_story(got: Array, want: Array) -> str:
     return f'the rollout that "{_STORIES[number][0]}" has the label {want[number]:.0f}'
 
 
-def _mislabelled(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> dict[str, Array]:
+def _mistakes(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> dict[str, Array]:
     """Known mistakes, and the labels they give."""
     limit, robots = time_limit(geodesic), np.arange(len(geodesic))
     near, so_far = gaps <= REACHED, np.logical_or.accumulate(touched, axis=0)

@@ -139,7 +139,7 @@ def _gives_up(reach: Array, threshold: float) -> list[int]:
     return anchors[: anchors.index(stuck[0]) + 1] if stuck else anchors
 
 
-_MISTAKES: dict[str, Callable[[Array, float], ArrayLike]] = {
+_FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
     "every k in (i, j] must be above the threshold, not only the last one: stop at the first frame "
     "that fails": lambda r, p: _greedy(r, p, _holds, gap=True),
     "that is the first frame that can no longer be reached; the anchor is the one before it, the "
@@ -205,7 +205,7 @@ def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         student,
         _CASES,
         choose_anchors,
-        _MISTAKES,
+        _FAULTS,
         invoke=_invoke,
         form=frame_indices,
         difference=_apart,

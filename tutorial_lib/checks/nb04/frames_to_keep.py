@@ -22,7 +22,7 @@ def frames_to_keep(anchors: ArrayLike, total: int, k: int) -> NDArray[np.intp]:
     return np.unique(frames_around(np.asarray(anchors), k, 0, total - 1))
 
 
-_KEPT_CASES = (
+_CASES = (
     ("k = 2", [0, 18, 39], 40, 2),
     ("anchors close together, k = 2", [0, 6, 9, 20, 39], 40, 2),
     ("k = 0", [0, 5, 21, 29], 30, 0),
@@ -34,13 +34,13 @@ _KEPT_CASES = (
 def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Contexts that lie apart, that share frames, and that reach beyond the trajectory's ends."""
     picture = None
-    for name, anchors, total, k in _KEPT_CASES:
+    for name, anchors, total, k in _CASES:
         got, what = call(student, np.array(anchors), total, k), f"frames_to_keep, {name}"
         if isinstance(got, int | np.integer):
             raise WrongAnswer(f"{what}: return the indices of the frames, not how many there are")
         got, want = np.sort(frame_indices(what, got)), frames_to_keep(anchors, total, k)
         picture = _rows(total, anchors, want, got) if picture is None else picture
-        mistakes = _mistaken(np.array(anchors), total, k).items()
+        mistakes = _mistakes(np.array(anchors), total, k).items()
         expect(what, got, want, mistakes, _same, _difference, picture)
     return picture
 
@@ -61,7 +61,7 @@ def _rows(
     return stacked(rows, ["target", "yours"], gap=4)
 
 
-def _mistaken(anchors: NDArray[np.intp], total: int, k: int) -> dict[str, NDArray[np.intp]]:
+def _mistakes(anchors: NDArray[np.intp], total: int, k: int) -> dict[str, NDArray[np.intp]]:
     """Known mistakes, and the frames they give."""
 
     def around(offsets: Iterable[int]) -> NDArray[np.intp]:

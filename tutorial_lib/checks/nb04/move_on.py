@@ -10,7 +10,7 @@ import numpy as np
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follower_answers import INVOKE, spoken, two_anchors
-from tutorial_lib.checks.nb04.looks import LOOKS
+from tutorial_lib.checks.nb04.observations import OBSERVATIONS
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
@@ -97,7 +97,7 @@ def _visited(
     return max(visited, closest if fault == "at closest" else active)
 
 
-_UNMOVED = {
+_FAULTS = {
     "the last visited anchor never goes back to an earlier one: max": "back",
     "the closest anchor counts as visited only if its overlap is above rules.visited": "always",
     "look only at the anchors before, at and after the active one; one far along the path may "
@@ -129,11 +129,11 @@ _UNMOVED = {
 }
 
 
-@check(move_on, LOOKS["next"][1])
+@check(move_on, OBSERVATIONS["next"][1])
 def check_move_on(student: Callable[..., Any]) -> None:
     """Twenty-one observations: under way, near, at an anchor, at both ends, by other rules."""
-    faults = with_faults(_moved, _UNMOVED)
-    cases = dict(LOOKS.values())
+    faults = with_faults(_moved, _FAULTS)
+    cases = dict(OBSERVATIONS.values())
     compare(
         "move_on",
         student,

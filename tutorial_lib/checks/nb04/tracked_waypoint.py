@@ -32,7 +32,7 @@ _PREDICTED = np.array([[1.5, 0.0], [1.2, -0.4], [1.0, 0.5], [0.8, -0.9]])
 _NOW = np.array([[0.6, 0.1, 0.4], [1.7, 1.9, -0.5], [1.4, 2.5, 1.4], [-2.3, 0.9, -2.9]])
 
 
-_TRACKED = (
+_CASES = (
     ("nothing has moved", _THEN, _THEN),
     ("shifted and turned", _THEN, _NOW),
     ("shifted, but not turned", _THEN, np.column_stack([_NOW[:, :2], _THEN[:, 2]])),
@@ -49,15 +49,15 @@ def check_tracked_waypoint(student: Callable[..., Any]) -> NDArray[np.uint8]:
     one = student(_THEN[2], _PREDICTED[2], _NOW[2])
     want = tracked_waypoint(_THEN[2], _PREDICTED[2], _NOW[2])
     picture = side_by_side([_seen_from_above(want), _seen_from_above(one)], ["target", "yours"])
-    cases = [(f"four cars, {name}", then, _PREDICTED, now) for name, then, now in _TRACKED]
+    cases = [(f"four cars, {name}", then, _PREDICTED, now) for name, then, now in _CASES]
     for name, then, waypoint, now in [*cases, ("one car", _THEN[2], _PREDICTED[2], _NOW[2])]:
         got, want = call(student, then, waypoint, now), tracked_waypoint(then, waypoint, now)
         what = f"tracked_waypoint, {name}"
-        expect_close(what, got, want, 1e-6, _mistracked(then, waypoint, now), picture)
+        expect_close(what, got, want, 1e-6, _mistakes(then, waypoint, now), picture)
     return picture
 
 
-def _mistracked(then: Array, waypoint: Array, now: Array) -> dict[str, Array]:
+def _mistakes(then: Array, waypoint: Array, now: Array) -> dict[str, Array]:
     """Known mistakes, and the waypoints they give."""
     place, shift = to_world(then, waypoint), now[..., :2] - then[..., :2]
     turned = to_world(np.concatenate([0 * shift, then[..., 2:]], axis=-1), waypoint)

@@ -10,8 +10,13 @@ import numpy as np
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follower_answers import INVOKE, spoken, state_and_anchors
-from tutorial_lib.checks.nb04.looks import LOOKS, OTHER_RULES, RULES, Case, look
 from tutorial_lib.checks.nb04.move_on import move_on
+from tutorial_lib.checks.nb04.observations import (
+    OBSERVATIONS,
+    OTHER_RULES,
+    RULES,
+    Case,
+)
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 
@@ -87,7 +92,7 @@ def _changed(
     return here, ahead, seen
 
 
-_UNCHANGED = {
+_FAULTS = {
     "Search takes the anchor with the highest RE, not the first above the threshold": "first",
     "the anchor that was found is still ahead; visited is the one before it": "been there",
     "a robot that finds no anchor gives up: LOST": "searches on",
@@ -121,53 +126,59 @@ def _step(why: str, state: State, seen: Case, waited: float = 0.0, at: bool | No
 
 
 def _sought(reach: Sequence[float], rules: FollowerSettings = RULES) -> Case:
-    return look("", -1, -1, reach, [0.3] * len(reach), False, rules)
+    return observe("", -1, -1, reach, [0.3] * len(reach), False, rules)
 
 
 _LOW, _HALF, _HIGH = (0.3, 0.35, 0.97, 0.4), (0.3, 0.7, 0.5, 0.2), (0.3, 0.96, 0.5, 0.2)
 _BESIDE, _CLOSE = (0.3, 0.7, 0.65, 0.1), (0.3, 0.85, 0.65, 0.1)
 _SURE, _ARRIVED = (0.3, 0.9, 0.99, 0.95), (0.1, 0.4, 0.85, 0.65)
 _S, _F, _D = State.SEARCH, State.FOLLOW, State.DEAD_RECKONING
-_STEPS = [
+_CASES = [
     _step("Search, two anchors reachable", _S, _sought((0.6, 0.93, 0.97, 0.4))),
     _step("Search, none reachable", _S, _sought((0.6, 0.9, 0.5, 0.4))),
     _step("Search, other rules", _S, _sought((0.1, 0.75, 0.5), OTHER_RULES)),
-    _step("Follow, under way", _F, LOOKS["way"]),
-    _step("Follow, the next anchor reachable and near", _F, LOOKS["next"]),
-    _step("Follow, at an anchor", _F, LOOKS["at"]),
-    _step("Follow, at the last anchor but one", _F, look("", 2, 1, _SURE, _ARRIVED, True)),
-    _step("Follow, only the next one high", _F, look("", 1, 0, (0.9, 0.3, 0.97), (0.4, 0.5, 0.7))),
-    _step("Follow, RE(active) middling", _F, look("", 1, 0, _HALF, _BESIDE)),
-    _step("Follow, RE(active) low", _F, look("", 1, 0, (0.3, 0.35, 0.5, 0.4), _BESIDE)),
-    _step("Follow, the next one low", _F, look("", 1, 0, (0.9, 0.99, 0.2, 0.1), _CLOSE)),
+    _step("Follow, under way", _F, OBSERVATIONS["way"]),
+    _step("Follow, the next anchor reachable and near", _F, OBSERVATIONS["next"]),
+    _step("Follow, at an anchor", _F, OBSERVATIONS["at"]),
+    _step("Follow, at the last anchor but one", _F, observe("", 2, 1, _SURE, _ARRIVED, True)),
     _step(
-        "Follow, other rules", _F, look("", 1, 0, _LOW, (0.3, 0.45, 0.3, 0.1), rules=OTHER_RULES)
+        "Follow, only the next one high",
+        _F,
+        observe("", 1, 0, (0.9, 0.3, 0.97), (0.4, 0.5, 0.7)),
     ),
-    _step("Follow, the last anchor, not there yet", _F, LOOKS["end"], at=False),
-    _step("Follow, at the last anchor", _F, LOOKS["end"]),
-    _step("Dead reckoning, RE(active) low", _D, look("", 1, 0, _LOW, _BESIDE), 1.0),
-    _step("Dead reckoning, RE(active) middling", _D, look("", 1, 0, _HALF, _BESIDE), 1.0),
-    _step("Dead reckoning, RE(active) high", _D, look("", 1, 0, _HIGH, _BESIDE), 1.0),
-    _step("Dead reckoning for exactly the patience", _D, look("", 1, 0, _LOW, _BESIDE), 4.0),
-    _step("Dead reckoning for long, RE(active) low", _D, look("", 1, 0, _LOW, _BESIDE), 4.1),
-    _step("Dead reckoning for long, RE(active) high", _D, look("", 1, 0, _HIGH, _BESIDE), 4.1),
+    _step("Follow, RE(active) middling", _F, observe("", 1, 0, _HALF, _BESIDE)),
+    _step("Follow, RE(active) low", _F, observe("", 1, 0, (0.3, 0.35, 0.5, 0.4), _BESIDE)),
+    _step("Follow, the next one low", _F, observe("", 1, 0, (0.9, 0.99, 0.2, 0.1), _CLOSE)),
+    _step(
+        "Follow, other rules",
+        _F,
+        observe("", 1, 0, _LOW, (0.3, 0.45, 0.3, 0.1), rules=OTHER_RULES),
+    ),
+    _step("Follow, the last anchor, not there yet", _F, OBSERVATIONS["end"], at=False),
+    _step("Follow, at the last anchor", _F, OBSERVATIONS["end"]),
+    _step("Dead reckoning, RE(active) low", _D, observe("", 1, 0, _LOW, _BESIDE), 1.0),
+    _step("Dead reckoning, RE(active) middling", _D, observe("", 1, 0, _HALF, _BESIDE), 1.0),
+    _step("Dead reckoning, RE(active) high", _D, observe("", 1, 0, _HIGH, _BESIDE), 1.0),
+    _step("Dead reckoning for exactly the patience", _D, observe("", 1, 0, _LOW, _BESIDE), 4.0),
+    _step("Dead reckoning for long, RE(active) low", _D, observe("", 1, 0, _LOW, _BESIDE), 4.1),
+    _step("Dead reckoning for long, RE(active) high", _D, observe("", 1, 0, _HIGH, _BESIDE), 4.1),
     _step(
         "Dead reckoning for long, other rules",
         _D,
-        look("", 1, 0, _LOW, _BESIDE, rules=OTHER_RULES),
+        observe("", 1, 0, _LOW, _BESIDE, rules=OTHER_RULES),
         2.1,
     ),
 ]
 
 
-@check(transition, _STEPS[4][1])
+@check(transition, _CASES[4][1])
 def check_transition(student: Callable[..., Any]) -> None:
     """Twenty-one steps: searching, following, dead reckoning, and their ends."""
-    faults = with_faults(_changed, _UNCHANGED)
+    faults = with_faults(_changed, _FAULTS)
     compare(
         "transition",
         student,
-        dict(_STEPS),
+        dict(_CASES),
         transition,
         faults,
         invoke=INVOKE,

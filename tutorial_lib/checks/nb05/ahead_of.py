@@ -13,7 +13,7 @@ from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.topology.mapping import edge_rules
 
-_PLACES = {
+_CASES = {
     name: (np.array(trajectory), np.array(place), reused)
     for name, trajectory, place, reused in (
         ("nothing was reused yet", [0, 0, 0, 1, 1], [0, 1, 2, 0, 1], []),
@@ -40,7 +40,7 @@ def _behind(
     return rule
 
 
-_MISPLACED: dict[str, Callable[..., Any]] = {
+_FAULTS: dict[str, Callable[..., Any]] = {
     "the vertex itself may not follow itself: its place must be greater": _behind(
         lambda t, p, v: (t != t[v]) | (p >= p[v])
     ),
@@ -76,10 +76,10 @@ _MISPLACED: dict[str, Callable[..., Any]] = {
 }
 
 
-@check(edge_rules.ahead_of, _PLACES["one of each trajectory"])
+@check(edge_rules.ahead_of, _CASES["one of each trajectory"])
 def check_ahead_of(student: Callable[..., Any]) -> None:
     """Six maps: nothing reused yet, one vertex, several, and indices in no order."""
-    compare("ahead_of", student, _PLACES, edge_rules.ahead_of, _MISPLACED, form=_per_vertex)
+    compare("ahead_of", student, _CASES, edge_rules.ahead_of, _FAULTS, form=_per_vertex)
 
 
 def _per_vertex(what: str, got: object, trajectory: NDArray, *_: object) -> NDArray[np.bool_]:

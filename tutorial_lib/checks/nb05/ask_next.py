@@ -71,7 +71,7 @@ def _holes(reach: Array, share: float, seed: int) -> Array:
 
 _FEW = np.full((5, 6), np.nan)
 _FEW[2, 1], _FEW[0, 4], _FEW[4, 5] = 0.95, 0.4, 0.9
-_SEARCHES = {
+_CASES = {
     "three pairs known": (_FEW, *TWO, 0.8),
     "nothing known": (np.full((3, 6), np.nan), *TWO, 0.8),
     "everything known": (random_reach(4, 6, 8), *TWO, 0.5),
@@ -79,7 +79,7 @@ _SEARCHES = {
     "vertices in no order": (_holes(random_reach(6, 7, 9), 0.7, 10), *MIXED, 0.6),
     "a larger one": (_holes(random_reach(9, 7, 11), 0.8, 12), *MIXED, 0.5),
 }
-_MISSED = {
+_FAULTS = {
     "query no pair twice: only where reach is not a number": "again",
     "only neighbours of pairs that are sure are worth it: reach > p_edge": "all",
     "the neighbours of pairs that are sure are worth it, not of the others": "unsure",
@@ -102,10 +102,10 @@ _MISSED = {
 @check(ask_next, (_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6))
 def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Six tables: little known, nothing, everything, vertices in no order."""
-    faults = with_faults(_queried, _MISSED)
+    faults = with_faults(_queried, _FAULTS)
     invoke = hinting(IndexError, "beyond an end of a trajectory there is nothing to query")
     return compare(
-        "ask_next", student, _SEARCHES, ask_next, faults, invoke=invoke, form=_pairs, draw=_tables
+        "ask_next", student, _CASES, ask_next, faults, invoke=invoke, form=_pairs, draw=_tables
     )
 
 

@@ -57,7 +57,7 @@ _NEVER = BY_HAND.copy()
 _NEVER[[3, 4], [4, 5]] = 0.0, 0.5
 _FAINT = BY_HAND.copy()
 _FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
-_MAPS = (
+_CASES = (
     ("the map above", BY_HAND, DRIVEN, 0.9),
     ("RE = 0 on a driven edge", _NEVER, DRIVEN, 0.9),
     ("RE = 1e-15 on a driven edge", _FAINT, DRIVEN, 0.9),
@@ -69,15 +69,15 @@ _MAPS = (
 @check(edge_weights, (*_random_map(120, 2), 0.9))
 def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """The map done by hand, two where RE is almost 0, one without sure edges, a larger one."""
-    answers = [call(student, *case[1:]) for case in _MAPS]
+    answers = [call(student, *case[1:]) for case in _CASES]
     picture = _weights_picture(answers[0])
-    for (name, *case), got in zip(_MAPS, answers, strict=True):
+    for (name, *case), got in zip(_CASES, answers, strict=True):
         what, want = f"edge_weights, {name}", edge_weights(*case)
-        expect_close(what, got, want, 1e-9, _misweighted(*case), picture)
+        expect_close(what, got, want, 1e-9, _mistakes(*case), picture)
     return picture
 
 
-def _misweighted(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[str, ArrayLike]:
+def _mistakes(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[str, ArrayLike]:
     """Known mistakes, and the weights they give."""
     right, own = edge_weights(reach, driven, p_edge), np.eye(len(reach), dtype=bool)
     there, both = np.isfinite(right), np.maximum(reach, reach.T)

@@ -58,7 +58,7 @@ def _best_first(into: Array, onward: Array, allowed: Array, p_reuse: float) -> i
     return best if fits else -1
 
 
-_MISUSED: dict[str, Callable[..., int]] = {
+_FAULTS: dict[str, Callable[..., int]] = {
     "the best of all need not fit: first find those that do, then the best of them": _best_first,
     "the next anchor must be reachable from the vertex, too: onward > p_reuse": _by(
         lambda i, o, p: i > p
@@ -88,7 +88,7 @@ _MISUSED: dict[str, Callable[..., int]] = {
 def check_reusable(student: Callable[..., Any]) -> None:
     """Twelve anchors: vertices that fit, that fit by half, that may not be taken, and none."""
     invoke = hinting(ValueError, "is there a vertex that fits? Ask .any() before argmax")
-    compare("reusable", student, _CASES, edge_rules.reusable, _MISUSED, invoke=invoke, form=_vertex)
+    compare("reusable", student, _CASES, edge_rules.reusable, _FAULTS, invoke=invoke, form=_vertex)
 
 
 def _vertex(what: str, got: Any, *_: object) -> int:  # noqa: ANN401 - students'

@@ -41,7 +41,7 @@ def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -
     return least
 
 
-_ALIGNED = {
+_CASES = {
     "one trajectory beside another": (random_reach(5, 5, 1), *ONE, 2),
     "one anchor before and after": (random_reach(5, 5, 2), *ONE, 1),
     "no neighbours": (random_reach(4, 6, 3), *TWO, 0),
@@ -59,7 +59,7 @@ def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | No
     return compare(
         "weakest_aligned",
         student,
-        _ALIGNED,
+        _CASES,
         weakest_aligned,
         faults,
         invoke=hinting(IndexError, "where a trajectory ends the sequence ends, too"),
@@ -153,6 +153,6 @@ _FAULTS = {
 
 
 def _tables(want: Array, got: Array) -> NDArray[np.uint8]:
-    reach = _ALIGNED["one trajectory beside another"][0]
+    reach = _CASES["one trajectory beside another"][0]
     tables = [edge_table(least, least > 0.5, names=("a", "v")) for least in (reach, want, got)]
     return side_by_side(tables, ["RE", "target", "yours"], gap=24)

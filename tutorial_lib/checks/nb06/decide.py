@@ -103,7 +103,7 @@ _CASES: dict[str, tuple[Any, ...]] = {
     "other rules": (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER_RULES),
     "other rules, a goal in another building": (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER_RULES),
 }
-_UNDECIDED = {
+_FAULTS = {
     "yours starts towards a goal that no vertex reaches with more than rules.p_goal; compare the "
     "edges to the goal with it, not the path": "trusts",
     "plan with edges to the goal above rules.p_goal first. Yours plans with all of them, and "
@@ -129,7 +129,7 @@ _UNDECIDED = {
 @check(decide, (random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES))
 def check_decide(student: Callable[..., Any]) -> None:
     """Goals near and far, in this world and another, and starts from which no vertex is reached."""
-    faults = with_faults(_decided, _UNDECIDED)
+    faults = with_faults(_decided, _FAULTS)
     compare(
         "decide",
         student,

@@ -77,7 +77,7 @@ def _joined(
 
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
 _TO = {2: 0.99, 3: 0.5, 4: 0.985, 0: 0.1}
-_ENDS: dict[str, tuple[Any, ...]] = {
+_CASES: dict[str, tuple[Any, ...]] = {
     "one goal image": (SMALL_MAP, _FROM, [_TO], 0.5, 0.985),
     "one threshold": (SMALL_MAP, _FROM, [_TO], 0.4, 0.4),
     "the goal is in sight": (SMALL_MAP, _FROM, [{HERE: 0.99, 2: 0.7, 4: 0.995}], 0.5, 0.6),
@@ -98,7 +98,7 @@ _ENDS: dict[str, tuple[Any, ...]] = {
     "the goal is hardly in sight": (SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985),
     "nothing can be reached": (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9),
 }
-_MISJOINED = {
+_FAULTS = {
     "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
     "greater than the threshold, not equal to it": "equal",
     "what is below the threshold is no edge": "all",
@@ -121,11 +121,11 @@ _MISJOINED = {
 @check(join_ends, (random_graph(80, 4, 3), dict.fromkeys(range(80), 0.9), [{5: 0.99}], 0.5, 0.9))
 def check_join_ends(student: Callable[..., Any]) -> None:
     """One goal image and several, thresholds, a goal in sight, and vertices that are not there."""
-    faults = with_faults(_joined, _MISJOINED)
+    faults = with_faults(_joined, _FAULTS)
     compare(
         "join_ends",
         student,
-        _ENDS,
+        _CASES,
         join_ends,
         faults,
         invoke=untouched,

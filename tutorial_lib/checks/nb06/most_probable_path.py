@@ -23,7 +23,7 @@ from tutorial_lib.checks.nb06.graphs import (
     probability_of,
     random_graph,
 )
-from tutorial_lib.checks.nb06.path_faults import MISTAKES
+from tutorial_lib.checks.nb06.path_faults import FAULTS
 from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
@@ -56,7 +56,7 @@ def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] |
         student,
         _CASES,
         most_probable_path,
-        MISTAKES,
+        FAULTS,
         invoke=_invoke,
         form=_path,
         same=_same,

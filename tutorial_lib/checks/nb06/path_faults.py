@@ -66,7 +66,7 @@ def _restated(change: Callable[..., Found]) -> Callable[..., Found]:
     return answer
 
 
-MISTAKES: dict[str, Callable[..., Found]] = {
+FAULTS: dict[str, Callable[..., Found]] = {
     "that is the path of the fewest steps; a longer one may be more probable": partial(
         _searched, cost=lambda p: 1.0
     ),

@@ -83,7 +83,7 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
     return counts
 
 
-_TRIPS: dict[str, tuple[list[Trip]]] = {
+_CASES: dict[str, tuple[list[Trip]]] = {
     "one arrival": ([([HERE, 3, 4, GOAL], None)],),
     "one failure": ([([HERE, 3, 4, 5, 6, GOAL], 3)],),
     "lost before the first vertex": ([([HERE, 3, 4, GOAL], 1)],),
@@ -99,7 +99,7 @@ _TRIPS: dict[str, tuple[list[Trip]]] = {
     ),
     "no trip": ([],),
 }
-_MISTALLIED = {
+_FAULTS = {
     "the edges before the one where it was lost were passed; do not blame them": "blames all",
     "what comes after the place where it was lost was never tried": "blames what was not tried",
     "the edge to path[stopped] was tried, but not passed": "passes the last",
@@ -121,11 +121,11 @@ _MISTALLIED = {
 @check(tally, ([([HERE, *range(200), GOAL], 150)] * 20,))
 def check_tally(student: Callable[..., Any]) -> None:
     """Trips that arrived, trips that were lost at the start, under way and at the end, and none."""
-    faults = with_faults(_tallied, _MISTALLIED)
+    faults = with_faults(_tallied, _FAULTS)
     compare(
         "tally",
         student,
-        _TRIPS,
+        _CASES,
         tally,
         faults,
         invoke=untouched,

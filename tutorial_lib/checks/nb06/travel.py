@@ -91,7 +91,7 @@ _CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "two replans, all in vain": ([_A, _B, _C, [HERE, 7, GOAL]], [2, 2, 1, None], 2),
     "lost at the first vertex": ([_C, _A], [1, None], 5),
 }
-_MISLED = {
+_FAULTS = {
     "exclude the vertex that could not be reached, path[stopped], not the one before it": "behind",
     "exclude every vertex that could not be reached so far, not only the last one": "forgets",
     "only one vertex could not be reached; excluding the whole path leaves no other": "whole path",
@@ -126,7 +126,7 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, li
 @check(travel, (lambda excluded: [HERE, 1, GOAL], lambda path: None, 3))
 def check_travel(student: Callable[..., Any]) -> None:
     """Nine navigations: to the goal at once, after being lost, refused, and in vain."""
-    faults = with_faults(_travelled, _MISLED)
+    faults = with_faults(_travelled, _FAULTS)
     played = {words: partial(_play, rule) for words, rule in faults.items()}
     compare(
         "travel",

@@ -24,7 +24,7 @@ OTHER_RULES = FollowerSettings(
 """Other thresholds than the usual ones, to find those that are written into a function."""
 
 
-def look(
+def observe(
     why: str,
     active: int,
     visited: int,
@@ -52,8 +52,8 @@ _ONLY, _ONE = (0.9, 0.5, 0.97, 0.2), (0.4, 0.5, 0.65, 0.1)
 _BEHIND = ((0.1, 0.9, 0.6, 0.2, 0.1), (0.1, 0.9, 0.85, 0.2, 0.1))
 
 
-LOOKS = {
-    key: look(*case)
+OBSERVATIONS = {
+    key: observe(*case)
     for key, case in {
         "way": ("under way", 2, 1, (0.0, 0.99, 0.97, 0.5), (0.0, 0.5, 0.7, 0.4)),
         "next": ("the next one reachable and near", 1, 0, _SURE, _NEAR),

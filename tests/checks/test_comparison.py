@@ -1,0 +1,92 @@
+import numpy as np
+import pytest
+
+from tutorial_lib.checks.framework.answers import hinting, numbers
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.comparison import compare, expect, with_faults
+
+CASES = {"small": (1, 2), "equal": (2, 2), "large": (30, 40)}
+FAULTS = {"add, do not multiply": lambda a, b: a * b, "add, do not subtract": lambda a, b: a - b}
+
+
+def add(a, b):
+    return a + b
+
+
+def compared(student, **options):
+    return compare("add", student, CASES, add, FAULTS, **options)
+
+
+def test_right_answers_pass():
+    assert compared(add) is None
+
+
+def test_the_mistake_that_explains_all_answers_is_named_at_the_first_wrong_one():
+    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not multiply$"):
+        compared(lambda a, b: a * b)
+
+
+def test_a_mistake_that_explains_only_some_answers_is_not_named():
+    with pytest.raises(WrongAnswer, match=r"^add, large: 1200 came back; 70 is right$"):
+        compared(lambda a, b: a * b if a > 2 else a + b)
+
+
+def test_a_fault_that_raises_explains_nothing():
+    faults = {"never": lambda a, b: [][a], "add, do not multiply": lambda a, b: a * b}
+    with pytest.raises(WrongAnswer, match="do not multiply"):
+        compare("add", lambda a, b: a * b, CASES, add, faults)
+
+
+def test_the_form_comes_first_and_holds_for_faults_as_well():
+    def form(what, answer, a, b):
+        return numbers(what, answer, ()).round()
+
+    assert compared(lambda a, b: a + b + 0.1, form=form) is None
+    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not subtract$"):
+        compared(lambda a, b: a - b - 0.1, form=form)
+    with pytest.raises(WrongAnswer, match=r"^add, large: shape \(1,\), but \(\) is needed"):
+        compared(lambda a, b: np.array([70]) if a > 2 else a - b, form=form)
+
+
+def test_what_is_equal_how_to_say_it_and_what_to_draw_can_be_chosen():
+    def draw(want, got):
+        return np.array([want, got])
+
+    options = {
+        "same": lambda got, want, a, b: abs(got - want) < a,
+        "difference": lambda got, want, a, b: f"{a} and {b} make {want}",
+        "draw": draw,
+    }
+    assert compared(lambda a, b: a + b + 0.5, **options).tolist() == [3, 3.5]
+    with pytest.raises(WrongAnswer, match=r"^add, small: 1 and 2 make 3$") as raised:
+        compared(lambda a, b: a + b + 1, **options)
+    assert raised.value.picture.tolist() == [3, 4]
+
+
+def test_errors_get_a_hint_and_others_pass_through():
+    invoke = hinting(IndexError, "stay within the list")
+    with pytest.raises(WrongAnswer, match=r"^add, small: IndexError, .*; stay within the list$"):
+        compared(lambda a, b: [][a], invoke=invoke)
+    with pytest.raises(ZeroDivisionError):
+        compared(lambda a, b: a / 0, invoke=invoke)
+
+
+def test_one_answer_is_compared_alike():
+    mistakes = {"twice": 4, "half": 1}
+
+    def judged(got):
+        expect("two", got, 2, mistakes.items(), lambda a, b: a == b, lambda a, b: f"not {a}")
+
+    judged(2)
+    with pytest.raises(WrongAnswer, match=r"^two: twice$"):
+        judged(4)
+    with pytest.raises(WrongAnswer, match=r"^two: not 5$"):
+        judged(5)
+
+
+def test_faults_are_variants_of_one_rule():
+    faults = with_faults(lambda a, fault="": f"{a} {fault}", {"say this": "x", "or this": "y"})
+    assert {words: fault(1) for words, fault in faults.items()} == {
+        "say this": "1 x",
+        "or this": "1 y",
+    }
