@@ -16,6 +16,7 @@ from tutorial_lib.checks.nb04.observations import (
     OTHER_RULES,
     RULES,
     Case,
+    observe,
 )
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
