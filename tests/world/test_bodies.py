@@ -53,7 +53,7 @@ def test_respond_keeps_limits_and_rates(body, controls, actions):
     assert (after >= np.array(low) - 1e-12).all()
     assert (after <= np.array(high) + 1e-12).all()
     assert (np.abs(after - before) <= np.array(rates) * 0.1 + 1e-12).all()
-    # Given time, it gets what it was told.
+    # Given time, it reaches what was commanded.
     for _ in range(50):
         after = body.respond(after, np.array([actions]), 0.1)
     assert np.allclose(after, np.clip([actions], low, high))

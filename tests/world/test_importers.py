@@ -1,4 +1,4 @@
-"""Imported maps: where the walls land, what the rays see, and what each mistake is told."""
+"""Imported maps: where the walls land, what the rays see, and the message for each mistake."""
 
 import json
 
@@ -414,7 +414,7 @@ NAN, INF = ".nan", ".inf"
         ({"negate": 1}, ["free region", "negate"]),
     ],
 )
-def test_a_wrong_yaml_is_told(tmp_path, changes, words):
+def test_a_wrong_yaml_is_named(tmp_path, changes, words):
     (tmp_path / "map.pgm").write_bytes(p5(box()))
     expect_error(import_ros_map, write_yaml(tmp_path, **changes), words)
 
@@ -430,7 +430,7 @@ def expect_error(function, path, words, **choice):
 @pytest.mark.parametrize(
     "content", [b"image: [", b"\xff\xfe", b"just words", b"a: b: c", b"- 1", b"x: \x00", b""]
 )
-def test_what_is_no_yaml_is_told(tmp_path, content):
+def test_a_file_that_is_not_yaml_is_named(tmp_path, content):
     (tmp_path / "map.yaml").write_bytes(content)
     expect_error(import_ros_map, tmp_path / "map.yaml", ["map.yaml"])
 
@@ -450,12 +450,12 @@ def test_what_is_no_yaml_is_told(tmp_path, content):
         b"",
     ],
 )
-def test_a_broken_picture_is_told(tmp_path, content):
+def test_a_broken_picture_is_named(tmp_path, content):
     (tmp_path / "map.pgm").write_bytes(content)
     expect_error(import_ros_map, write_yaml(tmp_path), ["map.yaml: image", "map.pgm"])
 
 
-def test_a_cut_png_is_told(tmp_path):
+def test_a_cut_png_is_named(tmp_path):
     write_png(tmp_path, blobs(0))
     data = (tmp_path / "map.png").read_bytes()
     for size in (20, len(data) // 2, len(data) - 13):
@@ -463,7 +463,7 @@ def test_a_cut_png_is_told(tmp_path):
         expect_error(import_ros_map, write_yaml(tmp_path, image="map.png"), ["image", "cut off"])
 
 
-def test_a_missing_file_a_negative_seed_and_an_unknown_palette_are_told(tmp_path):
+def test_a_missing_file_a_negative_seed_and_an_unknown_palette_are_named(tmp_path):
     path = write_map(tmp_path, box())
     for function in (import_ros_map, import_houseexpo, import_map):
         expect_error(function, tmp_path / "none.json", ["none.json"])
@@ -471,7 +471,7 @@ def test_a_missing_file_a_negative_seed_and_an_unknown_palette_are_told(tmp_path
         expect_error(function, path, ["palette", "pink"], palette="pink")
 
 
-def test_a_map_without_free_space_is_told(tmp_path):
+def test_a_map_without_free_space_is_named(tmp_path):
     path = write_map(tmp_path, np.full((30, 40), UNKNOWN))
     expect_error(import_ros_map, path, ["map.yaml", "free region"])
 
@@ -593,12 +593,12 @@ def test_a_house_survives_json(tmp_path):
         ({"room_category": {"Hall": 3}}, ["room_category.Hall"]),
     ],
 )
-def test_a_wrong_house_is_told(tmp_path, changes, words):
+def test_a_wrong_house_is_named(tmp_path, changes, words):
     expect_error(import_houseexpo, write_house(tmp_path, **changes), words)
 
 
 @pytest.mark.parametrize("content", [b"", b"{", b"\xff", b"[" * 100_000, b"[1]", b"3"])
-def test_what_is_no_house_is_told(tmp_path, content):
+def test_a_file_that_is_not_a_house_is_named(tmp_path, content):
     path = tmp_path / "house.json"
     path.write_bytes(content)
     for function in (import_houseexpo, import_map):
@@ -608,7 +608,7 @@ def test_what_is_no_house_is_told(tmp_path, content):
 # --- Any map ------------------------------------------------------------------------------------
 
 
-def test_import_map_tells_the_kinds_apart(tmp_path):
+def test_import_map_distinguishes_the_kinds(tmp_path):
     path = write_map(tmp_path, box())
     ros = import_map(path, 2, "shifted")
     assert plan_to_json(ros) == plan_to_json(import_ros_map(path, 2, "shifted"))

@@ -93,8 +93,8 @@ def test_a_corridor_around_a_block_stays_free_and_the_block_does_not(half):
     plan = make_box(12.0, 12.0, pillars=[(6.0, 6.0, half)])
     grid = clearance_grid(plan)
     width = 6.0 - half
-    ways = [[width / 2, 6.0], [6.0, width / 2], [12 - width / 2, 6.0], [6.0, 12 - width / 2]]
-    assert grid.at(ways) == pytest.approx(width / 2, abs=grid.resolution)
+    inside = [[width / 2, 6.0], [6.0, width / 2], [12 - width / 2, 6.0], [6.0, 12 - width / 2]]
+    assert grid.at(inside) == pytest.approx(width / 2, abs=grid.resolution)
     blocked = 6.0 + np.random.default_rng(0).uniform(-half + 0.06, half - 0.06, (200, 2))
     assert (grid.at(blocked) == 0).all()
 

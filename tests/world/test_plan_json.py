@@ -25,8 +25,8 @@ GONE = object()
 def altered(path, value):
     """The plan's JSON with one field set to something else, or gone."""
     entry = root = json.loads(TEXT)
-    *way, last = path
-    for key in way:
+    *parents, last = path
+    for key in parents:
         entry = entry[key]
     if value is GONE:
         del entry[last]
@@ -37,13 +37,13 @@ def altered(path, value):
     return json.dumps(root)
 
 
-def paths(value, way=()):
-    """The ways to all fields of a JSON document."""
+def paths(value, path=()):
+    """The paths to all fields of a JSON document."""
     pairs = value.items() if isinstance(value, dict) else enumerate(value)
     for key, item in pairs:
-        yield (*way, key)
+        yield (*path, key)
         if isinstance(item, dict | list):
-            yield from paths(item, (*way, key))
+            yield from paths(item, (*path, key))
 
 
 @pytest.mark.parametrize("palette", ["standard", "shifted"])

@@ -85,7 +85,7 @@ def test_a_fleet_drives_as_each_car_alone(pillars):
     assert (fleet.collided == np.concatenate([s.collided for s in alone])).all()
 
 
-def test_an_obstacle_of_one_robot_is_air_for_the_others(box):
+def test_an_obstacle_of_one_robot_does_not_exist_for_the_others(box):
     starts = np.tile([4.0, 5.0, 0.0], (2, 1))
     obstacle = Person([[6.0, 5.0]], owner=1)
     simulation = Simulation(box, starts, people=[obstacle])
@@ -199,13 +199,13 @@ def test_the_same_seed_gives_the_same_episode(family):
     assert episode() == episode()
 
 
-def test_an_observation_holds_nothing_that_tells_the_pose(box):
+def test_an_observation_holds_nothing_that_reveals_the_pose(box):
     observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0]]).observe()
     names = {"image", "depth", "laser", "odometry", "speed", "steering"}
     assert set(vars(observation)) == names
     assert all(value is None or type(value) is np.ndarray for value in vars(observation).values())
     assert (observation.odometry == 0).all()
-    # A view of a larger array would be a way around.
+    # A view of a larger array would get around that.
     for value in vars(observation).values():
         assert value is None or value.base is None or value.base.size == value.size
 
@@ -262,7 +262,7 @@ def test_a_post_under_the_car_is_no_place_to_start():
         Simulation(scene, [5.0, 5.0, 0.0])
 
 
-def test_time_is_time_for_people_whatever_the_actions(box):
+def test_people_walk_equally_far_under_all_actions(box):
     def walked(act):
         person = Person([[1.0, 2.0], [9.0, 2.0]], speed=0.5)
         rng = np.random.default_rng(0)
@@ -285,7 +285,7 @@ def test_discrete_actions_leave_no_controls_behind(box):
     assert simulation.observe().steering[0] == 0.0
 
 
-def test_poses_are_for_reading(box):
+def test_poses_are_read_only(box):
     simulation = Simulation(box, [[5.0, 5.0, 0.0]])
     with pytest.raises(ValueError, match="read-only"):
         simulation.poses[0] = 1.0
@@ -297,10 +297,10 @@ def test_one_robot_of_a_batch_is_a_batch_of_one(box):
     assert observation[1].image.shape == (1, 16, 64, 3)
 
 
-# Somebody picks a robot up.
+# Teleporting a robot.
 
 
-def test_a_robot_is_put_down_elsewhere_at_rest(box):
+def test_a_teleported_robot_is_at_rest(box):
     starts = [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0], [2.0, 6.0, 0.0]]
     simulation = drive(Simulation(box, starts), [0.6, 0.2], 20)
     before = simulation.poses
@@ -319,7 +319,7 @@ def test_a_robot_is_put_down_elsewhere_at_rest(box):
     assert np.linalg.norm(simulation.poses[1, :2] - placed[1, :2]) > 0.02
 
 
-def test_no_odometer_notices_being_carried(box):
+def test_odometry_is_unaffected_by_teleporting(box):
     simulation = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.0], 20)
     odometry = simulation.odometry.copy()
     simulation.place([0], [8.0, 2.0, np.pi / 2])
@@ -330,7 +330,7 @@ def test_no_odometer_notices_being_carried(box):
     assert simulation.odometry[0, 0] - odometry[0, 0] == pytest.approx(gone)
 
 
-def test_who_is_carried_drives_on_as_if_it_had_started_there(box):
+def test_a_teleported_robot_drives_on_as_if_it_had_started_there(box):
     carried = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.3], 10)
     carried.place([0], [6.0, 6.0, 2.0])
     fresh = Simulation(box, [[6.0, 6.0, 2.0]])
@@ -340,7 +340,7 @@ def test_who_is_carried_drives_on_as_if_it_had_started_there(box):
     assert not carried.collided[0]
 
 
-def test_carried_off_a_wall_it_touches_nothing(box):
+def test_teleported_off_a_wall_a_robot_touches_nothing(box):
     simulation = drive(Simulation(box, [[9.0, 5.0, 0.0]]), [0.8, 0.0], 20)
     assert simulation.touching[0]
     simulation.place([0], [5.0, 5.0, 0.0])
@@ -367,7 +367,7 @@ def test_carried_off_a_wall_it_touches_nothing(box):
         ([1], [[7.1, 7.0, 0.0]], "people: .* stands where"),
     ],
 )
-def test_where_no_robot_can_stand_none_is_put(box, robots, poses, words):
+def test_no_robot_is_teleported_to_where_none_can_stand(box, robots, poses, words):
     starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
     people = [Person([[7.0, 7.0]], owner=1), Person([[5.0, 2.0]])]
     simulation = Simulation(box, starts, people=people)

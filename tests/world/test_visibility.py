@@ -66,7 +66,7 @@ def test_overlap_is_what_brute_force_counts(field, rays):
     assert (found < 1).any()
 
 
-def test_rays_that_leave_the_world_count_as_seen_by_nobody():
+def test_rays_that_leave_the_world_count_as_unseen():
     caster = Raycaster([[3.0, -1.0, 3.0, 1.0]])
     pose = np.array([[0.0, 0.0, 0.0]])
     half = np.arctan2(1.0, 3.0)
@@ -100,7 +100,7 @@ def test_back_to_back_and_on_two_sides_of_a_wall_nothing_is_shared():
     assert (mutual_overlap(ROOM, first[1:], second[1:]) > 0).any()
 
 
-def test_who_stands_closer_sees_less():
+def test_the_closer_view_sees_less():
     far, near = [[1.0, 5.0, 0.0]], [[9.0, 5.0, 0.0]]
     ((far_in_near, near_in_far),) = mutual_overlap(ROOM, far, near)
     assert near_in_far == 1

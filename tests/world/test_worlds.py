@@ -47,7 +47,7 @@ def test_no_training_world_is_a_loop_corridor():
 
 
 @pytest.mark.parametrize("seed", [10_000, 20_000, -1])
-def test_what_is_kept_for_tests_is_not_trained_on(seed):
+def test_seeds_kept_for_tests_are_not_for_training(seed):
     with pytest.raises(InputError, match="seed"):
         training_world(seed)
 

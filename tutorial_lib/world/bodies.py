@@ -123,7 +123,7 @@ def advance(poses: ArrayLike, twists: ArrayLike, seconds: ArrayLike) -> Array:
     """
     twists = np.asarray(twists, dtype=float)
     turn = twists[..., 1] * seconds
-    # The chord of the arc is its length times sinc, and points half way through the turn.
+    # The chord of the arc is its length times sinc, and points halfway through the turn.
     chord = twists[..., 0] * seconds * np.sinc(turn / (2 * np.pi))
     motion = np.stack([chord * np.cos(turn / 2), chord * np.sin(turn / 2), turn], axis=-1)
     return compose(poses, motion)

@@ -200,7 +200,7 @@ class Simulation:
         if not np.isin(robots, np.arange(len(self))).all():
             raise InputError(f"place: robots {robots}; there are 0 to {len(self) - 1}")
         check_free(self.scene, self.body, poses)
-        # A robot at NaN is in no one's way: only those that move are checked.
+        # At NaN a robot collides with nobody: only those that move are checked.
         alone = np.full_like(self.poses, np.nan)
         alone[robots] = poses
         check_apart(self.body, alone, self.crowd.discs)

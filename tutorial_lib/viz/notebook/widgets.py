@@ -92,7 +92,7 @@ def teleop(
     controller: TeleopController,
     rehearsal: Sequence[str] = ("forward", "forward", "left", "left", "left", "forward"),
 ) -> TeleopPanel:
-    """Buttons that drive a car, as a cell's last line."""
+    """Buttons that drive the car, as a cell's last line."""
     return TeleopPanel(controller, rehearsal)
 
 

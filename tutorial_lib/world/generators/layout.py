@@ -99,7 +99,7 @@ class Layout:
         """Put a door between a room and that of `others` with the longest common wall.
 
         Returns:
-            The number of the room it was joined with.
+            The index of the room it was joined with.
 
         Raises:
             DoesNotFit: if no wall between them has room for a door.
@@ -120,7 +120,7 @@ class Layout:
         return [opening for opening in self.openings if room in opening.rooms]
 
     def place(self, pieces: Sequence[Furniture], groups: Sequence[int] | None = None) -> None:
-        """Add furniture, each piece a group of its own unless told."""
+        """Add furniture, each piece a group of its own unless given."""
         first = max(self.twins, default=-1) + 1
         self.furniture += pieces
         self.twins += range(first, first + len(pieces)) if groups is None else groups

@@ -51,7 +51,7 @@ def office(rng: np.random.Generator, area: float) -> Layout:
         add_band(rng, layout, band, halls)
     uses = [room.use for room in layout.rooms]
     if not set(SHARED) <= set(uses) or uses.count("kitchen") > 2:
-        raise DoesNotFit("an office without what everybody needs")
+        raise DoesNotFit("an office without the rooms that it needs")
     return layout
 
 

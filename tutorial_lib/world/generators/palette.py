@@ -1,4 +1,4 @@
-"""The palettes as data: colours, what hangs on the walls of which room, how furniture looks.
+"""The palettes as data: colours, features on the walls of each kind of room, looks of furniture.
 
 Standard hues lie in 0-62, 105-145 and 190-232 degrees, shifted hues only in the gaps between, and
 what is white or grey in the standard palette has a tint in the shifted one.

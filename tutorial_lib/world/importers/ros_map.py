@@ -112,7 +112,9 @@ def _free_cells(root: Field, folder: Path) -> NDArray[np.bool_]:
     low, high = _thresholds(root)
     mode = root["mode"].text() if "mode" in root else "trinary"
     if mode not in ("trinary", "scale"):
-        raise root["mode"].fail("give trinary or scale (raw maps have no thresholds: save anew)")
+        raise root["mode"].fail(
+            "give trinary or scale (raw maps have no thresholds: save it again)"
+        )
     negate = root["negate"].value
     if not isinstance(negate, bool | int):
         raise root["negate"].fail("give 0 or 1")
@@ -187,14 +189,16 @@ def _read_pgm(data: bytes, entry: Field) -> NDArray[np.float64]:
         body = re.sub(rb"#[^\n]*", b"", data[header.end() :]).split()
         found = len(body)
     if found < count:
-        raise entry.fail(f"holds {found} of {width} x {height} pixels; it was cut off, save anew")
+        raise entry.fail(
+            f"holds {found} of {width} x {height} pixels; it was cut off, save it again"
+        )
     if data[:2] == b"P5":
         values = np.frombuffer(body, kind, count)
     else:
         try:
             values = np.array([min(int(word), top) for word in body[:count]])
         except ValueError:
-            raise entry.fail("a pixel is no number; save the PGM anew") from None
+            raise entry.fail("a pixel is no number; save the PGM again") from None
     return np.clip(values.reshape(height, width) / top, 0.0, 1.0)
 
 
