@@ -425,7 +425,7 @@ never = 1e6  # cost of reversing, and the room it needs
 forwards = RMPController(reverse_cost=never, go_on=never, begin=never)
 behind = draw_episodes(recorded, paths, 400, np.random.default_rng(5))
 straight_behind = relative(behind.starts, behind.goals)[:, 0] < -0.3
-behind = behind.some(np.flatnonzero((behind.ahead < 0) & straight_behind))
+behind = behind.subset(np.flatnonzero((behind.ahead < 0) & straight_behind))
 results = {
     name: run(oracle_policy(behind.goals, controller), behind)
     for name, controller in (("never reverses", forwards), ("may reverse", RMPController()))
@@ -761,7 +761,7 @@ def closest(rollouts, episodes):
 def forty_of(episodes):
     """Forty episodes with targets more than a metre away."""
     gaps = np.linalg.norm(episodes.starts[:, :2] - episodes.goals[:, :2], axis=1)
-    return episodes.some(np.flatnonzero(gaps > 1.0)[:40])
+    return episodes.subset(np.flatnonzero(gaps > 1.0)[:40])
 
 
 forty = forty_of(episodes)
@@ -858,7 +858,7 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 
 # %%
 round_robot = DifferentialDrive()
-fits = episodes.some(np.flatnonzero(is_free(scene, round_robot, episodes.starts)))
+fits = episodes.subset(np.flatnonzero(is_free(scene, round_robot, episodes.starts)))
 tracks = {}
 for name, body in (("car", car), ("round robot", round_robot)):
     tracks[name] = run(visual_policy(pretrained, fits, RMPController(body=body)), fits, body)
@@ -894,7 +894,7 @@ show(side_by_side(panels, list(tracks), height=420))
 # %%
 long_path = (fits.ahead > 2.0) & tracks["car"].reached
 filmed = int(np.where(long_path, apart + fits.ahead, 0).argmax())
-one_episode, predictions = fits.some(np.array([filmed])), []
+one_episode, predictions = fits.subset(np.array([filmed])), []
 rollouts = run(visual_policy(pretrained, one_episode, RMPController(), predictions), one_episode)
 track, goal_pose = rollouts.poses[:, 0], one_episode.goals[0]
 images = people_camera.look(scene, np.concatenate([track, goal_pose[None]]))[0]

@@ -327,7 +327,7 @@ for i, (name, seed) in enumerate(SEEDS.items()):
         world = RecordedWorld(place, demonstrate(local_world(seed), place, 16, seed=0))
     geodesics = paths if world is recorded else GridPaths(world.scene.clearance)
     drawn = draw_reachability_pairs(world, geodesics, 120, np.random.default_rng(i))
-    drawn = drawn.some(np.flatnonzero(drawn.seen)[:250])
+    drawn = drawn.subset(np.flatnonzero(drawn.seen)[:250])
     rollouts, touched = roll_out(world, drawn, visual_policy)
     goals = world.poses[drawn.targets]
     gaps = np.linalg.norm(rollouts.poses[:, :, :2] - goals[:, :2], axis=2)
@@ -627,7 +627,7 @@ queries = reachability_pairs(recorded, paths, recorded.poses[rows], columns)
 probability = reachability.calibration(
     all_logits(reachability, recorded, queries.starts, queries.targets)
 )
-occluded = np.flatnonzero(queries.hopeless)
+occluded = np.flatnonzero(queries.far_and_occluded)
 print(f"{len(queries):,} pairs, {len(occluded):,} of them far and occluded")
 for level in (0.5, 0.9, 0.99):
     print(
@@ -678,7 +678,7 @@ same = recorded.first[rows] == recorded.first[columns]
 neighbours = same & (np.abs(recorded.arc[rows] - recorded.arc[columns]) < 3.0)
 chosen = np.flatnonzero((probability > 0.9) & ~neighbours)
 chosen = np.sort(np.random.default_rng(0).permutation(chosen)[:100])
-edges = queries.some(chosen)
+edges = queries.subset(chosen)
 arrivals = roll_out(recorded, edges, visual_policy)[0].reached
 print(
     f"{len(edges)} pairs with RE > 0.9, not neighbours: RE expects {probability[chosen].mean():.1%}, {arrivals.mean():.1%} arrive"

@@ -205,7 +205,7 @@ def query_all_pairs(building):
         seen = experience.observations
         anchors = anchors_of(reachability, seen, view.of(seen), k, 0.99, experience.timestamps)
         places = np.arange(len(anchors))
-        everything.make_vertices(*anchors.some(places), 0 * places + index, places)
+        everything.make_vertices(*anchors.subset(places), 0 * places + index, places)
         kept.append(anchors)
     count = len(everything)
     sources, targets = np.indices((count, count)).reshape(2, -1)

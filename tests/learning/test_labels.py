@@ -9,7 +9,7 @@ from tutorial_lib.driving.data.perturbation import (
     perturbed,
 )
 from tutorial_lib.geometry import to_local, to_world
-from tutorial_lib.learning import pairs as pairs_module
+from tutorial_lib.learning import waypoint_pairs
 from tutorial_lib.learning.labels import (
     CANDIDATES,
     CLEARANCE,
@@ -17,7 +17,7 @@ from tutorial_lib.learning.labels import (
     label,
     waypoint_labels,
 )
-from tutorial_lib.learning.pairs import draw_pairs
+from tutorial_lib.learning.waypoint_pairs import draw_waypoint_pairs
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
@@ -160,7 +160,9 @@ def test_labels_are_what_their_definitions_say():
 
 
 def drawn(recorded, seed=0, k=2):
-    return draw_pairs(recorded, 60, 4, k, TRAINING_PERTURBATION, np.random.default_rng(seed))
+    return draw_waypoint_pairs(
+        recorded, 60, 4, k, TRAINING_PERTURBATION, np.random.default_rng(seed)
+    )
 
 
 def frames_of(recorded, poses):
@@ -203,8 +205,8 @@ def test_pairs_without_a_place_to_start_or_go_are_not_learnt_from(recorded, monk
         found, _ = waypoint_labels(caster, starts, track, sources, targets)
         return found, np.arange(len(starts)) % 3 > 0
 
-    monkeypatch.setattr(pairs_module, "perturbed", half)
-    monkeypatch.setattr(pairs_module, "waypoint_labels", third)
+    monkeypatch.setattr(waypoint_pairs, "perturbed", half)
+    monkeypatch.setattr(waypoint_pairs, "waypoint_labels", third)
     number = np.arange(240)
     assert (drawn(recorded).valid.ravel() == ((number % 2 == 0) & (number % 3 > 0))).all()
 

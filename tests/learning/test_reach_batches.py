@@ -20,7 +20,7 @@ from tutorial_lib.learning.networks import VIEWS, Architecture
 from tutorial_lib.learning.reach_batches import (
     FAR_IN_TIME,
     NEAR_IN_TIME,
-    Lessons,
+    LabelledWorld,
     OutcomeSource,
     ProximitySource,
     by_target,
@@ -35,7 +35,7 @@ def made_up(world, targets, seed):
     rng = np.random.default_rng(seed)
     errands = draw_reachability_pairs(world, GridPaths(world.scene.clearance), targets, rng)
     every = np.column_stack([errands.starts, errands.targets])
-    errands = errands.some(np.sort(np.unique(every, axis=0, return_index=True)[1]))  # none twice
+    errands = errands.subset(np.sort(np.unique(every, axis=0, return_index=True)[1]))  # none twice
     count = len(errands)
     driven = rng.random(count) < 0.8
     reached = driven & (rng.random(count) < 0.6)
@@ -55,8 +55,8 @@ def lessons(worlds):
     found = []
     for number, world in enumerate(worlds):
         mined = made_up(world, 8, 10 + number)
-        few = mined.some(np.flatnonzero(np.arange(len(mined)) % STARTS < 2))
-        found.append(Lessons(world, made_up(world, 15, number), few))
+        few = mined.subset(np.flatnonzero(np.arange(len(mined)) % STARTS < 2))
+        found.append(LabelledWorld(world, made_up(world, 15, number), few))
     return found
 
 
@@ -78,7 +78,7 @@ def rows_of(lessons):
     parts = []
     for lesson in lessons:
         for mined, outcomes in enumerate((lesson.outcomes, lesson.mined)):
-            errands, count = outcomes.errands, len(outcomes)
+            errands, count = outcomes.pairs, len(outcomes)
             goals = lesson.recorded.poses[errands.targets]
             ends = [outcomes.reached, errands.overlap, np.full(count, mined)]
             parts.append(np.column_stack([errands.starts, goals, *ends]))
@@ -143,9 +143,9 @@ def test_a_share_of_the_targets_is_mined(source, lessons, share):
 
 
 def test_worlds_without_mined_errands_teach_those_that_they_have(source, lessons):
-    none = lessons[1].outcomes.some(np.array([], dtype=int))
+    none = lessons[1].outcomes.subset(np.array([], dtype=int))
     few = [lessons[0], replace(lessons[1], mined=none), replace(lessons[1], mined=None)]
-    block = replace(source, lessons=few, mined=0.5).block([5])
+    block = replace(source, labelled=few, mined=0.5).block([5])
     rows = errands_in(block, lessons)
     office = cKDTree(lessons[0].recorded.poses).query(rows[:, 3:6])[0] < 1e-9
     assert 0.3 < rows[office, 9].mean() < 0.7
@@ -186,8 +186,8 @@ def test_a_source_tells_what_its_blocks_are_made_of(source, lessons):
         replace(source, mined=0.25),
         replace(source, vary=True),
         replace(source, targets=9),
-        replace(source, lessons=lessons[:1]),
-        replace(source, lessons=[replace(lesson, mined=None) for lesson in lessons]),
+        replace(source, labelled=lessons[:1]),
+        replace(source, labelled=[replace(lesson, mined=None) for lesson in lessons]),
     ]
     assert all(other.recipe != told for other in others)
 
@@ -256,10 +256,10 @@ def pairs_in(block, drives):
 
 def test_what_is_close_in_time_is_close(proximity):
     block = proximity.block([0])
-    number, sources, targets = pairs_in(block, proximity.drives)
-    longest = max(len(recorded.poses) for recorded in proximity.drives)
+    number, sources, targets = pairs_in(block, proximity.recorded_worlds)
+    longest = max(len(recorded.poses) for recorded in proximity.recorded_worlds)
     first = np.zeros((2, longest), int)
-    for world, recorded in enumerate(proximity.drives):
+    for world, recorded in enumerate(proximity.recorded_worlds):
         first[world, : len(recorded.poses)] = recorded.first
     own = first[number, sources] == first[number, targets]
     apart = np.abs(sources - targets)

@@ -20,10 +20,10 @@ from tutorial_lib.experiments.protocols import geometry_bound
 from tutorial_lib.learning import mining, outcome_data, reach_recipes, recipes
 from tutorial_lib.learning.calibration import Calibration, auc, reliability, sigmoid
 from tutorial_lib.learning.estimators import ReachabilityNetwork
-from tutorial_lib.learning.mining import Search, mined_outcomes
+from tutorial_lib.learning.mining import HardNegativeMining, mined_outcomes
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.outcome_data import kept_outcomes, recipe_of, record_outcomes
-from tutorial_lib.learning.reach_batches import Lessons, OutcomeSource, ProximitySource
+from tutorial_lib.learning.reach_batches import LabelledWorld, OutcomeSource, ProximitySource
 from tutorial_lib.learning.reach_recipes import REACHABILITY, SPTM
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.learning.weights import load_card, load_network, save_network
@@ -62,7 +62,7 @@ def test_outcomes_that_are_there_are_kept(tmp_path, outcomes):
     assert record.times == 1
     assert (path.stat().st_mtime_ns, path.stat().st_ino) == (before.st_mtime_ns, before.st_ino)
     assert np.array_equal(again.reached, outcomes.reached)
-    assert np.array_equal(again.errands.starts, outcomes.errands.starts)
+    assert np.array_equal(again.pairs.starts, outcomes.pairs.starts)
 
 
 @pytest.mark.parametrize("size", [0, 40, 3000])
@@ -79,7 +79,7 @@ def test_a_damaged_file_is_recorded_again(tmp_path, outcomes, size):
 
 def test_outcomes_of_another_recipe_are_recorded_again(tmp_path, outcomes):
     path, record = tmp_path / "some.npz", Recorder(outcomes)
-    save_outcomes(path, outcomes.some(np.array([0])), "another recipe")
+    save_outcomes(path, outcomes.subset(np.array([0])), "another recipe")
     assert kept_outcomes(path, "recipe", record) is outcomes
     assert len(load_outcomes(path, "recipe")) == len(outcomes)
     with pytest.raises(InputError, match="another recipe"):
@@ -130,7 +130,7 @@ def test_a_world_is_recorded_once_and_again_where_something_changed(tmp_path, dr
     (drives,) = record_demonstrations([WORLD], 2, 0, tmp_path / "demonstrations", 1)
     frames = sum(len(drive) for drive in load_trajectories(drives))
     assert len(outcomes) <= 10
-    assert outcomes.errands.targets.max() < frames
+    assert outcomes.pairs.targets.max() < frames
     assert not (outcomes.reached & outcomes.collided).any()
     assert record().read_bytes() == whole
     assert driven == [WORLD]
@@ -162,9 +162,9 @@ def test_a_search_s_outcomes_are_kept_for_these_weights(tmp_path, recorded, netw
 
     def find(self, reachability, world, paths, rng):
         searched.append(reachability)
-        return made_up(world, 1, 3).errands, 99
+        return made_up(world, 1, 3).pairs, 99
 
-    monkeypatch.setattr(Search, "find", find)
+    monkeypatch.setattr(HardNegativeMining, "find", find)
     once = partial(mined_outcomes, ReachabilityNetwork(network), CONTROLLER, [recorded], tmp_path)
     (first,) = once(jobs=1)
     (again,) = once(jobs=1)
@@ -172,16 +172,16 @@ def test_a_search_s_outcomes_are_kept_for_these_weights(tmp_path, recorded, netw
     assert np.array_equal(first.reached, again.reached)
     (path,) = (tmp_path / "mined" / CONTROLLER).iterdir()
     assert path.name == "office-1-standard.npz"
-    once(search=Search(pairs=7), jobs=1)
+    once(mining=HardNegativeMining(pairs=7), jobs=1)
     assert len(searched) == 2
     with torch.no_grad():
         network.heads.bias += 0.5
-    once(search=Search(pairs=7), jobs=1)
+    once(mining=HardNegativeMining(pairs=7), jobs=1)
     assert len(searched) == 3
 
 
 def test_every_second_world_is_searched_and_none_is_lost(recorded, network, monkeypatch, tmp_path):
-    lessons = [Lessons(recorded, made_up(recorded, 1, seed)) for seed in range(5)]
+    lessons = [LabelledWorld(recorded, made_up(recorded, 1, seed)) for seed in range(5)]
     mined = [made_up(recorded, 1, 10 + seed) for seed in range(3)]
 
     def search(reachability, controller, drives, work, jobs):
@@ -203,15 +203,15 @@ def test_every_second_world_is_searched_and_none_is_lost(recorded, network, monk
 
 
 def test_a_calibration_is_fitted_and_measured_on_what_can_be_seen(recorded, network, monkeypatch):
-    lessons = [Lessons(recorded, made_up(recorded, 250, seed)) for seed in range(2)]
+    lessons = [LabelledWorld(recorded, made_up(recorded, 250, seed)) for seed in range(2)]
     told, label = [], []
 
     def logits(reachability, world, starts, targets):
         # Knows how it ends, but is not sure enough; of what is not seen it knows nothing.
         outcomes = lessons[len(told)].outcomes
-        seen = outcomes.errands.seen
-        assert np.array_equal(starts, outcomes.errands.starts[seen])
-        assert np.array_equal(targets, outcomes.errands.targets[seen])
+        seen = outcomes.pairs.seen
+        assert np.array_equal(starts, outcomes.pairs.starts[seen])
+        assert np.array_equal(targets, outcomes.pairs.targets[seen])
         label.append(outcomes.reached[seen])
         rng = np.random.default_rng(len(told))
         told.append(1.5 * (label[-1] - 0.5) + rng.normal(0.0, 1.0, len(starts)))
@@ -263,7 +263,7 @@ def test_worlds_are_used_for_one_thing_only():
 @pytest.fixture
 def tiny(tmp_path, monkeypatch, recorded):
     """The command trains a tiny network on made-up outcomes, in a folder of the test's."""
-    lesson = Lessons(recorded, made_up(recorded, 12, 0))
+    lesson = LabelledWorld(recorded, made_up(recorded, 12, 0))
     mined = made_up(recorded, 3, 1)
     short = Settings(max_steps=4, targets=2, eval_interval=2)
     architecture = Architecture(0, outputs="reachability")
@@ -276,12 +276,12 @@ def tiny(tmp_path, monkeypatch, recorded):
     monkeypatch.setitem(cli.NETWORKS["reachability"], "sptm", sptm)
     asked = []
 
-    def lessons_of(recipe, worlds, work, jobs):
+    def labelled_worlds(recipe, worlds, work, jobs):
         asked.append(worlds)
         return [lesson, lesson]
 
-    monkeypatch.setattr(reach_recipes, "lessons_of", lessons_of)
-    monkeypatch.setattr(reach_recipes, "recorded_drives", lambda *arguments: [recorded])
+    monkeypatch.setattr(reach_recipes, "labelled_worlds", labelled_worlds)
+    monkeypatch.setattr(reach_recipes, "recorded_worlds_of", lambda *arguments: [recorded])
     monkeypatch.setattr(reach_recipes, "mined_outcomes", lambda *a, **k: [mined])
     monkeypatch.setattr(
         reach_recipes, "OutcomeSource", partial(OutcomeSource, worlds=2, targets=16)
@@ -327,14 +327,14 @@ def test_sptm_s_network_is_trained_by_the_same_command(tiny, tmp_path):
 
 
 def test_a_search_is_made_side_by_side_with_the_weights_it_was_given(recorded, network, tmp_path):
-    search = Search(anchors=6, pairs=2, hopeless=0, sure=0.0)
+    search = HardNegativeMining(frames=6, pairs=2, far_occluded=0, threshold=0.0)
     with joblib.parallel_config(backend="threading"):
         (found,) = mined_outcomes(
             ReachabilityNetwork(network), CONTROLLER, [recorded], tmp_path, search, jobs=1
         )
     assert len(found) <= 2
     logits = mining.all_logits(
-        ReachabilityNetwork(network), recorded, found.errands.starts, found.errands.targets
+        ReachabilityNetwork(network), recorded, found.pairs.starts, found.pairs.targets
     )
     assert (sigmoid(logits) > 0.0).all()
 
@@ -342,21 +342,21 @@ def test_a_search_is_made_side_by_side_with_the_weights_it_was_given(recorded, n
 def test_of_hopeless_pairs_the_surest_are_kept_and_none_is_driven(recorded, network):
     reachability = ReachabilityNetwork(network)
     paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng
-    every, _ = Search(anchors=40, pairs=0, hopeless=9_999, sure=0.0).find(
+    every, _ = HardNegativeMining(frames=40, pairs=0, far_occluded=9_999, threshold=0.0).find(
         reachability, recorded, paths, rng(3)
     )
-    some, asked = Search(anchors=40, pairs=3, hopeless=5, sure=0.0).find(
+    some, asked = HardNegativeMining(frames=40, pairs=3, far_occluded=5, threshold=0.0).find(
         reachability, recorded, paths, rng(3)
     )
     assert 5 < len(every) < asked
-    assert every.hopeless.all()
-    assert some.hopeless.sum() == 5
-    assert (~some.hopeless).sum() == 3
+    assert every.far_and_occluded.all()
+    assert some.far_and_occluded.sum() == 5
+    assert (~some.far_and_occluded).sum() == 3
     assert (np.diff(some.targets) >= 0).all()
 
     def logits(errands):
         return mining.all_logits(reachability, recorded, errands.starts, errands.targets)
 
     surest = np.sort(logits(every))[-5:]
-    kept = some.some(some.hopeless)
+    kept = some.subset(some.far_and_occluded)
     assert np.sort(logits(kept)) == pytest.approx(surest, abs=1e-4)

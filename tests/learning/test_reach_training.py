@@ -11,7 +11,7 @@ from tests.learning.test_reach_batches import made_up
 from tutorial_lib.learning import training
 from tutorial_lib.learning.losses import OVERLAP_WEIGHT, reach_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
-from tutorial_lib.learning.reach_batches import Lessons, OutcomeSource
+from tutorial_lib.learning.reach_batches import LabelledWorld, OutcomeSource
 from tutorial_lib.learning.training import Settings, copy_matching_weights, train
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
@@ -21,7 +21,7 @@ SMALL = Architecture(1, "pair", **TELLS)
 
 @pytest.fixture(scope="module")
 def lessons(recorded):
-    return [Lessons(recorded, made_up(recorded, 20, 0), made_up(recorded, 10, 1))]
+    return [LabelledWorld(recorded, made_up(recorded, 20, 0), made_up(recorded, 10, 1))]
 
 
 @pytest.fixture(scope="module")

@@ -17,7 +17,7 @@ from tutorial_lib.interfaces import Reachability
 from tutorial_lib.learning import estimators, mining
 from tutorial_lib.learning.calibration import Calibration, sigmoid
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.learning.mining import OWN, Search, all_logits
+from tutorial_lib.learning.mining import OWN, HardNegativeMining, all_logits
 from tutorial_lib.learning.networks import ENCODERS, VIEWS, Architecture, LocalNetwork
 from tutorial_lib.learning.policies import encoded
 from tutorial_lib.learning.weights import Card, digest_of, load_card, load_network, save_network
@@ -272,7 +272,7 @@ def frame_of(recorded, poses):
 
 
 def test_all_pairs_are_asked_about_but_those_close_on_one_drive(two_drives, oracle):
-    _, asked = find(oracle, two_drives, Search(anchors=30))
+    _, asked = find(oracle, two_drives, HardNegativeMining(frames=30))
     ((starts, targets),) = oracle.asked
     frames = frame_of(two_drives, starts)
     anchors = np.unique(targets)
@@ -289,7 +289,7 @@ def test_all_pairs_are_asked_about_but_those_close_on_one_drive(two_drives, orac
 
 
 def test_what_the_network_is_sure_of_is_found_with_its_measures(two_drives, oracle):
-    errands, _ = find(oracle, two_drives, Search(anchors=40, pairs=10**6, sure=0.6))
+    errands, _ = find(oracle, two_drives, HardNegativeMining(frames=40, pairs=10**6, threshold=0.6))
     told = probability_by_hand(two_drives, errands)
     assert told.min() > 0.6
     ((starts, targets),) = oracle.asked
@@ -302,10 +302,10 @@ def test_what_the_network_is_sure_of_is_found_with_its_measures(two_drives, orac
 
 
 def test_of_too_many_some_are_drawn(two_drives, oracle):
-    errands, _ = find(oracle, two_drives, Search(anchors=60, pairs=40, hopeless=3))
+    errands, _ = find(oracle, two_drives, HardNegativeMining(frames=60, pairs=40, far_occluded=3))
     told = probability_by_hand(two_drives, errands)
-    assert (~errands.hopeless).sum() == 40
-    assert errands.hopeless.sum() <= 3
+    assert (~errands.far_and_occluded).sum() == 40
+    assert errands.far_and_occluded.sum() <= 3
     assert told.min() > 0.5
     frames = frame_of(two_drives, errands.starts)
     pairs = set(zip(frames.tolist(), errands.targets.tolist(), strict=True))
@@ -314,13 +314,13 @@ def test_of_too_many_some_are_drawn(two_drives, oracle):
 
 def test_a_calibration_decides_what_the_network_is_sure_of(two_drives, oracle):
     oracle.calibration = Calibration((-1.0, 1.0), (-10.0, -9.0))  # never sure
-    errands, asked = find(oracle, two_drives, Search(anchors=20))
+    errands, asked = find(oracle, two_drives, HardNegativeMining(frames=20))
     assert len(errands) == 0
     assert asked > 100
 
 
 def test_the_same_seed_finds_the_same_pairs(two_drives, oracle):
-    search = Search(anchors=30, pairs=20)
+    search = HardNegativeMining(frames=30, pairs=20)
     found = [find(oracle, two_drives, search, seed)[0] for seed in (3, 3, 4)]
     assert np.array_equal(found[0].starts, found[1].starts)
     assert np.array_equal(found[0].targets, found[1].targets)
@@ -330,7 +330,7 @@ def test_the_same_seed_finds_the_same_pairs(two_drives, oracle):
 def test_a_network_is_searched_as_well_as_an_oracle(two_drives):
     estimator = estimator_of("matching")
     paths = GridPaths(two_drives.scene.clearance)
-    errands, asked = Search(anchors=12, pairs=30, sure=0.3).find(
+    errands, asked = HardNegativeMining(frames=12, pairs=30, threshold=0.3).find(
         estimator, two_drives, paths, np.random.default_rng(0)
     )
     assert 60 <= asked < 144

@@ -521,7 +521,7 @@ def test_a_checkpoint_of_another_training_is_refused(source, validation, checkpo
     elif other == "vary":
         source = replace(source, vary=False)
     else:
-        source = replace(source, drives=source.drives[:1])
+        source = replace(source, recorded_worlds=source.recorded_worlds[:1])
     with pytest.raises(InputError, match=r"tiny\.pt.*another training.*delete it"):
         train(architecture, source, validation, settings, checkpoint)
     assert checkpoint.read_bytes() == before

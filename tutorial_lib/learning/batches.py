@@ -16,12 +16,12 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import Controller, Observation
 from tutorial_lib.learning.networks import Architecture
-from tutorial_lib.learning.pairs import Pairs, draw_pairs
+from tutorial_lib.learning.waypoint_pairs import WaypointPairs, draw_waypoint_pairs
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import Laser
 
 STARTS = 4
-"""Starts for each target: its pictures are encoded once for all of them."""
+"""Starts for each target: its images are encoded once for all of them."""
 
 
 @dataclass(frozen=True)
@@ -29,16 +29,16 @@ class Batch:
     """G targets with S starts each; N = G * S pairs, those of one target in a row.
 
     Attributes:
-        current: (N, H, W, C) pictures, as the view gives them.
-        contexts: (G, 2k+1, H, W, C) pictures.
+        current: (N, H, W, C) images, as the view returns them.
+        contexts: (G, 2k+1, H, W, C) images of the targets.
         waypoint: (N, 2) metres.
         turn: (N, 2) cosine and sine of the heading difference.
         overlap: (N, 2).
-        context_poses: (N, 2k+1, 4) x, y, cosine and sine of where each picture was taken.
-        action: (N, 2) what the demonstrating driver would do; empty unless asked for.
-        reached: (N,) how probable it is that C reaches the target; 0 unless asked for.
-        weight: (N,) 1 for pairs that can be learnt from, 0 for others.
-        placed: (N,) 1 for pairs of which `context_poses` can be learnt, 0 for others.
+        context_poses: (N, 2k+1, 4) x, y, cosine and sine of the pose of each context image.
+        action: (N, 2) of the demonstrator; empty for other outputs.
+        reached: (N,) probability that C reaches the target; 0 for other outputs.
+        weight: (N,) 1 for pairs with a label, 0 for others.
+        placed: (N,) 1 for pairs with a label for `context_poses`, 0 for others.
     """
 
     current: NDArray
@@ -57,7 +57,7 @@ class Batch:
         return torch.from_numpy(getattr(self, name))
 
     def targets(self, groups: NDArray[np.intp] | slice) -> "Batch":
-        """Some of the targets, with all their starts."""
+        """A subset of the targets, with all their starts."""
         count, starts = len(self.contexts), len(self.current) // len(self.contexts)
         picked = {"contexts": self.contexts[groups]}
         for field in fields(self):
@@ -70,24 +70,24 @@ class Batch:
 
 @dataclass(frozen=True)
 class Source:
-    """Where training data comes from.
+    """Blocks of training data for waypoints or actions.
 
     Attributes:
-        drives: of all worlds.
-        architecture: of the network that is to learn.
-        driver: whose actions are to be learnt; needed for the output "action".
+        recorded_worlds: trajectories of all worlds.
+        architecture: of the network to be trained.
+        demonstrator: whose actions are labels; needed for the output "action".
         perturbation: of the starts.
-        worlds: that a block is made of.
-        targets: of each of them.
+        worlds: drawn for a block.
+        targets: of each world.
         starts: of each target.
-        close: share of pairs whose target is very near; most mistakes are made there.
-        clutter: share of starts before which one or two things stand that were not recorded.
-        vary: whether the pictures' looks are changed at random.
+        close: share of pairs whose target is very near, where most mistakes are made.
+        clutter: share of starts with one or two unrecorded obstacles in view.
+        vary: whether images are augmented.
     """
 
-    drives: Sequence[RecordedWorld]
+    recorded_worlds: Sequence[RecordedWorld]
     architecture: Architecture
-    driver: Controller | None = None
+    demonstrator: Controller | None = None
     perturbation: Perturbation = TRAINING_PERTURBATION
     worlds: int = 16
     targets: int = 64
@@ -98,9 +98,9 @@ class Source:
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """What its blocks depend on, so far as it can be told in a few words."""
+        """What its blocks depend on, in brief."""
         return {
-            "frames": sum(len(recorded.poses) for recorded in self.drives),
+            "frames": sum(len(recorded.poses) for recorded in self.recorded_worlds),
             "perturbation": asdict(self.perturbation),
             "block": [self.worlds, self.targets, self.starts],
             "close": self.close,
@@ -109,17 +109,17 @@ class Source:
         }
 
     def block(self, seed: Sequence[int]) -> Batch:
-        """The block of that seed: targets of `worlds` worlds, well mixed."""
+        """The block of that seed: targets of `worlds` worlds, shuffled."""
         rng = np.random.default_rng(seed)
         parts = [
-            self._world(self.drives[i], rng)
-            for i in rng.integers(len(self.drives), size=self.worlds)
+            self._world(self.recorded_worlds[i], rng)
+            for i in rng.integers(len(self.recorded_worlds), size=self.worlds)
         ]
         block = joined(parts)
         return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
-        pairs = draw_pairs(
+        pairs = draw_waypoint_pairs(
             recorded,
             self.targets,
             self.starts,
@@ -149,10 +149,12 @@ class Source:
             np.ones_like(valid),
         )
 
-    def _actions(self, recorded: RecordedWorld, pairs: Pairs, discs: Discs) -> NDArray[np.float32]:
-        """What the driver does at each start, given the waypoint that is to be predicted."""
+    def _actions(
+        self, recorded: RecordedWorld, pairs: WaypointPairs, discs: Discs
+    ) -> NDArray[np.float32]:
+        """The demonstrator's action at each start, given the true waypoint."""
         poses, frames = pairs.starts.reshape(-1, 3), pairs.sources.ravel()
-        if self.driver is None:
+        if self.demonstrator is None:
             return np.zeros((len(poses), 0), np.float32)
         seen = Observation(
             image=np.zeros((len(poses), 0, 0, 3), np.uint8),
@@ -162,11 +164,11 @@ class Source:
             speed=recorded.speed[frames],
             steering=recorded.steering[frames],
         )
-        return self.driver.act(seen, pairs.labels.waypoint).astype(np.float32)
+        return self.demonstrator.act(seen, pairs.labels.waypoint).astype(np.float32)
 
 
 def joined(parts: Sequence[Batch]) -> Batch:
-    """All targets of several batches in one."""
+    """Several batches as one."""
     return Batch(
         **{
             field.name: np.concatenate([getattr(part, field.name) for part in parts])
@@ -176,15 +178,15 @@ def joined(parts: Sequence[Batch]) -> Batch:
 
 
 def posed(origins: Array, poses: Array) -> NDArray[np.float32]:
-    """Poses (..., 3) as seen from others: (..., 4) x, y, cosine and sine of the heading."""
+    """Poses (..., 3) in the frames of `origins`: (..., 4) x, y, cosine and sine of the heading."""
     seen = relative(origins, poses)
     return np.concatenate([seen[..., :2], _turn(seen[..., 2])], axis=-1, dtype=np.float32)
 
 
 def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
-    """Round things of any colour before a `share` of the robots at `poses` (N, 3), one or two each.
+    """One or two discs of random colour ahead of a `share` of the robots at `poses` (N, 3).
 
-    A robot is to find its way past people and boxes that were not there when a drive was recorded.
+    A robot has to get past people and boxes that were not there during the recording.
     """
     owners = np.repeat(np.arange(len(poses)), rng.integers(1, 3, len(poses)))
     owners = owners[(rng.random(len(poses)) < share)[owners]].astype(np.int32)
@@ -197,23 +199,23 @@ def clutter(poses: Array, share: float, rng: np.random.Generator) -> Discs:
 
 
 class Blocks(Protocol):
-    """Where batches come from."""
+    """A source of training blocks."""
 
     worlds: int
     targets: int
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """What the blocks depend on, so far as it can be told in a few words."""
+        """What the blocks depend on, in brief."""
 
     def block(self, seed: Sequence[int]) -> Batch:
-        """The block of that seed: `worlds` times `targets` targets, well mixed."""
+        """The block of that seed: `worlds` times `targets` targets, shuffled."""
 
 
 def batches(source: Blocks, seed: int, first: int, size: int) -> Iterator[Batch]:
-    """Batches of `size` targets without end, from the `first` on; the next block is made meanwhile.
+    """Batches of `size` targets without end, from the `first` on; the next block is prefetched.
 
-    A batch depends on its number and the seed alone, so that training can go on anywhere.
+    A batch depends on its index and the seed alone, so that training can resume anywhere.
 
     Raises:
         InputError: when a batch is larger than a block.

@@ -1,7 +1,7 @@
-"""Hard negatives: pairs of which a network is sure, found by asking it about all pairs of a world.
+"""Hard negative mining: query a network about all pairs of a world, and keep confident ones.
 
-A map is made of the pairs with the highest scores among very many, so the mistakes of a network are
-far more frequent there than among pairs drawn at random.
+A map consists of the pairs with the highest scores among very many, so a network's errors are far
+more frequent there than among pairs drawn at random.
 """
 
 from __future__ import annotations
@@ -25,25 +25,25 @@ from tutorial_lib.parallel import for_each
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 OWN = 3.0
-"""Metres along one drive within which pairs are not searched: they are drawn often enough."""
+"""Metres along a trajectory within which pairs are not mined: they are drawn often enough."""
 _AT_ONCE = 512
 
 
 @dataclass(frozen=True)
-class Search:
-    """How pairs are searched in one world.
+class HardNegativeMining:
+    """How pairs are mined in one world.
 
     Attributes:
-        anchors: frames that are paired with each other.
-        pairs: that are kept at most, besides those that are hopeless.
-        hopeless: that are kept at most; nobody need drive to know how they end.
-        sure: probability from which on a pair is one to look at.
+        frames: that are paired with each other.
+        pairs: kept at most, besides the far, occluded ones.
+        far_occluded: pairs kept at most; they are labelled without a rollout.
+        threshold: RE above which a pair is a candidate.
     """
 
-    anchors: int = 160
+    frames: int = 160
     pairs: int = 100
-    hopeless: int = 400
-    sure: float = 0.5
+    far_occluded: int = 400
+    threshold: float = 0.5
 
     def find(
         self,
@@ -52,25 +52,25 @@ class Search:
         paths: GridPaths,
         rng: np.random.Generator,
     ) -> tuple[ReachabilityPairs, int]:
-        """Pairs of which the network is sure, by target, and how many it was asked about.
+        """WaypointPairs with RE above the threshold, by target, and the number of pairs queried.
 
-        If there are too many hopeless ones, the surest are kept; of the others, some are drawn.
+        Of the far, occluded ones those with the highest RE are kept; the others are drawn.
         """
-        frames = np.sort(rng.choice(len(recorded.poses), self.anchors, replace=False))
+        frames = np.sort(rng.choice(len(recorded.poses), self.frames, replace=False))
         start, target = (pairs.ravel() for pairs in np.meshgrid(frames, frames, indexing="ij"))
         own = recorded.first[start] == recorded.first[target]
         apart = ~own | (np.abs(recorded.arc[start] - recorded.arc[target]) > OWN)
         start, target = start[apart], target[apart]
         logits = all_logits(reachability, recorded, recorded.poses[start], target)
         probability = reachability.calibration(logits)
-        sure = np.flatnonzero(probability > self.sure)
-        sure = sure[np.argsort(-probability[sure], kind="stable")]
-        found = reachability_pairs(recorded, paths, recorded.poses[start[sure]], target[sure])
-        hopeless = np.flatnonzero(found.hopeless)[: self.hopeless]
-        others = rng.permutation(np.flatnonzero(~found.hopeless))[: self.pairs]
-        rows = np.concatenate([hopeless, others])
+        high = np.flatnonzero(probability > self.threshold)
+        high = high[np.argsort(-probability[high], kind="stable")]
+        found = reachability_pairs(recorded, paths, recorded.poses[start[high]], target[high])
+        far = np.flatnonzero(found.far_and_occluded)[: self.far_occluded]
+        others = rng.permutation(np.flatnonzero(~found.far_and_occluded))[: self.pairs]
+        rows = np.concatenate([far, others])
         rows = rows[np.argsort(found.targets[rows], kind="stable")]
-        return found.some(rows), len(start)
+        return found.subset(rows), len(start)
 
 
 def all_logits(
@@ -79,9 +79,9 @@ def all_logits(
     starts: Array,
     targets: NDArray[np.intp],
 ) -> Array:
-    """Logits (N,), not calibrated, from poses `starts` (N, 3) to recorded frames `targets` (N,).
+    """Uncalibrated logits (N,) from poses `starts` (N, 3) to recorded frames `targets` (N,).
 
-    What is seen from a pose, and each target, is encoded once.
+    Each distinct pose and target is encoded once.
     """
     poses, which = np.unique(starts, axis=0, return_inverse=True)
     camera = reachability.view.camera
@@ -90,8 +90,8 @@ def all_logits(
     prepared = encoded(reachability, recorded, frames)
     current = reachability.encode(seen)
     logits = [
-        reachability.compare(current[which[some]], prepared[shown[some]])[:, 0]
-        for some in np.array_split(np.arange(len(starts)), 1 + len(starts) // _AT_ONCE)
+        reachability.compare(current[which[rows]], prepared[shown[rows]])[:, 0]
+        for rows in np.array_split(np.arange(len(starts)), 1 + len(starts) // _AT_ONCE)
     ]
     return np.concatenate(logits)
 
@@ -99,31 +99,36 @@ def all_logits(
 def mined_outcomes(
     reachability: ReachabilityNetwork,
     controller: str,
-    drives: list[RecordedWorld],
+    recorded_worlds: list[RecordedWorld],
     work: Path,
-    search: Search | None = None,
+    mining: HardNegativeMining | None = None,
     jobs: int = 2,
 ) -> list[RolloutOutcomes]:
-    """Search each world, and send the controller on what was found; files that are there are kept.
+    """Mine pairs in each world and roll them out; existing files are kept.
 
     Args:
-        reachability: the network whose mistakes are wanted.
+        reachability: the network whose errors are sought.
         controller: name of the weights of C_WP.
-        drives: of the worlds.
+        recorded_worlds: their trajectories.
         work: folder for the outcomes.
-        search: how pairs are searched.
+        mining: how pairs are mined.
         jobs: processes.
     """
-    search = Search() if search is None else search
+    mining = HardNegativeMining() if mining is None else mining
     folder = work / "mined" / controller
     folder.mkdir(parents=True, exist_ok=True)
     calibrated = digest_of(reachability.network), reachability.calibration
-    recipe = f"{calibrated} {load_card(controller).sha256[:16]} {search}"
+    # The words of the first version, so that files recorded with it still load.
+    sizes = (
+        f"HardNegativeMining(frames={mining.frames}, pairs={mining.pairs}, "
+        f"hopeless={mining.far_occluded}, sure={mining.threshold})"
+    )
+    recipe = f"{calibrated} {load_card(controller).sha256[:16]} {sizes}"
     items = [
         (folder / f"{recorded.trajectories[0].world.replace('/', '-')}.npz", recorded)
-        for recorded in drives
+        for recorded in recorded_worlds
     ]
-    arguments = (recipe, reachability, controller, search)
+    arguments = (recipe, reachability, controller, mining)
     return for_each(_mined, items, *arguments, label="hard negatives", jobs=jobs)
 
 
@@ -132,14 +137,14 @@ def _mined(
     recipe: str,
     reachability: ReachabilityNetwork,
     controller: str,
-    search: Search,
+    mining: HardNegativeMining,
 ) -> RolloutOutcomes:
     path, recorded = item
 
-    def drive() -> RolloutOutcomes:
+    def record() -> RolloutOutcomes:
         paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng(len(recorded.poses))
-        errands, _ = search.find(reachability, recorded, paths, rng)
+        pairs, _ = mining.find(reachability, recorded, paths, rng)
         predictor = WaypointNetwork(controller)
-        return roll_out_pairs(recorded, errands, by_waypoints(predictor), predictor.view.camera)
+        return roll_out_pairs(recorded, pairs, by_waypoints(predictor), predictor.view.camera)
 
-    return kept_outcomes(path, recipe, drive)
+    return kept_outcomes(path, recipe, record)

@@ -60,7 +60,7 @@ class Architecture:
 
 
 class LocalNetwork(nn.Module):
-    """Pairs, their context, and what is to be told about them."""
+    """WaypointPairs, their context, and what is to be told about them."""
 
     def __init__(self, architecture: Architecture) -> None:
         """Build an untrained network."""

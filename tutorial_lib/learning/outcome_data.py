@@ -1,4 +1,4 @@
-"""Outcomes of errands in many worlds, one file each: the data that reachability is learnt from."""
+"""Rollout outcomes in many worlds, one file each: the data that reachability is learnt from."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import scene_of
 
 SEED = 1
-"""Of the errands."""
+"""Of the pairs."""
 
 
 def record_outcomes(
@@ -38,27 +38,27 @@ def record_outcomes(
     work: Path,
     jobs: int = 2,
 ) -> list[Path]:
-    """Send a controller on errands in many worlds, one file each; files that are there are kept.
+    """Roll out a controller on pairs in many worlds, one file each; existing files are kept.
 
-    So an interrupted recording goes on where it stopped and ends with the same files. A file that
-    is damaged, or comes from other weights or sizes, is recorded again.
+    So an interrupted recording resumes where it stopped and ends with the same files. A file that
+    is damaged, or was made with other weights or sizes, is recorded again.
 
     Args:
         worlds: their names.
         controller: name of the weights of C_WP.
         targets: of each world, see `draw_reachability_pairs`.
-        cars: whose demonstrations the targets lie on.
+        cars: per world, on whose demonstrations the targets lie.
         work: folder for demonstrations and outcomes.
         jobs: processes.
 
     Returns:
         The files, in the order of `worlds`.
     """
-    drives = record_demonstrations(worlds, cars, 0, work / "demonstrations", jobs)
+    demonstrations = record_demonstrations(worlds, cars, 0, work / "demonstrations", jobs)
     recipe = recipe_of(controller, targets, cars)
     folder = work / "outcomes" / controller
     folder.mkdir(parents=True, exist_ok=True)
-    items = list(zip(worlds, drives, strict=True))
+    items = list(zip(worlds, demonstrations, strict=True))
     label = f"outcomes of {controller}"
     return for_each(_record, items, controller, targets, recipe, folder, label=label, jobs=jobs)
 
@@ -72,21 +72,21 @@ def _record(
     item: tuple[str, Path], controller: str, targets: int, recipe: str, folder: Path
 ) -> Path:
     """Record one world, unless its file is there."""
-    world, drives = item
+    world, demonstrations = item
     path = folder / f"{world.replace('/', '-')}.npz"
 
-    def send() -> RolloutOutcomes:
-        recorded = RecordedWorld(scene_of(world), load_trajectories(drives))
+    def record() -> RolloutOutcomes:
+        recorded = RecordedWorld(scene_of(world), load_trajectories(demonstrations))
         return outcomes_in(recorded, world, controller, targets)
 
-    kept_outcomes(path, recipe, send)
+    kept_outcomes(path, recipe, record)
     return path
 
 
 def kept_outcomes(
     path: Path, recipe: str, record: Callable[[], RolloutOutcomes]
 ) -> RolloutOutcomes:
-    """The outcomes in the file, or else those that `record` finds, which are kept there."""
+    """The outcomes in the file, or else those that `record` returns, which are saved there."""
     try:
         return load_outcomes(path, recipe)
     except InputError:
@@ -98,8 +98,8 @@ def kept_outcomes(
 def outcomes_in(
     recorded: RecordedWorld, world: str, controller: str, targets: int
 ) -> RolloutOutcomes:
-    """Draw errands in one world and send the controller on them."""
+    """Draw pairs in one world and roll out the controller on them."""
     rng = np.random.default_rng([SEED, crc32(world.encode())])
-    errands = draw_reachability_pairs(recorded, GridPaths(recorded.scene.clearance), targets, rng)
+    pairs = draw_reachability_pairs(recorded, GridPaths(recorded.scene.clearance), targets, rng)
     predictor = WaypointNetwork(controller)
-    return roll_out_pairs(recorded, errands, by_waypoints(predictor), predictor.view.camera)
+    return roll_out_pairs(recorded, pairs, by_waypoints(predictor), predictor.view.camera)

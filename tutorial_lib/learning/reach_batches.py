@@ -1,4 +1,4 @@
-"""Training data for reachability: errands and how they ended, rendered while the network learns."""
+"""Training data for reachability: pairs with outcomes, rendered while the network learns."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,17 +15,17 @@ from tutorial_lib.learning.batches import Batch, joined, posed
 from tutorial_lib.learning.networks import Architecture
 
 NEAR_IN_TIME, FAR_IN_TIME = 20, 100
-"""Frames: at most so many apart is close, at least so many is not (SPTM's authors)."""
+"""Frames: at most so many apart is close, at least so many is far (SPTM's authors)."""
 
 
 @dataclass(frozen=True)
-class Lessons:
-    """What one world teaches.
+class LabelledWorld:
+    """A world with labelled pairs.
 
     Attributes:
-        recorded: its drives.
-        outcomes: errands to frames of those drives.
-        mined: errands of which a network was too sure; may be none.
+        recorded: its trajectories.
+        outcomes: of pairs whose targets are frames of those trajectories.
+        mined: outcomes of hard negative mining, if any.
     """
 
     recorded: RecordedWorld
@@ -35,18 +35,18 @@ class Lessons:
 
 @dataclass(frozen=True)
 class OutcomeSource:
-    """Blocks of errands with their outcomes.
+    """Blocks of pairs with their outcomes.
 
     Attributes:
-        lessons: of all worlds.
-        architecture: of the network that is to learn.
-        mined: share of the targets that are taken from mined errands, in worlds that have any.
-        worlds: that a block is made of.
-        targets: of each of them, with `STARTS` starts each.
-        vary: whether the pictures' looks are changed at random.
+        labelled: all worlds.
+        architecture: of the network to be trained.
+        mined: share of the targets that are taken from mined pairs, in worlds that have any.
+        worlds: drawn for a block.
+        targets: of each world, with `STARTS` starts each.
+        vary: whether images are augmented.
     """
 
-    lessons: Sequence[Lessons]
+    labelled: Sequence[LabelledWorld]
     architecture: Architecture
     mined: float = 0.1
     worlds: int = 16
@@ -55,71 +55,76 @@ class OutcomeSource:
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """What its blocks depend on, so far as it can be told in a few words."""
-        mined = sum(len(lesson.mined) for lesson in self.lessons if lesson.mined is not None)
+        """What its blocks depend on, in brief."""
+        mined = sum(len(world.mined) for world in self.labelled if world.mined is not None)
         return {
-            "errands": sum(len(lesson.outcomes) for lesson in self.lessons),
-            "reached": int(sum(lesson.outcomes.reached.sum() for lesson in self.lessons)),
+            "errands": sum(len(world.outcomes) for world in self.labelled),
+            "reached": int(sum(world.outcomes.reached.sum() for world in self.labelled)),
             "mined": [mined, self.mined if mined else 0.0],
             "block": [self.worlds, self.targets, STARTS],
             "vary": self.vary,
         }
 
     def block(self, seed: Sequence[int]) -> Batch:
-        """The block of that seed: targets of `worlds` worlds, well mixed."""
+        """The block of that seed: targets of `worlds` worlds, shuffled."""
         rng = np.random.default_rng(seed)
-        chosen = rng.integers(len(self.lessons), size=self.worlds)
-        block = joined([self._world(self.lessons[i], rng) for i in chosen])
+        chosen = rng.integers(len(self.labelled), size=self.worlds)
+        block = joined([self._world(self.labelled[i], rng) for i in chosen])
         return block.targets(rng.permutation(len(block.contexts)))
 
-    def _world(self, lesson: Lessons, rng: np.random.Generator) -> Batch:
-        has_mined = lesson.mined is not None and len(lesson.mined) > 0
+    def _world(self, world: LabelledWorld, rng: np.random.Generator) -> Batch:
+        has_mined = world.mined is not None and len(world.mined) > 0
         from_mined = rng.binomial(self.targets, self.mined) if has_mined else 0
-        shares = ((lesson.outcomes, self.targets - from_mined), (lesson.mined, from_mined))
-        return joined([self._part(lesson, some, count, rng) for some, count in shares if count])
+        shares = ((world.outcomes, self.targets - from_mined), (world.mined, from_mined))
+        parts = [self._part(world.recorded, *share, rng) for share in shares if share[1]]
+        return joined(parts)
 
     def _part(
-        self, lesson: Lessons, outcomes: RolloutOutcomes, targets: int, rng: np.random.Generator
+        self,
+        recorded: RecordedWorld,
+        outcomes: RolloutOutcomes,
+        targets: int,
+        rng: np.random.Generator,
     ) -> Batch:
-        recorded, errands = lesson.recorded, outcomes.errands
-        frames, rows = by_target(errands.targets, targets, rng)
+        pairs = outcomes.pairs
+        frames, rows = by_target(pairs.targets, targets, rng)
         label = outcomes.reached[rows]
         return rendered(
             recorded,
             self.architecture,
-            errands.starts[rows].reshape(targets, STARTS, 3),
+            pairs.starts[rows].reshape(targets, STARTS, 3),
             frames,
-            {"reached": label, "weight": np.ones(len(rows)), "overlap": errands.overlap[rows]},
+            {"reached": label, "weight": np.ones(len(rows)), "overlap": pairs.overlap[rows]},
             rng if self.vary else None,
         )
 
 
 @dataclass(frozen=True)
 class ProximitySource:
-    """SPTM's blocks: are two pictures of a drive close in time?
+    """SPTM's blocks: are two images of a trajectory close in time?
 
     Attributes:
-        drives: of all worlds.
-        architecture: of the network that is to learn.
+        recorded_worlds: trajectories of all worlds.
+        architecture: of the network to be trained.
         worlds, targets: as for `OutcomeSource`.
     """
 
-    drives: Sequence[RecordedWorld]
+    recorded_worlds: Sequence[RecordedWorld]
     architecture: Architecture
     worlds: int = 16
     targets: int = 64
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """What its blocks depend on, so far as it can be told in a few words."""
-        frames = sum(len(recorded.poses) for recorded in self.drives)
+        """What its blocks depend on, in brief."""
+        frames = sum(len(recorded.poses) for recorded in self.recorded_worlds)
         return {"frames": frames, "apart": [NEAR_IN_TIME, FAR_IN_TIME]}
 
     def block(self, seed: Sequence[int]) -> Batch:
-        """The block of that seed: targets of `worlds` worlds, well mixed."""
+        """The block of that seed: targets of `worlds` worlds, shuffled."""
         rng = np.random.default_rng(seed)
-        chosen = rng.integers(len(self.drives), size=self.worlds)
-        block = joined([self._world(self.drives[i], rng) for i in chosen])
+        chosen = rng.integers(len(self.recorded_worlds), size=self.worlds)
+        block = joined([self._world(self.recorded_worlds[i], rng) for i in chosen])
         return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
@@ -146,15 +151,15 @@ def rendered(
     labels: dict[str, NDArray],
     rng: np.random.Generator | None = None,
 ) -> Batch:
-    """What is seen from `starts` (G, S, 3) and at the targets `frames` (G,), with labels.
+    """Images from `starts` (G, S, 3) and of the targets `frames` (G,), with labels.
 
     Args:
         recorded: the world.
-        architecture: tells the view and the context.
+        architecture: has the view and the size of the context.
         starts: S for each target.
         frames: of the targets.
         labels: `reached` and `weight` (G * S,), `overlap` (G * S, 2).
-        rng: changes the looks; they stay as they are unless given.
+        rng: augments the images; they are not augmented unless given.
     """
     view, count = architecture.looks_at, starts.shape[0] * starts.shape[1]
     poses = recorded.poses[recorded.context(frames, architecture.k)]
@@ -173,7 +178,7 @@ def rendered(
         action=none[:, :0],
         reached=labels["reached"].astype(np.float32),
         weight=labels["weight"].astype(np.float32),
-        # Where a picture was taken can be told only where something of it is seen.
+        # The relative pose of an image can be predicted only if the views overlap.
         placed=(overlap.min(axis=1) >= 0.1).astype(np.float32),
     )
 
@@ -189,7 +194,7 @@ def by_target(
         rng: draws.
 
     Returns:
-        (G,) frames and (G * STARTS,) rows; a target with fewer rows has some of them again.
+        (G,) frames and (G * STARTS,) rows; a target with fewer rows repeats some of them.
     """
     begins = np.flatnonzero(np.diff(targets, prepend=-1))
     sizes = np.diff(np.append(begins, len(targets)))

@@ -1,4 +1,4 @@
-"""How the networks for reachability are trained: outcomes, hard negatives, calibration."""
+"""How networks for reachability are trained: outcomes, hard negatives, calibration."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from tutorial_lib.learning.estimators import ReachabilityNetwork
 from tutorial_lib.learning.mining import all_logits, mined_outcomes
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.outcome_data import recipe_of, record_outcomes
-from tutorial_lib.learning.reach_batches import Lessons, OutcomeSource, ProximitySource
-from tutorial_lib.learning.recipes import recorded_drives
+from tutorial_lib.learning.reach_batches import LabelledWorld, OutcomeSource, ProximitySource
+from tutorial_lib.learning.recipes import recorded_worlds_of
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.world.worlds import local_world, training_world
 
 FIRST_WORLD, WORLDS = 96, 96
-"""Training worlds in which C was not trained: where it was, it may do better than elsewhere."""
+"""Training worlds in which C was not trained: in its own it may do better than elsewhere."""
 STOPPING = range(10_000, 10_008)
-"""Validation worlds that tell when to stop."""
+"""Validation worlds for early stopping."""
 CALIBRATING = range(10_012, 10_028)
-"""Validation worlds on which probabilities are mended."""
+"""Validation worlds on which RE is calibrated."""
 VALIDATION_TARGETS = 200
 CARS = 16
 
@@ -45,12 +45,12 @@ class ReachRecipe:
     Attributes:
         name: of the weights.
         command: that trains them.
-        controller: weights of the C_WP whose errands it learns from, and whose encoder it takes
-            over; none for SPTM's.
-        targets: of the errands in each world, with five starts each.
+        controller: weights of the C_WP whose rollouts it learns from, and whose encoder
+            initializes it; none for SPTM's.
+        targets: of the pairs in each world, with five starts each.
         architecture: of the network.
-        first: settings of the training on errands drawn at random.
-        second: settings of the training that has mined errands, too.
+        first: settings of the training on pairs drawn at random.
+        second: settings of the training that also has mined pairs.
     """
 
     name: str
@@ -62,7 +62,7 @@ class ReachRecipe:
     second: Settings
 
     def checkpoints(self, work: Path) -> tuple[Path, Path]:
-        """Where the states of both its trainings are kept."""
+        """Files of the states of both its trainings."""
         return work / f"{self.name}_first.pt", work / f"{self.name}_second.pt"
 
 
@@ -72,9 +72,9 @@ def _recipe(
     name = f"reach_{which if which == 'laser' else 'k' + which}"
     first = Settings(max_steps=steps[0])
     second = Settings(max_steps=steps[1], learning_rate=7e-4, seed=1, patience=steps[1])
-    told = replace(architecture, outputs="reachability")
+    architecture = replace(architecture, outputs="reachability")
     command = f"train reachability --k {which}"
-    return ReachRecipe(name, command, controller, targets, told, first, second)
+    return ReachRecipe(name, command, controller, targets, architecture, first, second)
 
 
 REACHABILITY = {
@@ -93,17 +93,17 @@ SPTM = ReachRecipe(
     Settings(max_steps=12_000),
     Settings(max_steps=0),
 )
-"""SPTM's network: temporal proximity of two pictures, learnt from nothing on the same drives."""
+"""SPTM's network: temporal proximity of two images, trained from scratch on the same data."""
 
 
 def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[LocalNetwork, Card]:
-    """Train RE for one controller, its errands and hard negatives included; or SPTM's network.
+    """Train RE for one controller, including its rollouts and hard negatives; or SPTM's network.
 
-    What is recorded and how far training got is kept in `work`: an interrupted run goes on there.
+    Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
 
     Args:
         recipe: what to train.
-        work: folder for drives, outcomes and checkpoints.
+        work: folder for demonstrations, outcomes and checkpoints.
         jobs: processes that record.
 
     Returns:
@@ -112,12 +112,12 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     if not recipe.controller:
         return train_proximity(recipe, work)
     begun = time.monotonic()
-    lessons = lessons_of(
+    training = labelled_worlds(
         recipe, [training_world(FIRST_WORLD + i) for i in range(WORLDS)], work, jobs
     )
-    stopping = lessons_of(recipe, [local_world(seed) for seed in STOPPING], work, jobs)
-    source = OutcomeSource(lessons, recipe.architecture)
-    others = replace(source, lessons=stopping, vary=False, targets=48)
+    stopping = labelled_worlds(recipe, [local_world(seed) for seed in STOPPING], work, jobs)
+    source = OutcomeSource(training, recipe.architecture)
+    others = replace(source, labelled=stopping, vary=False, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
     spent = time.monotonic() - begun
     stages = []
@@ -130,10 +130,10 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
         stages.append(progress)
         if stage == 0:
             begun = time.monotonic()
-            source = replace(source, lessons=with_mined(lessons, network, recipe, work, jobs))
+            source = replace(source, labelled=with_mined(training, network, recipe, work, jobs))
             spent += time.monotonic() - begun
     begun = time.monotonic()
-    calibrating = lessons_of(recipe, [local_world(seed) for seed in CALIBRATING], work, jobs)
+    calibrating = labelled_worlds(recipe, [local_world(seed) for seed in CALIBRATING], work, jobs)
     calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
     spent += time.monotonic() - begun
     minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
@@ -155,66 +155,70 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     return network, card
 
 
-def lessons_of(recipe: ReachRecipe, worlds: list[str], work: Path, jobs: int) -> list[Lessons]:
-    """ReachabilityPairs in `worlds` and how they ended, recorded where they are missing."""
+def labelled_worlds(
+    recipe: ReachRecipe, worlds: list[str], work: Path, jobs: int
+) -> list[LabelledWorld]:
+    """WaypointPairs in `worlds` and their outcomes, recorded where they are missing."""
     targets = recipe.targets if worlds[0] == training_world(FIRST_WORLD) else VALIDATION_TARGETS
     files = record_outcomes(worlds, recipe.controller, targets, CARS, work, jobs)
     known = recipe_of(recipe.controller, targets, CARS)
-    drives = recorded_drives(worlds, CARS, work)
+    recorded_worlds = recorded_worlds_of(worlds, CARS, work)
     return [
-        Lessons(recorded, load_outcomes(file, known))
-        for recorded, file in zip(drives, files, strict=True)
+        LabelledWorld(recorded, load_outcomes(file, known))
+        for recorded, file in zip(recorded_worlds, files, strict=True)
     ]
 
 
 def with_mined(
-    lessons: list[Lessons], network: LocalNetwork, recipe: ReachRecipe, work: Path, jobs: int
-) -> list[Lessons]:
-    """The lessons, every second one with errands of which the network was too sure."""
-    searched = [lesson.recorded for lesson in lessons[::2]]
+    worlds: list[LabelledWorld], network: LocalNetwork, recipe: ReachRecipe, work: Path, jobs: int
+) -> list[LabelledWorld]:
+    """The worlds, every second one with hard negatives of the network."""
+    recorded = [world.recorded for world in worlds[::2]]
     mined = mined_outcomes(
-        ReachabilityNetwork(network), recipe.controller, searched, work, jobs=jobs
+        ReachabilityNetwork(network), recipe.controller, recorded, work, jobs=jobs
     )
-    taught = [replace(lesson, mined=m) for lesson, m in zip(lessons[::2], mined, strict=True)]
-    return [*taught, *lessons[1::2]]
+    with_hard = [replace(world, mined=m) for world, m in zip(worlds[::2], mined, strict=True)]
+    return [*with_hard, *worlds[1::2]]
 
 
 def calibrate(
-    network: ReachabilityNetwork, lessons: list[Lessons]
+    network: ReachabilityNetwork, worlds: list[LabelledWorld]
 ) -> tuple[Calibration, dict[str, float]]:
-    """Fit a calibration on validation worlds, and say how far off the network is there.
+    """Fit a calibration on validation worlds, and measure the calibration error there.
 
-    What is left with it is measured on the same pairs; `experiment calibration` has others. Only
-    errands of which the outcome can be seen are taken: among as sure ones, others fail more often,
-    and a map never asks about them unless they look like these.
+    The error that remains is measured on the same pairs; `experiment calibration` has others. Only
+    pairs whose views overlap are used: at the same score, others fail more often, and a map never
+    queries them unless they look like these.
     """
     logits, label = [], []
-    for lesson in lessons:
-        errands = lesson.outcomes.errands
-        seen = np.flatnonzero(errands.seen)
-        starts, targets = errands.starts[seen], errands.targets[seen]
-        logits.append(all_logits(network, lesson.recorded, starts, targets))
-        label.append(lesson.outcomes.reached[seen])
+    for world in worlds:
+        pairs = world.outcomes.pairs
+        seen = np.flatnonzero(pairs.seen)
+        starts, targets = pairs.starts[seen], pairs.targets[seen]
+        logits.append(all_logits(network, world.recorded, starts, targets))
+        label.append(world.outcomes.reached[seen])
     logits, label = np.concatenate(logits), np.concatenate(label)
     temperature, offset = fit_temperature(logits, label)
     isotonic = fit_isotonic(logits, label)
-    ways = {
+    methods = {
         "raw": sigmoid(logits),
         "temperature": sigmoid(logits / temperature + offset),
         "isotonic": isotonic(logits),
     }
     measured = {"auc": auc(logits, label), "temperature": temperature, "offset": offset}
-    for way, probability in ways.items():
-        measured[f"ece_{way}"] = reliability(probability, label).ece
+    for method, probability in methods.items():
+        measured[f"ece_{method}"] = reliability(probability, label).ece
     return isotonic, {name: round(value, 4) for name, value in measured.items()}
 
 
 def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card]:
-    """Train SPTM's network from nothing on the same drives."""
-    drives = recorded_drives([training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work)
-    source = ProximitySource(drives, recipe.architecture)
-    stopping = recorded_drives([local_world(seed) for seed in STOPPING], CARS, work)
-    others = replace(source, drives=stopping, targets=48)
+    """Train SPTM's network from scratch on the same trajectories."""
+    recorded_worlds = recorded_worlds_of(
+        [training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work
+    )
+    source = ProximitySource(recorded_worlds, recipe.architecture)
+    stopping = recorded_worlds_of([local_world(seed) for seed in STOPPING], CARS, work)
+    others = replace(source, recorded_worlds=stopping, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
     checkpoint = recipe.checkpoints(work)[0]
     network, progress = train(recipe.architecture, source, validation, recipe.first, checkpoint)

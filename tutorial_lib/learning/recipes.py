@@ -17,7 +17,7 @@ from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import local_world, scene_of, training_world
 
 WORK = Path(".training")
-"""Where recorded drives and checkpoints are kept."""
+"""Folder of demonstrations and checkpoints."""
 SEED = 0
 """Of the demonstrations."""
 FIRST_VALIDATION_WORLD = 10_000
@@ -34,7 +34,7 @@ class Recipe:
         settings: of its training.
         worlds: how many training worlds, seeds 0 and up.
         validation_worlds: how many, seeds 10,000 and up.
-        cars: that drive in each world for the demonstrations.
+        cars: that drive in each world for demonstrations.
     """
 
     name: str
@@ -46,7 +46,7 @@ class Recipe:
     cars: int = 16
 
     def checkpoints(self, work: Path) -> tuple[Path]:
-        """Where the state of its training is kept."""
+        """File of the state of its training."""
         return (work / f"{self.name}.pt",)
 
 
@@ -64,9 +64,9 @@ WAYPOINT = {
 
 
 def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
-    """Train a network of local control from nothing, its demonstrations included.
+    """Train a network of local control from scratch, including its demonstrations.
 
-    What is recorded and how far training got is kept in `work`: an interrupted run goes on there.
+    Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
 
     Args:
         recipe: what to train.
@@ -76,13 +76,16 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
         The network and its card.
     """
     begun = time.monotonic()
-    learnt, unseen = worlds_of(recipe)
+    training, unseen = worlds_of(recipe)
     imitated = DEMONSTRATOR if recipe.architecture.outputs == "action" else None
-    drives = recorded_drives(learnt, recipe.cars, work)
-    source = Source(drives, recipe.architecture, imitated)
-    drives = recorded_drives(unseen, recipe.cars, work)
+    source = Source(recorded_worlds_of(training, recipe.cars, work), recipe.architecture, imitated)
     others = replace(
-        source, drives=drives, perturbation=PAPER_PERTURBATION, close=0.0, clutter=0.0, vary=False
+        source,
+        recorded_worlds=recorded_worlds_of(unseen, recipe.cars, work),
+        perturbation=PAPER_PERTURBATION,
+        close=0.0,
+        clutter=0.0,
+        vary=False,
     )
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
     prepared = time.monotonic() - begun
@@ -101,19 +104,19 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
 
 
 def worlds_of(recipe: Recipe) -> tuple[list[str], list[str]]:
-    """Names of the worlds that are learnt from, and of those that tell when to stop."""
+    """Names of the training worlds, and of the validation worlds for early stopping."""
     first = FIRST_VALIDATION_WORLD
-    learnt = [training_world(seed) for seed in range(recipe.worlds)]
-    return learnt, [local_world(first + i) for i in range(recipe.validation_worlds)]
+    training = [training_world(seed) for seed in range(recipe.worlds)]
+    return training, [local_world(first + i) for i in range(recipe.validation_worlds)]
 
 
 def record_for(recipe: Recipe, work: Path) -> list[Path]:
-    """Record the drives that a training needs, where they are missing."""
-    learnt, unseen = worlds_of(recipe)
-    return record_demonstrations([*learnt, *unseen], recipe.cars, SEED, work / "demonstrations")
+    """Record the demonstrations that a training needs, where they are missing."""
+    training, unseen = worlds_of(recipe)
+    return record_demonstrations([*training, *unseen], recipe.cars, SEED, work / "demonstrations")
 
 
-def recorded_drives(worlds: Sequence[str], cars: int, work: Path) -> list[RecordedWorld]:
+def recorded_worlds_of(worlds: Sequence[str], cars: int, work: Path) -> list[RecordedWorld]:
     """Demonstrations in `worlds`, recorded where they are missing."""
     paths = record_demonstrations(worlds, cars, SEED, work / "demonstrations")
     scenes = for_each(scene_of, worlds, label="scenes", jobs=2)

@@ -299,7 +299,7 @@ def test_where_nobody_can_start_there_are_no_episodes():
 
 
 def test_some_episodes_in_another_world(recorded, episodes):
-    some = episodes.some(np.array([7, 3]))
+    some = episodes.subset(np.array([7, 3]))
     assert len(some) == 2
     assert (some.starts == episodes.starts[[7, 3]]).all()
     assert (some.limit == episodes.limit[[7, 3]]).all()
@@ -323,7 +323,7 @@ def far(recorded):
     starts, found = perturbed(recorded.scene, recorded.poses[sources], PAPER_PERTURBATION, rng)
     ahead = recorded.arc[targets] - recorded.arc[sources]
     limit = np.arange(150.0)
-    return Episodes(recorded, starts, targets, ahead, limit).some(np.flatnonzero(found))
+    return Episodes(recorded, starts, targets, ahead, limit).subset(np.flatnonzero(found))
 
 
 @pytest.fixture(scope="module")

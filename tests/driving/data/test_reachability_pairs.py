@@ -129,9 +129,9 @@ def test_an_errand_is_never_both_seen_and_hopeless(rows):
     )
     for number, (one, two, metres) in enumerate(rows):
         assert some.seen[number] == (one >= SEEN and two >= SEEN)
-        assert some.hopeless[number] == (metres > FAR and one < SEEN and two < SEEN)
+        assert some.far_and_occluded[number] == (metres > FAR and one < SEEN and two < SEEN)
         assert some.limit[number] == pytest.approx(5.0 + metres / 0.3)
-    assert not (some.seen & some.hopeless).any()
+    assert not (some.seen & some.far_and_occluded).any()
 
 
 @pytest.mark.parametrize(
@@ -151,13 +151,13 @@ def test_what_is_seen_and_what_is_hopeless(overlap, metres, seen, hopeless):
         np.zeros((1, 3)), np.zeros(1, int), np.array([overlap]), np.array([metres])
     )
     assert one.seen.tolist() == [seen]
-    assert one.hopeless.tolist() == [hopeless]
+    assert one.far_and_occluded.tolist() == [hopeless]
 
 
 @pytest.mark.parametrize("numbers", [np.array([7, 3, 3]), slice(4, 9), np.arange(900) % 9 == 1])
 def test_some_errands_keep_what_is_theirs(errands, numbers):
-    errands = errands.some(np.arange(900))
-    some = errands.some(numbers)
+    errands = errands.subset(np.arange(900))
+    some = errands.subset(numbers)
     for name in COLUMNS:
         assert (getattr(some, name) == getattr(errands, name)[numbers]).all()
     assert len(some) == len(some.targets)

@@ -61,7 +61,7 @@ def errands(world):
     drawn = draw_reachability_pairs(
         world, GridPaths(world.scene.clearance), 13, np.random.default_rng(0)
     )
-    return drawn.some(np.flatnonzero(~drawn.hopeless)[:60])
+    return drawn.subset(np.flatnonzero(~drawn.far_and_occluded)[:60])
 
 
 @pytest.fixture(scope="module")
@@ -74,12 +74,14 @@ def hidden(recorded):
     """ReachabilityPairs in an office, of which some are hopeless."""
     paths = GridPaths(recorded.scene.clearance)
     drawn = draw_reachability_pairs(recorded, paths, 40, np.random.default_rng(1))
-    some = np.concatenate([np.flatnonzero(drawn.hopeless)[:8], np.flatnonzero(~drawn.hopeless)[:8]])
-    return drawn.some(np.random.default_rng(0).permutation(some))
+    some = np.concatenate(
+        [np.flatnonzero(drawn.far_and_occluded)[:8], np.flatnonzero(~drawn.far_and_occluded)[:8]]
+    )
+    return drawn.subset(np.random.default_rng(0).permutation(some))
 
 
 def same(one, two):
-    columns = [(one.errands, two.errands, name) for name in ERRANDS]
+    columns = [(one.pairs, two.pairs, name) for name in ERRANDS]
     columns += [(one, two, name) for name in ENDS]
     for mine, theirs, name in columns:
         mine, theirs = getattr(mine, name), getattr(theirs, name)
@@ -103,7 +105,7 @@ def test_each_errand_ends_as_if_its_robot_were_alone(world, errands, outcomes):
         assert outcomes.collided[number] == alone.collided[0]
         assert outcomes.seconds[number] == alone.seconds[0]
     assert outcomes.driven.all()
-    assert outcomes.errands is errands
+    assert outcomes.pairs is errands
 
 
 @pytest.mark.parametrize("fleet", [1, 7, 60])
@@ -128,9 +130,9 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
         return asleep(recorded, frames)
 
     some = roll_out_pairs(recorded, hidden, pilot)
-    assert 0 < hidden.hopeless.sum() < len(hidden)
-    assert sorted(sent) == sorted(hidden.targets[~hidden.hopeless].tolist())
-    assert (some.driven == ~hidden.hopeless).all()
+    assert 0 < hidden.far_and_occluded.sum() < len(hidden)
+    assert sorted(sent) == sorted(hidden.targets[~hidden.far_and_occluded].tolist())
+    assert (some.driven == ~hidden.far_and_occluded).all()
     for name in ("reached", "collided", "seconds"):
         assert not getattr(some, name)[~some.driven].any()
     assert (some.seconds[some.driven] > 0).all()
@@ -170,7 +172,7 @@ def test_robots_carry_the_camera_that_they_are_given(world, errands):
 
         return driver
 
-    two = errands.some(np.array([0, 1]))
+    two = errands.subset(np.array([0, 1]))
     roll_out_pairs(world, two, pilot)
     usual = set(seen)
     seen.clear()
@@ -179,7 +181,7 @@ def test_robots_carry_the_camera_that_they_are_given(world, errands):
 
 
 def test_no_errands_have_no_outcomes(world, errands):
-    none = errands.some(np.array([], dtype=int))
+    none = errands.subset(np.array([], dtype=int))
     found = roll_out_pairs(world, none, asleep)
     assert len(found) == 0
     assert found.seconds.shape == (0,)
@@ -188,10 +190,10 @@ def test_no_errands_have_no_outcomes(world, errands):
 @pytest.mark.parametrize("numbers", [np.array([5, 2, 2]), np.arange(60) % 7 == 0])
 def test_some_outcomes_keep_their_errands(outcomes, numbers):
     numbers = numbers[: len(outcomes)]
-    some = outcomes.some(numbers)
+    some = outcomes.subset(numbers)
     for name in ERRANDS:
-        wanted = getattr(outcomes.errands, name)[numbers]
-        assert np.array_equal(getattr(some.errands, name), wanted)
+        wanted = getattr(outcomes.pairs, name)[numbers]
+        assert np.array_equal(getattr(some.pairs, name), wanted)
     for name in ENDS:
         assert np.array_equal(getattr(some, name), getattr(outcomes, name)[numbers])
 
@@ -330,7 +332,7 @@ def test_a_whole_world_is_kept_and_found_again(tmp_path, world, outcomes):
     kept = load_outcomes(tmp_path / "world.npz", "k2 and so on")
     same(kept, outcomes)
     errands = reachability_pairs(
-        world, GridPaths(world.scene.clearance), kept.errands.starts, kept.errands.targets
+        world, GridPaths(world.scene.clearance), kept.pairs.starts, kept.pairs.targets
     )
-    assert errands.overlap == pytest.approx(kept.errands.overlap)
-    assert errands.geodesic == pytest.approx(kept.errands.geodesic)
+    assert errands.overlap == pytest.approx(kept.pairs.overlap)
+    assert errands.geodesic == pytest.approx(kept.pairs.geodesic)

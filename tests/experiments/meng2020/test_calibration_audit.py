@@ -18,7 +18,7 @@ BOUNDS = [5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, None]
 
 
 def run_audit(monkeypatch, chances, **options):
-    monkeypatch.setattr(calibration_audit, "recorded_drives", lambda *arguments: [])
+    monkeypatch.setattr(calibration_audit, "recorded_worlds_of", lambda *arguments: [])
     monkeypatch.setattr(calibration_audit, "chances", chances)
     with joblib.parallel_config(backend="sequential"):
         return calibration.run(Options(ablation="audit", **options))
@@ -74,7 +74,7 @@ def test_where_no_errand_was_so_long_the_audit_says_nothing(monkeypatch):
 
 
 def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, monkeypatch):
-    monkeypatch.setattr(calibration_audit, "recorded_drives", lambda *arguments: [recorded])
+    monkeypatch.setattr(calibration_audit, "recorded_worlds_of", lambda *arguments: [recorded])
     sent, roll_out_pairs = [], calibration_audit.roll_out_pairs
 
     def run(world, errands, pilot, all_of_them=False):
@@ -85,7 +85,7 @@ def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, m
     monkeypatch.setattr(calibration_audit, "roll_out_pairs", run)
     metres, reached = calibration_audit.chances(216, 3, 0)
     (errands,) = sent
-    assert errands.hopeless.all()
+    assert errands.far_and_occluded.all()
     assert metres.tolist() == errands.geodesic.tolist()
     assert len(metres) == len(reached) == 3
     assert metres.min() > FAR

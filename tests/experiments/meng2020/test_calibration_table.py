@@ -119,7 +119,7 @@ def test_the_sizes_are_those_that_the_design_promises():
 
 
 def test_geometry_is_told_where_the_target_is_what_is_seen_of_it_and_how_tight_it_is(recorded):
-    errands = made_up(recorded, 6, 0).errands
+    errands = made_up(recorded, 6, 0).pairs
     found = geometry_bound.features(recorded, errands)
     assert found.shape == (len(errands), 10)
     clearance = recorded.scene.clearance
@@ -144,14 +144,14 @@ def test_geometry_is_told_where_the_target_is_what_is_seen_of_it_and_how_tight_i
 
 def test_geometry_foretells_what_depends_on_geometry(recorded, monkeypatch):
     learnt = [made_up(recorded, 60, seed) for seed in range(2)]
-    learnt = [replace(o, reached=o.errands.geodesic < 2.0) for o in learnt]
+    learnt = [replace(o, reached=o.pairs.geodesic < 2.0) for o in learnt]
     monkeypatch.setattr(geometry_bound, "WORLDS", (200, 201))
     monkeypatch.setattr(geometry_bound, "record_outcomes", lambda *arguments: [0, 1])
     monkeypatch.setattr(geometry_bound, "load_outcomes", lambda file, recipe: learnt[file])
-    monkeypatch.setattr(geometry_bound, "recorded_drives", lambda *arguments: [recorded] * 2)
+    monkeypatch.setattr(geometry_bound, "recorded_worlds_of", lambda *arguments: [recorded] * 2)
     model = geometry_bound.fitted("k2")
-    others = made_up(recorded, 40, 7).errands
-    others = others.some(others.seen)
+    others = made_up(recorded, 40, 7).pairs
+    others = others.subset(others.seen)
     told = model.predict_proba(geometry_bound.features(recorded, others))[:, 1]
     assert auc(told, others.geodesic < 2.0) > 0.95
 

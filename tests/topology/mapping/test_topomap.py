@@ -592,7 +592,7 @@ def test_anchors_of_a_trajectory_are_what_sparsification_keeps():
         [26, 29, 29],
     ]
     assert found.timestamps == pytest.approx([0.0, 0.9, 1.8, 2.7, 2.9])
-    seen, contexts, times = found.some(np.array([1, 3]))
+    seen, contexts, times = found.subset(np.array([1, 3]))
     assert seen.odometry[:, 0].tolist() == contexts[:, 1].tolist() == [9, 27]
     assert times == pytest.approx([0.9, 2.7])
 

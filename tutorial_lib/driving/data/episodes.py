@@ -47,10 +47,10 @@ class Episodes:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def some(self, numbers: NDArray[np.intp]) -> "Episodes":
-        """Those of the given numbers."""
+    def subset(self, index: NDArray[np.intp]) -> "Episodes":
+        """Those that an array of indices selects."""
         kept = (self.starts, self.targets, self.ahead, self.limit)
-        return Episodes(self.recorded, *(values[numbers] for values in kept))
+        return Episodes(self.recorded, *(values[index] for values in kept))
 
     def within(self, recorded: RecordedWorld) -> "Episodes":
         """The same ones where the world looks otherwise."""
@@ -123,7 +123,7 @@ def with_obstacles(
         if len(places) == each and len(chosen) < count:
             obstacles += [Person([place], radius=RADIUS, owner=len(chosen)) for place in places]
             chosen.append(number)
-    return episodes.some(np.array(chosen, dtype=np.intp)), obstacles
+    return episodes.subset(np.array(chosen, dtype=np.intp)), obstacles
 
 
 def _places(

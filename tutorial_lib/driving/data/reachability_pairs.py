@@ -1,6 +1,6 @@
-"""ReachabilityPairs: from anywhere to a frame of a recorded drive, to learn which of them end well.
+"""Pairs that reachability is learnt from: a start anywhere, and a frame of a trajectory as target.
 
-Meng 2020 (III-C, IV) draws both places from one drive with probability 0.6 and from two otherwise.
+Meng 2020 (III-C, IV) draws both from one trajectory with probability 0.6 and from two otherwise.
 """
 
 from dataclasses import dataclass, fields
@@ -16,17 +16,17 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.world.visibility import mutual_overlap
 
 SAME, OTHER = 3, 2
-"""Starts of each target on its own drive, and on others."""
+"""Starts of each target on its own trajectory, and on others."""
 STARTS = SAME + OTHER
 SEEN = 0.1
-"""Overlap of both views from which on the outcome of an errand can be seen."""
+"""Overlap of both views from which on the outcome of a pair can be predicted from them."""
 FAR = 5.0
-"""Metres of geodesic beyond which an errand whose views have nothing in common is not driven."""
-_AS_RECORDED = 0.35  # share of the starts that lie on a drive: a map asks about such pairs
-_ALONG, _LONG = (-1.0, 4.0), (-6.0, 20.0)  # metres along the drive from start to target
+"""Metres of geodesic beyond which a pair without overlap is not rolled out."""
+_AS_RECORDED = 0.35  # share of unperturbed starts: a map queries such pairs
+_ALONG, _LONG = (-1.0, 4.0), (-6.0, 20.0)  # metres along the trajectory from start to target
 _LONG_SHARE = 0.35
-_NEAR = 4.0  # metres between the places of errands from one drive to another that lead near
-_TRIES = 24  # other places that are looked at for one that is near, or that looks alike
+_NEAR = 4.0  # metres between start and target of near pairs on two trajectories
+_TRIES = 24  # candidates among which a near or a similar place is sought
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class ReachabilityPairs:
 
     Attributes:
         starts: (N, 3) poses.
-        targets: (N,) frames of the recorded drives.
-        overlap: (N, 2) share of the first view in the target's, and the other way round.
-        geodesic: (N,) metres; inf where there is no way.
+        targets: (N,) frames of the recorded trajectories.
+        overlap: (N, 2) share of the first view in the target's, and vice versa.
+        geodesic: (N,) metres; inf where there is no path.
     """
 
     starts: Array
@@ -48,37 +48,37 @@ class ReachabilityPairs:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def some(self, numbers: NDArray) -> "ReachabilityPairs":
-        """Those of the given numbers, or under a mask."""
-        return ReachabilityPairs(*(getattr(self, field.name)[numbers] for field in fields(self)))
+    def subset(self, index: NDArray) -> "ReachabilityPairs":
+        """Those that an array of indices or a mask selects."""
+        return ReachabilityPairs(*(getattr(self, field.name)[index] for field in fields(self)))
 
     @property
     def seen(self) -> NDArray[np.bool_]:
-        """(N,) whether the two views have enough in common for the outcome to be seen."""
+        """(N,) whether the views overlap enough to predict the outcome from them."""
         return (self.overlap >= SEEN).all(axis=1)
 
     @property
-    def hopeless(self) -> NDArray[np.bool_]:
-        """(N,) whether it leads far away, to where nothing of the first view can be seen."""
+    def far_and_occluded(self) -> NDArray[np.bool_]:
+        """(N,) whether the target is far away and shares nothing with the first view."""
         return (self.geodesic > FAR) & (self.overlap < SEEN).all(axis=1)
 
     @property
     def limit(self) -> Array:
-        """(N,) seconds that it may take."""
+        """(N,) time limit in seconds."""
         return time_limit(self.geodesic)
 
 
 def draw_reachability_pairs(
     recorded: RecordedWorld, paths: GridPaths, targets: int, rng: np.random.Generator
 ) -> ReachabilityPairs:
-    """ReachabilityPairs to random frames of recorded drives.
+    """Draw pairs whose targets are random frames of recorded trajectories.
 
-    Of the `STARTS` starts of each target three are on its own drive, mostly within a few metres.
-    One is on another drive near by, and one anywhere: half of those in a room of the same type.
-    Starts are perturbed, but for a third of them.
+    Of the `STARTS` starts of each target three are on its own trajectory, mostly within a few
+    metres. One is on another trajectory near by, and one anywhere: half of those in a room of the
+    same type. Starts are perturbed, but for a third of them.
 
     Args:
-        recorded: the drives of one world.
+        recorded: the trajectories of one world.
         paths: its geodesics.
         targets: G, of which each has `STARTS` starts in a row.
         rng: draws everything.
@@ -106,17 +106,17 @@ def draw_reachability_pairs(
 def reachability_pairs(
     recorded: RecordedWorld, paths: GridPaths, starts: Array, targets: NDArray[np.intp]
 ) -> ReachabilityPairs:
-    """Measure the errands from `starts` (N, 3) to frames `targets` (N,) that have a way."""
+    """The pairs from `starts` (N, 3) to frames `targets` (N,) that a path connects, measured."""
     goals = recorded.poses[targets]
     overlap = mutual_overlap(recorded.scene.caster, starts, goals)
     geodesic = paths.between(starts[:, :2], goals[:, :2])
-    return ReachabilityPairs(starts, targets, overlap, geodesic).some(np.isfinite(geodesic))
+    return ReachabilityPairs(starts, targets, overlap, geodesic).subset(np.isfinite(geodesic))
 
 
 def _elsewhere(
     recorded: RecordedWorld, frames: NDArray[np.intp], rng: np.random.Generator
 ) -> NDArray[np.intp]:
-    """(G, 2) frames of other drives: one near each of `frames` (G,), and one anywhere."""
+    """(G, 2) frames of other trajectories: one near each of `frames` (G,), and one anywhere."""
     count = len(recorded.poses)
     tried = rng.integers(count, size=(2, len(frames), _TRIES))
     other = recorded.first[tried] != recorded.first[frames][:, None]
@@ -126,7 +126,7 @@ def _elsewhere(
     alike = other[1] & (kind[tried[1]] == kind[frames][:, None])
     alike &= np.linalg.norm(gap[1], axis=-1) > _NEAR
     alike &= rng.random((len(frames), 1)) < 0.5
-    # The first that fits, or else the first on another drive.
+    # The first that fits, or else the first on another trajectory.
     chosen = np.where(near.any(axis=1), near.argmax(axis=1), other[0].argmax(axis=1))
     anywhere = np.where(alike.any(axis=1), alike.argmax(axis=1), other[1].argmax(axis=1))
     rows = np.arange(len(frames))
@@ -134,7 +134,7 @@ def _elsewhere(
 
 
 def _kinds(recorded: RecordedWorld) -> NDArray[np.intp]:
-    """(F,) number of the type of the room in which each frame was recorded."""
+    """(F,) index of the type of the room in which each frame was recorded."""
     kinds: dict[str, int] = {}
     kind = np.full(len(recorded.poses), -1)
     for room in recorded.scene.plan.rooms:

@@ -1,4 +1,4 @@
-"""How errands end under a controller: what reachability is learnt from (Meng 2020, III-C)."""
+"""How rollouts of a controller end: the labels of reachability (Meng 2020, III-C)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -18,7 +18,7 @@ from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 FLEET = 1_024
-"""Robots that are driven at once: few steps are made with only the last of them under way."""
+"""Robots in one simulation; with fewer, more steps would move only the last stragglers."""
 VERSION = 1
 """Of the file's layout."""
 
@@ -28,67 +28,66 @@ PolicyFactory = Callable[[RecordedWorld, NDArray[np.intp]], Policy]
 
 @dataclass(frozen=True)
 class RolloutOutcomes:
-    """N errands in one world, and how each ended.
+    """N pairs in one world, and how the rollout of each ended.
 
     Attributes:
-        errands: where they led.
-        driven: (N,) whether a robot was sent. Hopeless errands count as failed without that: who
-            chances upon such a target (`experiment calibration --ablation audit` says how many do)
-            could not have known.
-        reached: (N,) whether the target was reached in time, and nothing was touched. Who touches
-            something has not (the authors left such drives out; here there are 5 in 150,000).
-        collided: (N,) whether something was touched.
-        seconds: (N,) until it ended.
+        pairs: starts and targets.
+        driven: (N,) whether the pair was rolled out. Far, occluded pairs are labelled 0 without a
+            rollout; `experiment calibration --ablation audit` measures the error.
+        reached: (N,) whether the target was reached in time without a collision (the authors
+            left out rollouts that collide; here there are 5 in 150,000).
+        collided: (N,) whether the robot touched something.
+        seconds: (N,) until the rollout ended.
     """
 
-    errands: ReachabilityPairs
+    pairs: ReachabilityPairs
     driven: NDArray[np.bool_]
     reached: NDArray[np.bool_]
     collided: NDArray[np.bool_]
     seconds: Array
 
     def __len__(self) -> int:
-        return len(self.errands)
+        return len(self.pairs)
 
-    def some(self, numbers: NDArray) -> "RolloutOutcomes":
-        """Those of the given numbers, or under a mask."""
-        rest = (getattr(self, field.name)[numbers] for field in fields(self)[1:])
-        return RolloutOutcomes(self.errands.some(numbers), *rest)
+    def subset(self, index: NDArray) -> "RolloutOutcomes":
+        """Those that an array of indices or a mask selects."""
+        rest = (getattr(self, field.name)[index] for field in fields(self)[1:])
+        return RolloutOutcomes(self.pairs.subset(index), *rest)
 
 
 def roll_out_pairs(
     recorded: RecordedWorld,
-    errands: ReachabilityPairs,
+    pairs: ReachabilityPairs,
     pilot: PolicyFactory,
     camera: Camera | None = None,
     all_of_them: bool = False,
 ) -> RolloutOutcomes:
-    """Send a robot on each errand and see what becomes of it.
+    """Roll out a policy from the start of each pair to its target.
 
     Args:
         recorded: the world.
-        errands: N of them.
+        pairs: N starts and targets.
         pilot: drives; it has no memory.
-        camera: that the robots carry; the usual one unless given.
-        all_of_them: whether robots are sent on hopeless errands, too.
+        camera: of the robots; the usual one unless given.
+        all_of_them: whether far, occluded pairs are rolled out, too.
     """
-    count = len(errands)
-    driven = np.ones(count, dtype=bool) if all_of_them else ~errands.hopeless
+    count = len(pairs)
+    driven = np.ones(count, dtype=bool) if all_of_them else ~pairs.far_and_occluded
     reached, collided, seconds = np.zeros(count, bool), np.zeros(count, bool), np.zeros(count)
-    # Those that take equally long are sent together.
-    order = np.flatnonzero(driven)[np.argsort(errands.limit[driven], kind="stable")]
+    # Those with similar time limits share a simulation.
+    order = np.flatnonzero(driven)[np.argsort(pairs.limit[driven], kind="stable")]
     sensors = None if camera is None else Sensors(camera=camera)
     for first in range(0, len(order), FLEET):
         some = order[first : first + FLEET]
-        simulation = Simulation(recorded.scene, errands.starts[some], sensors=sensors)
+        simulation = Simulation(recorded.scene, pairs.starts[some], sensors=sensors)
         driver, goals = (
-            pilot(recorded, errands.targets[some]),
-            recorded.poses[errands.targets[some]],
+            pilot(recorded, pairs.targets[some]),
+            recorded.poses[pairs.targets[some]],
         )
-        drives = drive(simulation, driver, goals[:, :2], errands.limit[some], settle=True)
+        drives = drive(simulation, driver, goals[:, :2], pairs.limit[some], settle=True)
         reached[some], collided[some] = drives.reached, drives.collided
         seconds[some] = drives.seconds
-    return RolloutOutcomes(errands, driven, reached, collided, seconds)
+    return RolloutOutcomes(pairs, driven, reached, collided, seconds)
 
 
 def save_outcomes(path: str | Path, outcomes: RolloutOutcomes, recipe: str) -> None:
@@ -97,7 +96,7 @@ def save_outcomes(path: str | Path, outcomes: RolloutOutcomes, recipe: str) -> N
     Args:
         path: of the file.
         outcomes: of one world.
-        recipe: what they came from, to know them again.
+        recipe: what they were made with; `load_outcomes` compares it.
     """
     save_arrays(path, {"recipe": np.array(recipe), **_columns(outcomes)}, version=VERSION)
 
@@ -108,8 +107,8 @@ def load_outcomes(path: str | Path, recipe: str) -> RolloutOutcomes:
     Raises:
         InputError: when the file is missing, damaged or of another recipe; it says what to do.
     """
-    pairs, ends = fields(ReachabilityPairs), fields(RolloutOutcomes)[1:]
-    names = ["recipe", *(field.name for field in (*pairs, *ends))]
+    inputs, ends = fields(ReachabilityPairs), fields(RolloutOutcomes)[1:]
+    names = ["recipe", *(field.name for field in (*inputs, *ends))]
     arrays = load_arrays(path, names, version=VERSION, advice="record it again")
     if str(arrays.pop("recipe")) != recipe:
         raise InputError(f"{path}: outcomes of another recipe; delete the file and record it again")
@@ -118,16 +117,14 @@ def load_outcomes(path: str | Path, recipe: str) -> RolloutOutcomes:
     if len({len(column) for column in arrays.values()}) > 1:
         raise InputError(f"{path}: its columns differ in length; record it again")
     return RolloutOutcomes(
-        ReachabilityPairs(*(arrays[field.name] for field in pairs)),
+        ReachabilityPairs(*(arrays[field.name] for field in inputs)),
         *(arrays[field.name] for field in ends),
     )
 
 
 def _columns(outcomes: RolloutOutcomes) -> dict[str, NDArray[Any]]:
     """Every array of outcomes by name."""
-    found = {
-        field.name: getattr(outcomes.errands, field.name) for field in fields(ReachabilityPairs)
-    }
+    found = {field.name: getattr(outcomes.pairs, field.name) for field in fields(ReachabilityPairs)}
     return found | {
         field.name: getattr(outcomes, field.name) for field in fields(RolloutOutcomes)[1:]
     }

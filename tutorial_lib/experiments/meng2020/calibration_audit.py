@@ -16,7 +16,7 @@ from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints
-from tutorial_lib.learning.recipes import WORK, recorded_drives
+from tutorial_lib.learning.recipes import WORK, recorded_worlds_of
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.worlds import training_world
 
@@ -33,7 +33,7 @@ def run(options: Options) -> Report:
     begun = time.perf_counter()
     worlds = options.worlds or WORLDS
     count = _QUICK_ERRANDS if options.quick else ERRANDS
-    recorded_drives([training_world(world) for world in worlds], _CARS, WORK)
+    recorded_worlds_of([training_world(world) for world in worlds], _CARS, WORK)
     parts = for_each(chances, worlds, count, options.seed, label="audit")
     geodesic, reached = (np.concatenate(column) for column in zip(*parts, strict=True))
     where = np.repeat(np.arange(len(parts)), [len(part[0]) for part in parts])
@@ -54,9 +54,9 @@ def run(options: Options) -> Report:
 def chances(world: int, count: int, seed: int) -> tuple[Array, Array]:
     """Metres (N,) to hopeless targets of one training world, and whether they were reached (N,)."""
     rng = np.random.default_rng([seed, world])
-    (recorded,) = recorded_drives([training_world(world)], _CARS, WORK)
+    (recorded,) = recorded_worlds_of([training_world(world)], _CARS, WORK)
     errands = draw_reachability_pairs(recorded, GridPaths(recorded.scene.clearance), 2 * count, rng)
-    errands = errands.some(rng.permutation(np.flatnonzero(errands.hopeless))[:count])
+    errands = errands.subset(rng.permutation(np.flatnonzero(errands.far_and_occluded))[:count])
     pilot = by_waypoints(WaypointNetwork("waypoint_k2"))
     outcomes = roll_out_pairs(recorded, errands, pilot, all_of_them=True)
     return errands.geodesic, outcomes.reached.astype(float)

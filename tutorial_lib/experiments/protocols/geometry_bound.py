@@ -13,7 +13,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
 from tutorial_lib.geometry import Array, relative
 from tutorial_lib.learning.outcome_data import recipe_of, record_outcomes
-from tutorial_lib.learning.recipes import WORK, recorded_drives
+from tutorial_lib.learning.recipes import WORK, recorded_worlds_of
 from tutorial_lib.world.worlds import training_world
 
 WORLDS = tuple(range(200, 216))
@@ -46,9 +46,9 @@ def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
     files = record_outcomes(worlds, weights, _TARGETS, _CARS, WORK)
     known = recipe_of(weights, _TARGETS, _CARS)
     outcomes: list[RolloutOutcomes] = [load_outcomes(file, known) for file in files]
-    drives = recorded_drives(worlds, _CARS, WORK)
-    given = [features(world, o.errands) for world, o in zip(drives, outcomes, strict=True)]
+    drives = recorded_worlds_of(worlds, _CARS, WORK)
+    given = [features(world, o.pairs) for world, o in zip(drives, outcomes, strict=True)]
     model = HistGradientBoostingClassifier(max_iter=300, learning_rate=0.06, random_state=0)
-    seen = np.concatenate([o.errands.seen for o in outcomes])
+    seen = np.concatenate([o.pairs.seen for o in outcomes])
     reached = np.concatenate([o.reached for o in outcomes])
     return model.fit(np.concatenate(given)[seen], reached[seen])

@@ -41,9 +41,9 @@ class Anchors:
     def __len__(self) -> int:
         return len(self.observations)
 
-    def some(self, numbers: NDArray[np.intp]) -> tuple[Observation, NDArray, Array]:
-        """Observations, contexts and timestamps of those numbers."""
-        return self.observations[numbers], self.contexts[numbers], self.timestamps[numbers]
+    def subset(self, index: NDArray[np.intp]) -> tuple[Observation, NDArray, Array]:
+        """Observations, contexts and timestamps of those that an array of indices selects."""
+        return self.observations[index], self.contexts[index], self.timestamps[index]
 
 
 def anchors_of(

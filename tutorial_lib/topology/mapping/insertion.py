@@ -73,7 +73,7 @@ class Insertion:
         trail, reused = self._reuse()
         fresh = np.flatnonzero(~reused)
         trail[fresh] = topomap.make_vertices(
-            *anchors.some(fresh),
+            *anchors.subset(fresh),
             np.full(len(fresh), len(topomap.trails)),
             fresh,
             self.prepared[fresh],

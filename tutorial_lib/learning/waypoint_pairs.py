@@ -1,4 +1,4 @@
-"""Batches of pairs, drawn from recorded drives and rendered when they are needed."""
+"""Pairs of a start and a target along recorded trajectories, for learning waypoints."""
 
 from dataclasses import dataclass
 
@@ -12,16 +12,16 @@ from tutorial_lib.learning.labels import Labels, label, waypoint_labels
 
 
 @dataclass(frozen=True)
-class Pairs:
+class WaypointPairs:
     """Starts and targets of one world, S starts for each of G targets.
 
     Attributes:
         starts: (G, S, 3) poses.
-        sources: (G, S) the frame beside which each start lies.
+        sources: (G, S) the recorded frame that each start is perturbed from.
         goals: (G, 3) poses of the targets.
-        contexts: (G, 2k+1, 3) poses that the target's pictures are taken from.
+        contexts: (G, 2k+1, 3) poses of the target's images.
         labels: of all pairs, (G * S) of them.
-        valid: (G, S) whether the pair can be learnt from.
+        valid: (G, S) whether the pair has a label.
     """
 
     starts: Array
@@ -32,7 +32,7 @@ class Pairs:
     valid: NDArray[np.bool_]
 
 
-def draw_pairs(
+def draw_waypoint_pairs(
     recorded: RecordedWorld,
     targets: int,
     starts: int,
@@ -40,13 +40,13 @@ def draw_pairs(
     perturbation: Perturbation,
     rng: np.random.Generator,
     close: float = 0.0,
-) -> Pairs:
+) -> WaypointPairs:
     """Draw pairs of which the target is 1 m behind to 3 m ahead of the start (Meng 2020, III-B).
 
     Args:
-        recorded: drives of one world.
-        targets: G, how many targets.
-        starts: S, how many starts for each.
+        recorded: trajectories of one world.
+        targets: G, the number of targets.
+        starts: S, the number of starts for each.
         k: frames of context on either side.
         perturbation: of the starts.
         rng: of everything drawn.
@@ -57,7 +57,7 @@ def draw_pairs(
     moved, found = perturbed(scene, recorded.poses[sources], perturbation, rng)
     goals = np.repeat(frames, starts)
     waypoints, sees = waypoint_labels(scene.caster, moved, recorded.poses, sources, goals)
-    return Pairs(
+    return WaypointPairs(
         moved.reshape(targets, starts, 3),
         sources.reshape(targets, starts),
         recorded.poses[frames],
