@@ -278,7 +278,7 @@ for low, high in [(0.3, 0.6), (0.6, 1.0), (1.0, 1.4), (1.4, 1.8), (1.8, 2.4)]:
 #
 # ## 2 · Labels from rollouts
 #
-# RE is learnt from outcomes. Draw a **pair** of a start and a target from the recorded trajectories at random (the paper: on the same trajectory with probability 0.6, on two trajectories otherwise; we move most starts a little aside), drive with $\mathcal C$ from the start to the target, and record whether it arrives. Nothing has to be specified about what makes a target hard.
+# RE is learnt from outcomes. Draw a **pair** of a start and a target from the recorded trajectories at random (the paper: on the same trajectory with probability 0.6, on two trajectories otherwise; we move most starts a little aside), drive with $\mathcal C$ from the start to the target, and record whether it arrives. No rule has to say what makes a target hard.
 #
 # A car that circles for ten minutes and then hits upon the target by chance has not shown that it can reach it. So there is a time limit, from the length of the shortest path and the slowest speed that is tolerated (III-C; the 5 s come from the authors' code):
 #
@@ -286,7 +286,7 @@ for low, high in [(0.3, 0.6), (0.6, 1.0), (1.0, 1.4), (1.4, 1.8), (1.8, 2.4)]:
 #
 # The label is 1 if there is a moment, at $t_\text{max}$ at the latest, at which the car is within 0.30 m of the target and has not touched anything up to then. What a car does *after* it has arrived does not count. Otherwise the label is 0.
 #
-# And a rollout with a collision? The authors' code leaves such rollouts out of the data. Then RE gets no data about the places where the controller crashes. A robot that needs the probability of arriving there needs to get a low one. We keep them: label 0.
+# And a rollout with a collision? The authors' code leaves such rollouts out of the data. Then RE gets no data about the places where the controller crashes. A robot that queries RE there should get a low probability. We keep them: label 0.
 #
 # ### Exercise 1 · `rollout_labels` (medium, 10 minutes)
 #
@@ -414,7 +414,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What follows?</summary>
-# The cross-entropy is smallest at 0.7, the share that arrives: a network that minimises it predicts the <i>frequency</i> of success. A loss with this property is called a <i>proper scoring rule</i>. With the crash dropped the best prediction is 7 of 9, 0.78: RE would be too optimistic exactly where the controller is dangerous. And with the absolute error the best
+# The cross-entropy is smallest at 0.7, the share that arrives: a network that minimises it predicts the <i>frequency</i> of success. A loss with this property is called <i>proper</i> (a proper scoring rule). With the crash dropped the best prediction is 7 of 9, 0.78: RE would be too optimistic exactly where the controller is dangerous. And with the absolute error the best
 # prediction is 1: this loss teaches over-confidence. (The squared error is proper too. It is called the Brier score, and we will meet it below.)
 #
 # So much for theory. It holds for the rollouts on which the network was trained, and for a network that can represent any function. Whether a real network's probabilities are right <i>in a new building</i> has to be measured.
