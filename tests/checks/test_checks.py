@@ -42,7 +42,7 @@ def all_checks():
 
 
 @pytest.mark.parametrize(("judge", "answer"), list(answers()))
-def test_answers_are_judged_as_they_deserve(judge, answer):
+def test_wrong_answers_fail_with_their_message_and_right_ones_pass(judge, answer):
     result = judge(answer)
     if "__right" in answer.__name__:
         assert result.status == "passed", result.message
@@ -137,7 +137,7 @@ def test_a_function_that_never_ends_is_ended_before_it_fills_the_memory():
     assert sys.gettrace() is before
 
 
-def test_a_patient_call_returns_what_the_function_does_and_raises_what_it_raises():
+def test_within_the_limit_a_function_returns_and_raises_as_always():
     assert within_line_limit(lambda a, b: a + b, 1, 2, otherwise="") == 3
     with pytest.raises(ZeroDivisionError):
         within_line_limit(lambda: 1 / 0, otherwise="")

@@ -24,15 +24,15 @@ def test_what_is_missing_or_old_is_named_with_its_fix(monkeypatch, capsys):
     assert said.count("fix: in the course's folder: python3 start.py setup") == 2
 
 
-def test_packages_for_the_tests_alone_are_not_asked_for(monkeypatch):
-    asked = []
+def test_packages_that_only_the_tests_need_are_not_required(monkeypatch):
+    required = []
     real = metadata.version
-    monkeypatch.setattr(environment.metadata, "version", lambda n: asked.append(n) or real(n))
+    monkeypatch.setattr(environment.metadata, "version", lambda n: required.append(n) or real(n))
     assert environment.find_faults() == []
-    assert "numpy" in asked
-    assert "pytest" not in asked
+    assert "numpy" in required
+    assert "pytest" not in required
 
 
-def test_a_course_that_is_not_installed_is_told(monkeypatch):
+def test_a_course_that_is_not_installed_is_named(monkeypatch):
     monkeypatch.setattr(environment, "PROJECT", "no-such-course")
     assert environment.find_faults() == ["the course itself is not installed in this Python"]

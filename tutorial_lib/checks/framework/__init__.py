@@ -1,1 +1,1 @@
-"""What a check is, and how answers are compared."""
+"""What a check is, how students' functions are called, and how answers are compared."""

@@ -1,4 +1,4 @@
-"""What a check is, and what it says."""
+"""A check, its result, and how a wrong answer is reported."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Function = Callable[..., Any]
 
 
 class WrongAnswer(Exception):  # noqa: N818 - it is an answer, not an error of ours
-    """Raised by a check: what is wrong, in the student's own terms.
+    """Raised by a check: what is wrong, in the student's terms.
 
     Attributes:
         picture: (H, W, 3) target and yours, or None.

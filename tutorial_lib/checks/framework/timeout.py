@@ -1,4 +1,4 @@
-"""An end to functions that never end."""
+"""A limit for functions that never end."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 def within_line_limit(
     function: Callable[..., Any], *arguments: object, otherwise: str, lines: int = 500_000
 ) -> Any:  # noqa: ANN401 - whatever the function returns
-    """What a function returns, if it has done so after some lines of Python.
+    """Return what a function returns, if it does so within a number of lines of Python.
 
-    A loop that appends to a list would fill the memory before any clock strikes.
+    A limit in seconds would come too late for a loop that fills the memory.
 
     Args:
         function: of a student.
         arguments: for it.
-        otherwise: what to say when it goes on.
-        lines: that it may run, those of the functions that it calls included.
+        otherwise: what to say when it exceeds the limit.
+        lines: how many it may run, including those of the functions that it calls.
 
     Raises:
-        WrongAnswer: when it goes on.
+        WrongAnswer: when it exceeds the limit.
     """
     left, before = lines, sys.gettrace()
 

@@ -1,4 +1,4 @@
-"""Is everything there that the course needs?"""
+"""The check of the installation, in notebook 00."""
 
 import sys
 from importlib import metadata
@@ -11,7 +11,7 @@ _FIX = "in the course's folder: python3 start.py setup"
 
 
 def check_environment() -> bool:
-    """Print what is installed, and for everything that is missing the exact fix.
+    """Print what is installed, and the fix for whatever is missing.
 
     Returns:
         Whether nothing is missing.
