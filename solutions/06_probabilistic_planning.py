@@ -49,10 +49,11 @@ from tutorial_lib.experiments.protocols.navigation import (
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import Trials, building, trials
+from tutorial_lib.interfaces import Goals, Plan
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.heading_search import ASIDE
-from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import write_beside
 from tutorial_lib.viz.canvas.plan_view import PlanView
@@ -804,7 +805,7 @@ for row, i in enumerate(trial_indices):
     plan = bug_navigation.history[row][0]
     path = [HERE, *plan.vertices, GOAL]
     ended = str(bug_outcome.ending[row])
-    stopped = None if ended == "arrived" else int(bug_navigation.run.active[row]) + 1
+    stopped = None if ended == "arrived" else int(bug_navigation.follower.memory.active[row]) + 1
     trips.append((path, stopped))
     start, end = all_trials.pairs[i]
     print(

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.made_up_maps import edges_of, numbered, sensed, table_map
-from tutorial_lib.agents.agent import Agent, Experience, Navigation
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.agents.oracle import OracleNavigation
@@ -18,11 +17,11 @@ from tutorial_lib.agents.sptm import MostAlike, SPTMAgent, window_median
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
-from tutorial_lib.interfaces import Localizer
+from tutorial_lib.interfaces import Agent, Experience, Goals, Localizer, Navigation, Plan
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.simulation import Simulation
 
 FAR = 2.0
@@ -193,7 +192,7 @@ def test_what_was_shunned_once_is_shunned_for_good():
 def test_who_is_lost_too_often_gives_up(replans):
     ways = Ways(Plan((7, 8), 0, SURE))
     journey = journey_of(ways, [goals_at(5), goals_at(1)], replans=replans, wall=2.4)
-    journey._find_way = lambda o, g, s: (
+    journey._find_path = lambda o, g, s: (
         ways(o, g, s) if len(g) and g.contexts[0, 1] == 5 else Plan((5,), 0, SURE)
     )
     line = Line([2.0, 0.0], wall=2.4)
@@ -262,7 +261,7 @@ def test_who_knows_no_way_looks_around_for_one():
     unknown = Plan(refusal="no way leads from what is seen here to the goal")
     ways = Ways(unknown, unknown, Plan((5,), 0, SURE))
     journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
-    journey.run.controller = Steering()
+    journey.follower.controller = Steering()
     robot = np.array([0])
     for _ in range(40):
         actions = journey.act(line.observe(), robot)
@@ -270,7 +269,7 @@ def test_who_knows_no_way_looks_around_for_one():
             break
         assert actions[0, 1] != 0
         assert journey.plans == [None]
-    journey.run.controller = LineController()
+    journey.follower.controller = LineController()
     line.go(journey, 200)
     assert journey.arrived[0]
     assert not journey.given_up[0]
@@ -279,7 +278,7 @@ def test_who_knows_no_way_looks_around_for_one():
 def test_who_has_given_up_stands_still():
     ways = Ways(Plan(refusal="no way leads from what is seen here to the goal"))
     journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
-    journey.run.controller = Steering()
+    journey.follower.controller = Steering()
     line.go(journey, 400)
     assert journey.given_up[0]
     asked = len(ways.asked)
@@ -297,7 +296,7 @@ def test_a_robot_alone_does_as_in_a_fleet():
         for a in range(12):
             journey._topomap.connect(a, a + 1, 0.999)
             journey._topomap.connect(a + 1, a, 0.999)
-        journey._find_way = lambda o, g, s: planner.plan(o, g, journey._topomap, s)
+        journey._find_path = lambda o, g, s: planner.plan(o, g, journey._topomap, s)
         return journey
 
     fleet, together = start(goals), Line(starts)

@@ -3,7 +3,7 @@ import pytest
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import SETTLED, drive, geodesic_limit
+from tutorial_lib.driving.rollouts import SETTLED, ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.people import Person
@@ -13,25 +13,34 @@ from tutorial_lib.world.simulation import Sensors, Simulation
 AHEAD = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0], [2.0, 6.0, 0.0], [8.0, 8.0, 0.0]])
 
 
-def straight(simulation, robots):
-    return np.tile([0.5, 0.0], (len(robots), 1))
+class Straight:
+    """A policy: everybody straight ahead; it notes for which robots."""
+
+    def __init__(self):
+        self.queried = []
+
+    def act(self, observations, robots):
+        assert len(observations) == len(robots)
+        self.queried.append(robots.copy())
+        return np.tile([0.5, 0.0], (len(robots), 1))
 
 
 def drive_straight(box, **extra):
     """Near goal, far goal, goal out of reach in time, wall before the goal."""
     goals = [[3.0, 2.0], [5.0, 4.0], [9.0, 6.0], [9.99, 8.0]]
-    return drive(Simulation(box, AHEAD), straight, goals, [20.0, 20.0, 2.0, 20.0], **extra)
+    ends = ReachGoals(goals, [20.0, 20.0, 2.0, 20.0], **extra)
+    return rollout(Simulation(box, AHEAD), Straight(), ends)
 
 
-def test_each_drive_ends_for_its_own_reason(box):
-    drives = drive_straight(box)
-    assert drives.reached.tolist() == [True, True, False, False]
-    assert drives.collided.tolist() == [False, False, False, True]
-    assert drives.seconds[2] == pytest.approx(2.0)
+def test_each_rollout_ends_for_its_own_reason(box):
+    rollouts = drive_straight(box)
+    assert rollouts.reached.tolist() == [True, True, False, False]
+    assert rollouts.collided.tolist() == [False, False, False, True]
+    assert rollouts.seconds[2] == pytest.approx(2.0)
     # (1 - 0.3) and (3 - 0.3) metres at 0.5 m/s, and a little for gathering speed.
-    assert drives.seconds[0] == pytest.approx(1.4, abs=0.5)
-    assert drives.seconds[1] - drives.seconds[0] == pytest.approx(4.0, abs=0.11)
-    assert drives.poses.shape == (round(drives.seconds.max() * 10) + 1, 4, 3)
+    assert rollouts.seconds[0] == pytest.approx(1.4, abs=0.5)
+    assert rollouts.seconds[1] - rollouts.seconds[0] == pytest.approx(4.0, abs=0.11)
+    assert rollouts.poses.shape == (round(rollouts.seconds.max() * 10) + 1, 4, 3)
 
 
 def test_what_counts_as_reached_can_be_wider(box):
@@ -40,57 +49,57 @@ def test_what_counts_as_reached_can_be_wider(box):
     assert wide.reached[3]  # now before the wall
 
 
-def test_the_driver_is_asked_only_for_those_under_way(box):
-    asked = []
-
-    def driver(simulation, robots):
-        asked.append(robots.copy())
-        return straight(simulation, robots)
-
+def test_the_policy_acts_only_for_robots_under_way(box):
+    policy = Straight()
     goals = [[3.0, 2.0], [5.0, 4.0], [9.0, 6.0], [9.99, 8.0]]
-    drives = drive(Simulation(box, AHEAD), driver, goals, 15.0)
-    steps = np.array([sum(robot in robots for robots in asked) for robot in range(4)])
-    assert steps.tolist() == np.round(drives.seconds * 10).tolist()
-    assert asked[0].tolist() == [0, 1, 2, 3]
+    rollouts = rollout(Simulation(box, AHEAD), policy, ReachGoals(goals, 15.0))
+    steps = np.array([sum(robot in robots for robots in policy.queried) for robot in range(4)])
+    assert steps.tolist() == np.round(rollouts.seconds * 10).tolist()
+    assert policy.queried[0].tolist() == [0, 1, 2, 3]
     assert len(set(steps)) == 4
 
 
-def test_who_has_arrived_stands_still(box):
-    drives = drive_straight(box)
+def test_a_robot_that_has_arrived_stands_still(box):
+    rollouts = drive_straight(box)
     # 0.3 m before the goal at 0.5 m/s; it rolls to a stop and never comes to the goal.
-    track = drives.poses[:, 0, 0]
+    track = rollouts.poses[:, 0, 0]
     assert track[-1] == track[-10]
     assert track[-1] < 3.0
 
 
 def test_actions_belong_to_the_robots_that_are_left(box):
-    # Each robot is told its own number as speed; they end one after the other.
-    def driver(simulation, robots):
-        return np.column_stack([0.2 * (robots + 1), np.zeros(len(robots))])
+    # Each robot's speed is its own number; they end one after the other.
+    class ByNumber:
+        def act(self, observations, robots):
+            return np.column_stack([0.2 * (robots + 1), np.zeros(len(robots))])
 
     starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0], [2.0, 6.0, 0.0]])
-    drives = drive(Simulation(box, starts), driver, starts[:, :2] + [6.0, 0.0], [9.0, 6.0, 3.0])
+    ends = ReachGoals(starts[:, :2] + [6.0, 0.0], [9.0, 6.0, 3.0])
+    rollouts = rollout(Simulation(box, starts), ByNumber(), ends)
     # Three robots, the fastest with the least time: 1.8, 2.4 and 1.8 m, and no one else's speed.
-    gone = drives.poses[-1, :, 0] - 2.0
+    gone = rollouts.poses[-1, :, 0] - 2.0
     assert gone == pytest.approx([1.8, 2.4, 1.8], abs=0.3)
 
 
-def test_a_recorder_sees_what_the_driver_saw(box):
-    told, kept = [], []
+def test_a_recorder_sees_what_the_policy_saw(box):
+    acted, kept = [], []
 
-    def driver(simulation, robots):
-        actions = np.column_stack([np.full(len(robots), 0.5), 0.01 * robots])
-        told.append((simulation.poses.copy(), robots.copy(), actions))
-        return actions
+    class Noting:
+        def act(self, observations, robots):
+            actions = np.column_stack([np.full(len(robots), 0.5), 0.01 * robots])
+            acted.append((simulation.poses.copy(), robots.copy(), observations, actions))
+            return actions
 
-    def record(simulation, robots, actions):
-        kept.append((simulation.poses.copy(), robots.copy(), actions))
+    def record(simulation, robots, observations, actions):
+        kept.append((simulation.poses.copy(), robots.copy(), observations, actions))
 
     goals = [[3.0, 2.0], [5.0, 4.0], [9.0, 6.0], [9.99, 8.0]]
-    drive(Simulation(box, AHEAD), driver, goals, 8.0, record=record)
-    assert len(told) == len(kept) > 10
-    for mine, theirs in zip(told, kept, strict=True):
-        assert all((a == b).all() for a, b in zip(mine, theirs, strict=True))
+    simulation = Simulation(box, AHEAD)
+    rollout(simulation, Noting(), ReachGoals(goals, 8.0), record)
+    assert len(acted) == len(kept) > 10
+    for mine, other in zip(acted, kept, strict=True):
+        assert mine[2] is other[2]
+        assert all((mine[i] == other[i]).all() for i in (0, 1, 3))
 
 
 @pytest.mark.parametrize(
@@ -102,20 +111,28 @@ def test_a_recorder_sees_what_the_driver_saw(box):
         ([[3.0, 3.0]] * 4, [5.0, 5.0]),
     ],
 )
-def test_a_drive_that_cannot_end_is_refused(box, goals, limit):
-    with pytest.raises(InputError, match="drive"):
-        drive(Simulation(box, AHEAD), straight, goals, limit)
+def test_a_rollout_that_cannot_end_is_refused(box, goals, limit):
+    with pytest.raises(InputError, match="rollout"):
+        rollout(Simulation(box, AHEAD), Straight(), ReachGoals(goals, limit))
 
 
-def test_the_courier_acts_for_some_as_for_all(pillars):
+@pytest.mark.parametrize("actions", [np.zeros((3, 2)), np.full((4, 2), np.nan), np.zeros(4)])
+def test_actions_that_are_none_are_refused(box, actions):
+    policy = Straight()
+    policy.act = lambda observations, robots: actions
+    with pytest.raises(InputError, match=r"actions: .* give finite \(M, 2\) for 4 robots"):
+        rollout(Simulation(box, AHEAD), policy, ReachGoals(AHEAD[:, :2], 5.0))
+
+
+def test_the_oracle_acts_for_some_as_for_all(pillars):
     rng = np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(1, 2, (6, 2)), rng.uniform(-3, 3, 6)])
-    courier = OraclePolicy(GridPaths(pillars.clearance), rng.uniform([7, 5], [9, 9], (6, 2)))
-    simulation = Simulation(pillars, starts)
+    simulation, goals = Simulation(pillars, starts), rng.uniform([7, 5], [9, 9], (6, 2))
+    oracle = OraclePolicy(simulation, GridPaths(pillars.clearance), goals)
     for _ in range(5):
-        everybody = courier.act(simulation)
+        everybody = oracle.act(simulation.observe(), np.arange(6))
         some = np.array([4, 1])
-        assert (courier.act(simulation, some) == everybody[some]).all()
+        assert (oracle.act(simulation.observe(some), some) == everybody[some]).all()
         simulation.step(everybody)
 
 
@@ -160,67 +177,67 @@ def test_without_a_camera_there_are_no_pictures(box):
         Sensors(camera=None, with_depth=True)
 
 
-# Who stands still for good.
+# Robots that stand still for good.
 
 
-def stop_and_go(simulation, robots):
+class StopAndGo:
     """Robot 0 never moves, 1 goes and stops for good, 2 rests twice, 3 and 4 never rest."""
-    now = round(simulation.seconds, 3)
-    rests = 1.0 < now < 1.9 or 3.0 < now < 3.9
-    speed = [0.0, 0.5 if now < 2.0 else 0.0, 0.0 if rests else 0.5, 0.5, 0.004]
-    return np.column_stack([np.array(speed)[robots], np.zeros(len(robots))])
+
+    def __init__(self):
+        self.queried = []
+
+    def act(self, observations, robots):
+        now = round(0.1 * len(self.queried), 3)
+        self.queried.append(robots.tolist())
+        rests = 1.0 < now < 1.9 or 3.0 < now < 3.9
+        speed = [0.0, 0.5 if now < 2.0 else 0.0, 0.0 if rests else 0.5, 0.5, 0.004]
+        return np.column_stack([np.array(speed)[robots], np.zeros(len(robots))])
 
 
 ROWS = np.array([[1.0, y, 0.0] for y in (1.0, 3.0, 5.0, 7.0, 9.0)])
 GOALS = ROWS[:, :2] + [7.0, 0.0]
 
 
-def test_who_stands_still_for_good_is_done_and_who_rests_is_not(box):
-    drives = drive(Simulation(box, ROWS), stop_and_go, GOALS, 16.0, settle=True)
-    assert drives.reached.tolist() == [False, False, True, True, False]
-    assert not drives.collided.any()
+def test_a_robot_that_stands_still_for_good_is_done_and_one_that_rests_is_not(box):
+    rollouts = rollout(Simulation(box, ROWS), StopAndGo(), ReachGoals(GOALS, 16.0, settle=True))
+    assert rollouts.reached.tolist() == [False, False, True, True, False]
+    assert not rollouts.collided.any()
     # A step more or less than the second that they must stand still.
-    assert drives.seconds[0] == pytest.approx(SETTLED, abs=0.11)
-    assert drives.seconds[1] == pytest.approx(2.0 + 0.25 + SETTLED, abs=0.25)
-    assert drives.seconds[4] == pytest.approx(16.0, abs=0.11)
-    assert drives.seconds[2] == pytest.approx(drives.seconds[3] + 1.8, abs=0.3)
+    assert rollouts.seconds[0] == pytest.approx(SETTLED, abs=0.11)
+    assert rollouts.seconds[1] == pytest.approx(2.0 + 0.25 + SETTLED, abs=0.25)
+    assert rollouts.seconds[4] == pytest.approx(16.0, abs=0.11)
+    assert rollouts.seconds[2] == pytest.approx(rollouts.seconds[3] + 1.8, abs=0.3)
 
 
-def test_unless_asked_nobody_is_given_up_for_standing_still(box):
-    drives = drive(Simulation(box, ROWS), stop_and_go, GOALS, 16.0)
-    assert drives.seconds[[0, 1, 4]] == pytest.approx(16.0, abs=0.11)
+def test_without_settle_no_rollout_ends_for_standing_still(box):
+    rollouts = rollout(Simulation(box, ROWS), StopAndGo(), ReachGoals(GOALS, 16.0))
+    assert rollouts.seconds[[0, 1, 4]] == pytest.approx(16.0, abs=0.11)
 
 
-def test_who_has_settled_is_asked_no_more(box):
-    asked = []
-
-    def driver(simulation, robots):
-        asked.append(robots.tolist())
-        return stop_and_go(simulation, robots)
-
-    drives = drive(Simulation(box, ROWS), driver, GOALS, 16.0, settle=True)
-    steps = [sum(robot in robots for robots in asked) for robot in range(5)]
-    assert steps == np.round(drives.seconds * 10).astype(int).tolist()
+def test_a_robot_that_has_settled_acts_no_more(box):
+    policy = StopAndGo()
+    rollouts = rollout(Simulation(box, ROWS), policy, ReachGoals(GOALS, 16.0, settle=True))
+    steps = [sum(robot in robots for robots in policy.queried) for robot in range(5)]
+    assert steps == np.round(rollouts.seconds * 10).astype(int).tolist()
 
 
-def test_who_turns_on_the_spot_does_not_stand_still(box):
-    def turning(simulation, robots):
-        return np.tile([0.0, 0.2], (len(robots), 1))
-
+def test_a_robot_that_turns_in_place_does_not_stand_still(box):
+    turning = Straight()
+    turning.act = lambda observations, robots: np.tile([0.0, 0.2], (len(robots), 1))
     simulation = Simulation(box, ROWS[:1], body=DifferentialDrive())
-    drives = drive(simulation, turning, GOALS[:1], 5.0, settle=True)
-    assert drives.seconds[0] == pytest.approx(5.0, abs=0.11)
+    rollouts = rollout(simulation, turning, ReachGoals(GOALS[:1], 5.0, settle=True))
+    assert rollouts.seconds[0] == pytest.approx(5.0, abs=0.11)
 
 
-def test_settling_changes_nothing_for_those_who_drive(pillars):
+def test_settling_changes_nothing_for_robots_that_drive(pillars):
     rng = np.random.default_rng(1)
     starts = np.column_stack([rng.uniform(1, 2, (8, 2)), rng.uniform(-3, 3, 8)])
     goals = rng.uniform([7, 5], [9, 9], (8, 2))
-    courier = OraclePolicy(GridPaths(pillars.clearance), goals)
-    both = [
-        drive(Simulation(pillars, starts), courier.act, goals, 30.0, settle=settle)
-        for settle in (False, True)
-    ]
+    paths, both = GridPaths(pillars.clearance), []
+    for settle in (False, True):
+        simulation = Simulation(pillars, starts)
+        ends = ReachGoals(goals, 30.0, settle=settle)
+        both.append(rollout(simulation, OraclePolicy(simulation, paths, goals), ends))
     assert both[0].reached.sum() >= 6
     still = both[1].seconds < both[0].seconds
     assert (both[0].reached == both[1].reached).all()

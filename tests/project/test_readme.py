@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from tutorial_lib.experiments.common.agents import custom
-from tutorial_lib.topology.planner import Plan
+from tutorial_lib.interfaces import Plan
 
 HERE = Path(__file__).parents[2]
 README = (HERE / "README.md").read_text(encoding="utf-8")

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 
 from tests.made_up_maps import Streets, Table, numbered, sensed, table_map
 from tutorial_lib.errors import InputError
-from tutorial_lib.interfaces import Localizer, Planner
+from tutorial_lib.interfaces import Goals, Localizer, Plan, Planner
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.planner import DijkstraPlanner, Goals, Plan
+from tutorial_lib.topology.planner import DijkstraPlanner
 
 NO = 0.01
 

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from tutorial_lib.agents.agent import Robots
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.data.demonstrations import DEMONSTRATOR
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Observation
+from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.world.simulation import Simulation
 
 
@@ -18,20 +17,18 @@ class OracleNavigation:
     """A `Navigation` of robots that follow geodesics.
 
     Attributes:
-        arrived: (N,) who is there.
-        given_up: (N,) nobody.
+        arrived: (N,) is at its goal.
+        given_up: (N,) always false.
     """
 
     def __init__(self, simulation: Simulation, paths: GridPaths, goals: Array) -> None:
         """Send the robots of a simulation to `goals` (N, 2 or 3), metres."""
-        self._simulation = simulation
-        self._courier = OraclePolicy(paths, goals[:, :2], DEMONSTRATOR)
+        self._policy = OraclePolicy(simulation, paths, goals[:, :2], DEMONSTRATOR)
         self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
 
     def act(self, observations: Observation, robots: Robots) -> Array:
-        """Actions (M, 2); who is there stands still."""
-        del observations
-        gap = self._simulation.poses[robots, :2] - self._courier.goals[robots]
+        """Actions (M, 2); a robot that has arrived stands still."""
+        gap = self._policy.simulation.poses[robots, :2] - self._policy.goals[robots]
         self.arrived[robots] = np.linalg.norm(gap, axis=1) < REACHED
-        actions = self._courier.act(self._simulation, robots)
+        actions = self._policy.act(observations, robots)
         return np.where(self.arrived[robots, None], 0.0, actions)

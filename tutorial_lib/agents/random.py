@@ -1,4 +1,4 @@
-"""An agent that learns nothing and drives at random, until it sees the goal in front of it."""
+"""An agent that learns nothing and drives at random until it sees the goal in front of it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tutorial_lib.agents.agent import Experience, Robots
 from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Controller, Observation, WaypointPredictor
+from tutorial_lib.interfaces import (
+    Controller,
+    Experience,
+    Goals,
+    Observation,
+    Robots,
+    WaypointPredictor,
+)
 from tutorial_lib.topology.following.transitions import FollowerSettings
-from tutorial_lib.topology.planner import Goals
 
 
 @dataclass(frozen=True)
@@ -20,7 +25,7 @@ class RandomAgent:
     """The random `Agent` that brackets the others.
 
     Attributes:
-        predictor: C_WP, by which it knows the goal when it is there.
+        predictor: C_WP, by which it recognises the goal.
         controller: C_RMP.
         rng: draws waypoints.
     """
@@ -33,7 +38,7 @@ class RandomAgent:
         """Nothing."""
 
     def start(self, goals: Sequence[Goals]) -> RandomNavigation:
-        """Send robots off, each with its own goal in mind."""
+        """Send robots to one goal each."""
         return RandomNavigation(self, goals)
 
 
@@ -41,8 +46,8 @@ class RandomNavigation:
     """A `Navigation` of robots that drive at random.
 
     Attributes:
-        arrived: (N,) who sees one of its goal's pictures as from where it was taken.
-        given_up: (N,) nobody.
+        arrived: (N,) sees one of its goal images as from where it was taken.
+        given_up: (N,) always false.
     """
 
     def __init__(self, agent: RandomAgent, goals: Sequence[Goals]) -> None:
@@ -56,7 +61,7 @@ class RandomNavigation:
         self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
 
     def act(self, observations: Observation, robots: Robots) -> Array:
-        """Actions (M, 2); who is there stands still."""
+        """Actions (M, 2); a robot that has arrived stands still."""
         goals = np.flatnonzero(np.isin(self._robot, robots))
         rows = np.searchsorted(robots, self._robot[goals])
         waypoints, overlaps = self._agent.predictor.predict(
@@ -65,5 +70,5 @@ class RandomNavigation:
         near = np.linalg.norm(waypoints, axis=1) < self._rules.at
         there = near & (overlaps.mean(axis=1) > self._rules.visited)
         self.arrived[self._robot[goals[there]]] = True
-        actions = self._control.act(observations, None)
+        actions = self._control.act(observations, robots)
         return np.where(self.arrived[robots, None], 0.0, actions)

@@ -1,4 +1,4 @@
-"""SPTM, the baseline of Meng 2020 (IV): a dense map of pictures that are alike, without weights."""
+"""SPTM, the baseline of Meng 2020 (IV): a dense, unweighted map of images that are alike."""
 
 from __future__ import annotations
 
@@ -9,27 +9,24 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.agent import Experience
-from tutorial_lib.agents.navigator import MapNavigation
+from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
-    Controller,
+    Experience,
+    Goals,
     Localizer,
     Observation,
+    Plan,
     Reachability,
-    WaypointPredictor,
 )
-from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.following.transitions import FollowerSettings
 from tutorial_lib.topology.mapping.sparsify import contextified, every_nth
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.planner import Goals, Plan
 
 
 @dataclass(frozen=True)
 class MostAlike:
-    """SPTM's `Localizer`: the robot is where the picture is most like what it sees."""
+    """SPTM's `Localizer`: the vertex whose image is most similar to the current one."""
 
     def localize(self, observations: Observation, topomap: TopoMap) -> Array:
         """Probabilities (N, V), 1 for one vertex."""
@@ -40,47 +37,41 @@ class MostAlike:
         return (np.arange(len(alive)) == alike.argmax(axis=1)[:, None]).astype(float)
 
 
-@dataclass
-class SPTMAgent:
-    """Keeps every n-th picture, joins those that are alike, and takes the shortest way; an `Agent`.
+@dataclass(kw_only=True)
+class SPTMAgent(MapAgent):
+    """Keeps every n-th image, joins those that are alike, and takes the shortest path.
 
-    After Meng 2020 (IV): it is given the best controller and follower there are, which need RE;
-    the map itself knows only how alike pictures are.
+    After Meng 2020 (IV): it gets the best controller and follower there are, which need RE; the map
+    itself knows only how similar images are. See `MapAgent` for the other parts.
 
     Attributes:
-        similarity: tells how alike two pictures are (SPTM's retrieval network).
-        predictor: C_WP.
-        controller: C_RMP.
-        reachability: RE, for the follower.
-        localizer: says at which vertex the robot or a goal is.
+        similarity: predicts how similar two images are (SPTM's retrieval network).
+        localizer: returns the vertex of the robot or of a goal.
         every: n.
-        s_shortcut: similarity from which on two places are joined.
+        s_shortcut: similarity above which two places are joined.
         window: pairs of neighbours on either side, over which similarity is the median.
-        follower: when the follower believes what it is told.
-        replans: how often a robot that was lost plans anew before it gives up.
         topomap: what was learned; an edge's probability is the similarity.
     """
 
     similarity: Reachability
-    predictor: WaypointPredictor
-    controller: Controller
-    reachability: Reachability
     localizer: Localizer = field(default_factory=MostAlike)
     every: int = 20
     s_shortcut: float = 0.99
     window: int = 2
-    follower: FollowerSettings = field(default_factory=FollowerSettings)
-    replans: int = 8
 
     def __post_init__(self) -> None:
-        self.topomap = TopoMap(self.similarity)
-        self._alike = np.empty((0, 0), dtype=np.float32)
+        super().__post_init__()
+        self._similarities = np.empty((0, 0), dtype=np.float32)
+
+    def empty_map(self) -> TopoMap:
+        """A map whose edges are similarities."""
+        return TopoMap(self.similarity)
 
     def learn(self, experiences: Sequence[Experience]) -> None:
-        """Keep pictures of each drive, and join all that are alike."""
+        """Keep images of each trajectory, and join all that are alike."""
         for experience in experiences:
             self._keep(experience)
-        self._alike = self._compared()
+        self._similarities = self._compared()
         self.join(self.s_shortcut)
 
     def join(self, s_shortcut: float) -> None:
@@ -88,23 +79,18 @@ class SPTMAgent:
         self.s_shortcut, graph = s_shortcut, self.topomap.graph
         driven = nx.get_edge_attributes(graph, "driven")
         graph.remove_edges_from([edge for edge, times in driven.items() if not times])
-        alike = self._alike
+        alike = self._similarities
         for source, target in np.argwhere(alike > s_shortcut):
             # Neighbours on a trajectory are joined only as they were driven (dT = 1).
             if abs(source - target) > 1 or not self._on_one(source, target):
                 self.topomap.connect(int(source), int(target), alike[source, target])
 
-    def start(self, goals: Sequence[Goals]) -> MapNavigation:
-        """Send robots to one goal each."""
-        follower = Follower(self.predictor, self.controller, self.reachability, self.follower)
-        return MapNavigation(self._find_way, follower, self.topomap, goals, self.replans)
-
     def _keep(self, experience: Experience) -> None:
         seen, topomap = experience.observations, self.topomap
-        view, k = self.predictor.view, self.predictor.architecture.k
+        view, k = self.predictor.view, self.predictor.k
         contexts = contextified(view.of(seen), k)
         kept = every_nth(len(seen), self.every)
-        trail = topomap.make_vertices(
+        path = topomap.make_vertices(
             seen[kept],
             contexts[kept],
             experience.timestamps[kept],
@@ -112,9 +98,9 @@ class SPTMAgent:
             np.arange(len(kept)),
             self.similarity.prepare(contexts[kept, k : k + 1]),
         )
-        topomap.trails.append(trail.tolist())
-        told = topomap.vertices.between(trail[:-1], trail[1:])
-        for source, target, similarity in zip(trail[:-1], trail[1:], told, strict=True):
+        topomap.trails.append(path.tolist())
+        similarities = topomap.vertices.between(path[:-1], path[1:])
+        for source, target, similarity in zip(path[:-1], path[1:], similarities, strict=True):
             topomap.connect(int(source), int(target), similarity, driven=1)
 
     def _compared(self) -> NDArray[np.float32]:
@@ -128,8 +114,8 @@ class SPTMAgent:
     def _on_one(self, source: int, target: int) -> bool:
         return self.topomap.trajectory[source] == self.topomap.trajectory[target]
 
-    def _find_way(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
-        """The way over the fewest edges, between the places that are most alike."""
+    def find_path(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
+        """The path over the fewest edges, between the places that are most alike."""
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")
@@ -137,12 +123,12 @@ class SPTMAgent:
         there = alive[self.localizer.localize(goals.observations, self.topomap).argmax(axis=1)]
         graph = nx.restricted_view(graph, excluded - {here, *there.tolist()}, [])
         reached = nx.single_source_shortest_path(graph, here)
-        ways = {goal: reached[int(v)] for goal, v in enumerate(there) if int(v) in reached}
-        if not ways:
-            return Plan(refusal="no way leads from the place that is most alike to the goal's")
-        goal = min(ways, key=lambda number: len(ways[number]))
-        # Similarities are no probabilities; nothing is claimed of the way.
-        return Plan(tuple(ways[goal]), goal)
+        paths = {goal: reached[int(v)] for goal, v in enumerate(there) if int(v) in reached}
+        if not paths:
+            return Plan(refusal="no path leads from the place that is most alike to the goal's")
+        goal = min(paths, key=lambda index: len(paths[index]))
+        # Similarities are no probabilities: the plan claims none.
+        return Plan(tuple(paths[goal]), goal)
 
 
 def window_median(alike: Array, trajectory: NDArray[np.intp], window: int) -> NDArray[np.float32]:

@@ -1,7 +1,10 @@
-"""The one closed loop in which a fleet is driven to goals."""
+"""The one closed loop: observe, act, step, until every robot's rollout has ended."""
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,97 +13,165 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation, Policy, Robots
 from tutorial_lib.world.simulation import STEP, Simulation
 
 SETTLED = 1.0
 """Seconds of standing still after which a robot is taken to stand still for good."""
 _STILL = 1e-4  # metres or rad a step
-Robots = NDArray[np.intp]
-"""(M,) numbers of the robots that are still under way."""
-Policy = Callable[[Simulation, Robots], Array]
-"""Gives the actions (M, 2) of those robots; see `Simulation.observe` for what they sense."""
-Record = Callable[[Simulation, Robots, Array], None]
-"""Is shown the simulation before each step, the robots under way and their actions (M, 2)."""
+Record = Callable[[Simulation, Robots, Observation, Array], None]
+"""Called before each step: the simulation, the robots under way, what they observe, and their
+actions (M, 2)."""
+
+
+class Ends(Protocol):
+    """When rollouts end, and how."""
+
+    def after_step(
+        self, simulation: Simulation, seconds: Array, before: Array
+    ) -> Mapping[str, NDArray[np.bool_]]:
+        """Called after each step.
+
+        Args:
+            simulation: N robots.
+            seconds: (N,) that each rollout has taken.
+            before: (N, 3) poses before the step.
+
+        Returns:
+            For each ending, which robots (N,) it holds for; of several the last one counts.
+        """
 
 
 @dataclass(frozen=True)
 class Rollouts:
-    """How a fleet's drives ended.
+    """How a fleet's rollouts ended.
 
     Attributes:
-        reached: (N,) the target was reached in time, and nothing was touched.
-        collided: (N,) something was touched.
-        seconds: (N,) until the drive ended.
-        poses: (T, N, 3) where the robots were; one that is done rolls to a stop.
+        ending: (N,) names, as the `Ends` have them.
+        collided: (N,) something was touched, and the target not reached.
+        seconds: (N,) until the end.
+        poses: (T, N, 3) of the robots; one whose rollout has ended rolls to a stop.
     """
 
-    reached: NDArray[np.bool_]
+    ending: NDArray[np.str_]
     collided: NDArray[np.bool_]
     seconds: Array
     poses: Array
 
+    @property
+    def reached(self) -> NDArray[np.bool_]:
+        """(N,) the target was reached in time, and nothing was touched."""
+        return self.ending == "reached"
 
-def drive(
-    simulation: Simulation,
-    driver: Policy,
-    goals: ArrayLike,
-    limit: ArrayLike,
-    reached: float = REACHED,
-    record: Record | None = None,
-    settle: bool = False,
+    @property
+    def last_poses(self) -> Array:
+        """(N, 3) where each rollout ended."""
+        steps = np.rint(self.seconds / STEP).astype(int)
+        return self.poses[steps, np.arange(len(steps))]
+
+
+def rollout(
+    simulation: Simulation, policy: Policy, ends: Ends, record: Record | None = None
 ) -> Rollouts:
-    """Drive until every robot has reached its goal, touched something or run out of time.
+    """Drive a fleet until every rollout has ended.
 
-    The driver is asked only for the robots that are still under way; the others stand still.
+    Only the robots that are still under way observe and act; the others stand still.
 
     Args:
         simulation: N robots at their starts.
-        driver: decides.
-        goals: (N, 2) metres.
-        limit: seconds (N,), or one number for all.
-        reached: metres from the goal that count as reached.
-        record: looks on.
-        settle: end the drive of a robot that stands still for `SETTLED` seconds. A driver without
-            memory would leave it there forever, where nothing moves and nothing is noisy.
+        policy: chooses actions.
+        ends: decides when a rollout is over.
+        record: is shown every step before it is made.
 
     Raises:
-        InputError: when goals or limits are not finite or not N.
+        InputError: when the policy returns anything but finite (M, 2).
     """
     count = len(simulation)
-    goals, limit = np.asarray(goals, dtype=float), np.asarray(limit, dtype=float)
-    if goals.shape != (count, 2) or not np.isfinite(goals).all():
-        raise InputError(f"drive: goals {goals.shape}; give finite (N, 2) for {count} robots")
-    if limit.shape not in ((), (count,)) or not np.isfinite(limit).all():
-        raise InputError(f"drive: limit {limit}; give finite seconds for {count} robots")
-    arrived, over = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
-    seconds, still, track = np.zeros(count), np.zeros(count), [simulation.poses]
+    ending, over = np.full(count, "", dtype="U16"), np.zeros(count, dtype=bool)
+    seconds, poses = np.zeros(count), [simulation.poses]
     while not over.all():
         robots, actions = np.flatnonzero(~over), np.zeros((count, 2))
-        actions[robots] = driver(simulation, robots)
+        observations = simulation.observe(robots)
+        actions[robots] = _checked(policy.act(observations, robots), len(robots))
         if record is not None:
-            record(simulation, robots, actions[robots])
+            record(simulation, robots, observations, actions[robots])
         simulation.step(actions)
-        track.append(simulation.poses)
-        gap = np.linalg.norm(simulation.poses[:, :2] - goals, axis=1)
+        poses.append(simulation.poses)
         seconds[robots] += STEP
-        arrived |= ~over & ~simulation.collided & (gap < reached)
-        over |= arrived | simulation.collided | (seconds >= limit)
-        if settle:
-            moved = np.abs(track[-1] - track[-2]).max(axis=1) > _STILL
-            still = np.where(moved, 0.0, still + STEP)
-            over |= still >= SETTLED
-    return Rollouts(arrived, simulation.collided & ~arrived, seconds, np.stack(track))
+        for name, ended in ends.after_step(simulation, seconds, poses[-2]).items():
+            ending[ended & ~over] = name
+        over = ending != ""
+    collided = simulation.collided & (ending != "reached")
+    return Rollouts(ending, collided, seconds, np.stack(poses))
+
+
+class ReachGoals:
+    """A rollout ends at its goal ("reached"), at a touch ("collided"), or when time is up ("late").
+
+    With `settle` also when the robot stands still for `SETTLED` seconds ("settled"): a policy
+    without memory would leave it there forever, where nothing moves and nothing is noisy.
+    """
+
+    def __init__(
+        self, goals: ArrayLike, limit: ArrayLike, reached: float = REACHED, settle: bool = False
+    ) -> None:
+        """Set the goals.
+
+        Args:
+            goals: (N, 2) metres.
+            limit: seconds (N,), or one number for all.
+            reached: metres from the goal that count as reached.
+            settle: see above.
+
+        Raises:
+            InputError: when goals or limits are not finite, or do not fit each other.
+        """
+        self.goals, self.limit = np.asarray(goals, dtype=float), np.asarray(limit, dtype=float)
+        count = len(np.atleast_2d(self.goals))
+        if self.goals.shape != (count, 2) or not np.isfinite(self.goals).all():
+            raise InputError(f"rollout: goals {self.goals.shape}; give finite (N, 2)")
+        if self.limit.shape not in ((), (count,)) or not np.isfinite(self.limit).all():
+            raise InputError(f"rollout: limit {limit}; give finite seconds for {count} robots")
+        self.reached, self.settle = reached, settle
+        self._still = np.zeros(count)
+
+    def after_step(
+        self, simulation: Simulation, seconds: Array, before: Array
+    ) -> dict[str, NDArray[np.bool_]]:
+        """See `Ends`."""
+        if len(simulation) != len(self.goals):
+            raise InputError(
+                f"rollout: {len(self.goals)} goals for {len(simulation)} robots; give as many"
+            )
+        poses = simulation.poses
+        gap = np.linalg.norm(poses[:, :2] - self.goals, axis=1)
+        moved = np.abs(poses - before).max(axis=1) > _STILL
+        self._still = np.where(moved, 0.0, self._still + STEP)
+        return {
+            "settled": self.settle & (self._still >= SETTLED),
+            "late": seconds >= self.limit,
+            "collided": simulation.collided,
+            "reached": ~simulation.collided & (gap < self.reached),
+        }
 
 
 def geodesic_limit(paths: GridPaths, starts: ArrayLike, goals: ArrayLike) -> Array:
-    """Seconds (N,) that drives from `starts` (N, 2 or 3) to `goals` (N, 2) may take.
+    """Seconds (N,) that rollouts from `starts` (N, 2 or 3) to `goals` (N, 2) may take.
 
     Raises:
-        InputError: when no way leads a robot to its goal.
+        InputError: when a goal cannot be reached.
     """
     starts = np.asarray(starts, dtype=float)[:, :2]
     shortest = paths.fields(goals, shortest=True)
     limit = time_limit(shortest.distance(starts, np.arange(len(starts))))
     for lost in np.flatnonzero(~np.isfinite(limit)):
-        raise InputError(f"goal: no way leads robot {lost} to its goal; choose another goal")
+        raise InputError(f"goal: no path leads robot {lost} to its goal; choose another goal")
     return limit
+
+
+def _checked(actions: ArrayLike, robots: int) -> Array:
+    """Actions (M, 2), one for each robot that is under way."""
+    actions = np.asarray(actions, dtype=float)
+    if actions.shape != (robots, 2) or not np.isfinite(actions).all():
+        raise InputError(f"actions: {actions.shape}; give finite (M, 2) for {robots} robots")
+    return actions

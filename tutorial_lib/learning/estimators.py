@@ -56,7 +56,7 @@ class _Estimator:
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
         self.network = load_network(network) if isinstance(network, str) else network
         self.architecture = self.network.architecture
-        self.view = self.architecture.looks_at
+        self.view, self.k = self.architecture.looks_at, self.architecture.k
         if self.architecture.outputs != outputs:
             raise InputError(
                 f"network: tells {self.architecture.outputs!r} where {outputs!r} is needed"

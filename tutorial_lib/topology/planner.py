@@ -9,11 +9,10 @@ from typing import Any
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Localizer, Observation
+from tutorial_lib.interfaces import Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Numbers
@@ -21,54 +20,6 @@ from tutorial_lib.topology.mapping.vertices import Numbers
 _HERE, _GOAL = "here", "goal"
 Edge = tuple[Any, Any, float]
 """From where to where, and how probably."""
-
-
-@dataclass(frozen=True, eq=False)
-class Goals:
-    """Pictures of where a robot may go; one of them is enough.
-
-    Attributes:
-        observations: (G,) what is sensed there.
-        contexts: (G, 2k+1, ...) pictures of each in its context.
-
-    Raises:
-        InputError: when there is none, or not as many of both.
-    """
-
-    observations: Observation
-    contexts: NDArray
-
-    def __post_init__(self) -> None:
-        if not len(self.contexts) or len(self.contexts) != len(self.observations):
-            raise InputError(
-                f"goals: {len(self.observations)} observations, {len(self.contexts)} contexts; "
-                "give as many of both, one at least"
-            )
-
-    def __len__(self) -> int:
-        return len(self.contexts)
-
-
-@dataclass(frozen=True)
-class Plan:
-    """A way from what is seen now to a goal.
-
-    Attributes:
-        vertices: of the map, in order; none where the goal itself can be reached from here.
-        goal: number of the goal picture that it leads to.
-        probabilities: RE of every step, the first from here and the last to the goal.
-        refusal: why the robot should not set out; empty if it should.
-    """
-
-    vertices: tuple[int, ...] = ()
-    goal: int = 0
-    probabilities: tuple[float, ...] = ()
-    refusal: str = ""
-
-    @property
-    def probability(self) -> float:
-        """That all steps come true, were they independent; 0 where there is no way."""
-        return float(np.prod(self.probabilities)) if self.probabilities else 0.0
 
 
 @dataclass(frozen=True)

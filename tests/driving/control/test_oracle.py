@@ -8,6 +8,7 @@ from tutorial_lib.driving.control.arcs import ArcController
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit, walls_crossed
+from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.robustness.plans import drive_about
 from tutorial_lib.interfaces import Controller
@@ -20,7 +21,9 @@ from tutorial_lib.world.simulation import Simulation
 
 def drive(scene, starts, goals, people=()):
     paths = GridPaths(scene.clearance)
-    return OraclePolicy(paths, goals).drive(Simulation(scene, starts, people=people))
+    simulation = Simulation(scene, starts, people=people)
+    ends = ReachGoals(goals, geodesic_limit(paths, starts, goals))
+    return rollout(simulation, OraclePolicy(simulation, paths, goals), ends)
 
 
 def test_it_is_a_controller():
@@ -66,9 +69,9 @@ def test_it_drives_around_somebody_who_stands_in_the_way(box):
 
 def test_it_stops_at_the_goal_and_does_not_circle(box):
     simulation = Simulation(box, [[3.0, 5.0, 0.0]])
-    courier = OraclePolicy(GridPaths(box.clearance), [[6.0, 5.0]])
+    oracle = OraclePolicy(simulation, GridPaths(box.clearance), [[6.0, 5.0]])
     for _ in range(100):
-        simulation.step(courier.act(simulation))
+        simulation.step(oracle.act(simulation.observe(), np.array([0])))
     assert np.linalg.norm(simulation.poses[0, :2] - [6.0, 5.0]) < 0.2
     assert abs(simulation.speed[0]) < 0.01
 
@@ -97,7 +100,7 @@ def test_the_time_limit_is_that_of_the_paper():
 def test_goals_that_cannot_be_reached_are_told_at_once(box):
     paths = GridPaths(box.clearance)
     with pytest.raises(InputError, match="give as many"):
-        OraclePolicy(paths, [[5.0, 5.0]]).act(Simulation(box, [[3, 3, 0], [6, 6, 0]]))
+        OraclePolicy(Simulation(box, [[3, 3, 0], [6, 6, 0]]), paths, [[5.0, 5.0]])
     one, other = make_box(4.0, 4.0), make_box(6.0, 6.0)
     apart = Scene(
         replace(
@@ -111,7 +114,7 @@ def test_goals_that_cannot_be_reached_are_told_at_once(box):
             ),
         )
     )
-    with pytest.raises(InputError, match="no way leads"):
+    with pytest.raises(InputError, match="no path leads"):
         drive(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
 
 

@@ -19,6 +19,7 @@ from tutorial_lib.driving.control.rmp import (
 )
 from tutorial_lib.driving.control.rmp_arcs import free_travel
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import relative, to_world
 from tutorial_lib.interfaces import Controller
@@ -37,8 +38,12 @@ each_body = pytest.mark.parametrize("body", BODIES, ids=lambda body: type(body).
 
 def drive(scene, starts, goals, body=None, people=()):
     body = BicycleCar() if body is None else body
-    courier = OraclePolicy(GridPaths(scene.clearance), goals, RMPController(body=body))
-    return courier.drive(Simulation(scene, starts, body=body, people=people))
+    paths, simulation = (
+        GridPaths(scene.clearance),
+        Simulation(scene, starts, body=body, people=people),
+    )
+    oracle = OraclePolicy(simulation, paths, goals, RMPController(body=body))
+    return rollout(simulation, oracle, ReachGoals(goals, geodesic_limit(paths, starts, goals)))
 
 
 def observe(scene, count, rng, body=None):

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from tests.conftest import in_turn, make_box, needs
-from tutorial_lib.agents.agent import Agent, Experience, Navigation
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.cli import main
@@ -40,6 +39,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     spread_places,
     trials,
 )
+from tutorial_lib.interfaces import Agent, Experience, Navigation
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.topomap import TopoMap

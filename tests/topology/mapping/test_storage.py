@@ -22,11 +22,12 @@ from tests.made_up_maps import (
     table_map,
 )
 from tutorial_lib.errors import InputError
+from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.planner import DijkstraPlanner, Goals
+from tutorial_lib.topology.planner import DijkstraPlanner
 
 SEEN = ("image", "laser", "odometry", "speed", "steering")
 WAYS = [

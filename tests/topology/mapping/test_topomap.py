@@ -21,13 +21,13 @@ from tests.made_up_maps import (
     table_map,
 )
 from tutorial_lib.errors import InputError
-from tutorial_lib.interfaces import Reachability
+from tutorial_lib.interfaces import Goals, Reachability
 from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Vertices
-from tutorial_lib.topology.planner import DijkstraPlanner, Goals
+from tutorial_lib.topology.planner import DijkstraPlanner
 
 YES, NO = 0.999, 0.01
 

@@ -20,10 +20,10 @@ from tutorial_lib.driving.data.trajectories import (
 )
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
-from tutorial_lib.driving.rollouts import Robots, drive, geodesic_limit
+from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Controller
+from tutorial_lib.interfaces import Controller, Observation, Robots
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import random_free_poses
@@ -70,8 +70,9 @@ def demonstrate(
     paths = GridPaths(scene.clearance)
     starts, goals, limit = _errands(scene, paths, count, rng)
     simulation = _fleet(scene, starts, control_noise, rng)
-    courier = OraclePolicy(paths, goals, DEMONSTRATOR if controller is None else controller)
-    found = _recorded(world, seed, simulation, courier, limit)
+    controller = DEMONSTRATOR if controller is None else controller
+    oracle = OraclePolicy(simulation, paths, goals, controller)
+    found = _recorded(world, seed, oracle, limit)
     return [drive for drive in found if drive is not None and len(drive) >= SHORTEST]
 
 
@@ -96,7 +97,7 @@ def demonstrate_between(
     """
     simulation = _fleet(scene, starts, 0.0, None)
     limit = geodesic_limit(paths, starts, goals)
-    return _recorded(world, seed, simulation, OraclePolicy(paths, goals, DEMONSTRATOR), limit)
+    return _recorded(world, seed, OraclePolicy(simulation, paths, goals, DEMONSTRATOR), limit)
 
 
 def record_demonstrations(
@@ -175,12 +176,10 @@ def _fleet(
     return Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
 
 
-def _recorded(
-    world: str, seed: int, simulation: Simulation, courier: OraclePolicy, limit: Array
-) -> list[Trajectory | None]:
+def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list[Trajectory | None]:
     """What each robot sensed on its way, None for one that did not arrive."""
     recorder = _Recorder()
-    drives = drive(simulation, courier.act, courier.goals, limit, record=recorder)
+    drives = rollout(oracle.simulation, oracle, ReachGoals(oracle.goals, limit), record=recorder)
     return [
         recorder.trajectory(world, seed, robot) if reached else None
         for robot, reached in enumerate(drives.reached)
@@ -215,9 +214,10 @@ class _Recorder:
     def __init__(self) -> None:
         self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
 
-    def __call__(self, simulation: Simulation, robots: Robots, actions: Array) -> None:
+    def __call__(
+        self, simulation: Simulation, robots: Robots, seen: Observation, actions: Array
+    ) -> None:
         """Keep one step, before it is made."""
-        seen = simulation.observe(robots)
         laser = seen.laser.astype(np.float32)
         poses = simulation.poses[robots]
         row = (poses, seen.odometry, laser, seen.speed, seen.steering, actions)

@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.rollouts import Policy, drive
+from tutorial_lib.driving.rollouts import ReachGoals, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import load_arrays, save_arrays
 from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Policy
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
 
@@ -22,8 +23,8 @@ FLEET = 1_024
 VERSION = 1
 """Of the file's layout."""
 
-PolicyFactory = Callable[[RecordedWorld, NDArray[np.intp]], Policy]
-"""Gets ready to drive robots to frames (N,) of recorded drives, and drives them."""
+PolicyFactory = Callable[[Simulation, RecordedWorld, NDArray[np.intp]], Policy]
+"""Makes the policy that drives the N robots of a simulation to recorded frames (N,)."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class RolloutOutcomes:
 def roll_out_pairs(
     recorded: RecordedWorld,
     pairs: ReachabilityPairs,
-    pilot: PolicyFactory,
+    make_policy: PolicyFactory,
     camera: Camera | None = None,
     all_of_them: bool = False,
 ) -> RolloutOutcomes:
@@ -67,7 +68,7 @@ def roll_out_pairs(
     Args:
         recorded: the world.
         pairs: N starts and targets.
-        pilot: drives; it has no memory.
+        make_policy: of a policy without memory.
         camera: of the robots; the usual one unless given.
         all_of_them: whether far, occluded pairs are rolled out, too.
     """
@@ -80,11 +81,9 @@ def roll_out_pairs(
     for first in range(0, len(order), FLEET):
         some = order[first : first + FLEET]
         simulation = Simulation(recorded.scene, pairs.starts[some], sensors=sensors)
-        driver, goals = (
-            pilot(recorded, pairs.targets[some]),
-            recorded.poses[pairs.targets[some]],
-        )
-        drives = drive(simulation, driver, goals[:, :2], pairs.limit[some], settle=True)
+        targets = pairs.targets[some]
+        ends = ReachGoals(recorded.poses[targets, :2], pairs.limit[some], settle=True)
+        drives = rollout(simulation, make_policy(simulation, recorded, targets), ends)
         reached[some], collided[some] = drives.reached, drives.collided
         seconds[some] = drives.seconds
     return RolloutOutcomes(pairs, driven, reached, collided, seconds)

@@ -13,14 +13,14 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_of
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, Building, building, trials
-from tutorial_lib.interfaces import Observation
+from tutorial_lib.interfaces import Goals, Observation
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import Insertion, add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.planner import DijkstraPlanner, Goals
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.simulation import Simulation
 
 WORLD = 20_000

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.agents.agent import Agent
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.errors import InputError
+from tutorial_lib.interfaces import Agent
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.topology.planner import DijkstraPlanner
 

@@ -1,8 +1,9 @@
-"""The demo by an oracle: from one room to another past two people, on film."""
+"""The demo with an oracle: from one room to another past two people, on film."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -12,9 +13,11 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import CLEARANCE, DistanceFields, GridPaths
 from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.driving.rollouts import rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.viz.canvas.colours import PERSON
 from tutorial_lib.viz.canvas.plan_view import PlanView
 from tutorial_lib.viz.figures.dashboard import Moment, RolloutFilm
@@ -30,10 +33,10 @@ from tutorial_lib.world.simulation import Sensors, Simulation
 
 FILM, STRIP, FIGURES = "demo.webm", "demo.png", "demo.json"
 ROOMS_AWAY = 3
-_SHORTEST, _FAR = 3.0, 10.0  # metres of way: needed, and enough
+_SHORTEST, _FAR = 3.0, 10.0  # metres of path: needed, and enough
 _STROLL = 2.5  # metres that a person walks to and fro
-_ASIDE = 0.45  # metres beside the way
-_AT_EASE = 1.0  # metres of the way without people at either end
+_ASIDE = 0.45  # metres beside the path
+_AT_EASE = 1.0  # metres of the path without people at either end
 _TRIES = 20  # pairs of rooms
 EVERY = 2  # simulation steps for each frame of the film
 FILM_RATE = 15.0
@@ -44,8 +47,8 @@ _STANDING = 0.05  # m/s
 class Outcome:
     """What `demo.json` holds; lengths in metres, times in seconds.
 
-    Of who has a map it tells the probability of the first plan, how often was planned, and how
-    large the map is.
+    An agent with a map adds the probability of its first plan, the number of plans, and the size
+    of its map.
     """
 
     name: str
@@ -68,7 +71,7 @@ class Outcome:
 
 
 def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
-    """Drive once through `plan` and leave demo.webm, demo.png and demo.json in `folder`.
+    """Drive through `plan` with an oracle; leave demo.webm, demo.png and demo.json in `folder`.
 
     Raises:
         InputError: when the plan has no two places far enough apart.
@@ -79,11 +82,15 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
     paths = GridPaths(scene.clearance)
     start, goal, rooms, away = choose_places(scene, paths, rng)
     fields = paths.fields(goal)
-    way = fields.path(start[:2])
+    path = fields.path(start[:2])
     sensors = Sensors(camera=Camera(rows=64, columns=192))
-    people = place_people(way, scene)
+    people = place_people(path, scene)
     simulation = Simulation(scene, start[None], people=people, sensors=sensors)
-    moments, track = _drive(simulation, OraclePolicy(paths, goal), fields)
+    limit = 30.0 + 4.0 * arc_length(path)[-1]
+    recorder = FilmRecorder(lambda simulation, track: _moment(simulation, fields, track))
+    policy = OraclePolicy(simulation, paths, goal)
+    rollout(simulation, policy, _StandAtGoal(goal, limit), recorder)
+    recorder.finish(simulation)
     gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
     outcome = Outcome(
         name="demo",
@@ -94,11 +101,11 @@ def run_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         reached=gap < REACHED and not simulation.collided[0],
         collided=bool(simulation.collided[0]),
         seconds=round(simulation.seconds, 1),
-        driven=round(float(arc_length(track)[-1]), 2),
+        driven=round(float(arc_length(recorder.track)[-1]), 2),
         geodesic=round(float(paths.fields(goal, shortest=True).distance(start[None, :2])[0]), 2),
         people=len(people),
     )
-    leave(folder, RolloutFilm(PlanView(scene), moments, _title(plan, rooms)), outcome)
+    leave(folder, RolloutFilm(PlanView(scene), recorder.moments, _title(plan, rooms)), outcome)
     return outcome
 
 
@@ -138,11 +145,11 @@ def choose_places(
         goal = paths.points[rng.choice(there)]
         fields = paths.fields(goal)
         start = rng.choice(here) if away else here[fields.cost[0, here].argmax()]
-        way = fields.path(paths.points[start])
-        pose = _face_along(scene, way)
-        if pose is not None and arc_length(way)[-1] >= best_length:
+        path = fields.path(paths.points[start])
+        pose = _face_along(scene, path)
+        if pose is not None and arc_length(path)[-1] >= best_length:
             kinds = (plan.rooms[first].kind, plan.rooms[second].kind)
-            best, best_length = (pose, goal, kinds, away), arc_length(way)[-1]
+            best, best_length = (pose, goal, kinds, away), arc_length(path)[-1]
             if best_length >= _FAR:
                 break
     if best is None:
@@ -150,14 +157,14 @@ def choose_places(
     return best
 
 
-def place_people(way: Array, scene: Scene) -> list[Person]:
-    """Two people who walk to and fro beside the way (P, 2), where there is most room for them."""
-    miles = arc_length(way)
+def place_people(path: Array, scene: Scene) -> list[Person]:
+    """Two people who walk to and fro beside a path (P, 2), where there is most room."""
+    miles = arc_length(path)
     people, middle = [], miles[-1] / 2
     for first, last in ((_AT_EASE, middle), (middle, miles[-1] - _AT_EASE)):
         begins = np.linspace(first, max(first, last - _STROLL), 30)
         stretches = begins[:, None] + np.linspace(0, min(_STROLL, last - first), 12)
-        routes = np.stack([np.interp(stretches, miles, way[:, axis]) for axis in (0, 1)], axis=-1)
+        routes = np.stack([np.interp(stretches, miles, path[:, axis]) for axis in (0, 1)], axis=-1)
         along = np.gradient(routes, axis=1)
         left = np.stack([-along[..., 1], along[..., 0]], axis=-1)
         left /= np.linalg.norm(left, axis=-1, keepdims=True)
@@ -167,35 +174,66 @@ def place_people(way: Array, scene: Scene) -> list[Person]:
     return people
 
 
-def _drive(
-    simulation: Simulation, courier: OraclePolicy, fields: DistanceFields
-) -> tuple[list[Moment], Array]:
-    """Drive until the car stands at the goal, touches something or time is up."""
-    goal, track, moments = fields.goals[0], [simulation.poses[0, :2]], []
-    limit = 30.0 + 4.0 * arc_length(fields.path(track[0]))[-1]
-    while True:
-        gap = float(np.linalg.norm(simulation.poses[0, :2] - goal))
-        arrived = gap < REACHED and abs(simulation.speed[0]) < _STANDING
-        over = arrived or simulation.collided[0] or simulation.seconds >= limit
-        if over or len(track) % EVERY == 1:
-            moments.append(_moment(simulation, fields, np.array(track)))
-        if over:
-            return moments + moments[-1:] * round(FILM_RATE), np.array(track)
-        simulation.step(courier.act(simulation))
-        track.append(simulation.poses[0, :2])
+class _StandAtGoal:
+    """The rollout ends when the car stands at the goal, touches something, or time is up."""
+
+    def __init__(self, goal: Array, limit: float) -> None:
+        self._goal, self._limit = goal, limit
+
+    def after_step(
+        self, simulation: Simulation, seconds: Array, before: Array
+    ) -> dict[str, NDArray[np.bool_]]:
+        """See `driving.rollouts.Ends`."""
+        del before
+        gap = np.linalg.norm(simulation.poses[:, :2] - self._goal, axis=1)
+        return {
+            "late": seconds >= self._limit,
+            "collided": simulation.collided,
+            "reached": (gap < REACHED) & (np.abs(simulation.speed) < _STANDING),
+        }
+
+
+class FilmRecorder:
+    """Keeps a `Moment` of every `EVERY`-th step of one robot, and its track.
+
+    Attributes:
+        track: positions (2,), step by step.
+        moments: for the film.
+    """
+
+    def __init__(self, make_moment: Callable[[Simulation, Array], Moment]) -> None:
+        """Record with a function that makes a moment of a simulation and the track (T, 2)."""
+        self._make_moment = make_moment
+        self.track: list[Array] = []
+        self.moments: list[Moment] = []
+
+    def __call__(
+        self, simulation: Simulation, robots: Robots, observations: Observation, actions: Array
+    ) -> None:
+        """See `driving.rollouts.Record`."""
+        del robots, observations, actions
+        self.track.append(simulation.poses[0, :2])
+        if len(self.track) % EVERY == 1:
+            self.moments.append(self._make_moment(simulation, np.array(self.track)))
+
+    def finish(self, simulation: Simulation) -> None:
+        """Add the last moment, which stays on screen for a second."""
+        self.track.append(simulation.poses[0, :2])
+        last = self._make_moment(simulation, np.array(self.track))
+        self.moments += [last] * (1 + round(FILM_RATE))
 
 
 def _moment(simulation: Simulation, fields: DistanceFields, track: Array) -> Moment:
     pose, observation = simulation.poses[0], simulation.observe()
-    way = fields.path(pose[:2])
+    path = fields.path(pose[:2])
     lines = (
         ("time", f"{simulation.seconds:.1f} s"),
-        ("to go", f"{arc_length(way)[-1]:.1f} m"),
+        ("to go", f"{arc_length(path)[-1]:.1f} m"),
         ("speed", f"{simulation.speed[0]:+.2f} m/s"),
         ("steering", f"{np.rad2deg(simulation.controls[0, 1]):+.0f} deg"),
     )
     discs, footprint = simulation.discs, simulation.body.footprint
-    return Moment(pose, footprint, observation, track, way, fields.goals[0], discs, lines)
+    return Moment(pose, footprint, observation, track, path, fields.goals[0], discs, lines)
 
 
 def _title(plan: FloorPlan, rooms: tuple[str, str]) -> str:
@@ -205,7 +243,7 @@ def _title(plan: FloorPlan, rooms: tuple[str, str]) -> str:
 
 
 def doors_between(plan: FloorPlan) -> Array:
-    """(R, R) the least number of doors between every two rooms; inf where there is no way."""
+    """(R, R) the least number of doors between every two rooms; inf where there is none."""
     count = len(plan.rooms)
     doors = np.where(np.eye(count, dtype=bool), 0.0, np.inf)
     for door in plan.doors:
@@ -217,16 +255,16 @@ def doors_between(plan: FloorPlan) -> Array:
 
 
 def _nodes_in(plan: FloorPlan, paths: GridPaths, room: int) -> NDArray[np.intp]:
-    """The numbers of the grid's nodes inside a room, a little off the walls."""
+    """Indices of the grid's nodes inside a room, a little off the walls."""
     inside = plan.rooms[room].contains(paths.points)
     return np.flatnonzero(inside & paths.largest & (paths.clearance > CLEARANCE + 0.1))
 
 
-def _face_along(scene: Scene, way: Array) -> Array | None:
-    """A free pose at the way's start that looks along it, as nearly as there is room."""
-    ahead = way[min(5, len(way) - 1)] - way[0]
+def _face_along(scene: Scene, path: Array) -> Array | None:
+    """A free pose at a path's start that looks along it, as nearly as there is room."""
+    ahead = path[min(5, len(path) - 1)] - path[0]
     heading = float(np.arctan2(ahead[1], ahead[0]))
     turns = np.array([0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0, np.pi])
-    poses = np.column_stack([np.tile(way[0], (len(turns), 1)), heading + turns])
+    poses = np.column_stack([np.tile(path[0], (len(turns), 1)), heading + turns])
     free = np.flatnonzero(is_free(scene, BicycleCar(), poses))
     return poses[free[0]] if free.size else None

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.agents.agent import Experience
 from tutorial_lib.driving.data.demonstrations import demonstrate_between
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
@@ -20,6 +19,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     building,
     long_enough,
 )
+from tutorial_lib.interfaces import Experience
 from tutorial_lib.parallel import for_each
 
 FRAMES, QUICK_FRAMES = 100_000, 20_000

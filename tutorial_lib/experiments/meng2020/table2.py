@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.agents.agent import Agent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options, Report
@@ -20,6 +19,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, building, trials
+from tutorial_lib.interfaces import Agent
 from tutorial_lib.parallel import for_each
 
 WORLDS = tuple(range(20_000, 20_005))

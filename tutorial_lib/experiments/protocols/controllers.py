@@ -1,19 +1,20 @@
-"""The local controllers that are raced against each other."""
+"""The local controllers of Table I."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
+from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints, TargetPolicy
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import Policy
+from tutorial_lib.interfaces import Policy
 from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints, directly
+from tutorial_lib.world.simulation import Simulation
 
 
 def controllers(seed: tuple[int, int]) -> dict[str, PolicyFactory]:
@@ -23,14 +24,16 @@ def controllers(seed: tuple[int, int]) -> dict[str, PolicyFactory]:
     """
     rmp = RMPController()
 
-    def at_random(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
-        del recorded, frames
-        controller = ComposedController(RandomWaypoints(np.random.default_rng(seed)), rmp)
-        return lambda simulation, robots: controller.act(simulation.observe(robots), None)
+    def at_random(
+        simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]
+    ) -> Policy:
+        del simulation, recorded
+        predictor = RandomWaypoints(np.random.default_rng(seed))
+        return TargetPolicy(ComposedController(predictor, rmp), frames)
 
-    def oracle(recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
+    def oracle(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
         paths = GridPaths(recorded.scene.clearance)
-        return OraclePolicy(paths, recorded.poses[frames, :2], rmp).act
+        return OraclePolicy(simulation, paths, recorded.poses[frames, :2], rmp)
 
     return {
         "random": at_random,

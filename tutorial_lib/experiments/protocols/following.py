@@ -14,13 +14,13 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import SLOWEST, covered
-from tutorial_lib.driving.rollouts import Policy, Robots, drive
+from tutorial_lib.driving.rollouts import ReachGoals, rollout
 from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation, Policy, Robots
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.log import FollowerLog
-from tutorial_lib.topology.following.run import Run
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import STEP, Simulation
@@ -127,8 +127,8 @@ class Guide:
         recorded, frames = self.recorded, np.concatenate(trails)
         pictures = self.pictures(frames)
         targets, prepared = self.predictor.prepare(pictures), self.reachability.prepare(pictures)
-        laid = AnchorPaths.end_to_end(targets, prepared, [len(trail) for trail in trails])
-        run = Follower(self.predictor, RMPController(), self.reachability).begin(laid)
+        paths = AnchorPaths.end_to_end(targets, prepared, [len(trail) for trail in trails])
+        follower = Follower(paths, self.predictor, RMPController(), self.reachability)
         ends = np.array([(trail[0], trail[-1]) for trail in trails])
         simulation = Simulation(
             recorded.scene,
@@ -139,22 +139,36 @@ class Guide:
         )
         length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
         limit = _BUDGET * length / SLOWEST + 10.0
-        drives = drive(simulation, driver(run, disturb), recorded.poses[ends[:, 1], :2], limit)
+        reach = ReachGoals(recorded.poses[ends[:, 1], :2], limit)
+        policy: Policy = follower
+        if disturb is not None:
+            policy = DisturbedPolicy(follower, simulation, disturb)
+        rollouts = rollout(simulation, policy, reach)
         metres = []
         for robot, (first, last) in enumerate(ends):
-            steps = round(drives.seconds[robot] / STEP)
-            touched = steps if drives.collided[robot] else None
-            track = drives.poses[: steps + 1, robot]
+            steps = round(rollouts.seconds[robot] / STEP)
+            touched = steps if rollouts.collided[robot] else None
+            track = rollouts.poses[: steps + 1, robot]
             metres.append(covered(recorded.poses[first : last + 1], track, touched))
-        return np.array(metres), drives.poses, run.record()
+        return np.array(metres), rollouts.poses, follower.log()
 
 
-def driver(run: Run, disturb: Disturb | None = None) -> Policy:
-    """Rollouts the robots of a run; who is lost or done stands still."""
+@dataclass(frozen=True)
+class DisturbedPolicy:
+    """A `Policy` whose robots are disturbed before they observe.
 
-    def act(simulation: Simulation, robots: Robots) -> Array:
-        if disturb is not None:
-            disturb(simulation, robots)
-        return run.act(simulation.observe(robots), robots)
+    Attributes:
+        policy: drives.
+        simulation: the robots.
+        disturb: is given the simulation and the robots under way before each step.
+    """
 
-    return act
+    policy: Policy
+    simulation: Simulation
+    disturb: Disturb
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2); a robot that is lost or done stands still."""
+        del observations
+        self.disturb(self.simulation, robots)
+        return self.policy.act(self.simulation.observe(robots), robots)

@@ -13,7 +13,7 @@ from tutorial_lib.driving.data.episodes import Episodes, draw_episodes, with_obs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import Policy, Rollouts, drive
+from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, rollout
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.importers import import_map
@@ -50,8 +50,8 @@ class Condition:
     noise: float = 0.0
     seed: tuple[int, int] = (0, 0)
 
-    def run(self, driver: Policy, sensors: Sensors | None = None) -> Rollouts:
-        """Drive all episodes at once."""
+    def run(self, make_policy: PolicyFactory, sensors: Sensors | None = None) -> Rollouts:
+        """Roll out all episodes at once."""
         episodes = self.episodes
         simulation = Simulation(
             episodes.recorded.scene,
@@ -61,7 +61,8 @@ class Condition:
             sensors=sensors,
             rng=np.random.default_rng(self.seed),
         )
-        return drive(simulation, driver, episodes.goals[:, :2], episodes.limit)
+        policy = make_policy(simulation, episodes.recorded, episodes.targets)
+        return rollout(simulation, policy, ReachGoals(episodes.goals[:, :2], episodes.limit))
 
     def matched(self, drives: Rollouts) -> NDArray[np.bool_]:
         """(N,) whether a drive reached its target, or ever saw what its target sees."""
@@ -135,7 +136,7 @@ def attempt(
     pictures, and metres of clearance at start or target, whichever is less.
     """
     episodes = course.episodes
-    drives = course.run(pilot(episodes.recorded, episodes.targets), sensors)
+    drives = course.run(pilot, sensors)
     scene, starts, goals = episodes.recorded.scene, episodes.starts, episodes.goals
     seen = to_local(starts, goals[:, :2])
     room = np.stack([scene.clearance.at(poses[:, :2]) for poses in (starts, goals)])

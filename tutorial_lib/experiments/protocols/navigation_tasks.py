@@ -79,7 +79,7 @@ class Trials:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def some(self, numbers: NDArray[np.intp]) -> Trials:
+    def subset(self, numbers: NDArray[np.intp]) -> Trials:
         """The trials of those numbers (M,)."""
         parts = (self.pairs, self.starts, self.goals, self.seconds)
         pairs, starts, goals, seconds = (part[numbers] for part in parts)
@@ -129,37 +129,43 @@ def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLA
     return Building(name, scene, paths, places, recorded, pairs[kept])
 
 
-def trials(house: Building, count: int, rng: np.random.Generator) -> Trials:
+def trials(building: Building, count: int, rng: np.random.Generator) -> Trials:
     """Draw trials between the places of a building; pairs come equally often.
 
     A trial starts where the recorded drive of its pair did, but perturbed as in Table I.
     """
-    drives = np.resize(rng.permutation(len(house.pairs)), round(_SPARE * count) + 1)
-    first = house.recorded.first_frames[drives]
-    starts, found = perturbed(house.scene, house.recorded.poses[first], PAPER_PERTURBATION, rng)
-    return _shown(house, starts[found], house.pairs[drives[found]], count)
+    drives = np.resize(rng.permutation(len(building.pairs)), round(_SPARE * count) + 1)
+    first = building.recorded.first_frames[drives]
+    starts, found = perturbed(
+        building.scene, building.recorded.poses[first], PAPER_PERTURBATION, rng
+    )
+    return _shown(building, starts[found], building.pairs[drives[found]], count)
 
 
-def trials_from_anywhere(house: Building, count: int, rng: np.random.Generator) -> Trials:
+def trials_from_anywhere(building: Building, count: int, rng: np.random.Generator) -> Trials:
     """Draw trials from somewhere on the recorded drives to any of the places (Fig. 9).
 
     Many starts look far aside. The first place of their pair is that of the drive.
     """
     size = round(_SPARE_ANYWHERE * count)
-    frames = rng.integers(len(house.recorded.poses), size=size)
-    starts, found = perturbed(house.scene, house.recorded.poses[frames], ANYWHERE_PERTURBATION, rng)
-    drive = np.searchsorted(house.recorded.first_frames, frames, side="right") - 1
-    pairs = np.stack([house.pairs[drive, 0], rng.integers(len(house.places), size=len(frames))], 1)
-    far = np.linalg.norm(starts[:, :2] - house.places[pairs[:, 1]], axis=1) > _FAR
-    return _shown(house, starts[found & far], pairs[found & far], count)
+    frames = rng.integers(len(building.recorded.poses), size=size)
+    starts, found = perturbed(
+        building.scene, building.recorded.poses[frames], ANYWHERE_PERTURBATION, rng
+    )
+    drive = np.searchsorted(building.recorded.first_frames, frames, side="right") - 1
+    pairs = np.stack(
+        [building.pairs[drive, 0], rng.integers(len(building.places), size=len(frames))], 1
+    )
+    far = np.linalg.norm(starts[:, :2] - building.places[pairs[:, 1]], axis=1) > _FAR
+    return _shown(building, starts[found & far], pairs[found & far], count)
 
 
-def _shown(house: Building, starts: Array, pairs: NDArray[np.intp], count: int) -> Trials:
+def _shown(building: Building, starts: Array, pairs: NDArray[np.intp], count: int) -> Trials:
     """At most `count` trials, each with the picture that an oracle took at its end."""
-    places = house.places[pairs[:, 1]]
-    shown = demonstrate_between(house.name, house.scene, house.paths, starts, places, 0)
+    places = building.places[pairs[:, 1]]
+    shown = demonstrate_between(building.name, building.scene, building.paths, starts, places, 0)
     kept = [number for number, drive in enumerate(shown) if long_enough(drive)][:count]
-    oracle = RecordedWorld(house.scene, [shown[number] for number in kept])
+    oracle = RecordedWorld(building.scene, [shown[number] for number in kept])
     goals = np.unique(oracle.last)
     seconds = np.array([drive.timestamps[-1] for drive in oracle.trajectories])
     return Trials(pairs[kept], starts[kept], oracle, goals, seconds)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import REACHED
-from tutorial_lib.driving.rollouts import Robots
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.geometry import Array, compose
+from tutorial_lib.interfaces import Robots
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.world.bodies import BicycleCar

@@ -57,7 +57,7 @@ def run_world(world: int, options: Options) -> dict[str, dict[str, Array]]:
     asked = trials(house, 3 * count, np.random.default_rng([options.seed, world, 2]))
     there = building(abs(world - _ELSEWHERE), options.seed, PLACES)
     strange = trials(there, count, np.random.default_rng([options.seed, world, 3]))
-    own = asked.some(np.arange(min(count, len(asked))))
+    own = asked.subset(np.arange(min(count, len(asked))))
     seen = Simulation(house.scene, own.starts).observe()
     return with_blocked_ways(house, agent, asked, count) | {
         "own_goal": answers(agent, seen, own),
@@ -73,7 +73,7 @@ def with_blocked_ways(
     if not len(kept):
         nothing = {"reached": np.empty(0), "plans": np.empty(0)}
         return {"none": nothing, "blocked": nothing}
-    blocked = replace(asked.some(kept), seconds=2 * detours)
+    blocked = replace(asked.subset(kept), seconds=2 * detours)
     goals = goals_of(blocked, VIEWS["camera16"], K)
     free = navigate(house, blocked, lambda _: agent.start(goals))
     journey = agent.start(goals)

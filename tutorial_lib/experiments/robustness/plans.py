@@ -10,7 +10,7 @@ import numpy as np
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import walls_crossed
-from tutorial_lib.driving.rollouts import Rollouts
+from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.parallel import for_each
@@ -124,4 +124,6 @@ def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Gener
     places = paths.points[paths.largest]
     starts = random_free_poses(scene, BicycleCar(), places, count, rng)
     goals = places[rng.integers(len(places), size=count)]
-    return OraclePolicy(paths, goals).drive(Simulation(scene, starts))
+    simulation = Simulation(scene, starts)
+    ends = ReachGoals(goals, geodesic_limit(paths, starts, goals))
+    return rollout(simulation, OraclePolicy(simulation, paths, goals), ends)

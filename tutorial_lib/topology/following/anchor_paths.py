@@ -1,4 +1,4 @@
-"""What a fleet is to follow: a sequence of anchors for each robot."""
+"""What a fleet follows: a path of anchors for each robot."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from tutorial_lib.topology.query import ask
 
 @dataclass(frozen=True)
 class AnchorPaths:
-    """The trails of N robots among A anchors, which they may share.
+    """The paths of N robots over A anchors, which they may share.
 
     Attributes:
-        targets: the anchors as the waypoint predictor is asked about them; an array of numbers
-            selects from them.
+        targets: the anchors as targets of the waypoint predictor; an array of indices selects
+            from them.
         prepared: the same anchors as `Reachability.prepare` made them.
-        paths: for each robot the numbers of its anchors, in order; frames of a trajectory or
+        paths: for each robot the indices of its anchors, in order; frames of a trajectory or
             vertices of a map, for instance.
 
     Raises:
@@ -40,23 +40,23 @@ class AnchorPaths:
     def __post_init__(self) -> None:
         if len(self.targets) != len(self.prepared):
             raise InputError(
-                f"trails: {len(self.targets)} targets but {len(self.prepared)} prepared for "
+                f"paths: {len(self.targets)} targets but {len(self.prepared)} prepared for "
                 "reachability; give the same anchors to both"
             )
         if not len(self.paths):
-            raise InputError("trails: none; give one path for each robot")
+            raise InputError("paths: none; give one path for each robot")
         for number, path in enumerate(self.paths):
             path = np.asarray(path)
             if path.ndim != 1 or not len(path) or path.dtype.kind not in "iu":
-                raise InputError(f"trails: path {number} is {path}; give (L,) numbers, L >= 1")
+                raise InputError(f"paths: path {number} is {path}; give (L,) indices, L >= 1")
             if not 0 <= path.min() <= path.max() < len(self.targets):
                 raise InputError(
-                    f"trails: path {number} is {path}; anchors are 0 to {len(self.targets) - 1}"
+                    f"paths: path {number} is {path}; anchors are 0 to {len(self.targets) - 1}"
                 )
 
     @classmethod
     def end_to_end(cls, targets: Targets, prepared: Any, lengths: Sequence[int]) -> AnchorPaths:  # noqa: ANN401
-        """AnchorPaths of so many anchors each, that lie one after the other among the targets."""
+        """Paths of so many anchors each, which lie one after the other among the targets."""
         bounds = np.cumsum([0, *lengths])
         return cls(targets, prepared, [np.arange(*ends) for ends in pairwise(bounds.tolist())])
 
@@ -65,7 +65,7 @@ class AnchorPaths:
 
     @cached_property
     def lengths(self) -> NDArray[np.intp]:
-        """(N,) anchors of each trail."""
+        """(N,) anchors of each path."""
         return np.array([len(np.asarray(path)) for path in self.paths])
 
     @cached_property
@@ -85,21 +85,21 @@ class AnchorPaths:
         observations: Observation,
         robots: NDArray[np.intp],
         places: NDArray[np.intp],
-        asked: NDArray[np.bool_],
+        queried: NDArray[np.bool_],
     ) -> Array:
-        """How probable it is that robots reach anchors of their trails, all in one call.
+        """RE of anchors on the robots' paths, all in one call.
 
         Args:
             reachability: RE.
             observations: M robots.
-            robots: (M,) their numbers.
-            places: (M, W) of the anchors along the trails.
-            asked: (M, W) which of them to ask about; those that do not exist never are.
+            robots: (M,) their indices.
+            places: (M, W) of the anchors along the paths.
+            queried: (M, W) which of them to query; those that do not exist never are.
 
         Returns:
-            (M, W), not a number where nobody asked.
+            (M, W), not a number where RE is not queried.
         """
-        rows, columns = np.nonzero(asked & self.exist(robots, places))
+        rows, columns = np.nonzero(queried & self.exist(robots, places))
         found = np.full(places.shape, np.nan)
         anchors = self._anchors(robots[rows], places[rows, columns])
         found[rows, columns] = ask(reachability, observations[rows], self.prepared[anchors])
@@ -111,20 +111,20 @@ class AnchorPaths:
         observations: Observation,
         robots: NDArray[np.intp],
         places: NDArray[np.intp],
-        asked: NDArray[np.bool_],
+        queried: NDArray[np.bool_],
     ) -> tuple[Array, Array]:
         """Waypoints (M, W, 2) and mean overlaps (M, W) of anchors, as for `probabilities`."""
-        rows, columns = np.nonzero(asked & self.exist(robots, places))
+        rows, columns = np.nonzero(queried & self.exist(robots, places))
         waypoints, overlaps = np.full((*places.shape, 2), np.nan), np.full(places.shape, np.nan)
         if len(rows):
             anchors = self._anchors(robots[rows], places[rows, columns])
-            told = predictor.predict(observations[rows], self.targets[anchors])
-            waypoints[rows, columns] = checked_waypoints(told[0], len(rows))
-            overlaps[rows, columns] = _checked_overlaps(told[1], len(rows)).mean(axis=1)
+            predicted = predictor.predict(observations[rows], self.targets[anchors])
+            waypoints[rows, columns] = checked_waypoints(predicted[0], len(rows))
+            overlaps[rows, columns] = _checked_overlaps(predicted[1], len(rows)).mean(axis=1)
         return waypoints, overlaps
 
     def exist(self, robots: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.bool_]:
-        """(M, W) which of the `places` (M, W) there are on the trails of `robots` (M,)."""
+        """(M, W) which of the `places` (M, W) exist on the paths of `robots` (M,)."""
         return (places >= 0) & (places < self.lengths[robots, None])
 
 

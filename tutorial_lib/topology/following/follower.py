@@ -1,43 +1,262 @@
-"""Following trails of anchors by sight (Meng 2020, III-H), for a fleet."""
+"""Follows paths of anchors by sight: the state machine of Meng 2020 (III-H), for a fleet.
+
+*Search* localizes the robot on its path. *Follow* drives to the active anchor by the predicted
+waypoint and switches to the next anchor in time. *Dead reckoning* takes over while RE of the active
+anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around. A
+robot that does not find its path again in time is lost, and stops.
+
+Nothing here ever sees a pose.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import replace
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.interfaces import Controller, Reachability, WaypointPredictor
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.interfaces import (
+    Controller,
+    Observation,
+    Reachability,
+    Robots,
+    WaypointPredictor,
+)
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
-from tutorial_lib.topology.following.run import Run
-from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.topology.following.log import FollowerLog
+from tutorial_lib.topology.following.state import FollowerState
+from tutorial_lib.topology.following.transitions import (
+    FollowerSettings,
+    State,
+    found_again,
+    last_visited,
+    next_active,
+)
+from tutorial_lib.world.simulation import STEP
 
 
-@dataclass(frozen=True)
 class Follower:
-    """Follows trails; `begin` starts a run, which remembers.
+    """A `Policy` of N robots, each on its own path of anchors.
 
     Attributes:
-        predictor: C_WP, tells waypoints and overlaps.
-        controller: C_RMP, drives to waypoints.
-        reachability: RE.
-        settings: when they are believed.
+        paths: of the robots.
+        memory: what it remembers of them.
     """
 
-    predictor: WaypointPredictor
-    controller: Controller
-    reachability: Reachability
-    settings: FollowerSettings = field(default_factory=FollowerSettings)
-
-    def begin(self, trails: AnchorPaths, starts: ArrayLike | None = None) -> Run:
-        """Set out on trails.
+    def __init__(
+        self,
+        paths: AnchorPaths,
+        predictor: WaypointPredictor,
+        controller: Controller,
+        reachability: Reachability,
+        settings: FollowerSettings | None = None,
+        starts: ArrayLike | None = None,
+    ) -> None:
+        """Start on paths.
 
         Args:
-            trails: one for each of N robots.
+            paths: one for each of N robots.
+            predictor: C_WP.
+            controller: C_RMP.
+            reachability: RE.
+            settings: the thresholds.
             starts: (N,) the anchor to drive to first, where it is known; -1 where it must be
                 searched for, as everywhere unless given.
 
         Raises:
-            InputError: when a start is beyond its trail.
+            InputError: when a start is beyond its path.
         """
-        parts = (self.predictor, self.controller, self.reachability, self.settings)
-        return Run(trails, starts, *parts)
+        self.paths, self.settings = paths, FollowerSettings() if settings is None else settings
+        self.predictor, self.controller, self.reachability = predictor, controller, reachability
+        count = len(paths)
+        active = np.full(count, -1) if starts is None else np.array(starts)
+        fits = active.shape == (count,) and active.dtype.kind in "iu"
+        if not (fits and ((active >= -1) & (active < paths.lengths)).all()):
+            raise InputError(f"starts: {starts}; give (N,) anchors of {count} paths, -1 to search")
+        self.memory = FollowerState.at(active)
+        self._predicted = np.full((count, 2), np.nan)  # RE of, and overlap with, the active anchor
+        self._steps: list[tuple[NDArray, ...]] = []
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Observe, decide and drive on.
+
+        Args:
+            observations: M robots.
+            robots: (M,) their indices, rising; the others keep their state.
+
+        Returns:
+            (M, 2) actions; a robot that is lost or done stands still.
+
+        Raises:
+            InputError: when there are not as many indices as observations, or a network returns
+                something of the wrong form.
+        """
+        robots, memory = np.asarray(robots), self.memory
+        if robots.shape != (len(observations),):
+            raise InputError(
+                f"follower: {len(observations)} observations but robots {robots}; give as many"
+            )
+        self._predicted[:] = np.nan
+        self._search(observations, robots)
+        going = np.flatnonzero(~memory.over[robots])
+        seen, under_way = observations[going], robots[going]
+        probabilities = self._look_out(seen, under_way)
+        follow = memory.state[under_way] == State.FOLLOW
+        self._find_back(seen[~follow], under_way[~follow], probabilities[~follow])
+        self._follow(seen[follow], under_way[follow], probabilities[follow])
+        actions = np.zeros((len(robots), 2))
+        actions[going] = self._drive(seen, under_way)
+        before = memory.state.copy(), memory.active.copy(), memory.visited.copy()
+        self._steps.append((*before, *self._predicted.T.copy(), memory.waypoints.copy()))
+        return actions
+
+    def assign(self, robot: int, path: ArrayLike) -> None:
+        """Put a robot on another path, which it follows from the first anchor on.
+
+        Args:
+            robot: its index.
+            path: (L,) indices of anchors, as for `AnchorPaths`.
+
+        Raises:
+            InputError: when the path leads beyond the anchors.
+        """
+        paths = list(self.paths.paths)
+        paths[robot] = path
+        self.paths = replace(self.paths, paths=paths)
+        self.memory.follow_from_start(robot)
+
+    def log(self) -> FollowerLog:
+        """Every step until now."""
+        return FollowerLog.of(self._steps, len(self.paths))
+
+    def _search(self, observations: Observation, robots: Robots) -> None:
+        """Search: drive to the anchor that is most probably reachable, or give up."""
+        memory = self.memory
+        searching = np.flatnonzero(memory.state[robots] == State.SEARCH)
+        if not searching.size:
+            return
+        seen, robots = observations[searching], robots[searching]
+        places = np.tile(np.arange(self.paths.lengths[robots].max()), (len(robots), 1))
+        probabilities = self.paths.probabilities(
+            self.reachability, seen, robots, places, np.ones(places.shape, dtype=bool)
+        )
+        best = np.nanargmax(probabilities, axis=1)
+        sure = probabilities[np.arange(len(best)), best] > self.settings.p_search
+        memory.state[robots] = np.where(sure, State.FOLLOW, State.LOST)
+        memory.active[robots], memory.visited[robots] = best, best - 1
+
+    def _look_out(self, observations: Observation, robots: Robots) -> Array:
+        """RE (M, 2W+1) of anchors from W before to W after the active one.
+
+        In Follow that of the active anchor and the next one, otherwise of a growing window.
+        """
+        widest, active = self.settings.widest, self.memory.active[robots]
+        offsets, width = np.arange(-widest, widest + 1), self.memory.width[robots, None]
+        places = active[:, None] + offsets
+        queried = (offsets >= -width) & (offsets <= np.maximum(width, 1))
+        # The robot never goes back to an anchor that it visited.
+        queried &= (places > self.memory.visited[robots, None]) | (offsets >= 0)
+        probabilities = self.paths.probabilities(
+            self.reachability, observations, robots, places, queried
+        )
+        self._predicted[robots, 0] = probabilities[:, widest]
+        return probabilities
+
+    def _find_back(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
+        """Dead reckoning: back to Follow once an anchor was sighted some steps in a row."""
+        settings, memory = self.settings, self.memory
+        self._try(observations, robots, probabilities[:, settings.widest] > settings.p_try)
+        sighted = found_again(memory.active[robots], probabilities, settings.p_follow)
+        same = np.abs(sighted - memory.sighted[robots]) <= 1
+        streak = np.where(same, memory.streak[robots], 0) + 1
+        streak = np.where(sighted >= 0, streak, 0)
+        memory.sighted[robots], memory.streak[robots] = sighted, streak
+        memory.stalled[robots] += STEP
+        back = streak >= settings.confirm
+        lost = ~back & (memory.stalled[robots] > settings.patience - STEP / 2)
+        memory.width[robots] = np.minimum(memory.width[robots] + 1, settings.widest)
+        memory.state[robots[lost]] = State.LOST
+        memory.enter(robots[back], State.FOLLOW)
+        memory.heading.begin(robots[back & (sighted != memory.active[robots])])
+        memory.active[robots[back]] = sighted[back]
+        memory.visited[robots[back]] = np.maximum(memory.visited[robots], sighted - 1)[back]
+
+    def _try(self, observations: Observation, robots: Robots, worth: NDArray[np.bool_]) -> None:
+        """At the end of dead reckoning, request a new waypoint to the active anchor if `worth`.
+
+        Stalled time goes on counting: a robot that sees no more from there is lost as soon.
+        """
+        left = to_local(observations.odometry, self.memory.waypoints[robots])
+        stranded = np.flatnonzero(worth & (np.linalg.norm(left, axis=1) < 2 * self.settings.at))
+        seen, robots = observations[stranded], robots[stranded]
+        places = self.memory.active[robots, None]
+        every = np.ones(places.shape, dtype=bool)
+        waypoints, _ = self.paths.waypoints(self.predictor, seen, robots, places, every)
+        self.memory.waypoints[robots] = to_world(seen.odometry, waypoints[:, 0])
+
+    def _follow(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
+        """Follow: localize, choose the active anchor, and drive to its waypoint."""
+        settings, memory = self.settings, self.memory
+        active, visited = memory.active[robots], memory.visited[robots]
+        now, after = probabilities[:, settings.widest : settings.widest + 2].T
+        places = active[:, None] + [-1, 0, 1]
+        queried = places >= np.minimum(visited, active)[:, None]
+        waypoints, overlaps = self.paths.waypoints(
+            self.predictor, observations, robots, places, queried
+        )
+        self._predicted[robots, 1] = overlaps[:, 1]
+        done, goal = self._arrive(robots, now, after, waypoints, overlaps)
+        visited = last_visited(visited, active, overlaps, done, settings.visited)
+        chosen = next_active(active, visited, after, overlaps[:, 2], settings)
+        memory.active[robots], memory.visited[robots] = chosen, visited
+        moved = chosen > active
+        memory.heading.begin(robots[moved])
+        sure = np.where(moved, after, now) > settings.p_lose
+        # With a new active anchor, or before the first waypoint, any waypoint is taken.
+        fresh = sure | moved | np.isnan(memory.waypoints[robots, 0])
+        ahead = memory.heading.waypoints(robots, waypoints[np.arange(len(robots)), 1 + moved])
+        memory.waypoints[robots[fresh]] = to_world(observations.odometry, ahead)[fresh]
+        self._leave(robots, sure, goal)
+
+    def _arrive(
+        self, robots: Robots, now: Array, after: Array, waypoints: Array, overlaps: Array
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Which robots (M,) are done with the active anchor, and for which (M,) it is the last."""
+        settings, overlap, heading = self.settings, overlaps[:, 1], self.memory.heading
+        last = self.memory.active[robots] == self.paths.lengths[robots] - 1
+        gap = np.linalg.norm(waypoints[:, 1], axis=1)
+        # Where RE is low the waypoint means nothing, near as it may be.
+        near = (gap < settings.at) & (now > settings.p_lose)
+        tired = heading.tried[robots] > settings.effort
+        faces = overlap > settings.facing
+        wants = ~faces & ~tired & (now > settings.p_lose) & ~(after > settings.p_follow)
+        # The path goes on towards the next anchor, as far as can be predicted.
+        first = np.where(np.where(last, waypoints[:, 1, 1], waypoints[:, 2, 1]) < 0, -1, 1)
+        heading.decide(robots, wants, near, gap, overlap, first)
+        done = (near & (heading.side[robots] == 0)) | tired
+        return done, near & last & (faces | tired)
+
+    def _leave(self, robots: Robots, sure: NDArray[np.bool_], goal: NDArray[np.bool_]) -> None:
+        """Leave Follow: at the goal, for dead reckoning, or lost."""
+        settings, memory = self.settings, self.memory
+        progress = goal | (sure & (memory.heading.tried[robots] <= settings.effort))
+        memory.calm[robots] = np.where(progress, memory.calm[robots] + STEP, 0.0)
+        memory.stalled[robots[~progress]] += STEP
+        memory.stalled[robots[memory.calm[robots] >= settings.calm]] = 0.0
+        memory.streak[robots] = np.where(goal, memory.streak[robots] + 1, 0)
+        lost = memory.stalled[robots] > settings.patience - STEP / 2
+        memory.enter(robots[lost], State.LOST)
+        memory.enter(robots[~lost & (memory.streak[robots] >= settings.confirm)], State.DONE)
+        memory.enter(robots[~lost & ~sure & ~goal], State.DEAD_RECKONING)
+
+    def _drive(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2) towards the last waypoint, which odometry keeps track of."""
+        actions = np.zeros((len(robots), 2))
+        moving = np.flatnonzero(~self.memory.over[robots])
+        if moving.size:
+            seen = observations[moving]
+            waypoints = to_local(seen.odometry, self.memory.waypoints[robots[moving]])
+            actions[moving] = self.controller.act(seen, waypoints)
+        return actions

@@ -1,7 +1,7 @@
-"""Turning to look the way an anchor does, since waypoints lead to its place and tell no heading.
+"""Turning in place to the heading of an anchor, since waypoints lead only to its position.
 
-The next anchor was chosen for a robot that looks that way. Where the trail turns sharply, or begins
-with turning round, who only came to the place may see nothing of what comes next.
+The next anchor was chosen for a robot with that heading. Where the path turns sharply, a robot that
+only reaches the position may see nothing of the next anchor.
 """
 
 import numpy as np
@@ -11,21 +11,21 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.world.simulation import STEP
 
 ASIDE = 1.0
-"""Metres of a waypoint to the side, for which a car turns as sharply as it can."""
+"""Metres to the side of a waypoint that makes a car turn as sharply as it can."""
 _FAR = 0.8  # metres from the anchor; a car that turns drifts away and must come back
 _WORSE = 0.08  # overlap lost since the best, from which on it turns to the other side
 _NEARER = 0.02  # metres that count as progress
 
 
 class HeadingSearch:
-    """How N robots try to be where their active anchors are, and to look the same way.
+    """How N robots at their active anchors search for the anchors' headings.
 
-    A robot at an anchor that sees little of what was seen there turns to one side for as long as
-    the overlap grows, and to the other side when it shrinks.
+    A robot at an anchor with a small overlap turns to one side as long as the overlap grows, and to
+    the other side when it shrinks.
 
     Attributes:
-        side: (N,) 1 to the left, -1 to the right, 0 for who does not turn.
-        tried: (N,) seconds in which a robot has not come nearer to its anchor.
+        side: (N,) 1 to the left, -1 to the right, 0 while it does not turn.
+        tried: (N,) seconds in which a robot came no nearer to its anchor.
     """
 
     def __init__(self, robots: int) -> None:
@@ -34,14 +34,14 @@ class HeadingSearch:
         self._overlap, self._gap = np.zeros(robots), np.full(robots, np.inf)
 
     def begin(self, robots: NDArray[np.intp]) -> None:
-        """Begin anew, with another anchor."""
+        """Start again with another anchor."""
         self.side[robots], self.tried[robots], self._gap[robots] = 0, 0.0, np.inf
 
     def stop(self, robots: NDArray[np.intp]) -> None:
-        """Turn no more, for now."""
+        """Stop turning for now."""
         self.side[robots] = 0
 
-    def judge(
+    def decide(
         self,
         robots: NDArray[np.intp],
         wants: NDArray[np.bool_],
@@ -50,12 +50,12 @@ class HeadingSearch:
         overlap: Array,
         first: NDArray[np.intp],
     ) -> None:
-        """Decide who turns, and to which side.
+        """Decide which robots turn, and to which side.
 
         Args:
-            robots: (M,) their numbers.
-            wants: (M,) who looks another way than its anchor, and should not.
-            at: (M,) who is at its anchor.
+            robots: (M,) their indices.
+            wants: (M,) has another heading than its anchor, and should not.
+            at: (M,) is at its anchor.
             gap: (M,) metres to the anchor.
             overlap: (M,) with it.
             first: (M,) the side to try first.
@@ -72,7 +72,7 @@ class HeadingSearch:
         self._overlap[robots] = np.where(begins | worse, overlap, np.maximum(best, overlap))
 
     def waypoints(self, robots: NDArray[np.intp], waypoints: Array) -> Array:
-        """Waypoints (M, 2), but beside them for robots that turn."""
+        """Waypoints (M, 2); for robots that turn, a point to their side instead."""
         side = self.side[robots]
         beside = np.stack([np.zeros(len(robots)), ASIDE * side], axis=1)
         return np.where((side != 0)[:, None], beside, waypoints)

@@ -79,6 +79,10 @@ class Vertices:
             raise InputError(f"reachability: prepared {made} of {count} targets; give all")
         return prepared
 
+    def prepared_targets(self, indices: ArrayLike) -> Any:  # noqa: ANN401
+        """Vertices (N,) as targets that RE has prepared."""
+        return self._prepared[indices]
+
     def between(self, sources: ArrayLike, targets: ArrayLike) -> Array:
         """RE (N,) from vertices to vertices."""
         return self.ask(self.observations, sources, self._prepared, targets)
