@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.made_up_maps import edges_of, numbered, sensed, table_map
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.navigator import MapNavigation
+from tutorial_lib.agents.navigator import MapNavigation, MapTargets
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.sptm import MostAlike, SPTMAgent, window_median
@@ -52,7 +52,7 @@ class LinePredictor:
     """The way to a place, and an overlap that fades over 3 m."""
 
     view = SimpleNamespace(of=lambda observations: observations.odometry[:, 0])
-    architecture = SimpleNamespace(k=1)
+    k = 1
 
     def prepare(self, contexts):
         return contexts[:, contexts.shape[1] // 2]
@@ -119,8 +119,20 @@ def journey_of(find_way, goals, places=range(-4, 9), replans=5, wall=np.inf):
     reachability = LineReachability()
     reachability.wall = wall
     topomap = line_map(places, reachability)
-    follower = Follower(LinePredictor(), LineController(), reachability)
-    return MapNavigation(find_way, follower, topomap, goals, replans)
+    return navigation_over(topomap, find_way, goals, replans)
+
+
+def navigation_over(topomap, find_path, goals, replans=5):
+    reachability = topomap.vertices.reachability
+    parts = LinePredictor(), LineController(), reachability
+    targets = MapTargets(topomap, parts[0], reachability)
+    return MapNavigation(
+        find_path,
+        lambda paths, starts: Follower(paths, *parts, starts=starts),
+        targets,
+        goals,
+        replans,
+    )
 
 
 SURE = (0.99,)
@@ -218,7 +230,7 @@ def test_who_does_not_trust_its_way_gives_up_at_once():
 
 
 def test_who_knows_no_way_gives_up_before_long():
-    ways = Ways(Plan(refusal="no way leads from what is seen here to the goal"))
+    ways = Ways(Plan(refusal="no path leads from what is seen here to the goal"))
     journey, line = journey_of(ways, [goals_at(3)]), Line([0.0])
     line.go(journey, 260)
     assert journey.given_up.tolist() == [True]
@@ -258,7 +270,7 @@ class Steering(LineController):
 
 
 def test_who_knows_no_way_looks_around_for_one():
-    unknown = Plan(refusal="no way leads from what is seen here to the goal")
+    unknown = Plan(refusal="no path leads from what is seen here to the goal")
     ways = Ways(unknown, unknown, Plan((5,), 0, SURE))
     journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
     journey.follower.controller = Steering()
@@ -276,7 +288,7 @@ def test_who_knows_no_way_looks_around_for_one():
 
 
 def test_who_has_given_up_stands_still():
-    ways = Ways(Plan(refusal="no way leads from what is seen here to the goal"))
+    ways = Ways(Plan(refusal="no path leads from what is seen here to the goal"))
     journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
     journey.follower.controller = Steering()
     line.go(journey, 400)
@@ -324,12 +336,9 @@ def test_only_those_asked_about_plan_and_go_on():
 
 def test_a_journey_over_an_empty_map_leads_to_what_is_in_sight():
     reachability = LineReachability()
-    follower = Follower(LinePredictor(), LineController(), reachability)
     topomap, planner = TopoMap(reachability), DijkstraPlanner()
     goals = [goals_at(1.0), goals_at(9.0)]
-    journey = MapNavigation(
-        lambda o, g, s: planner.plan(o, g, topomap, s), follower, topomap, goals, 5
-    )
+    journey = navigation_over(topomap, lambda o, g, s: planner.plan(o, g, topomap, s), goals)
     line = Line([0.0, 0.0])
     line.go(journey, 260)
     assert journey.arrived.tolist() == [True, False]
@@ -518,23 +527,23 @@ def test_sptm_takes_the_way_over_the_fewest_edges():
     agent = sptm(every=20, s_shortcut=0.9999)
     agent.learn([drive(0, 12)])
     agent.topomap.connect(2, 9, 0.01)  # improbable, but short
-    plan = agent._find_way(Line([0.1]).observe(), goals_at(40.0, 11.1), set())
+    plan = agent.find_path(Line([0.1]).observe(), goals_at(40.0, 11.1), set())
     assert plan == Plan((0, 1, 2, 9, 10, 11), 1)
     assert not plan.refusal
-    excluded = agent._find_way(Line([0.1]).observe(), goals_at(11.1), {5})
+    excluded = agent.find_path(Line([0.1]).observe(), goals_at(11.1), {5})
     assert excluded == Plan((0, 1, 2, 9, 10, 11), 0)
-    assert "no way" in agent._find_way(Line([0.1]).observe(), goals_at(11.1), {9}).refusal
+    assert "no path" in agent.find_path(Line([0.1]).observe(), goals_at(11.1), {9}).refusal
     # Here and there are where they are, excluded or not.
-    assert agent._find_way(Line([0.1]).observe(), goals_at(1.2), {0, 1}).vertices == (0, 1)
+    assert agent.find_path(Line([0.1]).observe(), goals_at(1.2), {0, 1}).vertices == (0, 1)
 
 
 def test_sptm_refuses_where_no_way_leads():
     agent = sptm(every=20, s_shortcut=0.9999)
     here = Line([5.0]).observe()
-    assert agent._find_way(here, goals_at(3.0), set()).refusal == "the map is empty"
+    assert agent.find_path(here, goals_at(3.0), set()).refusal == "the map is empty"
     agent.learn([drive(0, 6)])
-    assert "no way leads" in agent._find_way(here, goals_at(0.0), set()).refusal
-    assert agent._find_way(here, goals_at(0.0, 5.1), set()) == Plan((5,), 1)
+    assert "no path leads" in agent.find_path(here, goals_at(0.0), set()).refusal
+    assert agent.find_path(here, goals_at(0.0, 5.1), set()) == Plan((5,), 1)
 
 
 def test_sptm_drives_by_the_same_follower():

@@ -87,7 +87,7 @@ def test_a_plan_is_the_most_probable_way_there_is(drawn):
         assert bool(plan.refusal) == (not sure or most < planner.least)
     else:
         assert plan == Plan(refusal=plan.refusal)
-        assert "no way leads" in plan.refusal
+        assert "no path leads" in plan.refusal
         assert plan.probability == 0.0
     assert not set(plan.vertices) & set(excluded)
 
@@ -129,7 +129,7 @@ def test_a_goal_that_only_looks_a_little_like_the_map_is_refused():
     assert plan.vertices == (0, 1, 2, 3)
     assert plan.probability == pytest.approx(0.9**3 * 0.7)
     assert not DijkstraPlanner(p_goal=0.6).plan(here, goals, topomap).refusal
-    assert "no way" in DijkstraPlanner(p_query=0.8).plan(here, goals, topomap).refusal
+    assert "no path" in DijkstraPlanner(p_query=0.8).plan(here, goals, topomap).refusal
 
 
 def test_of_two_goals_the_one_that_is_sure_counts():
@@ -160,7 +160,7 @@ def test_an_empty_map_leads_to_what_is_in_sight_only():
     plan = DijkstraPlanner().plan(here, Goals(sensed(near), near[:, None]), topomap)
     assert (plan.vertices, plan.refusal) == ((), "")
     plan = DijkstraPlanner().plan(here, Goals(sensed(far), far[:, None]), topomap)
-    assert plan.refusal == "no way leads from what is seen here to the goal"
+    assert plan.refusal == "no path leads from what is seen here to the goal"
     assert (plan.vertices, plan.probability) == ((), 0.0)
 
 
@@ -173,7 +173,7 @@ def test_a_shunned_vertex_is_gone_round_or_ends_the_way():
     assert plan.vertices == (0, 2, 3)
     assert plan.probability == pytest.approx(0.63)
     for excluded in ({0}, {3}, {2}):
-        assert "no way" in planner.plan(here, goals, topomap, excluded).refusal
+        assert "no path" in planner.plan(here, goals, topomap, excluded).refusal
     assert planner.plan(here, goals, topomap, {99}).vertices == (0, 1, 2, 3)
     assert len(topomap) == 4
 
@@ -199,7 +199,7 @@ class Here:
 def test_a_localizer_tells_where_the_way_begins():
     topomap, here, goals = line(4, here=NO)
     topomap.remove([0])
-    assert "no way" in DijkstraPlanner().plan(here, goals, topomap).refusal
+    assert "no path" in DijkstraPlanner().plan(here, goals, topomap).refusal
     planner = DijkstraPlanner(localizer=Here([[0.0, 0.6, 0.0]]))
     plan = planner.plan(here, goals, topomap)
     assert plan.vertices == (2, 3)  # the second of those that are left
@@ -212,7 +212,7 @@ def test_a_localizer_tells_where_the_way_begins():
 )
 def test_a_localizer_that_tells_no_probabilities_is_named(told):
     topomap, here, goals = line(4)
-    with pytest.raises(InputError, match=r"localizer: told .* probabilities \(1, 4\)"):
+    with pytest.raises(InputError, match=r"localizer: returned .* probabilities \(1, 4\)"):
         DijkstraPlanner(localizer=Here(told)).plan(here, goals, topomap)
 
 

@@ -23,7 +23,7 @@ from tutorial_lib.driving.data.rollout_outcomes import (
     save_outcomes,
 )
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import SETTLED, drive
+from tutorial_lib.driving.rollouts import SETTLED, ReachGoals, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import to_local
 from tutorial_lib.world.sensors import Camera
@@ -33,20 +33,26 @@ ERRANDS = [field.name for field in fields(ReachabilityPairs)]
 ENDS = [field.name for field in fields(RolloutOutcomes)][1:]
 
 
-def homing(recorded, frames):
-    """Straight for the target, whatever is in the way; drivers are told where they are."""
-    goals = recorded.poses[frames]
+class Homing:
+    """Straight for the target, whatever is in the way; it knows where the robots are."""
 
-    def driver(simulation, robots):
-        ahead = to_local(simulation.poses[robots], goals[robots, :2])
+    def __init__(self, simulation, recorded, frames):
+        self.simulation, self.goals = simulation, recorded.poses[frames]
+
+    def act(self, observations, robots):
+        ahead = to_local(self.simulation.poses[robots], self.goals[robots, :2])
         turn = np.clip(np.arctan2(ahead[:, 1], ahead[:, 0]), -0.45, 0.45)
         return np.column_stack([np.full(len(robots), 0.5), turn])
 
-    return driver
 
+class Asleep:
+    """Stands still."""
 
-def asleep(recorded, frames):
-    return lambda simulation, robots: np.zeros((len(robots), 2))
+    def __init__(self, simulation, recorded, frames):
+        pass
+
+    def act(self, observations, robots):
+        return np.zeros((len(robots), 2))
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +72,7 @@ def errands(world):
 
 @pytest.fixture(scope="module")
 def outcomes(world, errands):
-    return roll_out_pairs(world, errands, homing)
+    return roll_out_pairs(world, errands, Homing)
 
 
 @pytest.fixture(scope="module")
@@ -98,9 +104,9 @@ def test_each_errand_ends_as_if_its_robot_were_alone(world, errands, outcomes):
     goals = world.poses[errands.targets, :2]
     for number in range(len(errands)):
         simulation = Simulation(world.scene, errands.starts[[number]])
-        driver = homing(world, errands.targets[[number]])
+        policy = Homing(simulation, world, errands.targets[[number]])
         limit = errands.geodesic[number] / 0.3 + 5.0
-        alone = drive(simulation, driver, goals[[number]], limit, settle=True)
+        alone = rollout(simulation, policy, ReachGoals(goals[[number]], limit, settle=True))
         assert outcomes.reached[number] == alone.reached[0]
         assert outcomes.collided[number] == alone.collided[0]
         assert outcomes.seconds[number] == alone.seconds[0]
@@ -112,12 +118,12 @@ def test_each_errand_ends_as_if_its_robot_were_alone(world, errands, outcomes):
 def test_the_size_of_the_fleet_changes_nothing(world, errands, outcomes, monkeypatch, fleet):
     sent = []
 
-    def pilot(recorded, frames):
+    def make_policy(simulation, recorded, frames):
         sent.append(len(frames))
-        return homing(recorded, frames)
+        return Homing(simulation, recorded, frames)
 
     monkeypatch.setattr(module, "FLEET", fleet)
-    same(roll_out_pairs(world, errands, pilot), outcomes)
+    same(roll_out_pairs(world, errands, make_policy), outcomes)
     assert max(sent) <= fleet
     assert sum(sent) == len(errands)
 
@@ -125,11 +131,11 @@ def test_the_size_of_the_fleet_changes_nothing(world, errands, outcomes, monkeyp
 def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
     sent = []
 
-    def pilot(recorded, frames):
+    def make_policy(simulation, recorded, frames):
         sent.extend(frames.tolist())
-        return asleep(recorded, frames)
+        return Asleep(simulation, recorded, frames)
 
-    some = roll_out_pairs(recorded, hidden, pilot)
+    some = roll_out_pairs(recorded, hidden, make_policy)
     assert 0 < hidden.far_and_occluded.sum() < len(hidden)
     assert sorted(sent) == sorted(hidden.targets[~hidden.far_and_occluded].tolist())
     assert (some.driven == ~hidden.far_and_occluded).all()
@@ -137,7 +143,7 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
         assert not getattr(some, name)[~some.driven].any()
     assert (some.seconds[some.driven] > 0).all()
     sent.clear()
-    every = roll_out_pairs(recorded, hidden, pilot, all_of_them=True)
+    every = roll_out_pairs(recorded, hidden, make_policy, all_of_them=True)
     assert sorted(sent) == sorted(hidden.targets.tolist())
     assert every.driven.all()
     for name in ("reached", "collided", "seconds"):
@@ -145,7 +151,7 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
 
 
 def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, hidden):
-    found = roll_out_pairs(recorded, hidden, asleep, all_of_them=True)
+    found = roll_out_pairs(recorded, hidden, Asleep, all_of_them=True)
     gap = np.hypot(*(hidden.starts - recorded.poses[hidden.targets])[:, :2].T)
     assert (found.reached == (gap < 0.3)).all()
     assert found.seconds.max() <= SETTLED + 0.15
@@ -153,11 +159,11 @@ def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, 
 
 
 def test_who_knows_the_way_arrives(recorded, hidden):
-    def pilot(recorded, frames):
-        courier = OraclePolicy(GridPaths(recorded.scene.clearance), recorded.poses[frames, :2])
-        return courier.act
+    def make_policy(simulation, recorded, frames):
+        paths = GridPaths(recorded.scene.clearance)
+        return OraclePolicy(simulation, paths, recorded.poses[frames, :2])
 
-    found = roll_out_pairs(recorded, hidden, pilot, all_of_them=True)
+    found = roll_out_pairs(recorded, hidden, make_policy, all_of_them=True)
     assert found.reached.mean() >= 0.85
     assert (found.seconds <= hidden.limit + 0.1).all()
 
@@ -165,24 +171,22 @@ def test_who_knows_the_way_arrives(recorded, hidden):
 def test_robots_carry_the_camera_that_they_are_given(world, errands):
     seen = []
 
-    def pilot(recorded, frames):
-        def driver(simulation, robots):
-            seen.append(simulation.observe(robots[:1]).image.shape[1:])
-            return np.zeros((len(robots), 2))
-
-        return driver
+    class Looking(Asleep):
+        def act(self, observations, robots):
+            seen.append(observations.image.shape[1:])
+            return super().act(observations, robots)
 
     two = errands.subset(np.array([0, 1]))
-    roll_out_pairs(world, two, pilot)
+    roll_out_pairs(world, two, Looking)
     usual = set(seen)
     seen.clear()
-    roll_out_pairs(world, two, pilot, Camera(rows=64))
+    roll_out_pairs(world, two, Looking, Camera(rows=64))
     assert usual == {(Sensors().camera.rows, 64, 3)} != set(seen) == {(64, 64, 3)}
 
 
 def test_no_errands_have_no_outcomes(world, errands):
     none = errands.subset(np.array([], dtype=int))
-    found = roll_out_pairs(world, none, asleep)
+    found = roll_out_pairs(world, none, Asleep)
     assert len(found) == 0
     assert found.seconds.shape == (0,)
 

@@ -46,8 +46,13 @@ class Corridor:
 class CorridorPredictor:
     """Tells the way to an anchor, a place in the corridor, and an overlap that fades over 3 m."""
 
+    view, k = None, 0
+
     def __init__(self):
         self.asked = 0
+
+    def prepare(self, contexts):
+        return contexts
 
     def predict(self, observations, targets):
         self.asked += len(targets)
@@ -80,26 +85,27 @@ class CorridorController:
 
 
 def make(anchors=range(9), starts=(0.0,), reachability=None, first=0, paths=None, **settings):
-    """A corridor, and a run in which every robot follows the same anchors."""
+    """A corridor, and a follower in which every robot follows the same anchors."""
     anchors = np.array(anchors, dtype=float)
     reachability = CorridorReachability() if reachability is None else reachability
     settings = FollowerSettings(**settings)
-    follower = Follower(CorridorPredictor(), CorridorController(), reachability, settings)
+    parts = CorridorPredictor(), CorridorController(), reachability, settings
     paths = [np.arange(len(anchors))] * len(starts) if paths is None else paths
     firsts = None if first is None else np.full(len(starts), first)
-    run = follower.begin(AnchorPaths(anchors, reachability.prepare(anchors), paths), firsts)
-    return Corridor(starts), run
+    paths = AnchorPaths(anchors, reachability.prepare(anchors), paths)
+    follower = Follower(paths, *parts, firsts)
+    return Corridor(starts), follower
 
 
-def go(corridor, run, steps, robots=None):
+def go(corridor, follower, steps, robots=None):
     robots = np.arange(len(corridor.x)) if robots is None else np.array(robots)
     for _ in range(steps):
-        corridor.step(run.act(corridor.observe(robots), robots), robots)
+        corridor.step(follower.act(corridor.observe(robots), robots), robots)
 
 
-def states(run, robot=0):
+def states(follower, robot=0):
     """The states that a robot went through, each once in a row."""
-    found = run.record().state[:, robot]
+    found = follower.log().state[:, robot]
     return [State(found[0])] + [State(b) for a, b in pairwise(found) if a != b]
 
 
@@ -116,93 +122,97 @@ def test_the_fakes_fit_the_seams():
 def test_search_takes_the_anchor_that_is_reached_most_surely(start, best):
     reachability = CorridorReachability()
     reachability.arranged = lambda p, targets: np.where(np.abs(targets - start) < 0.5, 0.995, p)
-    corridor, run = make(starts=[start], reachability=reachability, first=None)
-    assert run.state[0] == SEARCH
-    go(corridor, run, 1)
-    assert run.state[0] == FOLLOW
-    assert run.active[0] in (best, best + 1)
+    corridor, follower = make(starts=[start], reachability=reachability, first=None)
+    assert follower.memory.state[0] == SEARCH
+    go(corridor, follower, 1)
+    assert follower.memory.state[0] == FOLLOW
+    assert follower.memory.active[0] in (best, best + 1)
 
 
 def test_search_gives_up_where_nothing_can_be_reached():
-    corridor, run = make(starts=[20.0], first=None)
-    go(corridor, run, 30)
-    assert run.lost.tolist() == [True]
+    corridor, follower = make(starts=[20.0], first=None)
+    go(corridor, follower, 30)
+    assert follower.memory.lost.tolist() == [True]
     assert corridor.x[0] == 20.0
-    assert states(run) == [LOST]
+    assert states(follower) == [LOST]
 
 
 def test_p_search_is_what_it_takes():
     for p_search, found in ((0.98, True), (0.99, False)):
-        corridor, run = make(first=None, p_search=p_search)
-        go(corridor, run, 1)
-        assert run.lost[0] != found
+        corridor, follower = make(first=None, p_search=p_search)
+        go(corridor, follower, 1)
+        assert follower.memory.lost[0] != found
 
 
 def test_a_known_start_is_not_searched_for():
-    corridor, run = make(starts=[4.6], first=5)
-    assert (run.state[0], run.active[0], run.visited[0]) == (FOLLOW, 5, 4)
-    go(corridor, run, 100)
-    assert run.done[0]
-    assert SEARCH not in states(run)
+    corridor, follower = make(starts=[4.6], first=5)
+    assert (follower.memory.state[0], follower.memory.active[0], follower.memory.visited[0]) == (
+        FOLLOW,
+        5,
+        4,
+    )
+    go(corridor, follower, 100)
+    assert follower.memory.done[0]
+    assert SEARCH not in states(follower)
 
 
 # Follow.
 
 
 def test_it_follows_to_the_end_and_says_so():
-    corridor, run = make()
-    go(corridor, run, 200)
-    assert run.done.tolist() == [True]
-    assert not run.lost[0]
+    corridor, follower = make()
+    go(corridor, follower, 200)
+    assert follower.memory.done.tolist() == [True]
+    assert not follower.memory.lost[0]
     assert corridor.x[0] == pytest.approx(8.0, abs=0.25)
-    assert states(run) == [FOLLOW, DONE]
-    record = run.record()
+    assert states(follower) == [FOLLOW, DONE]
+    record = follower.log()
     assert (np.diff(record.active[:, 0]) >= 0).all()
     assert (np.diff(record.visited[:, 0]) >= 0).all()
     assert record.visited[-1, 0] == 8
 
 
 def test_who_has_arrived_stands_still():
-    corridor, run = make()
-    go(corridor, run, 200)
+    corridor, follower = make()
+    go(corridor, follower, 200)
     there = corridor.x[0]
-    go(corridor, run, 20)
+    go(corridor, follower, 20)
     assert corridor.x[0] == there
 
 
 def test_a_moment_at_the_goal_is_not_yet_an_arrival():
-    corridor, run = make(anchors=[0.0, 0.1], starts=[0.0], first=1, confirm=4)
-    go(corridor, run, 3)
-    assert not run.done[0]
-    go(corridor, run, 1)
-    assert run.done[0]
+    corridor, follower = make(anchors=[0.0, 0.1], starts=[0.0], first=1, confirm=4)
+    go(corridor, follower, 3)
+    assert not follower.memory.done[0]
+    go(corridor, follower, 1)
+    assert follower.memory.done[0]
 
 
 def test_one_anchor_is_a_trail():
-    corridor, run = make(anchors=[1.5])
-    go(corridor, run, 80)
-    assert run.done[0]
+    corridor, follower = make(anchors=[1.5])
+    go(corridor, follower, 80)
+    assert follower.memory.done[0]
     assert corridor.x[0] == pytest.approx(1.5, abs=0.25)
 
 
 def test_it_drives_backwards_if_that_is_where_the_anchor_is():
-    corridor, run = make(anchors=[-1.5], starts=[0.0])
-    go(corridor, run, 80)
-    assert run.done[0]
+    corridor, follower = make(anchors=[-1.5], starts=[0.0])
+    go(corridor, follower, 80)
+    assert follower.memory.done[0]
 
 
 def test_at_an_anchor_one_gets_on_though_the_next_one_is_out_of_reach():
-    corridor, run = make(anchors=[0.0, 2.5, 5.0])
-    go(corridor, run, 200)
-    assert run.done[0]
-    assert RECKON not in states(run) or corridor.x[0] == pytest.approx(5.0, abs=0.25)
+    corridor, follower = make(anchors=[0.0, 2.5, 5.0])
+    go(corridor, follower, 200)
+    assert follower.memory.done[0]
+    assert RECKON not in states(follower) or corridor.x[0] == pytest.approx(5.0, abs=0.25)
 
 
 def test_a_waypoint_that_is_followed_is_kept_in_the_odometer_s_frame():
-    corridor, run = make(anchors=[0.0, 1.5, 3.0], starts=[0.0])
+    corridor, follower = make(anchors=[0.0, 1.5, 3.0], starts=[0.0])
     corridor.odometer[:] = 7.0
-    go(corridor, run, 5)
-    assert run.record().waypoint[-1, 0] == pytest.approx([7.0 + 1.5, 0.0])
+    go(corridor, follower, 5)
+    assert follower.log().waypoint[-1, 0] == pytest.approx([7.0 + 1.5, 0.0])
 
 
 # Dead reckoning.
@@ -217,97 +227,99 @@ def blind(reachability, targets=None):
 
 def test_dead_reckoning_drives_to_the_last_waypoint_and_no_farther():
     reachability = CorridorReachability()
-    corridor, run = make(anchors=[0.0, 1.9, 3.8], reachability=reachability)
-    go(corridor, run, 8)
-    active = run.active[0]
+    corridor, follower = make(anchors=[0.0, 1.9, 3.8], reachability=reachability)
+    go(corridor, follower, 8)
+    active = follower.memory.active[0]
     assert active == 1
     blind(reachability)
-    go(corridor, run, 35)
-    assert run.state[0] == RECKON
-    assert run.active[0] == active
+    go(corridor, follower, 35)
+    assert follower.memory.state[0] == RECKON
+    assert follower.memory.active[0] == active
     assert corridor.x[0] == pytest.approx(1.9, abs=0.01)
 
 
 def test_it_goes_by_the_odometer_alone():
     reachability = CorridorReachability()
-    corridor, run = make(anchors=[0.0, 1.9, 3.8], reachability=reachability)
-    go(corridor, run, 8)
+    corridor, follower = make(anchors=[0.0, 1.9, 3.8], reachability=reachability)
+    go(corridor, follower, 8)
     blind(reachability)
-    go(corridor, run, 1)
+    go(corridor, follower, 1)
     corridor.x += 0.3  # pushed, which no odometer notices
-    go(corridor, run, 35)
+    go(corridor, follower, 35)
     assert corridor.x[0] == pytest.approx(2.2, abs=0.01)
 
 
 def test_out_of_patience_it_is_lost_and_stops():
     reachability = CorridorReachability()
-    corridor, run = make(reachability=reachability, patience=2.0)
-    go(corridor, run, 15)
+    corridor, follower = make(reachability=reachability, patience=2.0)
+    go(corridor, follower, 15)
     blind(reachability)
-    go(corridor, run, 19)
-    assert run.state[0] == RECKON
-    go(corridor, run, 1)
-    assert run.lost[0]
+    go(corridor, follower, 19)
+    assert follower.memory.state[0] == RECKON
+    go(corridor, follower, 1)
+    assert follower.memory.lost[0]
     there = corridor.x[0]
     reachability.arranged = lambda p, t: p
-    go(corridor, run, 30)
-    assert run.lost[0]
+    go(corridor, follower, 30)
+    assert follower.memory.lost[0]
     assert corridor.x[0] == there
-    assert states(run) == [FOLLOW, RECKON, LOST]
+    assert states(follower) == [FOLLOW, RECKON, LOST]
 
 
 @pytest.mark.parametrize("steps", [1, 2, 3])
 def test_it_is_back_after_enough_good_steps_in_a_row(steps):
     reachability = CorridorReachability()
-    corridor, run = make(reachability=reachability, confirm=steps)
-    go(corridor, run, 8)
+    corridor, follower = make(reachability=reachability, confirm=steps)
+    go(corridor, follower, 8)
     blind(reachability)
-    go(corridor, run, 4)
+    go(corridor, follower, 4)
     reachability.arranged = lambda p, t: p
-    go(corridor, run, steps - 1)
-    assert run.state[0] == RECKON
-    go(corridor, run, 1)
-    assert run.state[0] == FOLLOW
-    go(corridor, run, 200)
-    assert run.done[0]
+    go(corridor, follower, steps - 1)
+    assert follower.memory.state[0] == RECKON
+    go(corridor, follower, 1)
+    assert follower.memory.state[0] == FOLLOW
+    go(corridor, follower, 200)
+    assert follower.memory.done[0]
 
 
 def test_good_steps_that_are_not_in_a_row_do_not_count():
     reachability = CorridorReachability()
-    corridor, run = make(reachability=reachability)
-    go(corridor, run, 8)
+    corridor, follower = make(reachability=reachability)
+    go(corridor, follower, 8)
     blind(reachability)
-    go(corridor, run, 2)
+    go(corridor, follower, 2)
     for _ in range(6):
         reachability.arranged = lambda p, t: p
-        go(corridor, run, 2)
+        go(corridor, follower, 2)
         blind(reachability)
-        go(corridor, run, 2)
-    assert set(states(run)[1:]) == {RECKON}
+        go(corridor, follower, 2)
+    assert set(states(follower)[1:]) == {RECKON}
 
 
 def test_anchors_far_apart_that_look_reachable_by_chance_do_not_count():
     reachability = CorridorReachability()
-    corridor, run = make(anchors=np.arange(0, 12, 1.2), reachability=reachability, starts=[5.0])
-    run.active[:], run.visited[:] = 5, 4
-    go(corridor, run, 2)
-    active = int(run.active[0])
+    corridor, follower = make(
+        anchors=np.arange(0, 12, 1.2), reachability=reachability, starts=[5.0]
+    )
+    follower.memory.active[:], follower.memory.visited[:] = 5, 4
+    go(corridor, follower, 2)
+    active = int(follower.memory.active[0])
     for step in range(36):
         # Now two behind the active one, now three ahead of it.
         chance = 1.2 * (active + (3 if step % 2 else -1))
         reachability.arranged = lambda p, t, c=chance: np.where(np.isclose(t, c), 0.99, 0.05)
-        go(corridor, run, 1)
-    assert run.state[0] == RECKON
+        go(corridor, follower, 1)
+    assert follower.memory.state[0] == RECKON
 
 
 def test_the_lookout_widens_by_an_anchor_a_step_and_leaves_out_what_was_visited():
     reachability = CorridorReachability()
-    corridor, run = make(
+    corridor, follower = make(
         anchors=np.arange(0, 6, 0.5), reachability=reachability, widest=3, visited=0.95
     )
-    run.active[:], run.visited[:] = 5, 2
+    follower.memory.active[:], follower.memory.visited[:] = 5, 2
     corridor.x[:] = 1.75
-    go(corridor, run, 1)
+    go(corridor, follower, 1)
     asked = []
 
     def watch(p, targets):
@@ -315,12 +327,12 @@ def test_the_lookout_widens_by_an_anchor_a_step_and_leaves_out_what_was_visited(
         return np.full(len(p), 0.05)
 
     reachability.arranged = watch
-    before = int(run.active[0])
-    go(corridor, run, 1)
+    before = int(follower.memory.active[0])
+    go(corridor, follower, 1)
     assert asked.pop() == [before, before + 1]
-    active, visited = int(run.active[0]), int(run.visited[0])
+    active, visited = int(follower.memory.active[0]), int(follower.memory.visited[0])
     assert visited < active - 1
-    go(corridor, run, 5)
+    go(corridor, follower, 5)
     for width, anchors in zip([0, 1, 2, 3, 3], asked, strict=True):
         first = max(visited + 1, active - width)
         wanted = range(first, active + max(width, 1) + 1)
@@ -328,31 +340,31 @@ def test_the_lookout_widens_by_an_anchor_a_step_and_leaves_out_what_was_visited(
 
 
 def test_pushed_ahead_it_goes_on_from_where_it_is():
-    corridor, run = make(anchors=np.arange(0, 12, 1.2))
-    go(corridor, run, 10)
+    corridor, follower = make(anchors=np.arange(0, 12, 1.2))
+    go(corridor, follower, 10)
     corridor.x += 3.6
-    go(corridor, run, 250)
-    assert run.done[0]
-    assert RECKON in states(run)
+    go(corridor, follower, 250)
+    assert follower.memory.done[0]
+    assert RECKON in states(follower)
 
 
 def test_doubts_are_forgotten_only_after_a_calm():
     reachability = CorridorReachability()
-    corridor, run = make(anchors=range(30), reachability=reachability, patience=2.0, calm=1.0)
+    corridor, follower = make(anchors=range(30), reachability=reachability, patience=2.0, calm=1.0)
     for _ in range(3):
-        go(corridor, run, 20)
+        go(corridor, follower, 20)
         blind(reachability)
-        go(corridor, run, 12)
+        go(corridor, follower, 12)
         reachability.arranged = lambda p, t: p
-        go(corridor, run, 5)
-        assert run.state[0] == FOLLOW
+        go(corridor, follower, 5)
+        assert follower.memory.state[0] == FOLLOW
     # With hardly a moment in Follow between them they add up.
     for _ in range(3):
         blind(reachability)
-        go(corridor, run, 8)
+        go(corridor, follower, 8)
         reachability.arranged = lambda p, t: p
-        go(corridor, run, 4)
-    assert run.lost[0]
+        go(corridor, follower, 4)
+    assert follower.memory.lost[0]
 
 
 def test_a_moment_in_follow_is_no_calm():
@@ -372,30 +384,30 @@ def test_a_moment_in_follow_is_no_calm():
 
 def test_between_p_lose_and_p_follow_it_drives_on_by_sight():
     reachability = CorridorReachability()
-    corridor, run = make(reachability=reachability, p_lose=0.4)
-    go(corridor, run, 5)
-    active = run.active[0]
+    corridor, follower = make(reachability=reachability, p_lose=0.4)
+    go(corridor, follower, 5)
+    active = follower.memory.active[0]
     reachability.arranged = lambda p, t: np.minimum(p, 0.5)
-    go(corridor, run, 4)
-    assert run.state[0] == FOLLOW
-    assert run.active[0] == active
+    go(corridor, follower, 4)
+    assert follower.memory.state[0] == FOLLOW
+    assert follower.memory.active[0] == active
     reachability.arranged = lambda p, t: np.minimum(p, 0.35)
-    go(corridor, run, 1)
-    assert run.state[0] == RECKON
+    go(corridor, follower, 1)
+    assert follower.memory.state[0] == RECKON
 
 
 @pytest.mark.parametrize(("probability", "place"), [(0.3, 2.0), (0.1, 1.2)])
 def test_at_the_end_of_dead_reckoning_it_tries_what_may_be_reached(probability, place):
     reachability = CorridorReachability()
     settings = {"p_lose": 0.4, "p_try": 0.2, "patience": 7.0}
-    corridor, run = make([2.0, 6.0], reachability=reachability, **settings)
-    go(corridor, run, 10)
+    corridor, follower = make([2.0, 6.0], reachability=reachability, **settings)
+    go(corridor, follower, 10)
     reachability.arranged = lambda p, t: np.full_like(p, probability)
-    go(corridor, run, 1)
-    assert run.state[0] == RECKON
+    go(corridor, follower, 1)
+    assert follower.memory.state[0] == RECKON
     corridor.x -= 0.8  # pushed back, which no odometer notices
-    go(corridor, run, 80)
-    assert run.lost[0]  # all the same
+    go(corridor, follower, 80)
+    assert follower.memory.lost[0]  # all the same
     assert corridor.x[0] == pytest.approx(place, abs=0.06)
 
 
@@ -407,21 +419,21 @@ class Stuck(CorridorController):
 
 
 def test_an_anchor_that_comes_no_nearer_is_left_as_it_is():
-    corridor, run = make(anchors=[1.0, 1.5, 9.0], effort=2.0)
-    run.controller = Stuck()
-    go(corridor, run, 20)
-    assert run.active[0] == 0
-    go(corridor, run, 3)
-    assert run.active[0] == 1
+    corridor, follower = make(anchors=[1.0, 1.5, 9.0], effort=2.0)
+    follower.controller = Stuck()
+    go(corridor, follower, 20)
+    assert follower.memory.active[0] == 0
+    go(corridor, follower, 3)
+    assert follower.memory.active[0] == 1
 
 
 def test_who_is_stuck_is_lost_in_the_end():
-    corridor, run = make(anchors=[1.0], effort=2.0, patience=3.0)
-    run.controller = Stuck()
-    go(corridor, run, 48)
-    assert run.state[0] == FOLLOW
-    go(corridor, run, 4)
-    assert run.lost[0]
+    corridor, follower = make(anchors=[1.0], effort=2.0, patience=3.0)
+    follower.controller = Stuck()
+    go(corridor, follower, 48)
+    assert follower.memory.state[0] == FOLLOW
+    go(corridor, follower, 4)
+    assert follower.memory.lost[0]
 
 
 # Turning.
@@ -466,54 +478,48 @@ class Steering:
 
 def make_turntable(anchors, hidden, start=0.0, **settings):
     anchors = np.array(anchors, dtype=float)
-    follower = Follower(
-        TurntablePredictor(),
-        Steering(),
-        TurntableReachability(hidden),
-        FollowerSettings(**settings),
-    )
-    return Turntable([start]), follower.begin(
-        AnchorPaths(anchors, anchors, [range(len(anchors))]), [0]
-    )
+    parts = TurntablePredictor(), Steering(), TurntableReachability(hidden)
+    paths = AnchorPaths(anchors, anchors, [range(len(anchors))])
+    return Turntable([start]), Follower(paths, *parts, FollowerSettings(**settings), [0])
 
 
 @pytest.mark.parametrize("heading", [1.3, -1.3])
 def test_at_an_anchor_it_turns_to_where_the_next_one_can_be_seen(heading):
-    table, run = make_turntable([0.0, heading, 1.9 * heading], hidden=[1.9 * heading])
-    go(table, run, 80)
-    assert run.done[0]
+    table, follower = make_turntable([0.0, heading, 1.9 * heading], hidden=[1.9 * heading])
+    go(table, follower, 80)
+    assert follower.memory.done[0]
     assert table.x[0] == pytest.approx(1.9 * heading, abs=0.9)
-    assert states(run) == [FOLLOW, DONE]
-    assert run.record().waypoint[1, 0].tolist() == [0.0, np.sign(heading)]
+    assert states(follower) == [FOLLOW, DONE]
+    assert follower.log().waypoint[1, 0].tolist() == [0.0, np.sign(heading)]
 
 
 def test_whoever_sees_the_next_anchor_need_not_turn():
-    table, run = make_turntable([0.0, 1.3, 0.0], hidden=[])
-    go(table, run, 10)
-    assert run.done[0]
+    table, follower = make_turntable([0.0, 1.3, 0.0], hidden=[])
+    go(table, follower, 10)
+    assert follower.memory.done[0]
     assert table.x[0] == 0.0
 
 
 def test_at_the_goal_it_turns_to_look_the_right_way():
-    table, run = make_turntable([0.0, 1.4], hidden=[])
-    go(table, run, 60)
-    assert run.done[0]
+    table, follower = make_turntable([0.0, 1.4], hidden=[])
+    go(table, follower, 60)
+    assert follower.memory.done[0]
     assert table.x[0] == pytest.approx(1.4, abs=0.9)
 
 
 def test_turning_that_does_not_help_comes_to_an_end():
-    table, run = make_turntable([0.0, 1.3, 2.6], hidden=[2.6], effort=1.5)
+    table, follower = make_turntable([0.0, 1.3, 2.6], hidden=[2.6], effort=1.5)
     table.step = lambda actions, robots: None  # it cannot
-    go(table, run, 14)
-    assert run.active[0] == 1
-    go(table, run, 4)
-    assert run.active[0] == 2
+    go(table, follower, 14)
+    assert follower.memory.active[0] == 1
+    go(table, follower, 4)
+    assert follower.memory.active[0] == 2
 
 
 def turn(turning, overlap, at=True, gap=0.0, wants=True, first=1):
     """One step of one robot; the side to which it turns."""
     row = [np.array([value]) for value in (wants, at, float(gap), overlap, first)]
-    turning.judge(np.array([0]), *row)
+    turning.decide(np.array([0]), *row)
     return int(turning.side[0])
 
 
@@ -570,9 +576,9 @@ def fleet(**extra):
 
 
 def test_a_fleet_does_as_each_robot_alone():
-    (corridor, run), paths = fleet()
-    go(corridor, run, 120)
-    together = run.record()
+    (corridor, follower), paths = fleet()
+    go(corridor, follower, 120)
+    together = follower.log()
     for robot, path in enumerate(paths):
         (many, _), _ = fleet()
         reachability = CorridorReachability()
@@ -580,7 +586,7 @@ def test_a_fleet_does_as_each_robot_alone():
         one, alone = make(np.arange(12.0), [many.x[robot]], reachability, paths=[path], first=None)
         go(one, alone, 120)
         assert one.x[0] == corridor.x[robot]
-        record = alone.record()
+        record = alone.log()
         for name in ("state", "active", "visited", "probability", "overlap", "waypoint"):
             theirs = getattr(together, name)[:, robot]
             assert np.array_equal(getattr(record, name)[:, 0], theirs, equal_nan=name > "b")
@@ -589,9 +595,9 @@ def test_a_fleet_does_as_each_robot_alone():
 def test_the_same_run_twice_is_the_same():
     records = []
     for _ in range(2):
-        (corridor, run), _ = fleet()
-        go(corridor, run, 60)
-        records.append(run.record())
+        (corridor, follower), _ = fleet()
+        go(corridor, follower, 60)
+        records.append(follower.log())
     assert all(
         getattr(records[0], name).tobytes() == getattr(records[1], name).tobytes()
         for name in ("state", "active", "probability", "waypoint")
@@ -599,40 +605,42 @@ def test_the_same_run_twice_is_the_same():
 
 
 def test_only_those_asked_about_go_on():
-    corridor, run = make(starts=[0.0, 0.0, 0.0])
-    go(corridor, run, 10, robots=[0, 2])
+    corridor, follower = make(starts=[0.0, 0.0, 0.0])
+    go(corridor, follower, 10, robots=[0, 2])
     assert corridor.x[1] == 0.0
     assert corridor.x[0] == corridor.x[2] > 0.3
-    assert (run.record().active[:, 1] == 0).all()
-    assert np.isnan(run.record().probability[:, 1]).all()
-    go(corridor, run, 200, robots=[1])
-    assert run.done.tolist() == [False, True, False]
+    assert (follower.log().active[:, 1] == 0).all()
+    assert np.isnan(follower.log().probability[:, 1]).all()
+    go(corridor, follower, 200, robots=[1])
+    assert follower.memory.done.tolist() == [False, True, False]
 
 
 def test_nobody_under_way_is_no_trouble():
-    corridor, run = make()
-    assert run.act(corridor.observe(np.array([], dtype=int)), np.array([], dtype=int)).shape == (
+    corridor, follower = make()
+    assert follower.act(
+        corridor.observe(np.array([], dtype=int)), np.array([], dtype=int)
+    ).shape == (
         0,
         2,
     )
-    assert len(run.record()) == 1
+    assert len(follower.log()) == 1
 
 
 def test_a_step_takes_few_questions():
-    corridor, run = make(starts=np.zeros(5), anchors=range(40))
-    go(corridor, run, 10)
-    before = run.predictor.asked, run.reachability.asked
-    go(corridor, run, 100)
-    assert (run.state == FOLLOW).all()
-    assert (run.predictor.asked - before[0]) / 500 <= 3
-    assert (run.reachability.asked - before[1]) / 500 <= 2
+    corridor, follower = make(starts=np.zeros(5), anchors=range(40))
+    go(corridor, follower, 10)
+    before = follower.predictor.asked, follower.reachability.asked
+    go(corridor, follower, 100)
+    assert (follower.memory.state == FOLLOW).all()
+    assert (follower.predictor.asked - before[0]) / 500 <= 3
+    assert (follower.reachability.asked - before[1]) / 500 <= 2
 
 
 def test_robots_may_share_anchors_and_visit_them_in_any_order():
     paths = [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [2], [1, 2, 1, 2, 3]]
-    corridor, run = make(np.arange(5) * 1.0, [0.0, 4.0, 2.5, 1.0], paths=paths)
-    go(corridor, run, 250)
-    assert run.done.all()
+    corridor, follower = make(np.arange(5) * 1.0, [0.0, 4.0, 2.5, 1.0], paths=paths)
+    go(corridor, follower, 250)
+    assert follower.memory.done.all()
     assert corridor.x == pytest.approx([4.0, 0.0, 2.0, 3.0], abs=0.25)
 
 
@@ -648,85 +656,89 @@ def test_trails_lie_end_to_end():
 
 def test_who_was_lost_sets_out_on_another_trail():
     reachability = CorridorReachability()
-    corridor, run = make(reachability=reachability, patience=2.0)
-    go(corridor, run, 15)
+    corridor, follower = make(reachability=reachability, patience=2.0)
+    go(corridor, follower, 15)
     blind(reachability)
-    go(corridor, run, 25)
-    assert run.lost[0]
+    go(corridor, follower, 25)
+    assert follower.memory.lost[0]
     reachability.arranged = lambda p, t: p
-    run.start(0, [1, 0])
-    assert (run.state[0], run.active[0], run.visited[0]) == (FOLLOW, 0, -1)
-    go(corridor, run, 100)
-    assert run.done[0]
+    follower.assign(0, [1, 0])
+    assert (follower.memory.state[0], follower.memory.active[0], follower.memory.visited[0]) == (
+        FOLLOW,
+        0,
+        -1,
+    )
+    go(corridor, follower, 100)
+    assert follower.memory.done[0]
     assert corridor.x[0] == pytest.approx(0.0, abs=0.25)
-    assert states(run) == [FOLLOW, RECKON, LOST, FOLLOW, DONE]
+    assert states(follower) == [FOLLOW, RECKON, LOST, FOLLOW, DONE]
 
 
 def test_who_has_arrived_sets_out_again():
-    corridor, run = make(anchors=range(5), paths=[[1, 2]])
-    go(corridor, run, 60)
-    assert run.done[0]
-    run.start(0, np.array([3, 4]))
-    assert not run.over[0]
-    go(corridor, run, 100)
-    assert run.done[0]
+    corridor, follower = make(anchors=range(5), paths=[[1, 2]])
+    go(corridor, follower, 60)
+    assert follower.memory.done[0]
+    follower.assign(0, np.array([3, 4]))
+    assert not follower.memory.over[0]
+    go(corridor, follower, 100)
+    assert follower.memory.done[0]
     assert corridor.x[0] == pytest.approx(4.0, abs=0.25)
 
 
 def test_only_the_one_that_sets_out_is_concerned():
-    (together, run), (alone, other) = (make(starts=[0.0, 0.0, 0.0]) for _ in range(2))
-    for corridor, some in ((together, run), (alone, other)):
+    (together, follower), (alone, other) = (make(starts=[0.0, 0.0, 0.0]) for _ in range(2))
+    for corridor, some in ((together, follower), (alone, other)):
         go(corridor, some, 20)
-    run.start(1, [4, 3, 2, 1, 0])
-    for corridor, some in ((together, run), (alone, other)):
+    follower.assign(1, [4, 3, 2, 1, 0])
+    for corridor, some in ((together, follower), (alone, other)):
         go(corridor, some, 150)
     assert together.x[[0, 2]].tolist() == alone.x[[0, 2]].tolist()
     assert together.x[1] == pytest.approx(0.0, abs=0.25)
-    assert run.trails.lengths.tolist() == [9, 5, 9]
-    one, two = run.record(), other.record()
+    assert follower.paths.lengths.tolist() == [9, 5, 9]
+    one, two = follower.log(), other.log()
     assert (one.active[:, [0, 2]] == two.active[:, [0, 2]]).all()
     assert np.array_equal(one.waypoint[:, [0, 2]], two.waypoint[:, [0, 2]], equal_nan=True)
 
 
 def test_doubts_are_left_behind_when_one_sets_out_anew():
     reachability = CorridorReachability()
-    corridor, run = make(anchors=range(30), reachability=reachability, patience=2.0)
+    corridor, follower = make(anchors=range(30), reachability=reachability, patience=2.0)
     for _ in range(4):  # each time all but lost
-        go(corridor, run, 10)
+        go(corridor, follower, 10)
         blind(reachability)
-        go(corridor, run, 16)
-        assert run.state[0] == RECKON
+        go(corridor, follower, 16)
+        assert follower.memory.state[0] == RECKON
         reachability.arranged = lambda p, t: p
-        run.start(0, np.arange(round(corridor.x[0]), 30))
-        assert run.state[0] == FOLLOW
-    go(corridor, run, 10)
-    assert not run.lost[0]
+        follower.assign(0, np.arange(round(corridor.x[0]), 30))
+        assert follower.memory.state[0] == FOLLOW
+    go(corridor, follower, 10)
+    assert not follower.memory.lost[0]
 
 
 def test_the_old_waypoint_is_forgotten():
     # Dead reckoning begins at once; what it drives to must belong to the new trail.
     reachability = CorridorReachability()
-    corridor, run = make(anchors=[0.0, 1.5, -1.5], paths=[[1]], reachability=reachability)
-    go(corridor, run, 8)
+    corridor, follower = make(anchors=[0.0, 1.5, -1.5], paths=[[1]], reachability=reachability)
+    go(corridor, follower, 8)
     assert corridor.x[0] > 0.2
-    run.start(0, [2])
+    follower.assign(0, [2])
     blind(reachability)
-    go(corridor, run, 10)
-    assert run.record().waypoint[-1, 0, 0] == pytest.approx(-1.5)
+    go(corridor, follower, 10)
+    assert follower.log().waypoint[-1, 0, 0] == pytest.approx(-1.5)
     assert corridor.speed[0] < 0
 
 
 @pytest.mark.parametrize("path", [[9], [-1], [], [0.5], [[0]]])
 def test_a_trail_beyond_the_anchors_is_refused_and_changes_nothing(path):
-    corridor, run = make(starts=[0.0, 0.0])
-    go(corridor, run, 10)
-    before = run.active.copy(), run.trails
-    with pytest.raises(InputError, match="trails: path 1 is"):
-        run.start(1, path)
-    assert (run.active == before[0]).all()
-    assert run.trails is before[1]
-    go(corridor, run, 200)
-    assert run.done.all()
+    corridor, follower = make(starts=[0.0, 0.0])
+    go(corridor, follower, 10)
+    before = follower.memory.active.copy(), follower.paths
+    with pytest.raises(InputError, match="paths: path 1 is"):
+        follower.assign(1, path)
+    assert (follower.memory.active == before[0]).all()
+    assert follower.paths is before[1]
+    go(corridor, follower, 200)
+    assert follower.memory.done.all()
 
 
 # The rules one by one.
@@ -783,26 +795,26 @@ def test_settings_that_make_no_sense_are_refused(values, words):
         (np.zeros(3), np.zeros(3), [[0], []], "path 1 is .*L >= 1"),
         (np.zeros(3), np.zeros(3), [[0, 3]], "path 0 is .0 3.; anchors are 0 to 2"),
         (np.zeros(3), np.zeros(3), [[-1]], "anchors are 0 to 2"),
-        (np.zeros(3), np.zeros(3), [[0.5]], "give .L,. numbers"),
-        (np.zeros(3), np.zeros(3), [[[0]]], "give .L,. numbers"),
+        (np.zeros(3), np.zeros(3), [[0.5]], "give .L,. indices"),
+        (np.zeros(3), np.zeros(3), [[[0]]], "give .L,. indices"),
     ],
 )
 def test_trails_that_lead_nowhere_are_refused(targets, prepared, paths, words):
-    with pytest.raises(InputError, match=f"trails: .*{words}"):
+    with pytest.raises(InputError, match=f"paths: .*{words}"):
         AnchorPaths(targets, prepared, paths)
 
 
 @pytest.mark.parametrize("starts", [[9], [-2], [0, 0], [0.5], [[0]]])
 def test_starts_beyond_the_trail_are_refused(starts):
     parts = CorridorPredictor(), CorridorController(), CorridorReachability()
-    with pytest.raises(InputError, match=r"starts: .*give .N,. anchors of 1 trails"):
-        Follower(*parts).begin(AnchorPaths(np.zeros(9), np.zeros(9), [range(9)]), starts)
+    with pytest.raises(InputError, match=r"starts: .*give .N,. anchors of 1 paths"):
+        Follower(AnchorPaths(np.zeros(9), np.zeros(9), [range(9)]), *parts, None, starts)
 
 
 def test_observations_and_numbers_must_fit():
-    corridor, run = make(starts=[0.0, 0.0])
+    corridor, follower = make(starts=[0.0, 0.0])
     with pytest.raises(InputError, match="follower: 2 observations but robots"):
-        run.act(corridor.observe(np.array([0, 1])), np.array([0]))
+        follower.act(corridor.observe(np.array([0, 1])), np.array([0]))
 
 
 class Wrong:
@@ -829,10 +841,10 @@ class Wrong:
     ],
 )
 def test_a_predictor_that_tells_nonsense_is_found_out(predictor, words):
-    corridor, run = make()
-    run.predictor = predictor
+    corridor, follower = make()
+    follower.predictor = predictor
     with pytest.raises(InputError, match=words):
-        go(corridor, run, 1)
+        go(corridor, follower, 1)
 
 
 @pytest.mark.parametrize("told", [np.nan, 1.5, -0.5])
@@ -840,18 +852,18 @@ def test_a_reachability_that_tells_nonsense_is_found_out(told):
     reachability = CorridorReachability()
     reachability.arranged = lambda p, t: np.full(len(p), told)
     for first in (0, None):
-        corridor, run = make(reachability=reachability, first=first)
+        corridor, follower = make(reachability=reachability, first=first)
         with pytest.raises(InputError, match="reachability: told"):
-            go(corridor, run, 1)
+            go(corridor, follower, 1)
 
 
 # What is kept.
 
 
 def test_a_record_is_read_as_it_was_written(tmp_path):
-    (corridor, run), _ = fleet()
-    go(corridor, run, 40)
-    record = run.record()
+    (corridor, follower), _ = fleet()
+    go(corridor, follower, 40)
+    record = follower.log()
     record.save(tmp_path / "run.npz")
     again = FollowerLog.load(tmp_path / "run.npz")
     assert len(again) == 40
@@ -863,28 +875,28 @@ def test_a_record_is_read_as_it_was_written(tmp_path):
 
 
 def test_a_run_that_has_not_begun_can_be_recorded(tmp_path):
-    _, run = make(starts=[0.0, 1.0])
-    run.record().save(tmp_path / "run.npz")
+    _, follower = make(starts=[0.0, 1.0])
+    follower.log().save(tmp_path / "run.npz")
     assert FollowerLog.load(tmp_path / "run.npz").state.shape == (0, 2)
 
 
 def test_what_was_recorded_stays_as_it_was():
-    corridor, run = make()
-    go(corridor, run, 5)
-    before = run.record()
+    corridor, follower = make()
+    go(corridor, follower, 5)
+    before = follower.log()
     kept = before.active.copy(), before.waypoint.copy()
-    go(corridor, run, 50)
+    go(corridor, follower, 50)
     assert (before.active == kept[0]).all()
     assert np.array_equal(before.waypoint, kept[1])
 
 
 def test_damaged_records_are_named(tmp_path):
-    corridor, run = make()
-    go(corridor, run, 3)
+    corridor, follower = make()
+    go(corridor, follower, 3)
     path = tmp_path / "run.npz"
     with pytest.raises(InputError, match=r"run.npz: there is no such file"):
         FollowerLog.load(path)
-    run.record().save(path)
+    follower.log().save(path)
     good = dict(np.load(path))
     for change in (
         {"version": np.array(9)},

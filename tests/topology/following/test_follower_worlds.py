@@ -94,21 +94,21 @@ class Trial:
         else:
             contexts = self.recorded.poses[self.recorded.context(self.frames, 2)]
             targets = predictor.prepare(predictor.view.render(self.scene, contexts))
-        follower = Follower(predictor, RMPController(), self.reachability)
         lengths = [len(anchors) for anchors in self.anchors]
-        trails = AnchorPaths.end_to_end(targets, self.reachability.prepare(self.poses), lengths)
-        self.run = follower.begin(trails, np.zeros(len(lengths), dtype=int))
+        paths = AnchorPaths.end_to_end(targets, self.reachability.prepare(self.poses), lengths)
+        parts, starts = (predictor, RMPController(), self.reachability), np.zeros(len(lengths), int)
+        self.follower = Follower(paths, *parts, starts=starts)
         self.tracks = [self.simulation.poses]
         return self
 
     def go(self, seconds):
         """Drive on, or until all are done or lost."""
         for _ in range(round(seconds * 10)):
-            robots = np.flatnonzero(~self.run.over)
+            robots = np.flatnonzero(~self.follower.memory.over)
             if not len(robots):
                 break
             actions = np.zeros((len(self.simulation), 2))
-            actions[robots] = self.run.act(with_poses(self.simulation, robots), robots)
+            actions[robots] = self.follower.act(with_poses(self.simulation, robots), robots)
             self.simulation.step(actions)
             self.tracks.append(self.simulation.poses)
         return self
@@ -128,21 +128,21 @@ def trial(request, under_way):
 
 
 def test_most_follow_a_drive_by_its_anchors_to_the_end(trial):
-    assert trial.run.over.all()
-    assert trial.run.done.mean() >= 0.5
+    assert trial.follower.memory.over.all()
+    assert trial.follower.memory.done.mean() >= 0.5
     kept = sum(map(len, trial.anchors))
     assert kept < 0.1 * len(trial.recorded.poses)
 
 
 def test_who_says_to_have_arrived_has(trial):
     goals = trial.recorded.poses[trial.recorded.last[trial.first]]
-    here = relative(goals, trial.simulation.poses)[trial.run.done]
+    here = relative(goals, trial.simulation.poses)[trial.follower.memory.done]
     assert np.linalg.norm(here[:, :2], axis=1).max() < 0.5
     assert np.abs(here[:, 2]).max() < TURNED
 
 
 def test_nobody_goes_back_along_the_trail(trial):
-    record = trial.run.record()
+    record = trial.follower.log()
     assert (np.diff(record.visited, axis=0) >= 0).all()
     assert (record.active >= record.visited).all()
 

@@ -1,6 +1,6 @@
-"""The rules by which a trail is followed, as functions of arrays (Meng 2020, III-H).
+"""The rules of path following, as functions of arrays (Meng 2020, III-H).
 
-Each looks at M robots at once and remembers nothing; `run` keeps what they need.
+Each takes M robots at once and has no state; `follower` keeps that.
 """
 
 from dataclasses import dataclass, fields
@@ -13,7 +13,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 
 Places = NDArray[np.intp]
-"""Of anchors along a trail, from 0; -1 where none was visited yet."""
+"""Of anchors along a path, from 0; -1 where none was visited yet."""
 
 
 class State(IntEnum):
@@ -28,25 +28,26 @@ class State(IntEnum):
 
 @dataclass(frozen=True)
 class FollowerSettings:
-    """From when on the follower believes what it is told.
+    """Thresholds of the follower.
 
     Overlaps are means of the two that are predicted. Straight ahead, 0.8 is about 0.4 m away, 0.65
     about 0.9 m and 0.5 about 1.5 m.
 
     Attributes:
-        p_search: RE of the best anchor from which on the trail is found.
-        p_follow: RE of an anchor from which on it is driven to.
-        p_lose: RE of the active anchor below which it is lost sight of.
-        p_try: RE of the active anchor above which it is tried at the end of dead reckoning.
+        p_search: RE of the best anchor above which the robot is localized on its path.
+        p_follow: RE of an anchor above which the robot drives to it.
+        p_lose: RE of the active anchor below which dead reckoning takes over.
+        p_try: RE of the active anchor above which a new waypoint is requested at the end of dead
+            reckoning.
         near: overlap above which an anchor is within proximity.
-        visited: overlap above which the closest anchor was visited.
+        visited: overlap above which the closest anchor counts as visited.
         at: metres to the predicted waypoint below which the robot is at the anchor.
-        facing: overlap above which a robot at an anchor looks the way it should.
-        effort: seconds of coming no nearer after which an anchor is left as it is.
-        confirm: steps in a row that it takes to have arrived, or to be back on the trail.
+        facing: overlap above which a robot at an anchor has its heading.
+        effort: seconds without coming nearer after which an anchor is given up.
+        confirm: steps in a row that confirm arrival, or being back on the path.
         patience: seconds without progress after which a robot is lost.
-        calm: seconds of progress in a row after which those before are forgotten.
-        widest: anchors before and after the active one among which a robot finds back.
+        calm: seconds of progress in a row after which the time without progress is forgotten.
+        widest: anchors before and after the active one that dead reckoning looks for.
     """
 
     p_search: float = 0.92
@@ -88,10 +89,10 @@ def last_visited(
 
     Args:
         visited: (M,) until now.
-        active: (M,) that are driven to.
+        active: (M,) that the robots drive to.
         overlaps: (M, 3) with the anchors before, at and after the active one; not a number where
-            nobody asked.
-        at: (M,) whether the robot is at the active anchor, however it is turned.
+            not predicted.
+        at: (M,) whether the robot is at the active anchor, whatever its heading.
         least: overlap that the closest must have to count as visited.
 
     >>> overlaps = [[0.7, 0.9, 0.8], [0.7, 0.7, 0.6], [0.3, 0.3, 0.2]]
@@ -122,7 +123,7 @@ def next_active(
         visited: (M,) as it is now.
         probability: (M,) RE of the anchor after the active one; not a number after the last.
         overlap: (M,) with that anchor.
-        settings: what is enough.
+        settings: the thresholds.
 
     >>> reach, overlap = [1.0, 1.0, 0.0, 0.0], [0.7, 0.5, 0.7, 0.1]
     >>> next_active([5, 5, 5, 5], [4, 4, 4, 5], reach, overlap, FollowerSettings()).tolist()
@@ -135,16 +136,16 @@ def next_active(
 
 
 def found_again(active: Places, probabilities: ArrayLike, least: float) -> Places:
-    """The anchor by which a robot may be back on its trail: the nearest of those reachable.
+    """The anchor by which a robot may be back on its path: the nearest of those reachable.
 
     Args:
-        active: (M,) place along the trail.
+        active: (M,) place along the path.
         probabilities: (M, 2W+1) RE of anchors from W before to W after the active one; not a
-            number where nobody asked.
+            number where not queried.
         least: p_follow.
 
     Returns:
-        (M,) places along the trail, -1 where no anchor will do.
+        (M,) places along the path, -1 where no anchor will do.
 
     >>> found_again([5, 5, 5], [[0.9, 0.1, 0.9], [0.9, 0.1, 0.1], [0.1, 0.1, 0.1]], 0.5).tolist()
     [6, 4, -1]
@@ -152,7 +153,7 @@ def found_again(active: Places, probabilities: ArrayLike, least: float) -> Place
     active, probabilities = np.asarray(active), np.asarray(probabilities)
     count = probabilities.shape[1] // 2
     offsets = np.arange(-count, count + 1)
-    # Of two that are as near, the one ahead.
+    # Of two that are equally near, the one ahead.
     order = np.argsort(np.abs(offsets) - 0.5 * (offsets > 0), kind="stable")
     good = probabilities[:, order] > least
     return np.where(good.any(axis=1), active + offsets[order][good.argmax(axis=1)], -1)
