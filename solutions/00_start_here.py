@@ -149,9 +149,9 @@ stops = [goal, start[:2], goal]
 
 leader, actions = Simulation(home, start), []
 for stop in stops:  # one car drives there, back and there again; its actions are recorded
-    oracle = OraclePolicy(paths, [stop])
+    oracle = OraclePolicy(leader, paths, [stop])
     while np.linalg.norm(leader.poses[0, :2] - stop) > 0.3:
-        actions.append(oracle.act(leader))
+        actions.append(oracle.act(leader.observe(), np.array([0])))
         leader.step(actions[-1])
 
 cars = Simulation(
@@ -263,10 +263,10 @@ sliders(draw_world, family=FAMILIES, seed=(0, 30, 1, 5))
 # %%
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-oracle, view = OraclePolicy(paths, [goal]), PlanView(home, 240, 330)
+oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 240, 330)
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
-    simulation.step(oracle.act(simulation))
+    simulation.step(oracle.act(simulation.observe(), np.array([0])))
     track.append(simulation.poses[0, :2])
     if len(track) % 5 == 0:  # a frame every 0.5 s
         pose, discs = simulation.poses[0], simulation.discs

@@ -513,12 +513,12 @@ far = paths.points[np.where(np.isfinite(distances.cost[0]), distances.cost[0], 0
 path = distances.path(far)
 start = np.array([*path[0], np.arctan2(*(path[4] - path[0])[::-1])])
 simulation = Simulation(scene, start, sensors=Sensors(camera=Camera(rows=64)))
-oracle = OraclePolicy(paths, path[-1])
+oracle = OraclePolicy(simulation, paths, path[-1])
 track, kept = [simulation.poses[0]], []
 while np.linalg.norm(simulation.poses[0, :2] - path[-1]) > 0.3 and len(track) < 1000:
     if len(track) % 80 == 1:
         kept.append((simulation.poses[0], simulation.observe()))
-    simulation.step(oracle.act(simulation))
+    simulation.step(oracle.act(simulation.observe(), np.array([0])))
     track.append(simulation.poses[0])
 picture = view.base.copy()
 view.polyline(picture, np.array(track)[:, :2], colours.TRACK, 3)

@@ -31,7 +31,7 @@ from tutorial_lib.checks.nb02 import (
     check_waypoint_label,
     clear_sight,
 )
-from tutorial_lib.driving.control.composed import ComposedController
+from tutorial_lib.driving.control.composed import ComposedController, TargetPolicy
 from tutorial_lib.driving.control.rmp import RMPController, control_jacobian, point_jacobian
 from tutorial_lib.driving.control.rmp_arcs import cover
 from tutorial_lib.driving.data.demonstrations import demonstrate
@@ -39,7 +39,7 @@ from tutorial_lib.driving.data.episodes import draw_episodes
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import drive
+from tutorial_lib.driving.rollouts import ReachGoals, rollout
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.geometry import compose, relative, to_local, to_world
 from tutorial_lib.learning.batches import Source
@@ -405,20 +405,26 @@ sliders(
 
 
 # %%
+class ToTargets:
+    """An oracle policy: it knows the positions of the targets."""
+
+    def __init__(self, simulation, goals, controller):
+        self.simulation, self.goals, self.controller = simulation, goals, controller
+
+    def act(self, observations, robots):
+        waypoints = to_local(self.simulation.poses[robots], self.goals[robots, :2])
+        return self.controller.act(observations, waypoints)
+
+
 def oracle_policy(goals, controller):
-    """A policy that knows the positions of the targets."""
-
-    def act(simulation, robots):
-        waypoints = to_local(simulation.poses[robots], goals[robots, :2])
-        return controller.act(simulation.observe(robots), waypoints)
-
-    return act
+    return lambda simulation: ToTargets(simulation, goals, controller)
 
 
-def run(policy, episodes, body=car):
+def run(make_policy, episodes, body=car, record=None):
     """Roll out all episodes at once."""
     simulation = Simulation(episodes.recorded.scene, episodes.starts, body=body)
-    return drive(simulation, policy, episodes.goals[:, :2], episodes.limit)
+    ends = ReachGoals(episodes.goals[:, :2], episodes.limit)
+    return rollout(simulation, make_policy(simulation), ends, record)
 
 
 never = 1e6  # cost of reversing, and the room it needs
@@ -738,19 +744,10 @@ def targets_of(network, episodes):
     return network.prepare(network.view.render(world.scene, world.poses[frames]))
 
 
-def visual_policy(network, episodes, controller, waypoints=None):
-    """C: the network's waypoints, driven to by the controller; they are kept in `waypoints`, if given."""
+def visual_policy(network, episodes, controller):
+    """C: the network's waypoints, driven to by the controller."""
     targets = targets_of(network, episodes)
-    local_controller = ComposedController(network, controller)
-
-    def act(simulation, robots):
-        observations = simulation.observe(robots)
-        if waypoints is not None:
-            predicted, _ = network.predict(observations, targets[robots])
-            waypoints.append((robots, to_world(simulation.poses[robots], predicted)))
-        return local_controller.act(observations, targets[robots])
-
-    return act
+    return lambda simulation: TargetPolicy(ComposedController(network, controller), targets)
 
 
 def closest(rollouts, episodes):
@@ -895,12 +892,21 @@ show(side_by_side(panels, list(tracks), height=420))
 long_path = (fits.ahead > 2.0) & tracks["car"].reached
 filmed = int(np.where(long_path, apart + fits.ahead, 0).argmax())
 one_episode, predictions = fits.subset(np.array([filmed])), []
-rollouts = run(visual_policy(pretrained, one_episode, RMPController(), predictions), one_episode)
+its_target = targets_of(pretrained, one_episode)
+
+
+def keep_waypoint(simulation, robots, observations, actions):
+    waypoint, _ = pretrained.predict(observations, its_target)
+    predictions.append(to_world(simulation.poses[robots], waypoint))
+
+
+policy = visual_policy(pretrained, one_episode, RMPController())
+rollouts = run(policy, one_episode, record=keep_waypoint)
 track, goal_pose = rollouts.poses[:, 0], one_episode.goals[0]
 images = people_camera.look(scene, np.concatenate([track, goal_pose[None]]))[0]
 film = []
 for step in range(0, len(predictions), 2):
-    waypoint = predictions[step][1]
+    waypoint = predictions[step]
     picture = view.base.copy()
     view.goal(picture, goal_pose[:2])
     view.polyline(picture, track[: step + 1, :2], colours.TRACK, 3)
@@ -1151,9 +1157,7 @@ print("\n".join(table.notes))
 # %%
 direct = DirectNetwork("direct_k2")
 direct_targets = targets_of(direct, forty)
-rollouts = run(
-    lambda simulation, robots: direct.act(simulation.observe(robots), direct_targets[robots]), forty
-)
+rollouts = run(lambda simulation: TargetPolicy(direct, direct_targets), forty)
 print(
     f"direct control: {rollouts.reached.sum()} of {len(forty)} reached, {rollouts.collided.sum()} collided"
 )

@@ -29,13 +29,13 @@ from tutorial_lib.checks.nb03 import (
     check_reliability_diagram,
     check_rollout_labels,
 )
-from tutorial_lib.driving.control.composed import ComposedController
+from tutorial_lib.driving.control.composed import ComposedController, TargetPolicy
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs, reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import drive
+from tutorial_lib.driving.rollouts import ReachGoals, rollout
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.geometry import compose, relative, to_local, to_world
 from tutorial_lib.learning.calibration import auc, brier, sigmoid
@@ -148,16 +148,14 @@ show(side_by_side(panels, [f"target {name}" for name in TARGETS]))
 
 
 # %%
-def roll_out(recorded, pairs, policy_factory):
+def roll_out(recorded, pairs, make_policy):
     """Roll out every pair: the rollouts, and which car is in contact at each step, (T, N)."""
     simulation, touched = Simulation(recorded.scene, pairs.starts), []
-    rollouts = drive(
+    rollouts = rollout(
         simulation,
-        policy_factory(recorded, pairs.targets),
-        recorded.poses[pairs.targets, :2],
-        pairs.limit,
-        record=lambda world, robots, actions: touched.append(world.touching),
-        settle=True,
+        make_policy(simulation, recorded, pairs.targets),
+        ReachGoals(recorded.poses[pairs.targets, :2], pairs.limit, settle=True),
+        record=lambda world, *_: touched.append(world.touching),
     )
     return rollouts, np.array([*touched, simulation.touching])
 
@@ -215,23 +213,22 @@ for name, chosen in groups.items():
 
 
 # %%
-def oracle_policy(recorded, frames):
-    """A policy that knows the positions of its targets: an oracle."""
-    goals, controller = recorded.poses[frames, :2], RMPController()
+class ToTargets:
+    """An oracle policy: it knows the positions of its targets."""
 
-    def act(simulation, robots):
-        positions = to_local(simulation.poses[robots], goals[robots])
-        return controller.act(simulation.observe(robots), positions)
+    def __init__(self, simulation, recorded, frames):
+        self.simulation, self.goals = simulation, recorded.poses[frames, :2]
 
-    return act
+    def act(self, observations, robots):
+        positions = to_local(self.simulation.poses[robots], self.goals[robots])
+        return RMPController().act(observations, positions)
 
 
-def forwards_only(recorded, frames):
+def forwards_only(simulation, recorded, frames):
     """C without reversing."""
     never = 1e6  # cost of reversing, and the room it needs
     rmp = RMPController(reverse_cost=never, go_on=never, begin=never)
-    controller, targets = ComposedController(waypoints, rmp), encoded(waypoints, recorded, frames)
-    return lambda simulation, robots: controller.act(simulation.observe(robots), targets[robots])
+    return TargetPolicy(ComposedController(waypoints, rmp), encoded(waypoints, recorded, frames))
 
 
 name = "beyond a doorway"
@@ -239,7 +236,7 @@ grid = grids[name]
 outcomes = {
     "never reverses": roll_out(recorded, grid, forwards_only)[0].reached,
     "C": arrived[name],
-    "oracle": roll_out(recorded, grid, oracle_policy)[0].reached,
+    "oracle": roll_out(recorded, grid, ToTargets)[0].reached,
 }
 for controller, reached in outcomes.items():
     print(f"{controller}: arrives from {reached.sum()} of {len(grid)} starts")

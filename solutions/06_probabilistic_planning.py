@@ -504,7 +504,6 @@ class TrialRun:
         self.goal, self.moved_to, self.limit = goals[index], moved_to, limit
         self.simulation = Simulation(loop_building.scene, all_trials.starts[[index]])
         self.track, self.log = [self.simulation.poses[0]], []
-        self.follower = Follower(agent.predictor, agent.controller, agent.reachability)
 
     def step(self, actions):
         if len(self.track) == WHEN:
@@ -530,12 +529,17 @@ class TrialRun:
             contexts.insert(0, topomap.vertices.contexts[np.array(path[1:-1])])
         contexts = np.concatenate(contexts)
         prepared = agent.predictor.prepare(contexts), agent.reachability.prepare(contexts)
-        run = self.follower.begin(
-            AnchorPaths.end_to_end(*prepared, [len(contexts)]), np.zeros(1, int)
+        follower = Follower(
+            AnchorPaths.end_to_end(*prepared, [len(contexts)]),
+            agent.predictor,
+            agent.controller,
+            agent.reachability,
+            starts=np.zeros(1, int),
         )
-        while not run.over.all() and len(self.track) < self.limit:
-            self.step(run.act(self.simulation.observe(), np.array([0])))
-        return None if run.done[0] else int(run.active[0]) + 1
+        memory = follower.memory
+        while not memory.over.all() and len(self.track) < self.limit:
+            self.step(follower.act(self.simulation.observe(), np.array([0])))
+        return None if memory.done[0] else int(memory.active[0]) + 1
 
 
 of_pair = {tuple(pair): index for index, pair in enumerate(all_trials.pairs.tolist())}
