@@ -104,13 +104,11 @@ class DijkstraPlanner:
             return np.empty(0, dtype=np.intp), np.empty(0)
         if self.localizer is not None:
             belief = np.asarray(self.localizer.localize(observation, topomap), dtype=float)
-            if (
-                belief.shape != (1, len(topomap))
-                or not ((belief >= 0) & (belief <= 1 + 1e-9)).all()
-            ):
+            probable = ((belief >= 0) & (belief <= 1 + 1e-9)).all()
+            if belief.shape != (1, len(topomap)) or not probable:
                 raise InputError(
-                    f"localizer: returned {belief.shape}; give probabilities (1, {len(topomap)}), one "
-                    "for each vertex"
+                    f"localizer: returned {belief.shape}; give probabilities "
+                    f"(1, {len(topomap)}), one for each vertex"
                 )
             return topomap.alive, belief[0]
         near = topomap.nearby(observation, self.candidates)[0]
