@@ -370,15 +370,15 @@ def test_doubts_are_forgotten_only_after_a_calm():
 def test_a_moment_in_follow_is_no_calm():
     reachability = CorridorReachability()
     settings = {"patience": 2.5, "calm": 1.0, "confirm": 2}
-    corridor, run = make(anchors=range(30), reachability=reachability, **settings)
-    go(corridor, run, 20)
+    corridor, follower = make(anchors=range(30), reachability=reachability, **settings)
+    go(corridor, follower, 20)
     found = []
     for _ in range(3):  # each time 1 s of doubts, and half a second without
         blind(reachability)
-        go(corridor, run, 8)
+        go(corridor, follower, 8)
         reachability.arranged = lambda p, t: p
-        go(corridor, run, 6)
-        found.append(State(run.state[0]))
+        go(corridor, follower, 6)
+        found.append(State(follower.memory.state[0]))
     assert found == [FOLLOW, FOLLOW, LOST]
 
 
