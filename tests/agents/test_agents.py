@@ -287,6 +287,24 @@ def test_who_knows_no_way_looks_around_for_one():
     assert not journey.given_up[0]
 
 
+def test_a_robot_searches_for_twenty_seconds_and_each_time_anew():
+    unknown, sure = Plan(refusal="no path"), Plan((7, 8), 0, SURE)
+    # A plan every second; what is found after 15 s leads to a wall, and after 15 s more to a goal.
+    ways = Ways(*[unknown] * 15, sure, *[unknown] * 15, Plan((5, 4), 1, SURE))
+    journey = journey_of(ways, [goals_at(5, -1)], wall=2.4)
+    line = Line([2.0], wall=2.4)
+    line.go(journey, 600)
+    assert len(ways.asked) == 32
+    assert journey.arrived[0]
+    ways = Ways(unknown)
+    journey, line = journey_of(ways, [goals_at(5)]), Line([2.0])
+    line.go(journey, 200)
+    assert not journey.given_up[0]
+    line.go(journey, 1)
+    assert journey.given_up[0]
+    assert len(ways.asked) == 21
+
+
 def test_who_has_given_up_stands_still():
     ways = Ways(Plan(refusal="no path leads from what is seen here to the goal"))
     journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])

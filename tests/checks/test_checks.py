@@ -148,3 +148,33 @@ def test_within_the_limit_a_function_returns_and_raises_as_always():
 
 def one():
     return 1
+
+
+def test_large_answers_must_be_as_right_as_small_ones():
+    expect_close("answer", np.array([1000.0000005]), [1000.0])
+    with pytest.raises(WrongAnswer, match="is right"):
+        expect_close("answer", np.array([1000.0005]), [1000.0])
+
+
+def test_a_call_with_a_limit_gives_a_debugger_its_place_back():
+    def debugger(*_):
+        return None
+
+    before = sys.gettrace()
+    sys.settrace(debugger)
+    try:
+        within_line_limit(one, otherwise="")
+        assert sys.gettrace() is debugger
+    finally:
+        sys.settrace(before)
+
+
+def test_a_probability_that_is_a_little_off_is_wrong():
+    right = nb06.check_most_probable_path.reference
+
+    def nearly(*case):
+        path, probability = right(*case)
+        return path, 0.998 * probability
+
+    assert nb06.check_most_probable_path(right).status == "passed"
+    assert nb06.check_most_probable_path(nearly).status == "failed"

@@ -178,3 +178,21 @@ def test_the_dislike_of_walls_grows_with_the_square_of_their_closeness():
     assert middle == pytest.approx(0.3, abs=0.04)
     felt = paths.fields([9.0, 0.3]).distance([[1.0, 0.3]])[0]
     assert felt / 8.0 == pytest.approx(1 + 4 * (1 - middle / 0.6) ** 2, rel=0.02)
+
+
+def test_a_waypoint_is_the_last_place_before_the_first_that_is_hidden():
+    scene, reach, again = Scene(generate("apartment", 3)), 12.0, 0
+    paths, rng = GridPaths(scene.clearance), np.random.default_rng(6)
+    places = paths.points[paths.largest]
+    starts, goals = places[rng.integers(len(places), size=(2, 150))]
+    fields, number = paths.fields(goals), np.arange(150)
+    found = fields.waypoints(starts, number, scene.caster, reach)
+    for goal, start, waypoint in zip(number, starts, found, strict=True):
+        path = fields.path(start, goal)
+        metres = np.linalg.norm(np.diff(path, axis=0), axis=1).cumsum()
+        seen = scene.caster.sees(np.tile(start, (len(path) - 1, 1)), path[1:])
+        seen &= metres <= reach
+        last = len(seen) if seen.all() else int(seen.argmin())
+        assert np.allclose(waypoint, path[last])
+        again += seen[last:].any()
+    assert again > 3  # of the paths come into sight again

@@ -69,3 +69,11 @@ def test_footprints_have_the_stated_sizes():
 def test_the_differential_drive_turns_in_place_and_the_car_does_not():
     assert DifferentialDrive().twist(np.array([[0.0, 1.0]])).tolist() == [[0.0, 1.0]]
     assert BicycleCar().twist(np.array([[0.0, 0.45]])).tolist() == [[0.0, 0.0]]
+
+
+def test_a_round_robot_s_footprint_lies_just_around_its_circle():
+    robot = DifferentialDrive()
+    corners = robot.footprint
+    middles = (corners + np.roll(corners, -1, axis=0)) / 2
+    assert np.linalg.norm(middles, axis=1) == pytest.approx(np.full(12, robot.radius))
+    assert np.linalg.norm(corners, axis=1).max() < 1.04 * robot.radius

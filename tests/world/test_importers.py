@@ -628,3 +628,15 @@ def test_an_outline_runs_counter_clockwise_whichever_way_it_was_drawn(tmp_path, 
     assert all(signed_area(np.array(room.outline)) > 0 for room in plan.rooms)
     x0, y0, x1, y1 = plan.walls.T
     assert (x0 * y1 - x1 * y0).sum() / 2 == pytest.approx(41.0)
+
+
+def test_obstacles_share_a_strip_only_while_it_lasts():
+    square = 0.975 * np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]])
+    loops = [square + np.array([3.0 * number, 0.0]) for number in range(20)]
+    walls, names, offsets, _ = dress_loops(loops, np.random.default_rng(0), "standard")
+    ends = offsets + np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1])
+    assert len(set(names)) == 4  # six of 3.9 m to a strip of 25 m
+    for name in set(names):
+        mine = np.array(names) == name
+        assert ends[mine].max() <= SPAN
+        assert len(set(offsets[mine])) == mine.sum()  # each has a stretch of its own

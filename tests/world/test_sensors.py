@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tests.conftest import make_box
 from tutorial_lib.errors import InputError
-from tutorial_lib.world.materials import Material
+from tutorial_lib.world.materials import Look, Material
 from tutorial_lib.world.paint import HALF_LIGHT
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import SHADE, Scene
@@ -170,3 +170,11 @@ def test_bad_input_is_named(make, words):
 def test_poses_may_be_any_numbers_in_rows(box):
     image, _ = Camera().look(box, [[5, 5, 0]])
     assert (image == Camera().look(box, np.array([[5.0, 5.0, 0.0]]))[0]).all()
+
+
+def test_gamma_is_an_exponent_of_every_colour():
+    colours = np.array([0.0, 64.0, 128.0, 255.0], np.float32)
+    assert Look(gamma=2.0).tone(colours) == pytest.approx([0.0, 16.06, 64.25, 255.0], abs=0.01)
+    assert Look(gamma=0.5).tone(colours)[1] == pytest.approx(127.75, abs=0.01)
+    dark = replace(make_box(), look=Look(gamma=2.0, floor=(100, 100, 100)))
+    assert Scene(dark).backdrop[1] == pytest.approx(np.full(3, 255 * (100 / 255) ** 2))

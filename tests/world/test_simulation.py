@@ -391,3 +391,36 @@ def test_the_heading_drifts_with_the_square_root_of_the_distance():
         assert (read[:, :2] == motions[:, :2]).all()
         assert read[:, 2].mean() == pytest.approx(0.3, abs=0.001)
         assert read[:, 2].std() == pytest.approx(0.02 * np.sqrt(length), rel=0.03)
+
+
+def test_speed_is_negative_in_reverse(box):
+    simulation = Simulation(box, [[5.0, 5.0, 2.0]])
+    drive(simulation, [-0.3, 0.2], 10)
+    assert simulation.speed[0] == pytest.approx(-0.3, abs=0.01)
+    assert simulation.observe().speed[0] == simulation.speed[0]
+
+
+def test_who_lets_go_of_one_of_two_things_still_touches_the_other(box):
+    # Somebody walks against the side of a car that pushes against the wall, and away again.
+    person = Person([[9.55, 3.0], [9.55, 4.8]], speed=0.5, keep_off=0.0)
+    simulation = Simulation(box, [[9.6, 5.0, 0.0]], people=[person])
+    drive(simulation, [0.5, 0.0], 5)
+    counts = []
+    for _ in range(60):
+        simulation.step([[0.5, 0.0]])
+        counts.append(int(simulation._fleet.contacts[0]))
+        assert simulation.touching[0]
+    assert counts[0] == counts[-1] == 1
+    assert max(counts) == 2
+
+
+@pytest.mark.parametrize(
+    ("robot", "stops"),
+    [((4.2, 5.65), True), ((3.9, 5.65), True), ((3.3, 5.2), False), ((4.0, 5.9), False)],
+)
+def test_a_person_does_not_walk_on_beside_a_robot_that_is_near(box, robot, stops):
+    person = Person([[2.0, 5.0], [8.0, 5.0]], speed=0.5, distance=2.0)  # now at x = 4
+    simulation = Simulation(box, [[*robot, 0.0]], people=[person])
+    drive(simulation, [0.0, 0.0], 10)
+    walked = simulation.crowd.positions[0, 0] - 4.0
+    assert walked == pytest.approx(0.0 if stops else 0.45, abs=0.06)

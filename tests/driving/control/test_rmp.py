@@ -17,7 +17,7 @@ from tutorial_lib.driving.control.rmp import (
     pull_back,
     resolve,
 )
-from tutorial_lib.driving.control.rmp_arcs import free_travel
+from tutorial_lib.driving.control.rmp_arcs import choose_moves, free_travel, safe_speeds
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
@@ -213,3 +213,38 @@ def test_a_car_slows_down_while_its_wheels_turn(box):
     # With its wheels turned it sets off.
     turned = replace(still, steering=np.array([0.45]))
     assert controller.act(turned, beside)[0, 0] > 0.1
+
+
+def test_the_safe_speed_is_that_from_which_it_can_stop_where_it_should():
+    lasers, left = np.full((4, 96), 10.0), np.array([0.05, 0.2, 0.5, 1.0])
+    arcs = np.tile([0.0, 1.0], (4, 1))
+    taste = {"braking": 0.7, "reserve": 0.02, "crawl": 0.2, "hurry": 3.0}
+    speeds = safe_speeds(lasers, arcs, RMPController().discs, 0.03, left, **taste)
+    assert speeds**2 / (2 * 0.7) == pytest.approx(left)
+    # A wall 1 m ahead: it stops `reserve` before it would be too near.
+    lasers = 1.0 / np.maximum(np.cos(full_circle(96)), 1e-3)[None]
+    free = free_travel(lasers, full_circle(96), arcs[:1], RMPController().discs, 0.03)[0, 0]
+    speed = safe_speeds(lasers, arcs[:1], RMPController().discs, 0.03, left[3:] + 9, **taste)[0]
+    assert speed**2 / (2 * 0.7) == pytest.approx(free - 0.02)
+
+
+def test_a_car_that_backs_up_goes_on_until_the_waypoint_is_well_within_its_arc():
+    controller, radius = RMPController(), BicycleCar().turning_radius
+    taste = (controller.reverse_cost, controller.turn_cost, controller.go_on, controller.begin)
+    limits = np.array([radius, *taste, 0.2])
+    for miss, gears in ((0.25, [-1, -1]), (0.15, [1, -1]), (0.05, [1, 1])):
+        # So far inside of its tightest circle, at rest and in reverse.
+        waypoint = [(radius - miss) * np.sin(1.2), radius - (radius - miss) * np.cos(1.2)]
+        lasers, speeds = np.full((2, 96), 10.0), np.array([0.0, -0.2])
+        room = (controller.discs, controller.margin)
+        waypoints = np.array([waypoint, waypoint])
+        arcs = choose_moves(lasers, full_circle(96), waypoints, speeds, *room, limits)
+        assert arcs[:, 1].tolist() == gears
+
+
+def test_a_car_at_rest_beside_a_wall_steers_away_from_it(box):
+    observations = Simulation(box, [[5.0, 9.72, 0.0], [5.0, 5.0, 0.0], [5.0, 0.28, 0.0]]).observe()
+    steerings = RMPController().act(observations, [[2.0, 0.0]] * 3)[:, 1]
+    assert steerings[0] < -0.01
+    assert steerings[1] == pytest.approx(0.0, abs=1e-6)
+    assert steerings[2] == pytest.approx(-steerings[0], abs=1e-6)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from tutorial_lib.cli import main
+from tutorial_lib.driving.data.episodes import Episodes
+from tutorial_lib.driving.rollouts import Rollouts
 from tutorial_lib.experiments.benchmarks import control
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table1, table1_ablations
@@ -18,6 +20,7 @@ from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.simulation import Sensors
+from tutorial_lib.world.visibility import mutual_overlap
 
 WORLD = 10_001
 CONTROLLERS = {"direct", "k0", "k2", "k5", "laser", "random", "oracle"}
@@ -143,3 +146,37 @@ def test_the_benchmark_of_control_tells_where_the_time_goes(monkeypatch):
             row["share"] for row in rows if row["cars"] == cars and row["stage"] in control.STAGES
         ]
         assert sum(shares) == pytest.approx(1.0)
+
+
+def test_matched_is_what_saw_its_target_s_view_before_it_ended(recorded):
+    frame = int(recorded.first[0]) + 60
+    goal, poses = recorded.poses[frame], recorded.poses
+    overlaps = mutual_overlap(recorded.scene.caster, poses, np.broadcast_to(goal, poses.shape))
+    assert overlaps[frame].min() > 0.99
+    one = int(np.flatnonzero((overlaps.max(axis=1) > 0.75) & (overlaps.min(axis=1) < 0.65))[0])
+    far = int(overlaps.max(axis=1).argmin())
+    # At the goal: in the last step, when touching something, too late, never; seen one way only.
+    track = poses[
+        [
+            [far, far, far, far, far, far],
+            [far, far, far, far, one, frame],
+            [frame, frame, far, far, one, far],
+            [frame, frame, frame, far, one, far],
+        ]
+    ]
+    ended = Rollouts(
+        np.array([False, False, False, False, False, True]),
+        np.array([False, True, False, False, False, False]),
+        np.full(6, 0.2),
+        track,
+    )
+    none = np.zeros(6)
+    episodes = Episodes(recorded, poses[[far] * 6], np.full(6, frame), none, none + 9.0)
+    matched = local_control.Condition(episodes, []).matched(ended)
+    assert matched.tolist() == [True, False, False, False, False, True]
+
+
+def test_noise_differs_from_world_to_world_and_seed_to_seed():
+    pairs = [(10_000, 0), (10_001, 0), (10_000, 1)]
+    assert len({local_control.seeds_of(place, seed) for place, seed in pairs}) == 3
+    assert local_control.seeds_of("room.json", 3) == local_control.seeds_of("room.json", 3)

@@ -88,3 +88,17 @@ def test_every_shell_leaves_a_static_picture_in_the_same_output(controller):
         strip = decoded(base64.b64decode(bundle["image/png"]))
         assert strip.shape[1] > 100
         assert strip.shape[1] <= 960
+
+
+def test_the_static_strip_shows_the_low_the_present_and_the_high_value():
+    seen = []
+
+    def render(x, y):
+        seen.append((x, y))
+        return np.zeros((8, 8, 3), np.uint8), ""
+
+    panel = sliders(render, x=(0, 10, 1, 4), y=(0, 1, 1, 1))
+    panel.controls["x"].value = 7
+    seen.clear()
+    panel._repr_mimebundle_()
+    assert seen == [(0, 1), (7, 1), (10, 1)]

@@ -1,0 +1,103 @@
+"""Experiments: how trials end, what is counted, and how sure one is of it."""
+
+TABLE2 = "experiments/meng2020/test_table2.py"
+MUTATIONS = [
+    (
+        "an edge is a wormhole at half the length",
+        "experiments/protocols/navigation.py",
+        "WORMHOLE = 5.0",
+        "WORMHOLE = 2.5",
+        f"{TABLE2} -k wormholes",
+    ),
+    (
+        "touching is added up and never reset",
+        "experiments/protocols/navigation.py",
+        "touched + STEP, 0.0)",
+        "touched + STEP, touched)",
+        f"{TABLE2} -k stuck",
+    ),
+    (
+        "the place drawn first is one of those to keep away from",
+        "experiments/protocols/navigation_tasks.py",
+        "far if number <= 1 else np.minimum(nearest, far)",
+        "np.minimum(nearest, far)",
+        f"{TABLE2} -k place",
+    ),
+    (
+        "a car on a tight spot is placed along the path all the same",
+        "experiments/protocols/navigation_tasks.py",
+        "tried[is_free(scene, BicycleCar(), tried).argmax()]",
+        "tried[0]",
+        f"{TABLE2} -k cars_look",
+    ),
+    (
+        "each world counts the same, however many episodes it has",
+        "experiments/common/statistics.py",
+        "sums[draws].sum(axis=1) / counts[draws].sum(axis=1)",
+        "(sums / counts)[draws].mean(axis=1)",
+        "experiments/common/test_statistics.py",
+    ),
+    (
+        "differences are bootstrapped over episodes, not worlds",
+        "experiments/common/statistics.py",
+        "units if units.max() else np.arange(len(gap))",
+        "np.arange(len(gap))",
+        "experiments/common/test_statistics.py",
+    ),
+    (
+        "the interval of a share is not Wilson's",
+        "experiments/common/statistics.py",
+        'method="wilson"',
+        'method="exact"',
+        "experiments/common/test_statistics.py",
+    ),
+    (
+        "what is seen after a collision counts",
+        "experiments/protocols/local_control.py",
+        "+ (not drives.collided[robot])",
+        "+ 1",
+        "experiments/meng2020/test_table1.py",
+    ),
+    (
+        "one great overlap is a match",
+        "experiments/protocols/local_control.py",
+        "(both > OVERLAPPING).all(axis=1).any()",
+        "(both > OVERLAPPING).any(axis=1).any()",
+        "experiments/meng2020/test_table1.py",
+    ),
+    (
+        "noise is the same in every world",
+        "experiments/protocols/local_control.py",
+        "return seed, place if isinstance(place, int) else 0",
+        "return seed, 0",
+        "experiments/meng2020/test_table1.py",
+    ),
+    (
+        "curves are compared where only one of them is",
+        "experiments/meng2020/fig7.py",
+        "max(first[0, 0], second[0, 0])",
+        "min(first[0, 0], second[0, 0])",
+        "experiments/meng2020/test_fig7.py -k curve",
+    ),
+    (
+        "a pair of which one sees the other is far",
+        "experiments/protocols/reachability.py",
+        "(both < SEEN).all(axis=1)",
+        "(both < SEEN).any(axis=1)",
+        "experiments/meng2020/test_calibration_table.py -k far",
+    ),
+    (
+        "a robot is moved at every step near the place",
+        "experiments/robustness/disturbances.py",
+        "near[robots] & (self.step[robots] < 0)",
+        "near[robots]",
+        "experiments/robustness/test_disturbances.py -k moved",
+    ),
+    (
+        "a path may be blocked where there is no other",
+        "experiments/robustness/faults.py",
+        "< around <= DETOUR * straight",
+        "< around",
+        "experiments/meng2020/test_map_experiments.py -k block",
+    ),
+]

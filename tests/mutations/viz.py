@@ -1,0 +1,88 @@
+"""Drawing: plans, maps, panels, what stands in notebooks."""
+
+MUTATIONS = [
+    (
+        "the laser's picture is mirrored",
+        "viz/figures/dashboard.py",
+        "middle - points[:, 1] * scale",
+        "middle + points[:, 1] * scale",
+        "viz/canvas/test_plan_view.py",
+    ),
+    (
+        "the floor ends a cell too late",
+        "viz/canvas/plan_view.py",
+        "depth > grid.resolution / 2",
+        "depth > -grid.resolution",
+        "viz/canvas/test_plan_view.py",
+    ),
+    (
+        "strokes have the colour of the strip's beginning",
+        "viz/canvas/plan_view.py",
+        "(offset + (np.arange(count) + 0.5) * length / count) % PERIOD",
+        "((np.arange(count) + 0.5) * length / count) % PERIOD",
+        "viz/canvas/test_plan_view.py",
+    ),
+    (
+        "edges are drawn to the left of their line",
+        "viz/canvas/topomaps.py",
+        "np.array([along[1], -along[0]])",
+        "np.array([-along[1], along[0]])",
+        "viz/canvas/test_topomaps.py",
+    ),
+    (
+        "ellipses are turned the wrong way",
+        "viz/canvas/motion_policies.py",
+        "* reach @ axes.T",
+        "* reach @ axes",
+        "viz/figures/test_closeups.py",
+    ),
+    (
+        "a certain target is as pale as a doubtful one",
+        "viz/canvas/probabilities.py",
+        "[0.0, 0.5, 1.0], channel",
+        "[0.0, 1.0, 2.0], channel",
+        "viz/figures/test_closeups.py",
+    ),
+    (
+        "rays are drawn in the robot's frame",
+        "viz/canvas/field_of_view.py",
+        "turned = pose[2] + angles",
+        "turned = angles",
+        "viz/figures/test_panels.py",
+    ),
+    (
+        "small frames of a film are blown up",
+        "viz/figures/panels.py",
+        "scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))",
+        "scale = (width - gap * (len(chosen) - 1)) / (len(chosen) * wide)",
+        "viz/figures/test_panels.py",
+    ),
+    (
+        "where a column is seen again is drawn transposed",
+        "viz/figures/closeups.py",
+        "round(16 * side * along), round(16 * side * across)",
+        "round(16 * side * across), round(16 * side * along)",
+        "viz/figures/test_closeups.py",
+    ),
+    (
+        "Wilson's interval is not as wide as it should be",
+        "viz/figures/reachability.py",
+        "_Z**2 / (4 * count**2)",
+        "_Z**2 / (4 * count**3)",
+        "viz/figures/test_closeups.py",
+    ),
+    (
+        "the numbers of two edges between two vertices lie on each other",
+        "viz/figures/planning_graphs.py",
+        "(0.5, 0.11) if both",
+        "(0.5, 0.0) if both",
+        "viz/figures/test_closeups.py",
+    ),
+    (
+        "a static strip leaves out the present value",
+        "viz/notebook/widgets.py",
+        "sorted({control.min, control.value, control.max})",
+        "sorted({control.min, control.max})",
+        "viz/notebook/test_widgets.py",
+    ),
+]
