@@ -1139,8 +1139,8 @@ passes = [np.arange(length), np.arange(length, 2 * length)]
 for p_outdated in (0.0, 0.1):
     aged, (_, again) = library_map(week_later, passes, p_outdated=p_outdated)
     print(f"p_outdated = {p_outdated}: {len(aged)} vertices; removed: {again.outdated.tolist()}")
-    print("    the second trajectory is now " + " ".join(map(str, again.trail)))
-    print("    the first trajectory is now  " + " ".join(map(str, aged.trails[0])))
+    print("    the second trajectory is now " + " ".join(map(str, again.path)))
+    print("    the first trajectory is now  " + " ".join(map(str, aged.paths[0])))
 
 # %% [markdown]
 # <details><summary>What happened?</summary>

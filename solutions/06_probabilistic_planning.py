@@ -256,7 +256,7 @@ def leads_to(observation, goal):
     prepared, found = agent.reachability.prepare(goal.contexts), []
     for index in range(len(goal)):
         predicted = topomap.vertices.onward(alive, prepared, np.full(len(alive), index))
-        direct = topomap.vertices.ask(observation, [0], prepared, [index])
+        direct = topomap.vertices.query(observation, [0], prepared, [index])
         found.append(dict(zip([*alive.tolist(), HERE], [*predicted, *direct], strict=True)))
     return found
 

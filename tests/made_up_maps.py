@@ -56,7 +56,7 @@ def table_map(table, count, trails=None, **settings):
     numbers = np.concatenate(trails)
     assert numbers.tolist() == list(range(count))
     topomap.make_vertices(numbered(numbers), numbers[:, None], numbers * 1.0, owner, place)
-    topomap.trails = [list(trail) for trail in trails]
+    topomap.paths = [list(trail) for trail in trails]
     return topomap
 
 

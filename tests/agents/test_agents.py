@@ -98,7 +98,7 @@ def line_map(places, reachability):
     seen, contexts = goals_at(*places).observations, np.tile(x[:, None], (1, 3))
     number = np.arange(len(x))
     topomap.make_vertices(seen, contexts, number * 1.0, 0 * number, number)
-    topomap.trails = [number.tolist()]
+    topomap.paths = [number.tolist()]
     return topomap
 
 
@@ -396,7 +396,7 @@ def test_an_agent_learns_a_sparse_map_drive_by_drive():
         pytest.approx([places[1] - 0.15, places[1], places[1] + 0.15])
     ]
     agent.learn([drive(10, 20, 100.0)])
-    assert len(agent.topomap.trails) == 2
+    assert len(agent.topomap.paths) == 2
     assert agent.topomap.vertices.timestamps.max() >= 100.0
 
 
@@ -407,8 +407,8 @@ def test_it_is_the_same_map_however_it_is_learned():
     for experience in drives:
         two.learn([experience])
     assert edges_of(one.topomap) == edges_of(two.topomap)
-    assert one.topomap.trails == two.topomap.trails
-    assert len(one.topomap.trails) == 3
+    assert one.topomap.paths == two.topomap.paths
+    assert len(one.topomap.paths) == 3
 
 
 def test_it_finds_its_way_over_several_drives():
@@ -529,10 +529,10 @@ def test_sptm_keeps_every_nth_picture_and_joins_what_is_alike():
     topomap = agent.topomap
     places = topomap.vertices.observations[topomap.alive].odometry[:, 0]
     assert places[:6] == pytest.approx([0, 1, 2, 3, 4, 4.95])
-    assert topomap.trails == [list(range(6)), list(range(6, 12)), list(range(12, 18))]
-    assert [topomap.trail_of(v)[1] for v in (0, 5, 6, 17)] == [0, 5, 0, 5]
+    assert topomap.paths == [list(range(6)), list(range(6, 12)), list(range(12, 18))]
+    assert [topomap.path_of(v)[1] for v in (0, 5, 6, 17)] == [0, 5, 0, 5]
     driven = {edge for edge, (_, often) in edges_of(topomap).items() if often}
-    assert driven == {(a, b) for trail in topomap.trails for a, b in zip(trail, trail[1:])}  # noqa: B905, RUF007
+    assert driven == {(a, b) for trail in topomap.paths for a, b in zip(trail, trail[1:])}  # noqa: B905, RUF007
     for a in range(18):
         for b in range(18):
             same = topomap.trajectory[a] == topomap.trajectory[b]
@@ -572,7 +572,7 @@ def test_sptm_drives_by_the_same_follower():
     assert journey.arrived.all()
     assert line.x == pytest.approx([11.0, 3.2], abs=0.25)
     agent.learn([drive(12, 0, 99.0)])
-    assert len(agent.topomap.trails) == 3
+    assert len(agent.topomap.paths) == 3
 
 
 # The oracle, and the wanderer.

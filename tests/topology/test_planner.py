@@ -227,7 +227,7 @@ def test_only_candidates_are_asked_about():
     topomap.make_vertices(
         sensed(poses), poses[:, None], np.arange(50), np.zeros(50, int), np.arange(50)
     )
-    topomap.trails = [list(range(50))]
+    topomap.paths = [list(range(50))]
     for a, b in pairwise(range(50)):
         topomap.connect(a, b, 0.99)
     here, goal = sensed([[9.6, 0, 0]]), np.array([[30.5, 0, 0]])

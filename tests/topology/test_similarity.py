@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.query import query
 from tutorial_lib.topology.similarity import ImageSimilarity
 
 SIMILARITY = ImageSimilarity()
@@ -32,7 +32,7 @@ def told(current, targets):
 def test_it_stands_where_reachability_is_expected():
     assert isinstance(SIMILARITY, Reachability)
     prepared = SIMILARITY.prepare(pictures(5)[:, None])
-    assert ask(SIMILARITY, seen(pictures(5, 1)), prepared).shape == (5,)
+    assert query(SIMILARITY, seen(pictures(5, 1)), prepared).shape == (5,)
 
 
 @given(st.integers(0, 1000))

@@ -94,11 +94,11 @@ class SPTMAgent(MapAgent):
             seen[kept],
             contexts[kept],
             experience.timestamps[kept],
-            np.full(len(kept), len(topomap.trails)),
+            np.full(len(kept), len(topomap.paths)),
             np.arange(len(kept)),
             self.similarity.prepare(contexts[kept, k : k + 1]),
         )
-        topomap.trails.append(path.tolist())
+        topomap.paths.append(path.tolist())
         similarities = topomap.vertices.between(path[:-1], path[1:])
         for source, target, similarity in zip(path[:-1], path[1:], similarities, strict=True):
             topomap.connect(int(source), int(target), similarity, driven=1)

@@ -15,7 +15,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.topology.mapping.vertices import Indices
 
 _HERE, _GOAL = "here", "goal"
 Edge = tuple[Any, Any, float]
@@ -88,7 +88,7 @@ class DijkstraPlanner:
         """Edges to every goal, from vertices and from here."""
         prepared = topomap.vertices.prepare(goals.contexts)
         count = np.arange(len(goals))
-        reach = topomap.vertices.ask(observation, np.zeros_like(count), prepared, count)
+        reach = topomap.vertices.query(observation, np.zeros_like(count), prepared, count)
         direct = [(_HERE, (_GOAL, int(g)), p) for g, p in zip(count, reach, strict=True)]
         if not len(topomap):
             return direct
@@ -98,7 +98,7 @@ class DijkstraPlanner:
         ends = zip(there, rows, reach, strict=True)
         return [*direct, *((int(v), (_GOAL, int(g)), p) for v, g, p in ends)]
 
-    def _from_here(self, topomap: TopoMap, observation: Observation) -> tuple[Numbers, Array]:
+    def _from_here(self, topomap: TopoMap, observation: Observation) -> tuple[Indices, Array]:
         """Vertices (C,) that may be reached from here, and RE of each."""
         if not len(topomap):
             return np.empty(0, dtype=np.intp), np.empty(0)

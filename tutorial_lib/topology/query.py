@@ -1,4 +1,4 @@
-"""Asking a `Reachability`: a network, an oracle or a student's function; the answer is checked."""
+"""Queries of a `Reachability`: a network, an oracle or a function. Its output is checked."""
 
 from typing import Any
 
@@ -9,39 +9,40 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 
 
-def ask(reachability: Reachability, observations: Observation, prepared: Any) -> Array:  # noqa: ANN401
-    """How probable it is that each robot reaches its target: RE of Meng 2020 (III-C).
+def query(reachability: Reachability, observations: Observation, prepared: Any) -> Array:  # noqa: ANN401
+    """RE of Meng 2020 (III-C): the probability that each robot reaches its target.
 
     Args:
-        reachability: is asked.
+        reachability: RE.
         observations: N robots.
-        prepared: N targets, as `reachability.prepare` made them.
+        prepared: N targets from `reachability.prepare`.
 
     Returns:
         (N,) probabilities.
 
     Raises:
-        InputError: when what is told is not N probabilities; it says what came instead.
+        InputError: when RE does not return N probabilities; it says what came instead.
     """
     count = len(observations)
     if not count:
         return np.empty(0)
-    told = reachability.probability(observations, prepared)
+    output = reachability.probability(observations, prepared)
     try:
-        probabilities = np.asarray(told, dtype=float)
+        probabilities = np.asarray(output, dtype=float)
     except (TypeError, ValueError, RuntimeError) as error:
         raise InputError(
-            f"reachability: told a {type(told).__name__}, no array of numbers; give ({count},)"
+            f"reachability: returned a {type(output).__name__}, no array of numbers; "
+            f"give ({count},)"
         ) from error
     if probabilities.shape != (count,):
         raise InputError(
-            f"reachability: told shape {probabilities.shape} about {count} pairs; give ({count},), "
-            "one probability for each"
+            f"reachability: returned shape {probabilities.shape} for {count} pairs; "
+            f"give ({count},), one probability for each"
         )
     wrong = np.flatnonzero(~((probabilities >= 0.0) & (probabilities <= 1.0)))
     if wrong.size:
         raise InputError(
-            f"reachability: told {probabilities[wrong[0]]:g} about pair {wrong[0]}; give "
+            f"reachability: returned {probabilities[wrong[0]]:g} for pair {wrong[0]}; give "
             "probabilities from 0 to 1, of a logit the sigmoid"
         )
     return probabilities

@@ -397,7 +397,7 @@ def test_comparing_with_everyone_leaves_the_map_as_it_is(house):
     before = nx.to_dict_of_dicts(topomap.graph)
     seconds, queries = map_building.exhaustively(topomap, drives[3])
     assert nx.to_dict_of_dicts(topomap.graph) == before
-    assert len(topomap.trails) == 3
+    assert len(topomap.paths) == 3
     count, known = len(drives[3]), len(topomap)
     # Both ways with every vertex, and with each other but to itself and to the next.
     assert queries >= 2 * count * known

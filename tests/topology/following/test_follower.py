@@ -853,7 +853,7 @@ def test_a_reachability_that_tells_nonsense_is_found_out(told):
     reachability.arranged = lambda p, t: np.full(len(p), told)
     for first in (0, None):
         corridor, follower = make(reachability=reachability, first=first)
-        with pytest.raises(InputError, match="reachability: told"):
+        with pytest.raises(InputError, match="reachability: returned"):
             go(corridor, follower, 1)
 
 

@@ -11,7 +11,7 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.sparsify import contextified, every_nth, sparsify, stored_frames
-from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.query import query
 from tutorial_lib.world.sensors import Camera
 
 
@@ -162,31 +162,31 @@ def test_bad_input_is_named(make, words):
 @pytest.mark.parametrize(
     ("told", "words"),
     [
-        (np.array([0.5, np.nan, 0.5]), "told nan about pair 1; give probabilities from 0 to 1"),
-        (np.array([0.5, 0.5, 3.2]), "told 3.2 about pair 2; .* of a logit the sigmoid"),
-        (np.array([-0.1, 0.5, 0.5]), "told -0.1 about pair 0"),
-        (np.array([0.5, 0.5]), r"told shape \(2,\) about 3 pairs; give \(3,\)"),
-        (np.full((3, 1), 0.5), r"told shape \(3, 1\) about 3 pairs"),
-        (0.5, r"told shape \(\) about 3 pairs"),
-        (None, r"told shape \(\) about 3 pairs|told nan"),
-        ("likely", "told a str, no array of numbers"),
-        ([[0.5], [0.5, 0.5], 0.5], "told a list, no array of numbers"),
+        (np.array([0.5, np.nan, 0.5]), "returned nan for pair 1; give probabilities from 0 to 1"),
+        (np.array([0.5, 0.5, 3.2]), "returned 3.2 for pair 2; .* of a logit the sigmoid"),
+        (np.array([-0.1, 0.5, 0.5]), "returned -0.1 for pair 0"),
+        (np.array([0.5, 0.5]), r"returned shape \(2,\) for 3 pairs; give \(3,\)"),
+        (np.full((3, 1), 0.5), r"returned shape \(3, 1\) for 3 pairs"),
+        (0.5, r"returned shape \(\) for 3 pairs"),
+        (None, r"returned shape \(\) for 3 pairs|returned nan"),
+        ("likely", "returned a str, no array of numbers"),
+        ([[0.5], [0.5, 0.5], 0.5], "returned a list, no array of numbers"),
     ],
 )
 def test_what_is_no_probability_is_refused(told, words):
     with pytest.raises(InputError, match=f"reachability: .*{words}"):
-        ask(Says(told), frames(3), np.arange(3))
+        query(Says(told), frames(3), np.arange(3))
     with pytest.raises(InputError, match="reachability"):
         sparsify(Says(told), frames(4), np.arange(4), 0.5, window=3)
 
 
 def test_nobody_is_asked_about_nothing():
-    assert ask(Says("nonsense"), frames(0), np.arange(0)).shape == (0,)
+    assert query(Says("nonsense"), frames(0), np.arange(0)).shape == (0,)
 
 
 def test_lists_and_tensors_are_probabilities_too():
     for told in ([0.0, 0.5, 1.0], torch.tensor([0.0, 0.5, 1.0])):
-        assert ask(Says(told), frames(3), np.arange(3)).tolist() == [0.0, 0.5, 1.0]
+        assert query(Says(told), frames(3), np.arange(3)).tolist() == [0.0, 0.5, 1.0]
 
 
 # Frames and their contexts.

@@ -52,10 +52,10 @@ def same(one, other):
     """Whether two maps are equal in everything."""
     assert edges_of(one) == edges_of(other)
     assert list(one.graph) == list(other.graph)
-    assert one.trails == other.trails
+    assert one.paths == other.paths
     assert one.settings == other.settings
     for v in one.alive:
-        assert one.trail_of(v) == other.trail_of(v)
+        assert one.path_of(v) == other.path_of(v)
     assert (one.vertices.timestamps == other.vertices.timestamps).all()
     assert (one.trajectory == other.trajectory).all()
     seen = one.vertices.observations[one.alive], other.vertices.observations[one.alive]
@@ -83,10 +83,10 @@ def test_a_map_is_read_as_it_was_saved_and_grows_the_same_way(path, kind):
     assert same(topomap, again)
     for poses in WAYS[2:]:
         one, other = (add_trajectory(m, anchors_at(poses, 500.0)) for m in (topomap, again))
-        assert one.trail.tolist() == other.trail.tolist()
+        assert one.path.tolist() == other.path.tolist()
         assert one.queries == other.queries
     assert same(topomap, again)
-    assert len(again.trails) == 4
+    assert len(again.paths) == 4
 
 
 def test_a_removed_vertex_leaves_no_gap(path):
@@ -98,12 +98,12 @@ def test_a_removed_vertex_leaves_no_gap(path):
     number = {int(old): new for new, old in enumerate(topomap.alive)}
     wanted = {(number[a], number[b]): told for (a, b), told in edges_of(topomap).items()}
     assert edges_of(again) == wanted
-    assert again.trails == [[number[v] for v in trail] for trail in topomap.trails]
+    assert again.paths == [[number[v] for v in trail] for trail in topomap.paths]
     for old, new in number.items():
         assert again.vertices.observations[[new]].odometry.tolist() == (
             topomap.vertices.observations[[old]].odometry.tolist()
         )
-        trail, place = again.trail_of(new)
+        trail, place = again.path_of(new)
         assert trail[place] == new
     here = sensed(WAYS[0][:1])
     goals = Goals(sensed(WAYS[0][-1:]), WAYS[0][-1:, None])

@@ -1,6 +1,7 @@
 """Maps and how trajectories join them; what is reachable is made up."""
 
 from collections import Counter
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -30,6 +31,7 @@ from tutorial_lib.topology.mapping.vertices import Vertices
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 YES, NO = 0.999, 0.01
+WEST, SOUTH = street((6, 0), (0, 0), step=0.4), street((3, 3), (3, -3), step=0.4)
 
 
 class ByTheBook:
@@ -37,7 +39,7 @@ class ByTheBook:
 
     def __init__(self, table, settings):
         self.re, self.settings = table, settings
-        self.made_for, self.trails, self.edges = {}, [], {}
+        self.made_for, self.paths, self.edges = {}, [], {}
 
     def aligned(self, trail, place):
         """What is around a place of a trail, by the distance to it."""
@@ -73,7 +75,7 @@ class ByTheBook:
         trail = [taken.get(a, number) for a, number in enumerate(new)]
         fresh = [a for a in range(len(new)) if a not in taken]
         others = [
-            (v, self.aligned(self.trails[owner], place))
+            (v, self.aligned(self.paths[owner], place))
             for v, (owner, place) in self.made_for.items()
         ]
         others += [(new[b], self.aligned(new, b)) for b in fresh]
@@ -90,8 +92,8 @@ class ByTheBook:
                 if back > self.settings.p_edge:
                     self.connect(v, new[a], back)
         for a in fresh:
-            self.made_for[new[a]] = (len(self.trails), a)
-        self.trails.append(trail)
+            self.made_for[new[a]] = (len(self.paths), a)
+        self.paths.append(trail)
         for source, target in pairwise(trail):
             self.connect(source, target, self.re[source, target], driven=1)
         return trail
@@ -124,15 +126,15 @@ def check_by_the_book(drawn, settings):
         added = add_trajectory(topomap, anchors(drive))
         wanted = book.add(drive)
         fresh = [anchor for anchor, vertex in zip(drive, wanted, strict=True) if anchor == vertex]
-        number |= zip(fresh, added.trail[~added.reused].tolist(), strict=True)
-        assert added.trail.tolist() == [number[anchor] for anchor in wanted]
+        number |= zip(fresh, added.path[~added.reused].tolist(), strict=True)
+        assert added.path.tolist() == [number[anchor] for anchor in wanted]
         assert added.reused.tolist() == [anchor not in fresh for anchor in drive]
         assert not len(added.outdated)
     found = edges_of(topomap)
     wanted = {(number[a], number[b]): told for (a, b), told in book.edges.items()}
     assert found == wanted
     assert all(a != b for a, b in found)
-    assert topomap.trails == [[number[anchor] for anchor in trail] for trail in book.trails]
+    assert topomap.paths == [[number[anchor] for anchor in trail] for trail in book.paths]
     assert topomap.vertices.observations[topomap.alive].odometry[:, 0].tolist() == list(number)
 
 
@@ -190,9 +192,9 @@ def crossing():
 def test_an_aligned_sequence_stays_on_its_trajectory_past_a_reused_vertex():
     topomap = TopoMap(Table(crossing()), MapSettings(sequence=2, p_outdated=0.0))
     add_trajectory(topomap, anchors(range(5)))
-    second = add_trajectory(topomap, anchors(range(5, 10))).trail
+    second = add_trajectory(topomap, anchors(range(5, 10))).path
     assert second[2] == 2
-    third = add_trajectory(topomap, anchors(range(10, 15))).trail
+    third = add_trajectory(topomap, anchors(range(10, 15))).path
     assert topomap.graph.has_edge(third[1], second[1])
     assert topomap.graph.has_edge(third[3], second[3])
 
@@ -200,8 +202,8 @@ def test_an_aligned_sequence_stays_on_its_trajectory_past_a_reused_vertex():
 def test_an_aligned_sequence_passes_a_reused_vertex_by_one_step():
     topomap = TopoMap(Table(crossing()), MapSettings(sequence=1, p_outdated=0.0))
     add_trajectory(topomap, anchors(range(5)))
-    second = add_trajectory(topomap, anchors(range(5, 10))).trail
-    third = add_trajectory(topomap, anchors(range(10, 15))).trail
+    second = add_trajectory(topomap, anchors(range(5, 10))).path
+    third = add_trajectory(topomap, anchors(range(10, 15))).path
     assert topomap.graph.has_edge(third[1], second[1])
     assert topomap.graph.has_edge(third[3], second[3])
 
@@ -216,7 +218,7 @@ def test_the_first_trajectory_is_a_chain_of_vertices_and_what_it_closes():
     table[4, 0] = table[0, 4] = YES
     topomap = TopoMap(Table(table), MapSettings(sequence=0))
     added = add_trajectory(topomap, anchors(range(5)))
-    assert added.trail.tolist() == [0, 1, 2, 3, 4]
+    assert added.path.tolist() == [0, 1, 2, 3, 4]
     assert not added.reused.any()
     wanted = {(a, a + 1): (0.7, 1) for a in range(4)}
     assert edges_of(topomap) == wanted | {(4, 0): (YES, 0), (0, 4): (YES, 0)}
@@ -261,9 +263,9 @@ def test_the_first_and_the_last_anchor_are_reused_too():
     # From 6 to 1 and on to 7; from 7 to 3 and on to 8; from 3 to 4 and on to 8.
     topomap = beside(5, (6, 1), (1, 7), (1, 3), (3, 8), (4, 8))
     added = add_trajectory(topomap, anchors([6, 7, 8]))
-    assert added.trail.tolist() == [1, 3, 4]
+    assert added.path.tolist() == [1, 3, 4]
     assert added.reused.all()
-    assert topomap.trails == [[0, 1, 2, 3, 4], [1, 3, 4]]
+    assert topomap.paths == [[0, 1, 2, 3, 4], [1, 3, 4]]
 
 
 @pytest.mark.parametrize(
@@ -280,14 +282,14 @@ def test_the_first_and_the_last_anchor_are_reused_too():
 )
 def test_one_end_alone_is_reused_if_it_is_met_both_ways(good, trail):
     added = add_trajectory(beside(5, *good), anchors([6, 7, 8]))
-    assert np.where(added.reused, added.trail, -1).tolist() == trail
+    assert np.where(added.reused, added.path, -1).tolist() == trail
 
 
 def test_what_was_reused_before_counts_and_not_what_the_anchor_could_reach():
     # Anchor 6 is vertex 1 by now, from which 2 is reached; anchor 6 itself reached 3 only.
     topomap = beside(5, (6, 1), (1, 7), (2, 8), (6, 3), (3, 8))
     added = add_trajectory(topomap, anchors([6, 7, 8, 9]))
-    assert added.trail[:2].tolist() == [1, 2]
+    assert added.path[:2].tolist() == [1, 2]
 
 
 def test_one_good_pair_in_a_wrong_place_makes_no_edge():
@@ -319,11 +321,11 @@ def test_a_drive_along_the_same_way_makes_no_new_vertices():
     added = add_trajectory(topomap, anchors_at(street((0, 0), (9, 0), aside=0.1), 100.0))
     assert added.reused.all()
     assert len(topomap) == before
-    kept = added.trail[added.reused]
+    kept = added.path[added.reused]
     assert (np.diff(kept) > 0).all()
     driven = [edge["driven"] for _, _, edge in topomap.graph.edges(data=True)]
     assert max(driven) == 2
-    assert topomap.trails[1] == added.trail.tolist()
+    assert topomap.paths[1] == added.path.tolist()
 
 
 def test_a_drive_the_other_way_round_reuses_nothing():
@@ -349,7 +351,7 @@ def test_who_may_not_reuse_makes_vertices_beside_those_that_are_there():
 def test_a_way_back_to_the_beginning_is_joined_to_it():
     poses = street((0, 0), (4, 0), (4, 4), (0, 4), (0, 0), (3, 0))
     topomap = TopoMap(Streets(), MapSettings(sequence=1))
-    trail = add_trajectory(topomap, anchors_at(poses)).trail
+    trail = add_trajectory(topomap, anchors_at(poses)).path
     # The second time round it comes by the same places as in the beginning.
     again = len(poses) - 3
     assert topomap.graph.has_edge(trail[again], trail[2])
@@ -372,9 +374,9 @@ def test_a_trajectory_that_is_known_altogether_makes_no_vertices():
     added = add_trajectory(topomap, anchors([3, 4]))
     assert added.reused.all()
     assert len(topomap) == len(topomap.vertices) == 3
-    assert (np.diff(added.trail) > 0).all()
+    assert (np.diff(added.path) > 0).all()
     add_trajectory(topomap, anchors([4, 5, 3]))
-    assert len(topomap.trails) == 3
+    assert len(topomap.paths) == 3
 
 
 # Retrieval.
@@ -404,9 +406,9 @@ def cities_twice():
 def test_retrieval_makes_the_same_map_with_fewer_questions(cities_twice):
     (every, added), (some, also) = cities_twice
     assert edges_of(every) == edges_of(some)
-    assert every.trails == some.trails
+    assert every.paths == some.paths
     for one, other in zip(added, also, strict=True):
-        assert one.trail.tolist() == other.trail.tolist()
+        assert one.path.tolist() == other.path.tolist()
         assert one.reused.tolist() == other.reused.tolist()
     assert sum(a.reused.sum() for a in added) > 15
     assert some.vertices.queries < 0.5 * every.vertices.queries
@@ -468,13 +470,13 @@ def test_a_vertex_that_looks_different_by_now_is_removed(kind, hidden):
     topomap, added = again(kind(), hidden, candidates=3)
     assert added.outdated.tolist() == hidden
     assert not set(hidden) & set(topomap.graph)
-    assert set(hidden) & set(added.trail.tolist()) == set()
-    for number, trail in enumerate(topomap.trails):
+    assert set(hidden) & set(added.path.tolist()) == set()
+    for number, trail in enumerate(topomap.paths):
         assert not set(hidden) & set(trail)
         for place, vertex in enumerate(trail):
             if topomap.trajectory[vertex] == number:
                 assert topomap.place[vertex] == place
-                assert topomap.trail_of(vertex) == (trail, place)
+                assert topomap.path_of(vertex) == (trail, place)
 
 
 @pytest.mark.parametrize("kind", [Streets, StreetsAlike])
@@ -513,7 +515,7 @@ def test_what_was_removed_is_never_met_again():
             assert 3 not in topomap.around(here, prepared, count)
         for aside in (0.0, 0.05, 3.0):
             added = add_trajectory(topomap, anchors_at(street((0, 0), (7, 0), aside=aside), 99.0))
-            assert 3 not in added.trail
+            assert 3 not in added.path
             assert 3 not in added.outdated
         assert 3 not in topomap.graph
         plan = DijkstraPlanner().plan(
@@ -526,7 +528,7 @@ def test_what_was_removed_is_never_met_again():
 
 def test_the_others_keep_their_numbers():
     topomap = table_map(np.eye(6), 6, trails=[[0, 1, 2], [3, 4, 5]])
-    topomap.trails[1] = [3, 1, 4, 5]
+    topomap.paths[1] = [3, 1, 4, 5]
     topomap.place[4:] += 1
     topomap.connect(0, 1, 0.9)
     topomap.connect(4, 5, 0.9)
@@ -534,17 +536,17 @@ def test_the_others_keep_their_numbers():
     assert topomap.alive.tolist() == [0, 2, 4, 5]
     assert len(topomap) == 4
     assert len(topomap.vertices) == 6
-    assert topomap.trails == [[0, 2], [4, 5]]
-    assert [topomap.trail_of(v) for v in (0, 2, 4, 5)] == [
+    assert topomap.paths == [[0, 2], [4, 5]]
+    assert [topomap.path_of(v) for v in (0, 2, 4, 5)] == [
         ([0, 2], 0),
         ([0, 2], 1),
         ([4, 5], 0),
         ([4, 5], 1),
     ]
     assert list(topomap.graph.edges) == [(4, 5)]
-    before = topomap.trails
+    before = topomap.paths
     topomap.remove([])
-    assert topomap.trails is before
+    assert topomap.paths is before
 
 
 # Vertices and anchors.
@@ -570,6 +572,62 @@ def test_pairs_are_asked_source_by_source_and_told_in_order():
     assert (onward == reachability.table[targets[:20], np.array([7, 5, 9])[rows]]).all()
     assert vertices.queries == 5040
     assert vertices.between([], []).shape == (0,)
+
+
+def test_prepared_targets_are_handed_out_by_index():
+    vertices = Vertices(Streets())
+    for poses in (WEST, SOUTH):
+        prepared = vertices.prepare(poses[:, None])
+        vertices.append(sensed(poses), poses[:, None], np.arange(len(poses)), prepared)
+    poses, index = np.concatenate([WEST, SOUTH]), [7, 0, 3, 3]
+    assert (vertices.prepared_targets(index) == poses[index]).all()
+    assert (vertices.prepared_targets(np.arange(len(vertices))) == poses).all()
+
+
+class Counting(StreetsAlike):
+    """Counts the targets that it prepares."""
+
+    def __init__(self):
+        super().__init__()
+        self.count = 0
+
+    def prepare(self, contexts):
+        self.count += len(contexts)
+        return super().prepare(contexts)
+
+
+def test_targets_prepared_for_sparsifying_are_not_prepared_again():
+    maps = TopoMap(Counting()), TopoMap(Counting())
+    for topomap, kept in zip(maps, (True, False), strict=True):
+        reachability, frames = topomap.vertices.reachability, 0
+        for poses in (WEST, SOUTH, WEST):
+            found = anchors_of(reachability, sensed(poses), poses, 1, 0.95, np.arange(len(poses)))
+            assert found.prepared_by is reachability
+            assert (found.prepared == Streets().prepare(found.contexts)).all()
+            frames += len(poses)
+            add_trajectory(topomap, found if kept else replace(found, prepared=None))
+        assert (reachability.count == frames) == kept
+    one, other = maps
+    assert edges_of(one) == edges_of(other)
+    assert one.paths == other.paths
+    every = np.arange(len(one.vertices))
+    assert (one.vertices.prepared_targets(every) == other.vertices.prepared_targets(every)).all()
+
+
+def test_targets_that_another_estimator_prepared_are_prepared_again():
+    times = np.arange(len(WEST))
+    found = anchors_of(Counting(), sensed(WEST), WEST, 1, 0.95, times)
+    topomap = TopoMap(Counting())
+    add_trajectory(topomap, found)
+    assert topomap.vertices.reachability.count == len(found)
+
+
+@pytest.mark.parametrize("prepared", [np.zeros((2, 3)), [0] * 7, 5])
+def test_prepared_targets_are_checked(prepared):
+    reachability = Counting()
+    found = anchors_of(reachability, sensed(WEST), WEST, 1, 0.95, np.arange(len(WEST)))
+    with pytest.raises(InputError, match="reachability: prepared"):
+        add_trajectory(TopoMap(reachability), replace(found, prepared=prepared))
 
 
 def test_the_fakes_fit_the_seam():
@@ -628,9 +686,9 @@ class Wrong(Streets):
 @pytest.mark.parametrize(
     ("reachability", "words"),
     [
-        (Wrong(told=lambda p: p + 1), "reachability: told .* probabilities from 0 to 1"),
-        (Wrong(told=lambda p: p[:-1]), "reachability: told shape"),
-        (Wrong(told=lambda p: p * np.nan), "reachability: told nan"),
+        (Wrong(told=lambda p: p + 1), "reachability: returned .* probabilities from 0 to 1"),
+        (Wrong(told=lambda p: p[:-1]), "reachability: returned shape"),
+        (Wrong(told=lambda p: p * np.nan), "reachability: returned nan"),
         (
             Wrong(prepared=lambda x: np.concatenate([x, x])),
             "reachability: prepared 16 of 8 targets; give all",

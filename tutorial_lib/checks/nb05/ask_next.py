@@ -13,14 +13,14 @@ from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb05.trajectories import MIXED, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 _BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
 
 
-def ask_next(reach: Array, before: Numbers, after: Numbers, p_edge: float) -> NDArray[np.bool_]:
+def ask_next(reach: Array, before: Indices, after: Indices, p_edge: float) -> NDArray[np.bool_]:
     """(A, V) pairs not evaluated yet that lie beside a sure one along their trajectories.
 
     Args:
@@ -33,7 +33,7 @@ def ask_next(reach: Array, before: Numbers, after: Numbers, p_edge: float) -> ND
 
 
 def _queried(
-    reach: Array, before: Numbers, after: Numbers, p_edge: float, fault: str = ""
+    reach: Array, before: Indices, after: Indices, p_edge: float, fault: str = ""
 ) -> NDArray[np.bool_]:
     """The rule with a `fault`, if one is named."""
     found = np.zeros(reach.shape, dtype=bool)

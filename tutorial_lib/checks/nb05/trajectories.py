@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.topology.mapping.vertices import Indices
 
 
-def neighbours(*paths: list[int]) -> tuple[Numbers, Numbers]:
+def neighbours(*paths: list[int]) -> tuple[Indices, Indices]:
     """(V,) the vertex before and after each, -1 for none."""
     before, after = np.full((2, sum(map(len, paths))), -1)
     for path in paths:
@@ -21,7 +21,7 @@ def random_reach(anchors: int, vertices: int, seed: int) -> Array:
     return np.random.default_rng(seed).uniform(0.05, 1.0, (anchors, vertices)).round(2)
 
 
-def stepped(columns: Numbers, step: int, before: Numbers, after: Numbers) -> Numbers:
+def stepped(columns: Indices, step: int, before: Indices, after: Indices) -> Indices:
     """The column one `step` of -1, 0 or 1 on along its trajectory; -1 beyond an end."""
     if not step:
         return columns

@@ -14,12 +14,12 @@ from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.edge_tables import edge_table
 from tutorial_lib.viz.figures.panels import side_by_side
 
 
-def weakest_aligned(reach: Array, before: Numbers, after: Numbers, steps: int) -> Array:
+def weakest_aligned(reach: Array, before: Indices, after: Indices, steps: int) -> Array:
     """The least RE (A, V) over aligned sequences around each pair (Meng 2020, III-G).
 
     Args:
@@ -74,7 +74,7 @@ def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
     return numbers(what, got, reach.shape)
 
 
-def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault: str) -> Array:
+def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault: str) -> Array:
     """The rule with a `fault`, pair by pair."""
     steps = {"one step": min(steps, 1), "three": steps + 1, "none": 0}.get(fault, steps)
     fold = {"mean": np.mean, "product": np.prod, "greatest": np.max}.get(fault, np.min)
@@ -96,7 +96,7 @@ def _misaligned(reach: Array, before: Numbers, after: Numbers, steps: int, fault
     return found
 
 
-def _of_neighbours(reach: Array, directions: tuple[tuple[int, Numbers], ...], steps: int) -> Array:
+def _of_neighbours(reach: Array, directions: tuple[tuple[int, Indices], ...], steps: int) -> Array:
     """Repeatedly, the least of each pair and of what its neighbour has found."""
     least = reach.copy()
     for step, beside in directions:
@@ -107,7 +107,7 @@ def _of_neighbours(reach: Array, directions: tuple[tuple[int, Numbers], ...], st
 
 
 def _along(
-    reach: Array, pair: tuple[int, ...], step: int, beside: Numbers, steps: int, fault: str
+    reach: Array, pair: tuple[int, ...], step: int, beside: Indices, steps: int, fault: str
 ) -> list[float]:
     """RE of the pairs to one side of one pair."""
     (row, column), values = pair, []

@@ -168,7 +168,7 @@ def _row(
         "method": method,
         "map": "many buildings, no reuse",
         "vertices": len(topomap),
-        "trajectories": len(topomap.trails),
+        "trajectories": len(topomap.paths),
         "seconds_per_trajectory": float(seconds),
         "queries": round(queries),
         "recall": None,

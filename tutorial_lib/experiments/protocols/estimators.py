@@ -12,7 +12,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.learning.estimators import ReachabilityNetwork
 from tutorial_lib.learning.views import VIEWS
-from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.query import query
 from tutorial_lib.topology.similarity import ImageSimilarity
 
 CONTROLLERS = {"k0": "waypoint_k0", "k2": "waypoint_k2", "k5": "waypoint_k5", "laser": "laser_k2"}
@@ -51,7 +51,7 @@ class Estimator:
     ) -> Array:
         """Probabilities (N,) of pairs: observation numbers (N,) and target numbers (N,)."""
         parts = np.array_split(np.arange(len(rows)), 1 + len(rows) // _AT_ONCE)
-        asked = [ask(self.reachability, seen[rows[p]], prepared[shown[p]]) for p in parts]
+        asked = [query(self.reachability, seen[rows[p]], prepared[shown[p]]) for p in parts]
         return np.concatenate(asked)
 
 

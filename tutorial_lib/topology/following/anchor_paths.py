@@ -15,7 +15,7 @@ from tutorial_lib.driving.control.composed import checked_waypoints
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability, Targets, WaypointPredictor
-from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.query import query
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class AnchorPaths:
         rows, columns = np.nonzero(queried & self.exist(robots, places))
         found = np.full(places.shape, np.nan)
         anchors = self._anchors(robots[rows], places[rows, columns])
-        found[rows, columns] = ask(reachability, observations[rows], self.prepared[anchors])
+        found[rows, columns] = query(reachability, observations[rows], self.prepared[anchors])
         return found
 
     def waypoints(

@@ -1,8 +1,9 @@
-"""What is kept of a trajectory: its anchors, with what was seen and in which context."""
+"""The anchors of a sparsified trajectory, with their observations and contexts."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,11 @@ class Anchors:
     """A anchors of one trajectory, in order (Meng 2020, III-D).
 
     Attributes:
-        observations: (A,) what was sensed at each anchor.
-        contexts: (A, 2k+1, ...) pictures of each anchor in its context, to be a target.
+        observations: (A,) at each anchor.
+        contexts: (A, 2k+1, ...) images of each anchor in its context, as a target.
         timestamps: (A,) seconds.
+        prepared: (A,) the contexts as prepared for sparsifying, so that a map does not do it again.
+        prepared_by: the estimator that did.
 
     Raises:
         InputError: when there are fewer than two, or not as many of each.
@@ -29,6 +32,8 @@ class Anchors:
     observations: Observation
     contexts: NDArray
     timestamps: Array
+    prepared: Any = None
+    prepared_by: Reachability | None = None
 
     def __post_init__(self) -> None:
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
@@ -49,21 +54,24 @@ class Anchors:
 def anchors_of(
     reachability: Reachability,
     observations: Observation,
-    pictures: NDArray,
+    images: NDArray,
     k: int,
     threshold: float,
     timestamps: Array,
 ) -> Anchors:
-    """Sparsify a trajectory, and keep what a map needs of it.
+    """Sparsify a trajectory, and keep what a map needs.
 
     Args:
         reachability: RE.
         observations: (T,) of the trajectory.
-        pictures: (T, ...) the same frames as the networks look at them.
-        k: pictures of context on either side of an anchor.
+        images: (T, ...) the same frames in the networks' view.
+        k: images of context on either side of an anchor.
         threshold: p_sparsify.
         timestamps: (T,) seconds.
     """
-    contexts = contextified(pictures, k)
-    numbers = sparsify(reachability, observations, reachability.prepare(contexts), threshold)
-    return Anchors(observations[numbers], contexts[numbers], timestamps[numbers])
+    contexts = contextified(images, k)
+    prepared = reachability.prepare(contexts)
+    kept = sparsify(reachability, observations, prepared, threshold)
+    return Anchors(
+        observations[kept], contexts[kept], timestamps[kept], prepared[kept], reachability
+    )

@@ -10,22 +10,21 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 
-Trail = tuple[list[int], int]
-"""Vertices in the order in which a trajectory came by, and a place among them."""
-_NEVER = 1e-12  # a probability that no logarithm minds
+PlaceOnPath = tuple[list[int], int]
+"""The vertices of a trajectory, in order, and a place among them."""
+_NEVER = 1e-12  # a probability whose logarithm is finite
 
 
 @dataclass(frozen=True)
 class MapSettings:
-    """From when on a map believes RE.
+    """Thresholds and sizes of a map.
 
     Attributes:
-        p_edge: RE from which on two vertices are joined.
-        p_reuse: RE to a vertex, and from it on, from which on it takes the place of an anchor; 1
-            for never.
+        p_edge: RE above which two vertices are joined.
+        p_reuse: RE to a vertex, and onward from it, above which it replaces an anchor; 1 for never.
         sequence: anchors before and after both ends of an edge that must be reachable, too.
-        candidates: vertices, most alike, that a new anchor is compared with to begin with.
-        p_outdated: RE below which a vertex between two that are seen again looks different by now.
+        candidates: most similar vertices that a new anchor is compared with first.
+        p_outdated: RE below which a vertex between two that are seen again is outdated.
     """
 
     p_edge: float = 0.99
@@ -48,16 +47,16 @@ class MapSettings:
 
 
 def reusable(into: ArrayLike, onward: ArrayLike, allowed: ArrayLike, p_reuse: float) -> int:
-    """The vertex that takes the place of an anchor: -1 for none (Meng 2020, III-E).
+    """The vertex that replaces an anchor, -1 for none (Meng 2020, III-E).
 
-    Of those that are reached from the anchor before and reach the anchor after, each with more than
-    `p_reuse`, the one by which both together are most probable.
+    Of those with RE above `p_reuse` both from the anchor before and to the anchor after, the one
+    with the largest product of the two.
 
     Args:
         into: (V,) RE from the anchor before to each vertex.
         onward: (V,) RE from each vertex to the anchor after.
-        allowed: (V,) which may be taken.
-        p_reuse: the least.
+        allowed: (V,) which may be reused.
+        p_reuse: threshold on RE.
 
     >>> reusable([0.99, 0.98, 0.5, 1.0], [0.98, 0.995, 1.0, 1.0], [True] * 3 + [False], 0.97)
     1
@@ -75,9 +74,9 @@ def ahead_of(
     """(V,) which vertices may follow those `reused`: never backwards along their trajectory.
 
     Args:
-        trajectory: (V,) that each vertex is from.
-        place: (V,) of each along it.
-        reused: numbers of vertices, in order.
+        trajectory: (V,) of each vertex.
+        place: (V,) of each on its path.
+        reused: vertices, in order.
 
     >>> ahead_of(np.array([0, 0, 0, 1]), np.array([0, 1, 2, 0]), [1]).tolist()
     [False, False, True, True]
@@ -91,14 +90,14 @@ def ahead_of(
 def outdated(
     seen: NDArray[np.bool_], unseen: NDArray[np.bool_], before: NDArray, after: NDArray, reach: int
 ) -> NDArray[np.intp]:
-    """Vertices that a trajectory came by and did not see again (future work in Meng 2020, III-E).
+    """Vertices that a trajectory passed but did not see again (future work in Meng 2020, III-E).
 
-    What lies before and after such a vertex on its own trajectory was seen again, in this order,
-    but all the way between the vertex itself was not.
+    The vertices before and after such a vertex on its own trajectory were seen again, in this
+    order, but the vertex itself was not seen by any anchor in between.
 
     Args:
         seen: (A, V) whether a vertex can be reached from an anchor.
-        unseen: (A, V) whether it surely cannot.
+        unseen: (A, V) whether it certainly cannot.
         before: (V,) the vertex before each on its trajectory, -1 for none.
         after: (V,) the vertex after each.
         reach: anchors that may lie between those that see what is before and what is after.

@@ -1,7 +1,7 @@
-"""RE between the anchors of a trajectory and the vertices of a map, asked where it is worth it.
+"""RE between the anchors of a trajectory and the vertices of a map, queried where promising.
 
-To ask about every pair takes ever longer as a map grows. Pairs that look alike are asked about
-first; where RE says yes, so are their neighbours along both trajectories.
+Querying every pair takes ever longer as a map grows. Similar pairs are queried first; where RE is
+high, so are their neighbours along both trajectories.
 """
 
 from __future__ import annotations
@@ -12,77 +12,77 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
-from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.topology.mapping.vertices import Indices
 
-Ask = Callable[[Numbers, Numbers], Array]
-"""Tells RE (N,) of pairs of rows (N,) and columns (N,)."""
+Query = Callable[[Indices, Indices], Array]
+"""Returns RE (N,) of pairs of rows (N,) and columns (N,)."""
 _BESIDE = ((1, 1), (-1, -1), (0, 1), (0, -1))
 """Steps along the trajectory of the row, and along that of the column."""
 
 
 def search_edges(
-    ask: Ask, seeds: NDArray[np.bool_], worth: NDArray[np.bool_], along: Numbers, least: float
+    query: Query, seeds: NDArray[np.bool_], worth: NDArray[np.bool_], along: Indices, least: float
 ) -> Array:
-    """RE (A, C) as far as it was asked about, not a number elsewhere.
+    """RE (A, C) where it was queried, NaN elsewhere.
 
     Args:
-        ask: tells RE.
+        query: returns RE.
         seeds: (A, C) pairs to begin with.
-        worth: (A, C) pairs that may be asked about at all.
+        worth: (A, C) pairs that may be queried at all.
         along: (C, 2R+1) columns before and after each on its trajectory, see `along_trajectories`.
-        least: RE from which on neighbours are asked about, too.
+        least: RE above which neighbours are queried, too.
     """
-    told, middle = np.full(seeds.shape, np.nan), along.shape[1] // 2
+    found, middle = np.full(seeds.shape, np.nan), along.shape[1] // 2
     fresh = seeds & worth
     while fresh.any():
         rows, columns = np.nonzero(fresh)
-        told[rows, columns] = ask(rows, columns)
-        good = told[rows, columns] > least
+        found[rows, columns] = query(rows, columns)
+        good = found[rows, columns] > least
         fresh = np.zeros_like(seeds)
         for ahead, step in _BESIDE:
             beside, there = along[columns[good], middle + step], rows[good] + ahead
             exist = (beside >= 0) & (there >= 0) & (there < len(seeds))
             fresh[there[exist], beside[exist]] = True
-        fresh &= worth & np.isnan(told)
-    return told
+        fresh &= worth & np.isnan(found)
+    return found
 
 
-def weakest_aligned(ask: Ask, told: Array, along: Numbers, reach: int, least: float) -> Array:
+def weakest_aligned(query: Query, found: Array, along: Indices, reach: int, least: float) -> Array:
     """The least RE (A, C) over aligned sequences around each pair (Meng 2020, III-G).
 
     Two places that only look alike have neighbours that do not. Where a trajectory ends, the
-    sequence does. Pairs that are at most `least` anyway are not looked at any further.
+    sequence does. Pairs that are at most `least` anyway are not examined further.
 
     Args:
-        ask: tells RE of pairs that nobody asked about.
-        told: (A, C) RE, not a number where nobody asked; what is asked now is put in.
+        query: returns RE of pairs that were not queried yet.
+        found: (A, C) RE, NaN where it was not queried; further queries are filled in.
         along: see `search_edges`; R is `reach` at least.
         reach: anchors before and after.
         least: p_edge.
     """
-    weakest, middle = np.nan_to_num(told), along.shape[1] // 2
+    weakest, middle = np.nan_to_num(found), along.shape[1] // 2
     rows, columns = np.nonzero(weakest > least)
     for step in sorted(set(range(-reach, reach + 1)) - {0}, key=abs):
         beside, there = along[columns, middle + step], rows + step
-        exist = (beside >= 0) & (there >= 0) & (there < len(told))
+        exist = (beside >= 0) & (there >= 0) & (there < len(found))
         rows_so, columns_so = there[exist], beside[exist]
-        unknown = np.zeros(told.shape, dtype=bool)
-        unknown[rows_so, columns_so] = np.isnan(told[rows_so, columns_so])
-        told[unknown] = ask(*np.nonzero(unknown))
+        unknown = np.zeros(found.shape, dtype=bool)
+        unknown[rows_so, columns_so] = np.isnan(found[rows_so, columns_so])
+        found[unknown] = query(*np.nonzero(unknown))
         pairs = rows[exist], columns[exist]
-        weakest[pairs] = np.minimum(weakest[pairs], told[rows_so, columns_so])
+        weakest[pairs] = np.minimum(weakest[pairs], found[rows_so, columns_so])
         good = weakest[rows, columns] > least
         rows, columns = rows[good], columns[good]
     return weakest
 
 
 def along_trajectories(
-    trails: Sequence[Sequence[int]], trajectory: Numbers, place: Numbers, reach: int
-) -> Numbers:
+    paths: Sequence[Sequence[int]], trajectory: Indices, place: Indices, reach: int
+) -> Indices:
     """(V, 2R+1) the vertices from R before to R after each on its trajectory, -1 beyond its ends.
 
     Args:
-        trails: for each trajectory its vertices, in order.
+        paths: for each trajectory its vertices, in order.
         trajectory: (V,) of each vertex.
         place: (V,) of each on it.
         reach: R.
@@ -93,8 +93,8 @@ def along_trajectories(
     """
     if not len(trajectory):
         return np.empty((0, 2 * reach + 1), dtype=np.intp)
-    lengths = np.array([len(trail) for trail in trails])
-    laid = np.concatenate([np.asarray(trail, dtype=np.intp) for trail in trails])
+    lengths = np.array([len(path) for path in paths])
+    laid = np.concatenate([np.asarray(path, dtype=np.intp) for path in paths])
     begins = np.cumsum(lengths) - lengths
     places = place[:, None] + np.arange(-reach, reach + 1)
     exist = (places >= 0) & (places < lengths[trajectory, None])

@@ -1,6 +1,8 @@
-"""How a trajectory joins a map (Meng 2020, III-E)."""
+"""How a trajectory is added to a map (Meng 2020, III-E)."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,97 +17,104 @@ from tutorial_lib.topology.mapping.edge_search import (
 )
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
 from tutorial_lib.topology.mapping.topomap import Added, TopoMap
-from tutorial_lib.topology.mapping.vertices import Numbers
+from tutorial_lib.topology.mapping.vertices import Indices
 
 _PASSING = 2
-"""Anchors from one that sees what is before a vertex, to one that sees what is after it."""
+"""Anchors at most from one that sees the vertex before, to one that sees the vertex after."""
 
 
 def add_trajectory(topomap: TopoMap, anchors: Anchors) -> Added:
-    """Join a trajectory to a map.
+    """Add a trajectory to a map.
 
-    Each anchor is compared with the vertices most alike, both ways. Where a vertex will do, it
-    takes the anchor's place; the others become vertices. Edges are kept from `p_edge` on, and those
-    along the trajectory always, since they were driven.
+    Each anchor is compared with the most similar vertices, in both directions. Where a vertex can
+    replace it, that is reused; the other anchors become vertices. Edges are kept above `p_edge`,
+    and those along the trajectory always, since they were driven.
 
     Raises:
-        InputError: when RE tells no probabilities, or its targets cannot be put on a map.
+        InputError: when RE returns no probabilities, or its targets cannot be stored in a map.
     """
     return Insertion(topomap, anchors).insert()
 
 
 class Insertion:
-    """One trajectory on its way into a map; V vertices are there, A anchors come.
+    """Adds a trajectory of A anchors to a map of V vertices.
 
     The columns of the matrices are the vertices and, behind them, the anchors themselves, so that a
-    trajectory that comes by the same place twice is joined to itself.
+    trajectory that passes the same place twice is joined to itself.
 
     Attributes:
-        out: (A, V + A) RE from anchors to columns, not a number where nobody asked.
-        back: (A, V + A) RE from vertices to anchors, likewise.
+        out: (A, V + A) RE from anchors to columns, NaN where it was not queried.
+        back: (A, V + A) RE from columns to anchors, likewise.
     """
 
     def __init__(self, topomap: TopoMap, anchors: Anchors, candidates: int | None = None) -> None:
-        """Compare a trajectory with a map, which stays as it is until `insert`.
+        """Compare a trajectory with a map, which does not change until `insert`.
 
         Args:
             topomap: the map.
             anchors: of the trajectory.
-            candidates: vertices to begin with, in place of those of the map's settings.
+            candidates: replaces that of the map's settings.
         """
         self.map, self.anchors, self.settings = topomap, anchors, topomap.settings
         self.candidates = topomap.settings.candidates if candidates is None else candidates
         vertices = topomap.vertices
         self.queries = vertices.queries
-        self.prepared = vertices.prepare(anchors.contexts)
+        self.prepared = self._prepared()
         self.count = len(vertices)
         self.along = self._along(max(self.settings.sequence, 1))
         worth, worth_back = self._worth()
         onward, back = self._seeds(worth, worth_back)
         least = min(self.settings.p_edge, self.settings.p_reuse)
-        self.out = search_edges(self._ask_out, onward, worth, self.along, least)
-        self.back = search_edges(self._ask_back, back, worth_back, self.along, least)
+        self.out = search_edges(self._query_out, onward, worth, self.along, least)
+        self.back = search_edges(self._query_back, back, worth_back, self.along, least)
         self._complete()
 
     def insert(self) -> Added:
-        """Reuse, make vertices, and join them."""
+        """Reuse vertices, make new ones, and join them."""
         anchors, topomap = self.anchors, self.map
-        trail, reused = self._reuse()
+        path, reused = self._reuse()
         fresh = np.flatnonzero(~reused)
-        trail[fresh] = topomap.make_vertices(
+        path[fresh] = topomap.make_vertices(
             *anchors.subset(fresh),
-            np.full(len(fresh), len(topomap.trails)),
+            np.full(len(fresh), len(topomap.paths)),
             fresh,
             self.prepared[fresh],
         )
-        topomap.trails.append(trail.tolist())
-        self._join(trail, fresh)
-        self._follow(trail)
-        gone = self._outdated(trail)
+        topomap.paths.append(path.tolist())
+        self._join(path, fresh)
+        self._follow(path)
+        gone = self._outdated(path)
         topomap.remove(gone)
-        return Added(trail, reused, gone, topomap.vertices.queries - self.queries)
+        return Added(path, reused, gone, topomap.vertices.queries - self.queries)
 
-    def _along(self, reach: int) -> Numbers:
+    def _prepared(self) -> Any:  # noqa: ANN401
+        """The anchors as targets, as they were prepared for sparsifying if by the same RE."""
+        vertices, anchors = self.map.vertices, self.anchors
+        if anchors.prepared is not None and anchors.prepared_by is vertices.reachability:
+            return vertices.checked(anchors.prepared, len(anchors))
+        return vertices.prepare(anchors.contexts)
+
+    def _along(self, reach: int) -> Indices:
         """(V + A, 2R+1) the columns around each on its trajectory, -1 beyond its ends."""
         topomap, own = self.map, np.arange(len(self.anchors))
-        there = along_trajectories(topomap.trails, topomap.trajectory, topomap.place, reach)
+        there = along_trajectories(topomap.paths, topomap.trajectory, topomap.place, reach)
         here = along_trajectories([own.tolist()], np.zeros_like(own), own, reach)
         return np.concatenate([there, np.where(here < 0, -1, here + self.count)])
 
     def _worth(self) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """(A, V + A) pairs that may be asked about, from and to the anchors."""
+        """(A, V + A) pairs that may be queried, from and to the anchors."""
         own = np.arange(len(self.anchors))
         worth = np.zeros((len(own), self.count + len(own)), dtype=bool)
         worth[:, self.map.alive] = True
         back = worth.copy()  # pairs of anchors are in the other matrix
-        # From an anchor to the next one was driven.
+        # From an anchor to the next one is driven.
         worth[:, self.count :] = ~np.isin(own - own[:, None], (0, 1))
         return worth, back
 
     def _seeds(
         self, worth: NDArray[np.bool_], back: NDArray[np.bool_]
     ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """(A, V + A) pairs to ask about first: those that look most alike."""
+        """(A, V + A) pairs to query first: the most similar ones."""
         if self.candidates >= worth.shape[1] or not self.map.embeds:
             return worth, back
         seen = self.map.see(self.anchors.observations)
@@ -119,33 +128,34 @@ class Insertion:
         )
 
     def _complete(self) -> None:
-        """Ask what is missing about vertices that can be got to, or from, in place of an anchor."""
+        """Query the missing direction of vertices that may replace an anchor."""
         least, vertices = self.settings.p_reuse, slice(0, self.count)
         before, after = neighbours(len(self.anchors))
         into, onward = self.out[before, vertices] > least, self.back[after, vertices] > least
         anchors, columns = np.nonzero(onward & np.isnan(self.out[before, vertices]))
-        self.out[before[anchors], columns] = self._ask_out(before[anchors], columns)
+        self.out[before[anchors], columns] = self._query_out(before[anchors], columns)
         anchors, columns = np.nonzero(into & np.isnan(self.back[after, vertices]))
-        self.back[after[anchors], columns] = self._ask_back(after[anchors], columns)
+        self.back[after[anchors], columns] = self._query_back(after[anchors], columns)
 
-    def _ask_out(self, anchors: Numbers, columns: Numbers) -> Array:
+    def _query_out(self, anchors: Indices, columns: Indices) -> Array:
         """RE from anchors to columns."""
-        vertices, told = self.map.vertices, np.empty(len(anchors))
+        vertices, probabilities = self.map.vertices, np.empty(len(anchors))
         own = columns >= self.count
         seen = self.anchors.observations
-        told[~own] = vertices.into(seen, anchors[~own], columns[~own])
-        told[own] = vertices.ask(seen, anchors[own], self.prepared, columns[own] - self.count)
-        return told
+        probabilities[~own] = vertices.into(seen, anchors[~own], columns[~own])
+        probabilities[own] = vertices.query(
+            seen, anchors[own], self.prepared, columns[own] - self.count
+        )
+        return probabilities
 
-    def _ask_back(self, anchors: Numbers, columns: Numbers) -> Array:
+    def _query_back(self, anchors: Indices, columns: Indices) -> Array:
         """RE from vertices to anchors."""
         return self.map.vertices.onward(columns, self.prepared, anchors)
 
-    def _reuse(self) -> tuple[Numbers, NDArray[np.bool_]]:
-        """(A,) the vertex that takes the place of each anchor, -1 for none, and whether there is.
+    def _reuse(self) -> tuple[Indices, NDArray[np.bool_]]:
+        """(A,) the vertex that replaces each anchor, -1 for none, and whether there is one.
 
-        Before the first anchor comes the first, and after the last the last: who stood there can go
-        on from the vertex, or come near by it.
+        At the ends, the first anchor is its own predecessor and the last its own successor.
         """
         taken, chosen = np.full(len(self.anchors), -1), list[int]()
         out, back = np.nan_to_num(self.out), np.nan_to_num(self.back)
@@ -159,58 +169,58 @@ class Insertion:
         return taken, taken >= 0
 
     def _from_before(self, before: int, into: Array, onward: Array) -> Array:
-        """RE (V,) to vertices from what the anchor before is now."""
+        """RE (V,) to vertices from the vertex `before` that replaced the anchor before."""
         if before < 0:
             return into
         worth = np.flatnonzero(onward > self.settings.p_reuse)
-        told = np.zeros(self.count)
-        told[worth] = self.map.vertices.between(np.full(len(worth), before), worth)
-        return told
+        probabilities = np.zeros(self.count)
+        probabilities[worth] = self.map.vertices.between(np.full(len(worth), before), worth)
+        return probabilities
 
-    def _join(self, trail: Numbers, fresh: Numbers) -> None:
+    def _join(self, path: Indices, fresh: Indices) -> None:
         """Edges between new vertices and all others, scored by aligned sequences."""
         least, reach = self.settings.p_edge, self.settings.sequence
-        out = weakest_aligned(self._ask_out, self.out, self.along, reach, least)
-        back = weakest_aligned(self._ask_back, self.back, self.along, reach, least)
-        column = np.concatenate([np.arange(self.count), trail])
-        new = np.isin(np.arange(len(trail)), fresh)
-        # An anchor that was given up for a vertex is no end of an edge.
+        out = weakest_aligned(self._query_out, self.out, self.along, reach, least)
+        back = weakest_aligned(self._query_back, self.back, self.along, reach, least)
+        column = np.concatenate([np.arange(self.count), path])
+        new = np.isin(np.arange(len(path)), fresh)
+        # An anchor that was replaced by a vertex is no end of an edge.
         there = np.concatenate([np.ones(self.count, dtype=bool), new])
         for anchor, other in np.argwhere((out > least) & there & new[:, None]):
-            self.map.connect(int(trail[anchor]), int(column[other]), out[anchor, other])
+            self.map.connect(int(path[anchor]), int(column[other]), out[anchor, other])
         for anchor, other in np.argwhere((back > least) & new[:, None]):
-            self.map.connect(int(column[other]), int(trail[anchor]), back[anchor, other])
+            self.map.connect(int(column[other]), int(path[anchor]), back[anchor, other])
 
-    def _follow(self, trail: Numbers) -> None:
-        """Edges along the trajectory, which were driven whatever RE may say."""
-        told = self.map.vertices.between(trail[:-1], trail[1:])
-        for source, target, probability in zip(trail[:-1], trail[1:], told, strict=True):
+    def _follow(self, path: Indices) -> None:
+        """Edges along the trajectory, which were driven whatever RE predicts."""
+        probabilities = self.map.vertices.between(path[:-1], path[1:])
+        for source, target, probability in zip(path[:-1], path[1:], probabilities, strict=True):
             if source != target:
                 self.map.connect(int(source), int(target), probability, driven=1)
 
-    def _outdated(self, trail: Numbers) -> Numbers:
+    def _outdated(self, path: Indices) -> Indices:
         """Vertices that look different by now: those around them were seen again, they were not."""
         middle, out = self.along.shape[1] // 2, self.out.copy()
         before, after = self.along[: self.count, [middle - 1, middle + 1]].T
         seen = out[:, : self.count] > self.settings.p_edge
         near = outdated(seen, ~seen, before, after, _PASSING)
-        near = near[~np.isin(near, trail)]
+        near = near[~np.isin(near, path)]
         rows, columns = np.nonzero(np.isnan(out[:, near]))
-        out[rows, near[columns]] = self._ask_out(rows, near[columns])
+        out[rows, near[columns]] = self._query_out(rows, near[columns])
         gone = outdated(
             seen, out[:, : self.count] < self.settings.p_outdated, before, after, _PASSING
         )
         return np.intersect1d(gone, near)
 
 
-def neighbours(anchors: int) -> tuple[Numbers, Numbers]:
+def neighbours(anchors: int) -> tuple[Indices, Indices]:
     """(A,) the anchor before and the one after each; at the ends it is the anchor itself."""
     own = np.arange(anchors)
     return np.maximum(own - 1, 0), np.minimum(own + 1, anchors - 1)
 
 
 def _best(alike: Array, pairs: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
-    """The `count` of each row's `pairs` (A, C) that are most alike."""
+    """The `count` most similar of each row's `pairs` (A, C)."""
     best = most_alike(np.where(pairs, alike, -np.inf), count)
     found = np.zeros_like(pairs)
     found[np.arange(len(pairs))[:, None], best] = True

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.query import query
 
 
 def sparsify(
@@ -56,7 +56,7 @@ def sparsify(
         while all_hold and farthest < frames - 1:
             ahead = np.arange(farthest + 1, min(farthest + window, frames - 1) + 1)
             repeated = observations[np.full(len(ahead), here)]
-            holds = ask(reachability, repeated, prepared[ahead]) > threshold
+            holds = query(reachability, repeated, prepared[ahead]) > threshold
             all_hold = bool(holds.all())
             farthest += len(ahead) if all_hold else int(holds.argmin())
         anchors.append(max(farthest, here + 1))

@@ -1,7 +1,7 @@
-"""Maps on disk: a JSON file with the graph, and beside it an `.npz` file with what was seen.
+"""Maps on disk: a JSON file with the graph, and beside it an `.npz` file with the observations.
 
-The graph names the file of arrays that it belongs to by a digest, and is written last: whoever is
-interrupted while saving still has the old map.
+The graph names the file of arrays that it belongs to by a digest, and is written last: an
+interrupted save leaves the old map intact.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
         [new[source], new[target], edge["probability"], edge["driven"]]
         for source, target, edge in topomap.graph.edges(data=True)
     ]
-    trails = [[new[v] for v in trail if v in new] for trail in topomap.trails]
+    paths = [[new[v] for v in vertices if v in new] for vertices in topomap.paths]
     graph = {
         "version": VERSION,
         "arrays": beside.name,
         "digest": digest,
         "settings": asdict(topomap.settings),
         "edges": edges,
-        "trails": trails,
+        "trails": paths,  # as files of version 1 call them
     }
     write_text(path, json.dumps(graph))
     for stale in path.parent.glob(f"{path.stem}-{'[0-9a-f]' * 12}.npz"):
@@ -62,7 +62,7 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
 
 
 def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
-    """Read what `save_map` wrote; RE is asked about it from now on.
+    """Read what `save_map` wrote, for use with `reachability`.
 
     Raises:
         InputError: when a file is missing, damaged or of another version; it says which.
@@ -156,14 +156,14 @@ def _topomap(
         found.make_vertices(
             seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
         )
-        found.trails = [[int(vertex) for vertex in trail] for trail in graph["trails"]]
-        for number, trail in enumerate(found.trails):
-            gone = sorted({*trail} - {*found.graph})
+        found.paths = [[int(vertex) for vertex in vertices] for vertices in graph["trails"]]
+        for number, path in enumerate(found.paths):
+            gone = sorted({*path} - {*found.graph})
             if gone:
                 raise InputError(f"trajectory {number} leads over {gone}, which are not there")
         for vertex in found.alive:
-            trail, place = found.trail_of(int(vertex))
-            if place < 0 or trail[place] != vertex:
+            path, place = found.path_of(int(vertex))
+            if place < 0 or path[place] != vertex:
                 raise InputError(f"vertex {vertex} is not where its trajectory has it")
         for source, target, probability, driven in graph["edges"]:
             if source not in found.graph or target not in found.graph:

@@ -1,4 +1,4 @@
-"""The topological map: what was seen where, and what can be reached from it (Meng 2020, III-E)."""
+"""The topological map: anchors as vertices, reachability as edges (Meng 2020, III-E)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.topology.mapping.edge_rules import MapSettings, Trail, weight
+from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
-from tutorial_lib.topology.mapping.vertices import Numbers, Vertices
+from tutorial_lib.topology.mapping.vertices import Indices, Vertices
 
 
 class TopoMap:
@@ -22,19 +22,19 @@ class TopoMap:
     Attributes:
         graph: on networkx. An edge has `probability` (RE), `weight` (-log RE) and `driven`: how
             often a trajectory went along it.
-        vertices: what is known of each vertex of the graph.
-        settings: when RE is believed.
-        trails: for each trajectory its vertices, in order.
+        vertices: observation, context and prepared target of each vertex.
+        settings: thresholds on RE.
+        paths: for each trajectory its vertices, in order.
         trajectory, place: (V,) the trajectory that each vertex was made for, and its place there.
-        index: what the vertices look like, where `reachability` can embed.
+        index: embeddings of the vertices, where `reachability` has `embed`.
     """
 
     def __init__(self, reachability: Reachability, settings: MapSettings | None = None) -> None:
-        """An empty map. Where `reachability` cannot `embed`, every vertex is asked about."""
+        """An empty map. Without `reachability.embed`, every vertex is queried."""
         self.graph = nx.DiGraph()
         self.vertices = Vertices(reachability)
         self.settings = MapSettings() if settings is None else settings
-        self.trails: list[list[int]] = []
+        self.paths: list[list[int]] = []
         self.trajectory = self.place = np.empty(0, dtype=np.intp)
         self.index = Index()
 
@@ -42,36 +42,36 @@ class TopoMap:
         return len(self.graph)
 
     @property
-    def alive(self) -> Numbers:
-        """(len,) numbers of the vertices that were not removed."""
+    def alive(self) -> Indices:
+        """(len,) indices of the vertices that were not removed."""
         return np.array(sorted(self.graph), dtype=np.intp)
 
     @property
     def embeds(self) -> bool:
-        """Whether the estimator tells what pictures look like."""
+        """Whether the estimator embeds images."""
         return hasattr(self.vertices.reachability, "embed")
 
     def see(self, observations: Observation) -> Embedding:
-        """(N, R, D) what is seen in N observations."""
+        """(N, R, D) embeddings of N observations."""
         return np.asarray(self.vertices.reachability.embed(observations))
 
     def show(self, observations: Observation, prepared: Any) -> Embedding:  # noqa: ANN401
-        """(N, P, R, D) what N targets show; what is seen there, if RE embeds no targets."""
+        """(N, P, R, D) embeddings of N targets; of their observations, if RE embeds no targets."""
         reachability = self.vertices.reachability
         if hasattr(reachability, "embed_targets"):
             return reachability.embed_targets(prepared)
         return self.see(observations)[:, None]
 
-    def nearby(self, observations: Observation, count: int) -> Numbers:
-        """(N, C) numbers of vertices that may be reached from N observations, C <= count."""
+    def nearby(self, observations: Observation, count: int) -> Indices:
+        """(N, C) indices of vertices that may be reached from N observations, C <= count."""
         alive = self.alive
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
         seen = self.see(observations)
         return alive[most_alike(likeness(seen, self.index.shown[alive]), count)]
 
-    def around(self, observations: Observation, prepared: Any, count: int) -> Numbers:  # noqa: ANN401
-        """(N, C) numbers of vertices from which N targets may be reached, C <= count."""
+    def around(self, observations: Observation, prepared: Any, count: int) -> Indices:  # noqa: ANN401
+        """(N, C) indices of vertices from which N targets may be reached, C <= count."""
         alive = self.alive
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
@@ -79,20 +79,20 @@ class TopoMap:
         return alive[most_alike(likeness(self.index.seen[alive], shown).T, count)]
 
     def connect(self, source: int, target: int, probability: float, driven: int = 0) -> None:
-        """Put an edge between vertices, or make it more probable."""
+        """Add an edge, or raise its probability."""
         old = self.graph.get_edge_data(source, target, {"probability": 0.0, "driven": 0})
-        told = max(float(probability), old["probability"])
+        probability = max(float(probability), old["probability"])
         self.graph.add_edge(
             source,
             target,
-            probability=told,
-            weight=float(weight(told)),
+            probability=probability,
+            weight=float(weight(probability)),
             driven=old["driven"] + driven,
         )
 
-    def trail_of(self, vertex: int) -> Trail:
-        """The trajectory for which a vertex was made, and the place of the vertex in it."""
-        return self.trails[self.trajectory[vertex]], int(self.place[vertex])
+    def path_of(self, vertex: int) -> PlaceOnPath:
+        """The path of the trajectory that a vertex was made for, and the vertex's place on it."""
+        return self.paths[self.trajectory[vertex]], int(self.place[vertex])
 
     def make_vertices(
         self,
@@ -102,52 +102,52 @@ class TopoMap:
         trajectory: NDArray[np.intp],
         place: NDArray[np.intp],
         prepared: Any = None,  # noqa: ANN401
-    ) -> Numbers:
-        """Make N vertices without an edge, and tell their numbers.
+    ) -> Indices:
+        """Make N vertices without edges, and return their indices.
 
         Args:
             observations: N, of anchors.
-            contexts: (N, 2k+1, ...) pictures of each as a target.
+            contexts: (N, 2k+1, ...) images of each as a target.
             timestamps: (N,) seconds.
-            trajectory: (N,) for which each is made.
-            place: (N,) along that.
-            prepared: the contexts as `Reachability.prepare` made them, where that was done.
+            trajectory: (N,) that each is made for.
+            place: (N,) on its path.
+            prepared: the contexts from `Reachability.prepare`, if they are prepared already.
         """
         if prepared is None:
             prepared = self.vertices.prepare(contexts)
-        numbers = self.vertices.append(observations, contexts, timestamps, prepared)
+        indices = self.vertices.append(observations, contexts, timestamps, prepared)
         self.trajectory = np.append(self.trajectory, trajectory)
         self.place = np.append(self.place, place)
-        if self.embeds and len(numbers):
+        if self.embeds and len(indices):
             self.index.append(self.see(observations), self.show(observations, prepared))
-        self.graph.add_nodes_from(numbers.tolist())
-        return numbers
+        self.graph.add_nodes_from(indices.tolist())
+        return indices
 
     def remove(self, vertices: Iterable[int]) -> None:
-        """Take vertices off the map; the others keep their numbers."""
+        """Remove vertices; the others keep their indices."""
         gone = {int(vertex) for vertex in vertices}
         if not gone:
             return
         self.graph.remove_nodes_from(gone)
-        for number, trail in enumerate(self.trails):
-            self.trails[number] = left = [vertex for vertex in trail if vertex not in gone]
+        for trajectory, path in enumerate(self.paths):
+            self.paths[trajectory] = left = [vertex for vertex in path if vertex not in gone]
             for place, vertex in enumerate(left):
-                if self.trajectory[vertex] == number:
+                if self.trajectory[vertex] == trajectory:
                     self.place[vertex] = place
 
 
 @dataclass(frozen=True)
 class Added:
-    """What became of a trajectory.
+    """How a trajectory was added to the map.
 
     Attributes:
-        trail: (A,) the vertex that each anchor is now.
-        reused: (A,) whether that had been there before.
+        path: (A,) the vertex of each anchor.
+        reused: (A,) whether that vertex had been there before.
         outdated: (R,) vertices that were removed, since they look different by now.
-        queries: pairs that RE was asked about.
+        queries: pairs that RE was queried about.
     """
 
-    trail: Numbers
+    path: Indices
     reused: NDArray[np.bool_]
-    outdated: Numbers = field(default_factory=lambda: np.empty(0, dtype=np.intp))
+    outdated: Indices = field(default_factory=lambda: np.empty(0, dtype=np.intp))
     queries: int = 0

@@ -1,4 +1,4 @@
-"""The vertices of a map: contextified anchors, kept so that RE can be asked about them."""
+"""The vertices of a map: contextified anchors, stored so that RE can be queried about them."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.growing_batch import GrowingBatch
-from tutorial_lib.topology.query import ask
+from tutorial_lib.topology.query import query
 
-Numbers = NDArray[np.intp]
+Indices = NDArray[np.intp]
 """Of vertices."""
 _AT_ONCE = 2_048
 
 
 class Vertices:
-    """Anchors, numbered from 0 in the order in which they came; none is ever renumbered.
+    """Anchors, indexed from 0 in the order in which they were added; an index never changes.
 
     Attributes:
-        reachability: RE, which is asked about them.
-        observations: what was sensed at each.
-        contexts: pictures (2k+1, ...) of each as a target.
+        reachability: RE.
+        observations: at each vertex.
+        contexts: images (2k+1, ...) of each as a target.
         timestamps: (V,) seconds.
-        queries: pairs that RE was asked about until now.
+        queries: pairs that RE was queried about so far.
     """
 
     def __init__(self, reachability: Reachability) -> None:
-        """None yet."""
+        """No vertices."""
         self.reachability = reachability
         self.observations, self.contexts, self._prepared = (
             GrowingBatch(),
@@ -49,8 +49,8 @@ class Vertices:
         contexts: NDArray,
         timestamps: Array,
         prepared: Any,  # noqa: ANN401 - whatever the estimator made
-    ) -> Numbers:
-        """Add vertices, and tell their numbers; `prepared` are the contexts as RE wants them."""
+    ) -> Indices:
+        """Add vertices, and return their indices; `prepared` are the contexts from `prepare`."""
         first = len(self)
         self.observations.append(observations)
         self.contexts.append(contexts)
@@ -59,13 +59,21 @@ class Vertices:
         return np.arange(first, len(self))
 
     def prepare(self, contexts: NDArray) -> Any:  # noqa: ANN401
-        """Targets (N,) as RE wants them, checked: numbers select from them.
+        """Targets (N,) prepared for RE, and checked.
 
         Raises:
-            InputError: when the estimator makes something else of them.
+            InputError: when the estimator returns something that cannot be stored.
         """
-        prepared = self.reachability.prepare(contexts)
-        kind, count = type(prepared).__name__, len(contexts)
+        return self.checked(self.reachability.prepare(contexts), len(contexts))
+
+    @staticmethod
+    def checked(prepared: Any, count: int) -> Any:  # noqa: ANN401
+        """The `prepared` targets, if there are `count` and an array of indices selects from them.
+
+        Raises:
+            InputError: otherwise.
+        """
+        kind = type(prepared).__name__
         try:
             made = len(prepared)
             if made == count:
@@ -80,34 +88,36 @@ class Vertices:
         return prepared
 
     def prepared_targets(self, indices: ArrayLike) -> Any:  # noqa: ANN401
-        """Vertices (N,) as targets that RE has prepared."""
+        """The prepared targets of vertices (N,), N > 0, as one batch."""
         return self._prepared[indices]
 
     def between(self, sources: ArrayLike, targets: ArrayLike) -> Array:
         """RE (N,) from vertices to vertices."""
-        return self.ask(self.observations, sources, self._prepared, targets)
+        return self.query(self.observations, sources, self._prepared, targets)
 
     def into(self, observations: Observation, rows: ArrayLike, targets: ArrayLike) -> Array:
-        """RE (N,) from those of the `observations` that `rows` (N,) counts, to vertices (N,)."""
-        return self.ask(observations, rows, self._prepared, targets)
+        """RE (N,) from `observations` at rows (N,), to vertices (N,)."""
+        return self.query(observations, rows, self._prepared, targets)
 
     def onward(self, sources: ArrayLike, prepared: Any, rows: ArrayLike) -> Array:  # noqa: ANN401
-        """RE (N,) from vertices (N,) to those of the `prepared` targets that `rows` (N,) counts."""
-        return self.ask(self.observations, sources, prepared, rows)
+        """RE (N,) from vertices (N,) to `prepared` targets at rows (N,)."""
+        return self.query(self.observations, sources, prepared, rows)
 
-    def ask(
+    def query(
         self,
         seen: Any,  # noqa: ANN401
         sources: ArrayLike,
         prepared: Any,  # noqa: ANN401
         targets: ArrayLike,
     ) -> Array:
-        """RE (N,) of pairs, source by source, since estimators encode a repeated one once."""
+        """RE (N,) of pairs, sorted by source, since estimators encode a repeated one once."""
         sources, targets = np.asarray(sources, dtype=int), np.asarray(targets, dtype=int)
         self.queries += len(sources)
-        told = np.empty(len(sources))
+        probabilities = np.empty(len(sources))
         order = np.argsort(sources, kind="stable")
-        for some in np.array_split(order, 1 + len(order) // _AT_ONCE):
-            if some.size:
-                told[some] = ask(self.reachability, seen[sources[some]], prepared[targets[some]])
-        return told
+        for rows in np.array_split(order, 1 + len(order) // _AT_ONCE):
+            if rows.size:
+                probabilities[rows] = query(
+                    self.reachability, seen[sources[rows]], prepared[targets[rows]]
+                )
+        return probabilities
