@@ -5,7 +5,7 @@ MUTATIONS = [
     (
         "only the vertex that was not reached is excluded",
         "agents/navigator.py",
-        "self._beside(plan.vertices[ahead])",
+        "self._around(plan.vertices[ahead])",
         "{plan.vertices[ahead]}",
         TESTS,
     ),
@@ -19,14 +19,14 @@ MUTATIONS = [
     (
         "steps of searching count as seconds",
         "agents/navigator.py",
-        "> LOOK_AROUND / STEP",
-        "> LOOK_AROUND",
+        "> SEARCH_TIME / STEP",
+        "> SEARCH_TIME",
         TESTS,
     ),
     (
         "the time spent searching is never forgotten",
         "agents/navigator.py",
-        "self._looked[robot], self.plans[robot] = 0, plan",
+        "self._searched[robot], self.plans[robot] = 0, plan",
         "self.plans[robot] = plan",
         TESTS,
     ),

@@ -74,8 +74,8 @@ MUTATIONS = [
     (
         "standing still is added up",
         "driving/rollouts.py",
-        "np.where(moved, 0.0, still + STEP)",
-        "np.where(moved, still, still + STEP)",
+        "np.where(moved, 0.0, self._still + STEP)",
+        "np.where(moved, self._still, self._still + STEP)",
         "driving/test_rollouts.py",
     ),
     (
@@ -104,7 +104,7 @@ MUTATIONS = [
         "driving/data/recorded_world.py",
         "CONTEXT_INTERVAL * np.arange(-k, k + 1)",
         "CONTEXT_INTERVAL * np.arange(k, -k - 1, -1)",
-        "driving/data/test_trajectories.py",
+        "driving/data/test_episodes.py",
     ),
     (
         "the frame at the given length is left out",

@@ -38,16 +38,16 @@ MUTATIONS = [
     ),
     (
         "doubt is forgotten at once",
-        "topology/following/run.py",
+        "topology/following/follower.py",
         ">= settings.calm",
         ">= 0",
         "topology/following/test_follower.py",
     ),
     (
         "the lookout stays as narrow as it begins",
-        "topology/following/run.py",
-        "np.minimum(self._width[robots] + 1, settings.widest)",
-        "np.minimum(self._width[robots] + 1, 1)",
+        "topology/following/follower.py",
+        "width[robots] + 1, settings.widest)",
+        "width[robots] + 1, 1)",
         "topology/following/test_follower.py",
     ),
     (

@@ -165,7 +165,7 @@ def test_matched_is_what_saw_its_target_s_view_before_it_ended(recorded):
         ]
     ]
     ended = Rollouts(
-        np.array([False, False, False, False, False, True]),
+        np.array(["late", "collided", "late", "late", "late", "reached"]),
         np.array([False, True, False, False, False, False]),
         np.full(6, 0.2),
         track,
