@@ -109,7 +109,7 @@ MUTATIONS = [
     (
         "vertices of other trajectories are renumbered on removal",
         "topology/mapping/topomap.py",
-        "if self.trajectory[vertex] == number:",
+        "if self.trajectory[vertex] == trajectory:",
         "if self.trajectory[vertex] >= 0:",
         "topology/mapping/test_topomap.py",
     ),
