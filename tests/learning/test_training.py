@@ -267,6 +267,14 @@ def test_an_error_costs_more_the_larger_it_is_and_the_nearer_the_place():
     assert position_loss(places, places).abs().max() < 1e-6
 
 
+def test_an_error_costs_the_same_to_whichever_side_it_is():
+    places = torch.tensor([[0.0, 0.0], [1.0, 0.0], [0.0, -2.0]])
+    error = torch.tensor([[0.8, -0.6]])
+    costs = position_loss(places + error, places)
+    assert torch.allclose(costs, position_loss(places - error, places))
+    assert torch.allclose(costs, costs[0] / torch.tensor([1.0, 2.0, 3.0]))
+
+
 def test_a_position_that_is_right_has_a_gradient():
     places = torch.zeros(2, 2, requires_grad=True)
     position_loss(places, torch.zeros(2, 2)).sum().backward()

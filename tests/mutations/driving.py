@@ -83,14 +83,14 @@ MUTATIONS = [
         "driving/data/perturbation.py",
         "np.clip(rng.normal(0.0, self.aside, count), -self.most, self.most)",
         "rng.normal(0.0, self.aside, count)",
-        "learning/test_labels.py",
+        "driving/data/test_episodes.py",
     ),
     (
         "a perturbed pose may lie behind a wall",
         "driving/data/perturbation.py",
         "good &= scene.caster.sees(tried[:, :2], poses[missing, :2])",
         "good &= True",
-        "learning/test_labels.py",
+        "driving/data/test_episodes.py",
     ),
     (
         "targets lie behind where they should lie ahead",

@@ -111,13 +111,13 @@ MUTATIONS = [
         "learning/estimators.py",
         "sorted({0, count // 2})",
         "sorted({0, count - 1})",
-        "learning/test_reachability.py",
+        "learning/test_estimators.py -k embed",
     ),
     (
         "pairs along one drive are never mined",
         "learning/mining.py",
         "~own | (np.abs(",
         "~own & (np.abs(",
-        "learning/test_reach_data.py -k 'surest or search'",
+        "learning/test_reachability.py",
     ),
 ]

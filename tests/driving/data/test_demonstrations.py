@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
+from tutorial_lib.driving.data import demonstrations
 from tutorial_lib.driving.data.demonstrations import (
     DEMONSTRATOR,
     FARTHEST,
@@ -89,6 +90,16 @@ def test_goals_are_neither_near_nor_beyond_reach(scene, shown):
         # The last frame is a step short of REACHED from the goal.
         assert NEAREST - REACHED - 0.15 <= far <= FARTHEST + REACHED + 0.15
         assert len(t) * 0.1 <= time_limit(FARTHEST)
+
+
+def test_goals_are_no_farther_than_they_may_be(scene, monkeypatch):
+    monkeypatch.setattr(demonstrations, "FARTHEST", 6.0)
+    paths = GridPaths(scene.clearance)
+    found = demonstrate(WORLD, scene, 10, 5)
+    assert len(found) >= 5
+    for t in found:
+        far = paths.fields(t.poses[0, :2], shortest=True).distance(t.poses[-1:, :2])[0]
+        assert far <= 6.0 + REACHED + 0.15
 
 
 def test_nobody_drove_through_a_wall(scene, shown):
