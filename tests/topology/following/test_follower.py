@@ -857,6 +857,16 @@ def test_a_reachability_that_tells_nonsense_is_found_out(told):
             go(corridor, follower, 1)
 
 
+def test_of_two_overlaps_their_mean_counts():
+    found = []
+    for shares in ([1.0, 1.0], [0.5, 1.0], [1.0, 0.5]):
+        corridor, follower = make(anchors=[0.0, 1.5, 3.0])
+        follower.predictor = Wrong(overlaps=lambda o, shares=shares: o * shares)
+        go(corridor, follower, 1)
+        found.append(follower.log().overlap[0, 0])
+    assert found == pytest.approx([found[0], 0.75 * found[0], 0.75 * found[0]])
+
+
 # What is kept.
 
 
