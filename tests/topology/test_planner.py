@@ -102,6 +102,13 @@ def line(count=4, here=1.0, goal=1.0, edge=0.9):
     return topomap, numbered([count]), goals_of([count + 1])
 
 
+def test_an_edge_at_either_end_needs_more_than_its_threshold():
+    planner = DijkstraPlanner(least=0.0, p_query=0.5, p_goal=0.75)
+    for here, goal, refused in ((0.5, 1.0, True), (1.0, 0.75, True), (0.51, 0.76, False)):
+        topomap, start, goals = line(here=here, goal=goal)
+        assert bool(planner.plan(start, goals, topomap).refusal) == refused
+
+
 def test_steps_are_told_one_by_one_and_multiply():
     topomap, here, goals = line(4, here=0.8, goal=0.99, edge=0.95)
     plan = DijkstraPlanner().plan(here, goals, topomap)
