@@ -541,6 +541,19 @@ def test_sptm_keeps_every_nth_picture_and_joins_what_is_alike():
             assert topomap.graph.has_edge(a, b) == (wanted or (a, b) in driven)
 
 
+def test_sptm_s_shortcuts_are_those_of_the_last_threshold():
+    drives = [drive(0, 5), drive(10, 15, 50.0), drive(0.5, 5.5, 99.0)]
+    agents = [sptm(every=20, window=0, s_shortcut=least) for least in (0.93, 0.98, 0.93)]
+    for agent in agents:
+        agent.learn(drives)
+    many, few = len(agents[0].topomap.graph.edges), len(agents[1].topomap.graph.edges)
+    assert many > few + 10
+    agents[0].join(0.98)
+    assert edges_of(agents[0].topomap) == edges_of(agents[1].topomap)
+    agents[0].join(0.93)
+    assert edges_of(agents[0].topomap) == edges_of(agents[2].topomap)
+
+
 def test_sptm_takes_the_way_over_the_fewest_edges():
     agent = sptm(every=20, s_shortcut=0.9999)
     agent.learn([drive(0, 12)])
