@@ -119,6 +119,17 @@ def test_wilson_s_interval_is_the_one_in_the_books():
 # Two systems on the same episodes.
 
 
+def test_a_difference_is_as_sure_as_there_are_worlds():
+    # All episodes of a world go the same way: ten worlds tell little, a thousand episodes much.
+    gaps = np.repeat([1.0, -1.0] * 5, 100)
+    worlds = np.repeat(np.arange(10), 100)
+    mean, low, high = difference(gaps, np.zeros(1000), worlds)
+    assert mean == 0.0
+    assert high - low > 0.9
+    _, low, high = difference(gaps, np.zeros(1000), np.zeros(1000))
+    assert high - low < 0.15
+
+
 def test_a_difference_is_paired():
     rng = np.random.default_rng(0)
     first, world = episodes_of(15, 30)

@@ -134,6 +134,20 @@ def test_cars_look_along_the_way_unless_something_is_there():
     assert is_free(scene, BicycleCar(), poses).all()
 
 
+def test_a_car_looks_aside_where_it_would_stand_in_a_pillar():
+    scene = Scene(make_box(pillars=PILLARS))
+    paths, places = GridPaths(scene.clearance), np.array([[2.24, 2.7], [9.0, 3.0]])
+    path = paths.fields(places[1:]).path(places[0])
+    ahead = path[np.linalg.norm(path - path[0], axis=1).searchsorted(1.0)] - path[0]
+    along = np.array([[*places[0], np.arctan2(ahead[1], ahead[0])]])
+    assert not is_free(scene, BicycleCar(), along)[0]
+    (pose,) = facing(scene, paths, places, np.array([[0, 1]]))
+    assert pose[:2] == pytest.approx(places[0], abs=0.1)
+    assert is_free(scene, BicycleCar(), pose[None])[0]
+    assert abs(pose[2] - along[0, 2]) == pytest.approx(0.4)
+
+
+
 # Trials.
 
 
