@@ -147,7 +147,6 @@ def test_a_car_looks_aside_where_it_would_stand_in_a_pillar():
     assert abs(pose[2] - along[0, 2]) == pytest.approx(0.4)
 
 
-
 # Trials.
 
 
