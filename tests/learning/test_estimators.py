@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
-from tutorial_lib.driving.control.arcs import ArcController
 from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
+from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import LocalController, Observation, WaypointPredictor
 from tutorial_lib.learning.estimators import (
@@ -56,7 +56,7 @@ def test_everything_fits_its_seam():
     guess = RandomWaypoints(np.random.default_rng(0))
     for fits in (predictor, guess):
         assert isinstance(fits, WaypointPredictor)
-    for fits in (direct, ComposedController(predictor, ArcController())):
+    for fits in (direct, ComposedController(predictor, RMPController())):
         assert isinstance(fits, LocalController)
     assert not isinstance(direct, WaypointPredictor)
 
@@ -249,8 +249,8 @@ def test_composed_control_predicts_and_then_acts(recorded, seen):
     assert controller.asked[0][0] is seen
     assert (controller.asked[0][1] == waypoints).all()
     assert (actions == waypoints * [0.1, 0.3]).all()
-    composed = ComposedController(predictor, ArcController()).act(seen, kept)
-    assert (composed == ArcController().act(seen, waypoints)).all()
+    composed = ComposedController(predictor, RMPController()).act(seen, kept)
+    assert (composed == RMPController().act(seen, waypoints)).all()
 
 
 def test_any_predictor_can_be_composed(seen):

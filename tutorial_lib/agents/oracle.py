@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
-from tutorial_lib.driving.data.demonstrations import DEMONSTRATOR
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.geometry import Array
@@ -23,7 +22,7 @@ class OracleNavigation:
 
     def __init__(self, simulation: Simulation, paths: GridPaths, goals: Array) -> None:
         """Send the robots of a simulation to `goals` (N, 2 or 3), metres."""
-        self._policy = OraclePolicy(simulation, paths, goals[:, :2], DEMONSTRATOR)
+        self._policy = OraclePolicy(simulation, paths, goals[:, :2])
         self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
 
     def act(self, observations: Observation, robots: Robots) -> Array:

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
-from tutorial_lib.driving.data.demonstrations import DEMONSTRATOR, record_demonstrations
+from tutorial_lib.driving.control.oracle import PARKING
+from tutorial_lib.driving.data.demonstrations import record_demonstrations
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import load_trajectories
@@ -77,7 +78,7 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     """
     begun = time.monotonic()
     training, unseen = worlds_of(recipe)
-    imitated = DEMONSTRATOR if recipe.architecture.outputs == "action" else None
+    imitated = PARKING if recipe.architecture.outputs == "action" else None
     source = Source(recorded_worlds_of(training, recipe.cars, work), recipe.architecture, imitated)
     others = replace(
         source,

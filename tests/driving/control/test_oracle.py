@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
-from tutorial_lib.driving.control.arcs import ArcController
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit, walls_crossed
 from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.robustness.plans import drive_about
-from tutorial_lib.interfaces import Controller
 from tutorial_lib.world.floorplan import Room
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.people import Person
@@ -24,10 +22,6 @@ def drive(scene, starts, goals, people=()):
     simulation = Simulation(scene, starts, people=people)
     ends = ReachGoals(goals, geodesic_limit(paths, starts, goals))
     return rollout(simulation, OraclePolicy(simulation, paths, goals), ends)
-
-
-def test_it_is_a_controller():
-    assert isinstance(ArcController(), Controller)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -76,23 +70,6 @@ def test_it_stops_at_the_goal_and_does_not_circle(box):
     assert abs(simulation.speed[0]) < 0.01
 
 
-def test_a_batch_acts_as_each_robot_alone(pillars):
-    rng = np.random.default_rng(4)
-    starts = np.column_stack([rng.uniform(1, 2, (6, 2)), rng.uniform(-3, 3, 6)])
-    observations = Simulation(pillars, starts).observe()
-    waypoints = rng.uniform(-2, 2, (6, 2))
-    together = ArcController().act(observations, waypoints)
-    for i in range(6):
-        alone = ArcController().act(observations[i : i + 1], waypoints[i : i + 1])
-        assert (alone[0] == together[i]).all()
-
-
-def test_boxed_in_it_stands_still():
-    observation = Simulation(Scene(make_box()), [[5.0, 5.0, 0.0]]).observe()
-    observation.laser[:] = 0.15
-    assert ArcController().act(observation, np.array([[2.0, 0.0]]))[0, 0] == 0.0
-
-
 def test_the_time_limit_is_that_of_the_paper():
     assert time_limit([0.0, 3.0]).tolist() == [5.0, 15.0]
 
@@ -116,10 +93,3 @@ def test_goals_that_cannot_be_reached_are_told_at_once(box):
     )
     with pytest.raises(InputError, match="no path leads"):
         drive(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
-
-
-@pytest.mark.parametrize("waypoints", [[[1.0, 0.0]], [[np.nan, 0.0], [1.0, 1.0]]])
-def test_waypoints_that_are_none_are_refused(box, waypoints):
-    observations = Simulation(box, [[3, 3, 0], [6, 6, 0]]).observe()
-    with pytest.raises(InputError, match="finite"):
-        ArcController().act(observations, waypoints)

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
+from tutorial_lib.driving.control.oracle import PARKING
 from tutorial_lib.driving.data import demonstrations
 from tutorial_lib.driving.data.demonstrations import (
-    DEMONSTRATOR,
     FARTHEST,
     NEAREST,
     SHORTEST,
@@ -60,7 +60,7 @@ class Noting:
 
     def act(self, observations, waypoints):
         self.seen.append(observations)
-        return DEMONSTRATOR.act(observations, waypoints)
+        return PARKING.act(observations, waypoints)
 
 
 def test_most_drives_arrive_and_say_where_they_were_made(shown):
@@ -278,11 +278,11 @@ def test_who_does_not_arrive_leaves_a_gap(monkeypatch):
         """The usual driver, but for those in the upper half, who drive straight at a wall."""
 
         def act(self, observations, waypoints):
-            actions = DEMONSTRATOR.act(observations, waypoints)
+            actions = PARKING.act(observations, waypoints)
             upper = observations.laser[:, 72] < 3.0  # to the left
             return np.where(upper[:, None], [0.5, 0.0], actions)
 
-    monkeypatch.setattr("tutorial_lib.driving.data.demonstrations.DEMONSTRATOR", Half())
+    monkeypatch.setattr("tutorial_lib.driving.control.oracle.PARKING", Half())
     found = demonstrate_between("box", scene, paths, starts, goals, 0)
     assert found[0] is not None
     assert found[1] is None

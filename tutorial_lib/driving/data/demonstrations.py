@@ -11,7 +11,6 @@ from zlib import crc32
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
-from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
     Trajectory,
@@ -34,9 +33,6 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 _LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
-DEMONSTRATOR = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
-"""Parks exactly, since an oracle's waypoints are exact. With other settings other drives would be
-recorded, and networks trained on them would not be those that come with the library."""
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
 """Frames of a demonstration at least: one context with k = 5."""
 
@@ -56,7 +52,7 @@ def demonstrate(
         scene: that world.
         count: cars that set out.
         seed: of starts, goals and noise.
-        controller: drives to the waypoints; `DEMONSTRATOR` unless given.
+        controller: drives to the waypoints; `PARKING` unless given.
         control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
 
     Returns:
@@ -70,7 +66,6 @@ def demonstrate(
     paths = GridPaths(scene.clearance)
     starts, goals, limit = _errands(scene, paths, count, rng)
     simulation = _fleet(scene, starts, control_noise, rng)
-    controller = DEMONSTRATOR if controller is None else controller
     oracle = OraclePolicy(simulation, paths, goals, controller)
     found = _recorded(world, seed, oracle, limit)
     return [drive for drive in found if drive is not None and len(drive) >= SHORTEST]
@@ -97,7 +92,7 @@ def demonstrate_between(
     """
     simulation = _fleet(scene, starts, 0.0, None)
     limit = geodesic_limit(paths, starts, goals)
-    return _recorded(world, seed, OraclePolicy(simulation, paths, goals, DEMONSTRATOR), limit)
+    return _recorded(world, seed, OraclePolicy(simulation, paths, goals), limit)
 
 
 def record_demonstrations(
