@@ -1,4 +1,7 @@
-"""Options and small worlds that several tests share."""
+"""Options and small worlds that several tests share, and how tests run side by side."""
+
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,12 +20,54 @@ settings.register_profile("patient", deadline=None, suppress_health_check=[Healt
 settings.load_profile("patient")
 
 
+MOST_WORKERS = 4
+"""Of the default run: each takes most of a gigabyte, and the longest tests take as long anyway."""
+LIMITS = {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "2"}
+"""Of a worker: threads for numpy and torch, and processes, that it may start beside the others."""
+ALONE = ("tests/project/test_notebooks.py",)
+"""Files that share nothing slow among their tests: these are spread over the workers."""
+LONGEST = ("tests/project/test_notebooks.py",)
+"""Files and folders that workers begin with, or one would still be at them in the end."""
+
+
 def pytest_addoption(parser):
     parser.addoption("--full", action="store_true", help="also what is slow: see the marker 'full'")
 
 
+@pytest.hookimpl(tryfirst=True)  # before xdist looks at the options
+def pytest_cmdline_main(config):
+    """Run folders side by side, and files in this process, unless told otherwise (-n)."""
+    option = config.option
+    if hasattr(config, "workerinput") or not hasattr(option, "numprocesses"):
+        return  # a worker, or no xdist
+    folders = all(Path(argument.partition("::")[0]).is_dir() for argument in config.args)
+    if option.numprocesses is None and option.tx == [] and folders and option.capture != "no":
+        option.numprocesses = "auto"
+        option.maxprocesses = option.maxprocesses or MOST_WORKERS
+    if option.numprocesses and option.dist == "no":
+        option.dist = "loadfile"
+
+
 def pytest_configure(config):
     config.addinivalue_line("markers", "full: runs only with --full")
+    if getattr(config.option, "tx", []):  # the workers inherit it
+        for name, value in LIMITS.items():
+            os.environ.setdefault(name, value)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Keep the tests of a file together, since they share fixtures; some are spread."""
+    if config.option.dist != "loadfile":
+        return None
+    from xdist.scheduler import LoadFileScheduling
+
+    class Files(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            return nodeid if nodeid.startswith(ALONE) else super()._split_scope(nodeid)
+
+    config.option.loadscopereorder = False  # as collected, not by the number of tests
+    return Files(config, log)
 
 
 def pytest_collection_modifyitems(config, items):
@@ -30,6 +75,14 @@ def pytest_collection_modifyitems(config, items):
         for item in items:
             if item.get_closest_marker("full"):
                 item.add_marker(pytest.mark.skip(reason="slow: start.py test --full runs it"))
+    if hasattr(config, "workerinput"):
+        items.sort(key=lambda item: rank(item.nodeid))
+
+
+def rank(nodeid):
+    """The place of a test's file in `LONGEST`; after them for all others."""
+    found = (n for n, name in enumerate(LONGEST) if nodeid.startswith(name))
+    return next(found, len(LONGEST))
 
 
 def make_box(width=10.0, height=10.0, pillars=()):

@@ -16,6 +16,8 @@ from urllib.parse import quote, urlsplit
 
 import psutil
 
+from tests.conftest import LIMITS
+
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = (
     "--no-sandbox",
@@ -129,7 +131,7 @@ class Lab:
         quiet = {"fetchNews": "false", "checkForUpdates": False}
         write_json(news / "notification.jupyterlab-settings", quiet)
         self.environment = {
-            **{k: v for k, v in os.environ.items() if not k.startswith("JUPYTER")},
+            **{k: v for k, v in os.environ.items() if k not in LIMITS and k[:7] != "JUPYTER"},
             **{name: str(folder / value) for name, value in names.items()},
             "JUPYTER_TOKEN": self.token,
             "JUPYTER_PREFER_ENV_PATH": "0",  # this kernel before one of the same name in .venv
