@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -301,48 +302,59 @@ def test_ask_runs_the_python_of_venv(start):
     assert start.reason_to_rebuild() == "does not run"
 
 
-def started(start, child, tmp_path):
-    """A process that does what start.py's main does, its JupyterLab replaced by `child`."""
+@contextmanager
+def started(child, tmp_path):
+    """A process that does what start.py's main does, its JupyterLab replaced by `child`.
+
+    It and the child are running and have a process group of their own, which is killed in the end.
+    """
+    up = tmp_path / "up"
     script = f"""
 import importlib.util, sys
 spec = importlib.util.spec_from_file_location("start", {str(FILE)!r})
 start = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(start)
 start.setup = lambda: None
-start.command = lambda name, rest: [sys.executable, "-c", {child!r}, {str(tmp_path / "up")!r}]
+start.command = lambda name, rest: [sys.executable, "-c", {child!r}, {str(up)!r}]
 sys.exit(start.main([]))
 """
     process = subprocess.Popen(
         [sys.executable, "-c", script], stderr=subprocess.PIPE, text=True, start_new_session=True
     )
-    deadline = time.monotonic() + 20
-    while not (tmp_path / "up").exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
-    return process
+    try:
+        deadline = time.monotonic() + 60
+        while not up.exists() and process.poll() is None and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert up.exists()
+        yield process
+    finally:
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
 
 
-WAIT = "import sys, time; open(sys.argv[1], 'w').close(); time.sleep(30)"
+WAIT = "import sys, time; open(sys.argv[1], 'w').close(); time.sleep(60)"
 ANSWER = """
 import signal, sys, time
 signal.signal(signal.SIGINT, lambda *_: (time.sleep(0.4), sys.exit(0)))
 open(sys.argv[1], "w").close()
-time.sleep(30)
+time.sleep(60)
 """
 
 
 @posix_only
 @pytest.mark.parametrize(("child", "code"), [(WAIT, 130), (ANSWER, 0)])
-def test_ctrl_c_is_left_to_the_child(start, tmp_path, child, code):
-    process = started(start, child, tmp_path)
-    os.killpg(process.pid, signal.SIGINT)  # as the terminal does
-    _, errors = process.communicate(timeout=20)
+def test_ctrl_c_is_left_to_the_child(tmp_path, child, code):
+    with started(child, tmp_path) as process:
+        os.killpg(process.pid, signal.SIGINT)  # as the terminal does
+        _, errors = process.communicate(timeout=60)
     assert process.returncode == code
     assert "start.py" not in errors  # the child's own traceback at most, none of ours
 
 
 @posix_only
-def test_a_stopped_start_stops_what_it_started(start, tmp_path):
-    process = started(start, WAIT, tmp_path)
-    process.terminate()
-    process.communicate(timeout=20)
-    assert process.returncode == 128 + signal.SIGTERM
+def test_a_stopped_start_stops_what_it_started(tmp_path):
+    with started(WAIT, tmp_path) as process:
+        process.terminate()
+        process.communicate(timeout=50)
+        assert process.returncode == 128 + signal.SIGTERM

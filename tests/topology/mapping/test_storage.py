@@ -417,25 +417,26 @@ def test_who_is_interrupted_while_tidying_up_has_the_new_map(path, monkeypatch):
     assert same(load_map(path, Streets()), grown(2))
 
 
-def save_for_ever(path, maps, ready):
-    """Save one map after the other."""
-    save_map(path, maps[0])
-    ready.send(None)
+def save_for_ever(path, maps, saved):
+    """Save one map after the other, and send the number of each that is saved."""
     while True:
-        for topomap in maps:
+        for number, topomap in enumerate(maps):
             save_map(path, topomap)
+            saved.send(number)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing is forked there")
 def test_who_is_killed_while_saving_leaves_a_map_that_can_be_read(path):
     maps, found = [grown(1), grown(2), grown(3)], []
     fork = multiprocessing.get_context("fork")
-    for delay in 0.003 * np.arange(1, 16):
-        ready, told = fork.Pipe(duplex=False)
-        saver = fork.Process(target=save_for_ever, args=(path, maps, told))
+    for kill in range(15):
+        saved, send = fork.Pipe(duplex=False)
+        saver = fork.Process(target=save_for_ever, args=(path, maps, send), daemon=True)
         saver.start()
-        assert ready.poll(30)
-        time.sleep(delay)
+        for _ in range(1 + kill % 3):
+            assert saved.poll(60)
+            saved.recv()
+        time.sleep(0.0004 * kill)  # somewhere in the next save
         saver.kill()
         saver.join()
         assert saver.exitcode == -signal.SIGKILL
