@@ -30,29 +30,34 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from tutorial_lib.driving.control.oracle import OraclePolicy
-from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.demos.navigation_demo import navigate_once
-from tutorial_lib.experiments.demos.oracle_demo import choose_places, place_people
+from tutorial_lib.driving import GridPaths, OraclePolicy
+from tutorial_lib.experiments.demos import choose_places, navigate_once, place_people
 from tutorial_lib.geometry import arc_length, compose
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.panels import (
+from tutorial_lib.viz import (
+    PlanView,
+    TeleopController,
     camera_picture,
+    chart,
+    colours,
+    draw_field_of_view,
     faded,
+    from_figure,
+    play,
+    show,
     side_by_side,
+    sliders,
     stacked,
+    teleop,
 )
-from tutorial_lib.viz.notebook.display import play, show
-from tutorial_lib.viz.notebook.widgets import TeleopController, sliders, teleop
-from tutorial_lib.world.generators import FAMILIES, generate
-from tutorial_lib.world.importers import import_ros_map
-from tutorial_lib.world.noise import WheelOdometry
-from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera
-from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world import (
+    FAMILIES,
+    Camera,
+    Scene,
+    Simulation,
+    WheelOdometry,
+    generate,
+    import_ros_map,
+)
 
 # %% [markdown]
 # ## One place, seen twice

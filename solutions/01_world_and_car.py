@@ -25,27 +25,32 @@ from tutorial_lib.checks.nb01 import (
     check_to_local,
     check_wall_share,
 )
-from tutorial_lib.driving.control.oracle import OraclePolicy
-from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving import GridPaths, OraclePolicy
 from tutorial_lib.geometry import arc_length, relative, to_world
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.panels import (
+from tutorial_lib.viz import (
+    PlanView,
     camera_picture,
+    chart,
+    colours,
+    draw_field_of_view,
+    from_figure,
     label,
+    show,
     side_by_side,
+    sliders,
     stacked,
 )
-from tutorial_lib.viz.notebook.display import show
-from tutorial_lib.viz.notebook.widgets import sliders
-from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.generators import generate
-from tutorial_lib.world.noise import WheelOdometry
-from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera
-from tutorial_lib.world.simulation import Sensors, Simulation
+from tutorial_lib.world import (
+    EYE,
+    WALL_HEIGHT,
+    BicycleCar,
+    Camera,
+    Scene,
+    Sensors,
+    Simulation,
+    WheelOdometry,
+    generate,
+)
 
 scene = Scene(generate("apartment", seed=4))
 paths = GridPaths(scene.clearance)

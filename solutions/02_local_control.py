@@ -31,37 +31,65 @@ from tutorial_lib.checks.nb02 import (
     check_waypoint_label,
     clear_sight,
 )
-from tutorial_lib.driving.control.composed import ComposedController, TargetPolicy
-from tutorial_lib.driving.control.rmp import RMPController, control_jacobian, point_jacobian
-from tutorial_lib.driving.control.rmp_arcs import cover
-from tutorial_lib.driving.data.demonstrations import demonstrate
-from tutorial_lib.driving.data.episodes import draw_episodes
-from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import ReachGoals, rollout
-from tutorial_lib.experiments.common.results import load_result
+from tutorial_lib.driving import (
+    PAPER_PERTURBATION,
+    ComposedController,
+    GridPaths,
+    ReachGoals,
+    RecordedWorld,
+    RMPController,
+    TargetPolicy,
+    control_jacobian,
+    cover,
+    demonstrate,
+    draw_episodes,
+    perturbed,
+    point_jacobian,
+    rollout,
+)
+from tutorial_lib.experiments import load_result
 from tutorial_lib.geometry import compose, relative, to_local, to_world
-from tutorial_lib.learning.batches import Source
-from tutorial_lib.learning.encoders import PairEncoder
-from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
-from tutorial_lib.learning.networks import Architecture, LocalNetwork
-from tutorial_lib.learning.training import Settings, train
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.motion_policies import draw_arrows, draw_metrics
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import closeup, matches_picture
-from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.notebook.display import play, show
-from tutorial_lib.viz.notebook.widgets import sliders
-from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
-from tutorial_lib.world.placing import is_free
-from tutorial_lib.world.raycast import Fan
-from tutorial_lib.world.sensors import Camera, Laser, full_circle
-from tutorial_lib.world.simulation import STEP, Sensors, Simulation
-from tutorial_lib.world.visibility import mutual_overlap
-from tutorial_lib.world.worlds import local_world, scene_of
+from tutorial_lib.learning import (
+    Architecture,
+    DirectNetwork,
+    LocalNetwork,
+    PairEncoder,
+    Settings,
+    Source,
+    WaypointNetwork,
+    train,
+)
+from tutorial_lib.viz import (
+    PlanView,
+    camera_picture,
+    chart,
+    closeup,
+    colours,
+    draw_arrows,
+    draw_metrics,
+    from_figure,
+    matches_picture,
+    play,
+    show,
+    side_by_side,
+    sliders,
+    stacked,
+)
+from tutorial_lib.world import (
+    STEP,
+    BicycleCar,
+    Camera,
+    DifferentialDrive,
+    Fan,
+    Laser,
+    Sensors,
+    Simulation,
+    full_circle,
+    is_free,
+    local_world,
+    mutual_overlap,
+    scene_of,
+)
 
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 

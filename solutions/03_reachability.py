@@ -29,39 +29,49 @@ from tutorial_lib.checks.nb03 import (
     check_reliability_diagram,
     check_rollout_labels,
 )
-from tutorial_lib.driving.control.composed import ComposedController, TargetPolicy
-from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.driving.data.demonstrations import demonstrate
-from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs, reachability_pairs
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import ReachGoals, rollout
-from tutorial_lib.experiments.common.results import load_result
+from tutorial_lib.driving import (
+    ComposedController,
+    GridPaths,
+    ReachGoals,
+    RecordedWorld,
+    RMPController,
+    TargetPolicy,
+    demonstrate,
+    draw_reachability_pairs,
+    reachability_pairs,
+    rollout,
+)
+from tutorial_lib.experiments import load_result
 from tutorial_lib.geometry import compose, relative, to_local, to_world
-from tutorial_lib.learning.calibration import auc, brier, sigmoid
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.learning.mining import all_logits
-from tutorial_lib.learning.policies import by_waypoints, encoded
-from tutorial_lib.learning.weights import load_card
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.canvas.probabilities import draw_cells
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import closeup
-from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.figures.reachability import (
+from tutorial_lib.learning import (
+    ReachabilityNetwork,
+    WaypointNetwork,
+    all_logits,
+    auc,
+    brier,
+    by_waypoints,
+    encoded,
+    load_card,
+    sigmoid,
+)
+from tutorial_lib.viz import (
+    PlanView,
     along_trajectory,
+    camera_picture,
+    chart,
+    closeup,
+    colours,
+    draw_cells,
     draw_reliability,
+    from_figure,
     pictured_pair,
     probability_bar,
+    show,
+    side_by_side,
+    sliders,
+    stacked,
 )
-from tutorial_lib.viz.notebook.display import show
-from tutorial_lib.viz.notebook.widgets import sliders
-from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.placing import is_free
-from tutorial_lib.world.sensors import Camera
-from tutorial_lib.world.simulation import STEP, Simulation
-from tutorial_lib.world.worlds import local_world, scene_of
+from tutorial_lib.world import STEP, BicycleCar, Camera, Simulation, is_free, local_world, scene_of
 
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 

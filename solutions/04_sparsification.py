@@ -30,39 +30,45 @@ from tutorial_lib.checks.nb04 import (
     check_tracked_waypoint,
     check_transition,
 )
-from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.driving.data.demonstrations import demonstrate
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.metrics import covered
-from tutorial_lib.experiments.common.results import load_result
+from tutorial_lib.driving import RecordedWorld, RMPController, covered, demonstrate
+from tutorial_lib.experiments import UNDER_WAY, Guide, load_result
 from tutorial_lib.experiments.meng2020 import fig6
-from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide
 from tutorial_lib.geometry import compose, relative, to_local, to_world, wrap
-from tutorial_lib.topology.following.anchor_paths import AnchorPaths
-from tutorial_lib.topology.following.transitions import FollowerSettings, State
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.anchors import draw_anchors, draw_frames, draw_states
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.figures.anchors import (
+from tutorial_lib.topology import AnchorPaths, FollowerSettings, State
+from tutorial_lib.viz import (
+    PlanView,
     anchors_picture,
+    camera_picture,
+    chart,
+    closeup,
+    colours,
     cover_chart,
+    draw_anchors,
+    draw_frames,
+    draw_states,
+    follower_machine,
     follower_strip,
+    from_figure,
     numbered_views,
+    reach_table,
+    show,
+    side_by_side,
+    sliders,
+    stacked,
     state_legend,
     state_ribbon,
 )
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import closeup
-from tutorial_lib.viz.figures.follower_states import follower_machine, reach_table
-from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.notebook.display import show
-from tutorial_lib.viz.notebook.widgets import sliders
-from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.people import Person
-from tutorial_lib.world.placing import is_free
-from tutorial_lib.world.sensors import Camera
-from tutorial_lib.world.simulation import STEP, Sensors, Simulation
-from tutorial_lib.world.worlds import local_world, scene_of
+from tutorial_lib.world import (
+    STEP,
+    BicycleCar,
+    Camera,
+    Person,
+    Sensors,
+    Simulation,
+    is_free,
+    local_world,
+    scene_of,
+)
 
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 

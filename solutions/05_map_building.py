@@ -35,38 +35,50 @@ from tutorial_lib.checks.nb05 import (
     check_reusable,
     check_weakest_aligned,
 )
-from tutorial_lib.driving.data.demonstrations import demonstrate_between
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving import GridPaths, RecordedWorld, demonstrate_between
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.results import load_result
-from tutorial_lib.experiments.protocols.navigation import WORMHOLE, experiences, vertex_poses
-from tutorial_lib.experiments.protocols.navigation_tasks import (
+from tutorial_lib.experiments import (
+    WORMHOLE,
     Building,
     building,
+    experiences,
     facing,
+    load_result,
     spread_places,
+    vertex_poses,
 )
 from tutorial_lib.geometry import wrap
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
-from tutorial_lib.topology.mapping.edge_rules import MapSettings
-from tutorial_lib.topology.mapping.insertion import add_trajectory
-from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
-from tutorial_lib.topology.mapping.storage import load_map, save_map
-from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.labels import write_beside
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.canvas.topomaps import draw_edges, draw_topomap, hue
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.closeups import closeup
-from tutorial_lib.viz.figures.edge_tables import aligned_sequences, edge_table
-from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.notebook.display import show
-from tutorial_lib.viz.notebook.widgets import sliders
-from tutorial_lib.world.sensors import Camera
-from tutorial_lib.world.worlds import scene_of, world_name
+from tutorial_lib.learning import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.topology import (
+    Anchors,
+    MapSettings,
+    TopoMap,
+    add_trajectory,
+    anchors_of,
+    likeness,
+    load_map,
+    most_alike,
+    save_map,
+)
+from tutorial_lib.viz import (
+    PlanView,
+    aligned_sequences,
+    camera_picture,
+    chart,
+    closeup,
+    colours,
+    draw_edges,
+    draw_topomap,
+    edge_table,
+    from_figure,
+    hue,
+    show,
+    side_by_side,
+    sliders,
+    stacked,
+    write_beside,
+)
+from tutorial_lib.world import Camera, scene_of, world_name
 
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 

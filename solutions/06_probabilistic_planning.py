@@ -37,37 +37,40 @@ from tutorial_lib.checks.nb06 import (
     check_travel,
     with_false_edge,
 )
-from tutorial_lib.driving.data.demonstrations import demonstrate
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.results import load_result
-from tutorial_lib.experiments.protocols.navigation import (
+from tutorial_lib.driving import RecordedWorld, demonstrate
+from tutorial_lib.experiments import (
     WORMHOLE,
+    Trials,
+    agents,
+    building,
     experiences,
     goals_of,
+    load_result,
     navigate,
+    trials,
     vertex_poses,
 )
-from tutorial_lib.experiments.protocols.navigation_tasks import Trials, building, trials
 from tutorial_lib.interfaces import Goals, Plan
-from tutorial_lib.topology.following.anchor_paths import AnchorPaths
-from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.following.heading_search import ASIDE
-from tutorial_lib.topology.planner import DijkstraPlanner
-from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.labels import write_beside
-from tutorial_lib.viz.canvas.plan_view import PlanView
-from tutorial_lib.viz.canvas.topomaps import draw_edges, draw_plan, draw_topomap, hue
-from tutorial_lib.viz.figures.anchors import numbered_views
-from tutorial_lib.viz.figures.charts import chart, from_figure
-from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
-from tutorial_lib.viz.figures.planning_graphs import graph_picture
-from tutorial_lib.viz.notebook.display import show
-from tutorial_lib.viz.notebook.widgets import sliders
-from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.sensors import Camera
-from tutorial_lib.world.simulation import STEP, Simulation
-from tutorial_lib.world.worlds import map_world, scene_of
+from tutorial_lib.topology import ASIDE, AnchorPaths, DijkstraPlanner, Follower
+from tutorial_lib.viz import (
+    PlanView,
+    camera_picture,
+    chart,
+    colours,
+    draw_edges,
+    draw_plan,
+    draw_topomap,
+    from_figure,
+    graph_picture,
+    hue,
+    numbered_views,
+    show,
+    side_by_side,
+    sliders,
+    stacked,
+    write_beside,
+)
+from tutorial_lib.world import STEP, BicycleCar, Camera, Simulation, map_world, scene_of
 
 torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 

@@ -1,1 +1,13 @@
-"""Whole systems made of the pieces: they learn a building from drives and find their way in it."""
+"""Whole systems: they learn a building from recorded trajectories and navigate in it."""
+
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.agents.random import RandomAgent
+from tutorial_lib.agents.sptm import SPTMAgent
+
+__all__ = [
+    "MengAgent",
+    "OracleNavigation",
+    "RandomAgent",
+    "SPTMAgent",
+]

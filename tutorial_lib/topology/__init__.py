@@ -1,1 +1,32 @@
-"""From drives to a map of anchors, and back to driving: sparsify, follow."""
+"""From recorded trajectories to a topological map, plans over it, and following them."""
+
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
+from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.heading_search import ASIDE
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.insertion import add_trajectory
+from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
+from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.planner import DijkstraPlanner
+
+__all__ = [
+    "ASIDE",
+    "AnchorPaths",
+    "Anchors",
+    "DijkstraPlanner",
+    "Follower",
+    "FollowerSettings",
+    "MapSettings",
+    "State",
+    "TopoMap",
+    "add_trajectory",
+    "anchors_of",
+    "export_graphml",
+    "likeness",
+    "load_map",
+    "most_alike",
+    "save_map",
+]

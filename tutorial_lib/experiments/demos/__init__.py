@@ -1,1 +1,10 @@
-"""One run on film."""
+"""One navigation on film."""
+
+from tutorial_lib.experiments.demos.navigation_demo import navigate_once
+from tutorial_lib.experiments.demos.oracle_demo import choose_places, place_people
+
+__all__ = [
+    "choose_places",
+    "navigate_once",
+    "place_people",
+]
