@@ -446,7 +446,7 @@ rules = FollowerSettings()
 print(f"RE: p_search {rules.p_search}, p_follow {rules.p_follow}, p_lose {rules.p_lose}")
 print(f"overlap: visited above {rules.visited}, near above {rules.near}")
 print(f"at an anchor: the waypoint within {rules.at} m")
-print(f"lost: after {rules.patience:g} s of dead reckoning")
+print(f"lost: after {rules.timeout:g} s of dead reckoning")
 
 # %% [markdown]
 # <details><summary>What does it do?</summary>
@@ -511,7 +511,7 @@ move_on = check_move_on.use(move_on)
 #
 # - **Search:** if the best anchor is above `rules.p_search`, it becomes active and the car follows; visited is the anchor before it. Otherwise the car is lost.
 # - **Follow:** if the active anchor is the last one and the car is there (`at`), it is done; a high overlap with it is not enough. Otherwise `move_on`. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following, else it goes over to dead reckoning.
-# - **Dead reckoning:** back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise lost, after *more* than `rules.patience` seconds. The active anchor stays.
+# - **Dead reckoning:** back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise lost, after *more* than `rules.timeout` seconds. The active anchor stays.
 #
 # A car that is lost or done keeps its active and visited anchors.
 #
@@ -539,7 +539,7 @@ def transition(state, active, visited, reach, overlap, at, waited, rules):
     if state == State.DEAD_RECKONING:
         if reach[active] > rules.p_follow:
             return State.FOLLOW, active, visited
-        return State.LOST if waited > rules.patience else state, active, visited
+        return State.LOST if waited > rules.timeout else state, active, visited
     if at and active == len(reach) - 1:
         return State.DONE, active, visited
     active, visited = move_on(active, visited, reach, overlap, at, rules)
@@ -743,7 +743,7 @@ show(stacked(strips, CASES[1:], gap=4))
 # %% [markdown]
 # <details><summary>What do they do?</summary>
 # The <i>pushed</i> and the <i>turned</i> car hardly leave Follow, if at all: the anchor is still in view, its $\mathcal{RE}$ falls but not below p_lose, and the local controller leads them back in an S. That is what it was trained for: starts beside the trajectory.
-# <i>A person comes</i>: now and then the person hides so much that $\mathcal{RE}$ falls below p_lose. Then the car goes over to dead reckoning and creeps on, and returns to Follow as soon as it sees enough; with a person in the middle of the image and the walls on either side in view, it may well stay in Follow. Whether it arrives is a matter of luck: if the person turns back and walks in front of it, in the middle of its image, for longer than its patience lasts, it gives up although it is on the right path. A planner would have to try again; that is notebook 06.
+# <i>A person comes</i>: now and then the person hides so much that $\mathcal{RE}$ falls below p_lose. Then the car goes over to dead reckoning and creeps on, and returns to Follow as soon as it sees enough; with a person in the middle of the image and the walls on either side in view, it may well stay in Follow. Whether it arrives is a matter of luck: if the person turns back and walks in front of it, in the middle of its image, for longer than its timeout lasts, it gives up although it is on the right path. A planner would have to try again; that is notebook 06.
 # The <i>kidnapped</i> car notices at once that something is wrong, since nothing it sees resembles its anchor. It drives on to the last waypoint (which is now in another room, at a place that means nothing), and stops after four seconds. It is lost, and it knows it.
 #
 # Five cars are anecdotes. How often each of these cases ends well in unseen worlds is another experiment: `.venv/bin/python -m tutorial_lib experiment disturbances`.

@@ -487,7 +487,7 @@ travel = check_travel.use(travel)
 # (A real car needs one thing more: it may stand in front of a wall, where no vertex looks reachable. Then it turns, as well as a car can, and replans once a second.)
 
 # %%
-PATIENCE, INTERVAL = 20.0, 10  # seconds of searching; steps between two plans
+TIMEOUT, INTERVAL = 20.0, 10  # seconds of searching; steps between two plans
 WHEN = 120  # steps
 
 
@@ -515,7 +515,7 @@ class TrialRun:
         self.track.append(self.simulation.poses[0])
 
     def plan(self, excluded):
-        for turned in range(int(PATIENCE / STEP)):
+        for turned in range(int(TIMEOUT / STEP)):
             seen = self.simulation.observe()
             if turned % INTERVAL == 0:
                 ends = seen_from(seen), leads_to(seen, self.goal)

@@ -1,7 +1,9 @@
+import ast
+
 import nbformat
 import pytest
 
-from tutorial_lib.builder import STUB, build, for_students, read, stubbed, to_text
+from tutorial_lib.builder import STUB, build, compact_imports, for_students, read, stubbed, to_text
 from tutorial_lib.errors import InputError
 
 GOOD = """# %% [markdown]
@@ -143,3 +145,14 @@ def test_a_notebook_that_is_too_large_is_refused(project):
     with pytest.raises(InputError, match="smaller pictures"):
         build(source, project)
     assert not (project / "solutions/09_double.ipynb").exists()
+
+
+def test_long_import_lists_fill_lines_and_nothing_else_changes():
+    names = [f"name_{number:02}" for number in range(12)]
+    listed = "from there import (\n" + "".join(f"    {name},\n" for name in names) + ")\n"
+    code = f"import here\n{listed}call(\n    one,\n    two,\n)\n"
+    compact = compact_imports(code)
+    assert compact.count("\n") == 4 + code.count("\n") - listed.count("\n")
+    assert max(map(len, compact.splitlines())) <= 100
+    assert ast.dump(ast.parse(compact)) == ast.dump(ast.parse(code))
+    assert "call(\n    one,\n    two,\n)" in compact

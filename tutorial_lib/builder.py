@@ -8,8 +8,10 @@
 
 import ast
 import hashlib
+import re
 from collections.abc import Iterator
 from pathlib import Path
+from textwrap import fill
 
 import jupytext
 import nbformat
@@ -148,8 +150,20 @@ def to_text(notebook: NotebookNode) -> str:
     return nbformat.writes(notebook) + "\n"
 
 
+def compact_imports(code: str) -> str:
+    """Code whose long import lists fill lines of 100 columns, in place of a line for each name."""
+
+    def filled(match: re.Match[str]) -> str:
+        names = " ".join(match[2].split())
+        return f"{match[1]}{fill(names, 100, initial_indent='    ', subsequent_indent='    ')}\n)"
+
+    return re.sub(r"^(from \S+ import \(\n)((?:    \w+,\n)+)\)", filled, code, flags=re.MULTILINE)
+
+
 def _finish(notebook: NotebookNode, stem: str) -> None:
-    """Metadata and cell ids that are the same at every build."""
+    """Compact imports, and metadata and cell ids that are the same at every build."""
+    for cell in notebook.cells:
+        cell.source = compact_imports(cell.source)
     notebook.metadata = nbformat.from_dict(
         {
             "kernelspec": {

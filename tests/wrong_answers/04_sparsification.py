@@ -484,7 +484,7 @@ def transition__never_gives_up(state, active, visited, reach, overlap, at, waite
 
 def transition__gives_up_first(state, active, visited, reach, overlap, at, waited, rules):
     """is not lost, however long it took"""
-    if state == State.DEAD_RECKONING and waited > rules.patience:
+    if state == State.DEAD_RECKONING and waited > rules.timeout:
         return State.LOST, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
 
@@ -515,13 +515,13 @@ def transition__stops_one_anchor_early(state, active, visited, reach, overlap, a
 
 
 def transition__is_impatient(state, active, visited, reach, overlap, at, waited, rules):
-    """after exactly rules.patience seconds the robot is not lost yet"""
+    """after exactly rules.timeout seconds the robot is not lost yet"""
     if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
-        return State.LOST if waited >= rules.patience else state, active, visited
+        return State.LOST if waited >= rules.timeout else state, active, visited
     return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
-def transition__has_a_patience_of_its_own(
+def transition__has_a_timeout_of_its_own(
     state, active, visited, reach, overlap, at, waited, rules
 ):
     """Dead reckoning for long, other rules"""
@@ -620,7 +620,7 @@ def transition__right_with_a_table(state, active, visited, reach, overlap, at, w
     def dead_reckoning():
         if sure[active]:
             return 1, active, visited
-        return 3 if waited > rules.patience else 2, active, visited
+        return 3 if waited > rules.timeout else 2, active, visited
 
     return (search, follow, dead_reckoning)[state]()
 
@@ -724,7 +724,7 @@ def _right(state, active, visited, reach, overlap, at, waited, rules):
         return here, active, visited
     if reach[active] > rules.p_follow:
         return State.FOLLOW, active, visited
-    return State.LOST if waited > rules.patience else state, active, visited
+    return State.LOST if waited > rules.timeout else state, active, visited
 
 
 def _turned(points, angle):

@@ -249,9 +249,9 @@ def test_it_goes_by_the_odometer_alone():
     assert corridor.x[0] == pytest.approx(2.2, abs=0.01)
 
 
-def test_out_of_patience_it_is_lost_and_stops():
+def test_out_of_time_it_is_lost_and_stops():
     reachability = CorridorReachability()
-    corridor, follower = make(reachability=reachability, patience=2.0)
+    corridor, follower = make(reachability=reachability, timeout=2.0)
     go(corridor, follower, 15)
     blind(reachability)
     go(corridor, follower, 19)
@@ -350,7 +350,7 @@ def test_pushed_ahead_it_goes_on_from_where_it_is():
 
 def test_doubts_are_forgotten_only_after_a_calm():
     reachability = CorridorReachability()
-    corridor, follower = make(anchors=range(30), reachability=reachability, patience=2.0, calm=1.0)
+    corridor, follower = make(anchors=range(30), reachability=reachability, timeout=2.0, calm=1.0)
     for _ in range(3):
         go(corridor, follower, 20)
         blind(reachability)
@@ -369,7 +369,7 @@ def test_doubts_are_forgotten_only_after_a_calm():
 
 def test_a_moment_in_follow_is_no_calm():
     reachability = CorridorReachability()
-    settings = {"patience": 2.5, "calm": 1.0, "confirm": 2}
+    settings = {"timeout": 2.5, "calm": 1.0, "confirm": 2}
     corridor, follower = make(anchors=range(30), reachability=reachability, **settings)
     go(corridor, follower, 20)
     found = []
@@ -399,7 +399,7 @@ def test_between_p_lose_and_p_follow_it_drives_on_by_sight():
 @pytest.mark.parametrize(("probability", "place"), [(0.3, 2.0), (0.1, 1.2)])
 def test_at_the_end_of_dead_reckoning_it_tries_what_may_be_reached(probability, place):
     reachability = CorridorReachability()
-    settings = {"p_lose": 0.4, "p_try": 0.2, "patience": 7.0}
+    settings = {"p_lose": 0.4, "p_try": 0.2, "timeout": 7.0}
     corridor, follower = make([2.0, 6.0], reachability=reachability, **settings)
     go(corridor, follower, 10)
     reachability.arranged = lambda p, t: np.full_like(p, probability)
@@ -428,7 +428,7 @@ def test_an_anchor_that_comes_no_nearer_is_left_as_it_is():
 
 
 def test_who_is_stuck_is_lost_in_the_end():
-    corridor, follower = make(anchors=[1.0], effort=2.0, patience=3.0)
+    corridor, follower = make(anchors=[1.0], effort=2.0, timeout=3.0)
     follower.controller = Stuck()
     go(corridor, follower, 48)
     assert follower.memory.state[0] == FOLLOW
@@ -656,7 +656,7 @@ def test_trails_lie_end_to_end():
 
 def test_who_was_lost_sets_out_on_another_trail():
     reachability = CorridorReachability()
-    corridor, follower = make(reachability=reachability, patience=2.0)
+    corridor, follower = make(reachability=reachability, timeout=2.0)
     go(corridor, follower, 15)
     blind(reachability)
     go(corridor, follower, 25)
@@ -702,7 +702,7 @@ def test_only_the_one_that_sets_out_is_concerned():
 
 def test_doubts_are_left_behind_when_one_sets_out_anew():
     reachability = CorridorReachability()
-    corridor, follower = make(anchors=range(30), reachability=reachability, patience=2.0)
+    corridor, follower = make(anchors=range(30), reachability=reachability, timeout=2.0)
     for _ in range(4):  # each time all but lost
         go(corridor, follower, 10)
         blind(reachability)
@@ -774,8 +774,8 @@ def test_the_nearest_anchor_wins_and_of_two_the_one_ahead():
         ({"confirm": 0}, "confirm = 0; give a whole number"),
         ({"confirm": 2.5}, "confirm = 2.5; give a whole number"),
         ({"widest": -1}, "widest = -1; give a whole number"),
-        ({"patience": -1.0}, "patience = -1.0; give a finite number"),
-        ({"patience": np.inf}, "patience = inf; give a finite number"),
+        ({"timeout": -1.0}, "timeout = -1.0; give a finite number"),
+        ({"timeout": np.inf}, "timeout = inf; give a finite number"),
         ({"p_lose": 0.95}, "p_lose = 0.95, p_follow = 0.92"),
     ],
 )

@@ -19,7 +19,7 @@ RULES = FollowerSettings()
 
 
 OTHER_RULES = FollowerSettings(
-    p_search=0.7, p_follow=0.8, p_lose=0.3, visited=0.5, near=0.4, patience=2.0
+    p_search=0.7, p_follow=0.8, p_lose=0.3, visited=0.5, near=0.4, timeout=2.0
 )
 """Other thresholds than the usual ones, to find those that are written into a function."""
 

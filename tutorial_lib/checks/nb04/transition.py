@@ -71,8 +71,8 @@ def _changed(
     if state == State.DEAD_RECKONING:
         if fault == "moves on blindly":
             active, visited = move_on(active, visited, reach, overlap, at, rules)
-        late = waited > rules.patience and fault != "never lost"
-        late |= waited == rules.patience and fault == "impatient"
+        late = waited > rules.timeout and fault != "never lost"
+        late |= waited == rules.timeout and fault == "impatient"
         back = reach[active] > follow and not (late and fault == "lost first")
         here = State.LOST if late else State.DEAD_RECKONING
         return State.FOLLOW if back else here, active, visited
@@ -102,8 +102,8 @@ _FAULTS = {
     "Follow is left below rules.p_lose, not below rules.p_follow": "soon lost",
     "dead reckoning is left above rules.p_follow, not above rules.p_lose": "soon back",
     "in dead reckoning the active anchor stays; do not call move_on": "moves on blindly",
-    "after more than rules.patience seconds of dead reckoning the robot is LOST": "never lost",
-    "after exactly rules.patience seconds the robot is not lost yet; it takes more": "impatient",
+    "after more than rules.timeout seconds of dead reckoning the robot is LOST": "never lost",
+    "after exactly rules.timeout seconds the robot is not lost yet; it takes more": "impatient",
     "a robot that can reach the active anchor again is not lost, however long it took": (
         "lost first"
     ),
@@ -160,7 +160,7 @@ _CASES = [
     _step("Dead reckoning, RE(active) low", _D, observe("", 1, 0, _LOW, _BESIDE), 1.0),
     _step("Dead reckoning, RE(active) middling", _D, observe("", 1, 0, _HALF, _BESIDE), 1.0),
     _step("Dead reckoning, RE(active) high", _D, observe("", 1, 0, _HIGH, _BESIDE), 1.0),
-    _step("Dead reckoning for exactly the patience", _D, observe("", 1, 0, _LOW, _BESIDE), 4.0),
+    _step("Dead reckoning for exactly the timeout", _D, observe("", 1, 0, _LOW, _BESIDE), 4.0),
     _step("Dead reckoning for long, RE(active) low", _D, observe("", 1, 0, _LOW, _BESIDE), 4.1),
     _step("Dead reckoning for long, RE(active) high", _D, observe("", 1, 0, _HIGH, _BESIDE), 4.1),
     _step(

@@ -175,7 +175,7 @@ class Follower:
         memory.sighted[robots], memory.streak[robots] = sighted, streak
         memory.stalled[robots] += STEP
         back = streak >= settings.confirm
-        lost = ~back & (memory.stalled[robots] > settings.patience - STEP / 2)
+        lost = ~back & (memory.stalled[robots] > settings.timeout - STEP / 2)
         memory.width[robots] = np.minimum(memory.width[robots] + 1, settings.widest)
         memory.state[robots[lost]] = State.LOST
         memory.enter(robots[back], State.FOLLOW)
@@ -246,7 +246,7 @@ class Follower:
         memory.stalled[robots[~progress]] += STEP
         memory.stalled[robots[memory.calm[robots] >= settings.calm]] = 0.0
         memory.streak[robots] = np.where(goal, memory.streak[robots] + 1, 0)
-        lost = memory.stalled[robots] > settings.patience - STEP / 2
+        lost = memory.stalled[robots] > settings.timeout - STEP / 2
         memory.enter(robots[lost], State.LOST)
         memory.enter(robots[~lost & (memory.streak[robots] >= settings.confirm)], State.DONE)
         memory.enter(robots[~lost & ~sure & ~goal], State.DEAD_RECKONING)

@@ -45,7 +45,7 @@ class FollowerSettings:
         facing: overlap above which a robot at an anchor has its heading.
         effort: seconds without coming nearer after which an anchor is given up.
         confirm: steps in a row that confirm arrival, or being back on the path.
-        patience: seconds without progress after which a robot is lost.
+        timeout: seconds without progress after which a robot is lost.
         calm: seconds of progress in a row after which the time without progress is forgotten.
         widest: anchors before and after the active one that dead reckoning looks for.
     """
@@ -60,7 +60,7 @@ class FollowerSettings:
     facing: float = 0.65
     effort: float = 5.0
     confirm: int = 5
-    patience: float = 4.0
+    timeout: float = 4.0
     calm: float = 1.0
     widest: int = 4
 
@@ -69,7 +69,7 @@ class FollowerSettings:
             value = getattr(self, field.name)
             if field.name in ("confirm", "widest"):
                 fits, wanted = isinstance(value, int) and value >= 1, "a whole number, 1 or greater"
-            elif field.name in ("at", "effort", "patience", "calm"):
+            elif field.name in ("at", "effort", "timeout", "calm"):
                 fits, wanted = 0.0 <= value < np.inf, "a finite number, 0 or greater"
             else:
                 fits, wanted = 0.0 < value < 1.0, "a number between 0 and 1"
