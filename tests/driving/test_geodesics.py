@@ -123,7 +123,7 @@ def test_what_lies_behind_a_wall_cannot_be_reached():
     # As the crow flies these two are 0.9 m apart.
     assert np.isinf(paths.fields([4.5, 4.5]).distance([[3.7, 3.7]])[0])
     assert np.isfinite(fields.distance([[9.2, 9.1]])[0])
-    with pytest.raises(InputError, match="no way from"):
+    with pytest.raises(InputError, match="no path from"):
         fields.path([1.0, 1.0])
     largest = paths.largest
     assert largest[paths.nearest([5.0, 5.0])[0]]

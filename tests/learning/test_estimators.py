@@ -77,7 +77,7 @@ def test_predictions_are_the_network_s_outputs(recorded, starts, encoder, view):
     assert waypoints.dtype == overlaps.dtype == np.float64
     assert waypoints == pytest.approx(wanted[:, :2], **CLOSE)
     assert overlaps == pytest.approx(1 / (1 + np.exp(-wanted[:, 4:])), **CLOSE)
-    plainly = np.array(predictor.predict_plainly(seen, contexts))
+    plainly = np.array(predictor.predict_uncached(seen, contexts))
     assert plainly == pytest.approx(np.array([waypoints, overlaps]), **CLOSE)
 
 
@@ -215,9 +215,9 @@ def test_as_many_targets_as_robots_are_needed(recorded, seen, count):
 
 
 def test_a_network_that_tells_something_else_is_refused():
-    with pytest.raises(InputError, match="tells 'action' where 'waypoint' is needed"):
+    with pytest.raises(InputError, match="predicts 'action' where 'waypoint' is needed"):
         WaypointNetwork(network_of(Architecture(1, "pair", outputs="action")))
-    with pytest.raises(InputError, match="tells 'waypoint' where 'action' is needed"):
+    with pytest.raises(InputError, match="predicts 'waypoint' where 'action' is needed"):
         DirectNetwork(network_of(Architecture(1, "pair")))
 
 

@@ -35,7 +35,7 @@ def pictures_for(network, *shape, seed=1):
 
 
 def pairs_for(network, count=5):
-    contexts = pictures_for(network, count, network.architecture.pictures, seed=2)
+    contexts = pictures_for(network, count, network.architecture.images, seed=2)
     return pictures_for(network, count), contexts
 
 
@@ -132,9 +132,9 @@ def test_a_context_of_another_length_is_refused(encoder, k):
     network, current = build(encoder, k=2), pictures_for(build(), 4)
     contexts = pictures_for(network, 4, 2 * k + 1)
     kept = network.encode_targets(contexts)
-    with pytest.raises(InputError, match=f"{2 * k + 1} pictures; give 5"):
+    with pytest.raises(InputError, match=f"{2 * k + 1} images; give 5"):
         network(current, contexts)
-    with pytest.raises(InputError, match=f"{2 * k + 1} pictures; give 5"):
+    with pytest.raises(InputError, match=f"{2 * k + 1} images; give 5"):
         network.compare(network.encode_current(current), kept)
 
 
@@ -302,10 +302,10 @@ def test_a_flipped_picture_is_a_picture():
         ("camera16", (2, 16, 192, 3), np.uint8, r"\(2, 16, 192, 3\).*16, 64, 3"),
         ("camera16", (2, 3, 16, 64), np.uint8, r"\(2, 3, 16, 64\).*16, 64, 3"),
         ("camera16", (16, 64), np.uint8, r"\(16, 64\).*16, 64, 3"),
-        ("camera16", (2, 16, 64, 3), np.float32, r"float32 of shape.*looks at uint8"),
+        ("camera16", (2, 16, 64, 3), np.float32, r"float32 of shape.*takes uint8"),
         ("laser", (2, 1, 96, 1), np.float32, r"\(2, 1, 96, 1\).*float32 \(..., 1, 64, 1\)"),
         ("laser", (2, 64), np.float32, r"\(2, 64\).*float32 \(..., 1, 64, 1\)"),
-        ("laser", (2, 1, 64, 1), np.float64, r"float64 of shape.*looks at float32"),
+        ("laser", (2, 1, 64, 1), np.float64, r"float64 of shape.*takes float32"),
     ],
 )
 def test_another_picture_is_refused_with_the_sizes(view, shape, kind, words):

@@ -85,9 +85,9 @@ def counted(estimator, monkeypatch):
 
 def test_it_fits_its_seam_and_no_other_network_does():
     assert isinstance(estimator_of(), Reachability)
-    with pytest.raises(InputError, match="tells 'waypoint' where 'reachability' is needed"):
+    with pytest.raises(InputError, match="predicts 'waypoint' where 'reachability' is needed"):
         ReachabilityNetwork(LocalNetwork(Architecture(1, "pair")))
-    with pytest.raises(InputError, match="tells 'reachability' where 'waypoint' is needed"):
+    with pytest.raises(InputError, match="predicts 'reachability' where 'waypoint' is needed"):
         WaypointNetwork(network_of())
 
 
@@ -106,7 +106,7 @@ def test_logits_are_the_network_s_outputs_asked_plainly_or_not(recorded, encoder
     assert np.ptp(logits) > 0.01
     assert logits == pytest.approx(wanted[:, 0], **CLOSE)
     assert estimator.logits(seen, contexts) == pytest.approx(logits, **CLOSE)
-    assert estimator.ask_plainly(seen, contexts)[:, 0] == pytest.approx(logits, **CLOSE)
+    assert estimator.outputs_uncached(seen, contexts)[:, 0] == pytest.approx(logits, **CLOSE)
 
 
 def test_probabilities_are_calibrated_logits(recorded, seen):
@@ -138,9 +138,9 @@ def test_rows_that_repeat_are_encoded_once_and_answered_alike(recorded, monkeypa
     seen = observed(recorded, view, FRAMES)[rows]
     shown = SHOWN[np.random.default_rng(0).integers(6, size=len(rows))]
     contexts = contexts_of(recorded, estimator, shown)
-    plainly = estimator.ask_plainly(seen, contexts)
+    plainly = estimator.outputs_uncached(seen, contexts)
     counts = counted(estimator, monkeypatch)
-    assert estimator.ask(seen, contexts) == pytest.approx(plainly, **CLOSE)
+    assert estimator.outputs(seen, contexts) == pytest.approx(plainly, **CLOSE)
     assert counts["current"] == [1 + np.count_nonzero(np.diff(rows))]
 
 
@@ -225,7 +225,7 @@ def test_asking_about_all_pairs_is_asking_pair_by_pair(recorded, monkeypatch, vi
     for frame, target, logit in list(zip(frames, targets, logits, strict=True))[::4]:
         seen = observed(recorded, view, np.array([frame]))
         contexts = contexts_of(recorded, estimator, np.array([target]))
-        assert estimator.ask_plainly(seen, contexts)[0, 0] == pytest.approx(logit, **CLOSE)
+        assert estimator.outputs_uncached(seen, contexts)[0, 0] == pytest.approx(logit, **CLOSE)
 
 
 def test_each_view_and_each_target_is_encoded_once_for_all_pairs(recorded, monkeypatch):

@@ -45,7 +45,7 @@ def asked(network):
     torch.manual_seed(1)
     size = network.architecture.looks_at.size
     with torch.inference_mode():
-        return network(torch.rand(4, *size), torch.rand(4, network.architecture.pictures, *size))
+        return network(torch.rand(4, *size), torch.rand(4, network.architecture.images, *size))
 
 
 def damaged(folder, change, **edits):

@@ -100,10 +100,10 @@ MUTATIONS = [
         "learning/test_training.py -k rate",
     ),
     (
-        "pictures with a pixel in common are encoded as one",
+        "images with a pixel in common are encoded as one",
         "learning/estimators.py",
-        "(pictures[1:] == pictures[:-1]).all(axis=(1, 2, 3))",
-        "(pictures[1:] == pictures[:-1]).any(axis=(1, 2, 3))",
+        "(images[1:] == images[:-1]).all(axis=(1, 2, 3))",
+        "(images[1:] == images[:-1]).any(axis=(1, 2, 3))",
         "learning/test_estimators.py",
     ),
     (

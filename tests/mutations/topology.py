@@ -151,8 +151,8 @@ MUTATIONS = [
     (
         "a target is compared by its first picture",
         "topology/similarity.py",
-        "pictures[:, pictures.shape[1] // 2]",
-        "pictures[:, 0]",
+        "images[:, images.shape[1] // 2]",
+        "images[:, 0]",
         "topology/test_similarity.py",
     ),
 ]

@@ -1,4 +1,4 @@
-"""Geodesics: shortest ways through the free space of a plan, on a grid."""
+"""Geodesics: shortest paths through the free space of a plan, on a grid."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +15,7 @@ from tutorial_lib.world.occupancy import ClearanceGrid
 from tutorial_lib.world.raycast import Raycaster
 
 CLEARANCE = 0.25
-"""Metres between the ways that are planned and the nearest wall."""
+"""Metres between planned paths and the nearest wall."""
 
 # Half of the 16 steps of a king and a knight; the others are their opposites.
 _STEPS = [(0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (2, -1), (1, -2)]
@@ -32,8 +32,8 @@ class DistanceFields:
         paths: the grid they belong to.
         goals: (G, 2) metres.
         gaps: (G,) metres from each goal to its node.
-        cost: (G, K) for each node of the grid metres, or weighted metres; inf where no way leads.
-        towards: (G, K) the next node on the way to the goal.
+        cost: (G, K) for each node of the grid metres, or weighted metres; inf where no path leads.
+        towards: (G, K) the next node on the path to the goal.
     """
 
     paths: "GridPaths"
@@ -43,7 +43,7 @@ class DistanceFields:
     towards: NDArray[np.int32]
 
     def distance(self, points: ArrayLike, goals: NDArray[np.intp] | int = 0) -> Array:
-        """Cost (N,) from points (N, 2), each to the goal of that number; inf without a way."""
+        """Cost (N,) from points (N, 2), each to the goal of that index; inf without a path."""
         points = np.asarray(points, dtype=float)
         nodes, gap = self.paths.nearest(points)
         cost = np.where(nodes >= 0, self.cost[goals, nodes], np.inf)
@@ -53,7 +53,7 @@ class DistanceFields:
         return np.where(beside, direct, cost + gap + self.gaps[goals])
 
     def path(self, start: ArrayLike, goal: int = 0) -> Array:
-        """The way from `start` (2,) to a goal as points (P, 2), start and goal included.
+        """The path from `start` (2,) to a goal as points (P, 2), start and goal included.
 
         Raises:
             InputError: when there is none.
@@ -62,7 +62,7 @@ class DistanceFields:
         node = int(self.paths.nearest(start)[0])
         if node < 0 or not np.isfinite(self.cost[goal, node]):
             raise InputError(
-                f"path: no way from {start.round(2).tolist()} to "
+                f"path: no path from {start.round(2).tolist()} to "
                 f"{self.goals[goal].round(2).tolist()}; choose both in one open space"
             )
         nodes = []
@@ -75,16 +75,16 @@ class DistanceFields:
     def waypoints(
         self, points: ArrayLike, goals: NDArray[np.intp], caster: Raycaster, reach: float
     ) -> Array:
-        """The farthest point of each way that lies in line of sight (Meng 2020, IV).
+        """The farthest point of each path that lies in line of sight (Meng 2020, IV).
 
         Args:
             points: (N, 2) where the robots are.
-            goals: (N,) number of each robot's goal.
+            goals: (N,) index of each robot's goal.
             caster: the walls.
-            reach: metres of the way that are looked at.
+            reach: metres of the path that are considered.
 
         Returns:
-            (N, 2) points of the world; where nothing of the way is in sight, the robot's own place.
+            (N, 2) points of the world; the robot's own place where none is in sight.
         """
         points = np.asarray(points, dtype=float)
         nodes, _ = self.paths.nearest(points)
@@ -98,12 +98,12 @@ class DistanceFields:
             places.append(place)
             going = near[-1] & ~arrived
             nodes = np.where(arrived, nodes, self.towards[goals, nodes])
-        ways, near = np.stack(places), np.stack(near)
+        paths, near = np.stack(places), np.stack(near)
         # All in one call; a place beyond one that is hidden does not count.
-        ahead = ways[1:].reshape(-1, 2)
-        sight = caster.sees(np.broadcast_to(points, ways[1:].shape).reshape(-1, 2), ahead)
+        ahead = paths[1:].reshape(-1, 2)
+        sight = caster.sees(np.broadcast_to(points, paths[1:].shape).reshape(-1, 2), ahead)
         seen = np.logical_and.accumulate(sight.reshape(near[1:].shape) & near[1:], axis=0)
-        return ways[seen.sum(axis=0), np.arange(len(points))]
+        return paths[seen.sum(axis=0), np.arange(len(points))]
 
 
 class GridPaths:
@@ -121,8 +121,8 @@ class GridPaths:
         Args:
             grid: the free space.
             clearance: metres to the nearest wall that a node needs.
-            comfort: metres from which on a wall is no longer minded.
-            caution: how many times longer a way feels that would touch the wall.
+            comfort: metres from which on a wall has no influence.
+            caution: factor by which a path at the wall counts as longer.
         """
         cells = grid.clearance[::2, ::2]
         self.resolution = 2 * grid.resolution
@@ -182,7 +182,7 @@ class GridPaths:
 
         Args:
             goals: (G, 2) metres.
-            shortest: true geodesic length; otherwise ways that keep off the walls are preferred.
+            shortest: true geodesic length; otherwise paths that keep off the walls are preferred.
 
         Raises:
             InputError: when a goal is not in free space.
@@ -198,9 +198,9 @@ class GridPaths:
         return DistanceFields(self, goals, gaps, cost, towards)
 
     def between(self, starts: ArrayLike, goals: ArrayLike) -> Array:
-        """Metres (N,) from each start (N, 2) to its own goal (N, 2); inf without a way.
+        """Metres (N,) from each start (N, 2) to its own goal (N, 2); inf without a path.
 
-        Some goals at a time, since each fills a field of the whole world.
+        Goals are processed in chunks, since each needs a distance field of the whole world.
         """
         starts, goals = np.asarray(starts, dtype=float), np.asarray(goals, dtype=float)
         places, which = np.unique(goals, axis=0, return_inverse=True)

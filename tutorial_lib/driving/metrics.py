@@ -1,4 +1,4 @@
-"""Was the target reached? One definition for everybody."""
+"""Metrics of driving: one definition each."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,7 +10,7 @@ from tutorial_lib.world.raycast import Raycaster
 REACHED = 0.30
 """Metres from the target that count as reached."""
 SLOWEST = 0.3
-"""m/s on average, below which a drive is given up (v_min of Meng 2020, III-C)."""
+"""m/s on average, below which a rollout is given up (v_min of Meng 2020, III-C)."""
 GRACE = 5.0
 """Seconds allowed on top."""
 STRAYED = 1.0
@@ -21,7 +21,7 @@ _DENSE = 0.02  # metres between the points at which a path is compared with a tr
 
 
 def time_limit(geodesic: ArrayLike) -> Array:
-    """Seconds that a drive of so many metres may take.
+    """Time limit in seconds of a rollout of so many metres.
 
     >>> time_limit([0.0, 3.0]).tolist()
     [5.0, 15.0]
@@ -40,13 +40,13 @@ def covered(path: ArrayLike, track: ArrayLike, collided_at: int | None = None) -
 
     Summed over trajectories and divided by the sum of their lengths, this is the cover rate (Meng
     2020, IV-B). A path may cross itself, so a robot is compared with the part of it from `STRAYED`
-    behind to `AHEAD` ahead of where it got to; who leaves out more gets no farther. The end counts
+    behind to `AHEAD` ahead of where it got to; skipping more does not count. The end counts
     as covered from `REACHED` on.
 
     Args:
         path: (P, 2 or more) points to be followed, in metres; a pose is one.
         track: (T, 2 or more) where the robot was, step by step.
-        collided_at: number of the step at which something was touched; nothing counts after it.
+        collided_at: index of the step of a collision; nothing counts after it.
 
     Raises:
         InputError: when there is no path, or something is not finite.

@@ -149,8 +149,8 @@ class Calibration:
 def fit_isotonic(logits: Array, came_true: ArrayLike, knots: int = _KNOTS) -> Calibration:
     """The rising line that fits what happened (N,) best, through bins of logits (N,).
 
-    Bins become smaller towards the upper end, where maps and plans ask. Shares are drawn to one
-    half a little, as if each bin had one more errand that half succeeded: none is 0 or 1.
+    Bins become smaller towards the upper end, where maps and plans query. Shares are drawn to one
+    half a little, as if each bin had one more pair that half succeeded: none is 0 or 1.
     """
     # Logits that differ by less share a bin, so that knots can be rounded and still rise.
     logits, label = np.round(logits, _PLACES), np.asarray(came_true, dtype=float)

@@ -1,6 +1,6 @@
-"""Comparing two pictures: the paper's pair encoder, and one that matches their columns.
+"""Comparing two images: the paper's pair encoder, and one that matches their columns.
 
-Every encoder has two halves that each see one picture, so that they can be computed once and kept,
+Every encoder has two halves that each see one image, so that they can be computed once and kept,
 and `compare`, which is all that is left to do for a pair. Sums are made in place where they can be:
 fresh memory costs more time than they do.
 """
@@ -12,7 +12,7 @@ from torch.nn import functional
 FEATURES = 96
 """Numbers that describe a pair."""
 COLUMNS = 32
-"""Columns of features that a picture is reduced to."""
+"""Columns of features that an image is reduced to."""
 _FIRST, _WIDTH = 48, 64
 
 
@@ -46,7 +46,7 @@ class PairEncoder(nn.Module):
     """The paper's encoder of ``[cur, tgt, cur - tgt]`` (Meng 2020, III-B).
 
     Its first layer is linear, so what it makes of the stacked channels is a sum of what it makes of
-    either picture alone: ``A cur + B tgt + D (cur - tgt) = (A + D) cur + (B - D) tgt``.
+    either image alone: ``A cur + B tgt + D (cur - tgt) = (A + D) cur + (B - D) tgt``.
     """
 
     def __init__(self, channels: int, rows: int) -> None:
@@ -55,31 +55,31 @@ class PairEncoder(nn.Module):
         self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
         self.narrow = Narrowing(_WIDTH)
 
-    def current(self, pictures: Tensor) -> Tensor:
+    def current(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, 48, 1, 32), the part of the first layer that sees `cur`."""
         own, _, difference = self.stacked.weight.chunk(3, dim=1)
-        return self._first(pictures, own + difference, self.stacked.bias)
+        return self._first(images, own + difference, self.stacked.bias)
 
-    def target(self, pictures: Tensor) -> Tensor:
+    def target(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, 48, 1, 32), the part of the first layer that sees `tgt`."""
         _, other, difference = self.stacked.weight.chunk(3, dim=1)
-        return self._first(pictures, other - difference, None)
+        return self._first(images, other - difference, None)
 
     def compare(self, current: Tensor, targets: Tensor) -> Tensor:
-        """(N, P, FEATURES) of `current` (N, ...) and the pictures of `targets` (N, P, ...)."""
+        """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
         x = (current[:, None] + targets).relu_().flatten(0, 1)
         x = self.mix(x).relu_()[:, :, 0]  # (N * P, 64, 32)
         return self.narrow(x.transpose(1, 2)).unflatten(0, targets.shape[:2])
 
-    def _first(self, pictures: Tensor, weight: Tensor, bias: Tensor | None) -> Tensor:
+    def _first(self, images: Tensor, weight: Tensor, bias: Tensor | None) -> Tensor:
         layer = self.stacked
-        return functional.conv2d(pictures, weight, bias, layer.stride, layer.padding)
+        return functional.conv2d(images, weight, bias, layer.stride, layer.padding)
 
 
 class MatchingEncoder(nn.Module):
-    """Finds each column of the current picture again in the target.
+    """Finds each column of the current image again in the target.
 
-    The correlation volume holds the similarity of every column of one picture to every column of
+    The correlation volume holds the similarity of every column of one image to every column of
     the other. Its softmax along a row says where a column is seen again; what is there, and where
     that is, joins the column's own features.
     """
@@ -102,18 +102,18 @@ class MatchingEncoder(nn.Module):
         self.narrow = Narrowing(width)
         self.sizes = [match, width]
 
-    def current(self, pictures: Tensor) -> Tensor:
+    def current(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, 32, match + width): what a column is found by, and what it knows."""
-        match, columns = self._columns(pictures)
+        match, columns = self._columns(images)
         return torch.cat([self.sharpness.exp() * match, self.own(columns) + self.places[0]], dim=-1)
 
-    def target(self, pictures: Tensor) -> Tensor:
+    def target(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, 32, match + width): what finds a column, and what it then shows."""
-        match, columns = self._columns(pictures)
+        match, columns = self._columns(images)
         return torch.cat([match, self.shown(columns) + self.places[1]], dim=-1)
 
     def compare(self, current: Tensor, targets: Tensor) -> Tensor:
-        """(N, P, FEATURES) of `current` (N, ...) and the pictures of `targets` (N, P, ...)."""
+        """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
         pairs, match = targets.shape[:2], self.sizes[0]
         found_by = current[:, None, :, :match].expand(*pairs, -1, -1).flatten(0, 1)
         targets = targets.flatten(0, 1)
@@ -124,17 +124,17 @@ class MatchingEncoder(nn.Module):
         return self.narrow(columns.flatten(0, 1).relu_()).unflatten(0, pairs)
 
     def volume(self, current: Tensor, target: Tensor) -> Tensor:
-        """The correlation volume (N, 32, 32): rows are columns of the current picture."""
+        """The correlation volume (N, 32, 32): rows are columns of the current image."""
         return current[..., : self.sizes[0]] @ target[..., : self.sizes[0]].transpose(1, 2)
 
-    def _columns(self, pictures: Tensor) -> tuple[Tensor, Tensor]:
+    def _columns(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """Directions (N, 32, match) to match by, and features (N, 32, 64) of the columns."""
-        x = self.mix(self.rows(pictures).relu_())[:, :, 0].transpose(1, 2)
+        x = self.mix(self.rows(images).relu_())[:, :, 0].transpose(1, 2)
         return functional.normalize(self.match(x), dim=-1), x
 
 
 class SeparateEncoder(nn.Module):
-    """An ablation: either picture becomes a feature vector alone, and only those are compared."""
+    """An ablation: either image becomes a feature vector alone, and only those are compared."""
 
     def __init__(self, channels: int, rows: int) -> None:
         super().__init__()
@@ -143,35 +143,35 @@ class SeparateEncoder(nn.Module):
         self.narrow = Narrowing(_WIDTH)
         self.both = nn.Linear(2 * FEATURES, FEATURES)
 
-    def current(self, pictures: Tensor) -> Tensor:
+    def current(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, FEATURES)."""
-        x = self.mix(self.rows(pictures).relu_()).relu_()
+        x = self.mix(self.rows(images).relu_()).relu_()
         return self.narrow(x[:, :, 0].transpose(1, 2))
 
     target = current
 
     def compare(self, current: Tensor, targets: Tensor) -> Tensor:
-        """(N, P, FEATURES) of `current` (N, ...) and the pictures of `targets` (N, P, ...)."""
+        """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
         both = torch.cat([current[:, None].expand_as(targets), targets], dim=-1)
         return self.both(both).relu_()
 
 
 class StackedEncoder(nn.Module):
-    """An ablation: the current picture and all of the target's in one stack of channels."""
+    """An ablation: the current image and all of the target's in one stack of channels."""
 
-    def __init__(self, channels: int, rows: int, pictures: int) -> None:
+    def __init__(self, channels: int, rows: int, images: int) -> None:
         super().__init__()
         self.first = rows_away(channels, rows, _FIRST)
-        self.others = rows_away(pictures * channels, rows, _FIRST, bias=False)
+        self.others = rows_away(images * channels, rows, _FIRST, bias=False)
         self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
         self.narrow = Narrowing(_WIDTH)
 
-    def current(self, pictures: Tensor) -> Tensor:
+    def current(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, 48, 1, 32)."""
-        return self.first(pictures)
+        return self.first(images)
 
-    def target(self, pictures: Tensor) -> Tensor:
+    def target(self, images: Tensor) -> Tensor:
         """(N, P * C, H, 64) to (N, 48, 1, 32)."""
-        return self.others(pictures)
+        return self.others(images)
 
     compare = PairEncoder.compare

@@ -1,4 +1,4 @@
-"""Trained networks behind the seams of `tutorial_lib.interfaces`."""
+"""Trained networks behind the interfaces of `tutorial_lib.interfaces`."""
 
 from dataclasses import dataclass, replace
 from typing import Any
@@ -18,7 +18,7 @@ from tutorial_lib.learning.weights import load_card, load_network
 
 @dataclass(frozen=True)
 class EncodedTargets:
-    """Targets of which all that does not depend on the current picture is computed.
+    """Targets, encoded as far as that does not depend on the current image.
 
     Attributes:
         encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`.
@@ -51,7 +51,7 @@ def use_threads(count: int) -> None:
 
 
 class _Estimator:
-    """A network that is asked about robots and their targets."""
+    """A network behind the interfaces."""
 
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
         self.network = load_network(network) if isinstance(network, str) else network
@@ -59,20 +59,20 @@ class _Estimator:
         self.view, self.k = self.architecture.looks_at, self.architecture.k
         if self.architecture.outputs != outputs:
             raise InputError(
-                f"network: tells {self.architecture.outputs!r} where {outputs!r} is needed"
+                f"network: predicts {self.architecture.outputs!r} where {outputs!r} is needed"
             )
 
     @torch.inference_mode()
     def prepare(self, contexts: NDArray) -> EncodedTargets:
-        """Encode targets once, to be asked about them again and again.
+        """Encode targets once, for many queries.
 
         Args:
-            contexts: (M, 2k+1, H, W, C) pictures, as the network's view gives them.
+            contexts: (M, 2k+1, H, W, C) images, as the network's view gives them.
 
         Raises:
-            InputError: when the pictures have another size, or k does not fit the network.
+            InputError: when the images have another size, or k does not fit the network.
         """
-        wanted = self.architecture.pictures
+        wanted = self.architecture.images
         if contexts.ndim != 5 or contexts.shape[1] != wanted:
             raise InputError(
                 f"targets: shape {contexts.shape}; this network has k = {self.architecture.k}: "
@@ -81,35 +81,35 @@ class _Estimator:
         if self.network.stacked:
             encoded = self.network.encode_targets(self.view.numbers(contexts))
             return EncodedTargets(encoded, self.network)
-        # Neighbours on a trajectory have most pictures in common: each is encoded once.
-        pictures = contexts.reshape(-1, *contexts.shape[2:])
+        # Neighbours on a trajectory have most images in common: each is encoded once.
+        images = contexts.reshape(-1, *contexts.shape[2:])
         number: dict[bytes, int] = {}
-        which = [number.setdefault(picture.tobytes(), len(number)) for picture in pictures]
-        fresh = pictures[np.unique(which, return_index=True)[1]]
+        which = [number.setdefault(image.tobytes(), len(number)) for image in images]
+        fresh = images[np.unique(which, return_index=True)[1]]
         encoded = self.network.encode_targets(self.view.numbers(fresh[:, None]))[:, 0]
         return EncodedTargets(encoded[np.reshape(which, contexts.shape[:2])], self.network)
 
     @torch.inference_mode()
-    def ask(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
+    def outputs(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """The network's outputs (N, O) for N robots and as many targets."""
         prepared = targets if isinstance(targets, EncodedTargets) else self.prepare(targets)
         return self.compare(self.encode(observations), prepared)
 
     @torch.inference_mode()
     def encode(self, observations: Observation) -> Tensor:
-        """What is kept of what N robots see, to be asked about with many targets.
+        """Encode what N robots see, for many queries.
 
-        Rows that repeat the one before, as in a question about many targets, are encoded once.
+        Rows that repeat the one before, as in queries about many targets, are encoded once.
         """
-        pictures = self.view.of(observations)
-        repeats = (pictures[1:] == pictures[:-1]).all(axis=(1, 2, 3))
-        fresh = np.append(True, ~repeats)[: len(pictures)]
-        encoded = self.network.encode_current(self.view.numbers(pictures[fresh]))
+        images = self.view.of(observations)
+        repeats = (images[1:] == images[:-1]).all(axis=(1, 2, 3))
+        fresh = np.append(True, ~repeats)[: len(images)]
+        encoded = self.network.encode_current(self.view.numbers(images[fresh]))
         return encoded if fresh.all() else encoded[np.cumsum(fresh) - 1]
 
     @torch.inference_mode()
     def compare(self, current: Tensor, targets: EncodedTargets) -> Array:
-        """The network's outputs (N, O) for what was kept of N observations and as many targets."""
+        """The network's outputs (N, O) for N encoded observations and as many targets."""
         if targets.network is not self.network:
             raise InputError("targets: prepared by another network; prepare them with this one")
         if len(targets) != len(current):
@@ -118,8 +118,8 @@ class _Estimator:
         return _joined([self.network.compare(*part)[0] for part in parts])
 
     @torch.inference_mode()
-    def ask_plainly(self, observations: Observation, contexts: NDArray) -> Array:
-        """The same with nothing kept: every pair is encoded for itself, to compare speeds."""
+    def outputs_uncached(self, observations: Observation, contexts: NDArray) -> Array:
+        """The same without caching: every pair is encoded for itself, to compare speeds."""
         current = self.view.numbers(self.view.of(observations))
         targets = self.view.numbers(contexts)
         parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
@@ -130,42 +130,42 @@ class WaypointNetwork(_Estimator):
     """C_WP (Meng 2020, III-B), a `WaypointPredictor`."""
 
     def __init__(self, network: LocalNetwork | str) -> None:
-        """Put a trained network, or shipped weights by their name, behind the seam."""
+        """Put a trained network, or shipped weights by their name, behind the interface."""
         super().__init__(network, "waypoint")
 
     def predict(
         self, observations: Observation, targets: EncodedTargets | NDArray
     ) -> tuple[Array, Array]:
         """Waypoints (N, 2) in metres in the robots' frames, and mutual overlaps (N, 2)."""
-        return _told(self.ask(observations, targets))
+        return _waypoints_and_overlaps(self.outputs(observations, targets))
 
-    def predict_plainly(self, observations: Observation, contexts: NDArray) -> tuple[Array, Array]:
-        """The same with nothing kept, see `ask_plainly`."""
-        return _told(self.ask_plainly(observations, contexts))
+    def predict_uncached(self, observations: Observation, contexts: NDArray) -> tuple[Array, Array]:
+        """The same without caching, see `outputs_uncached`."""
+        return _waypoints_and_overlaps(self.outputs_uncached(observations, contexts))
 
 
 class DirectNetwork(_Estimator):
-    """Pictures to speed and steering without a waypoint between, a `LocalController`."""
+    """Images to speed and steering without a waypoint between, a `LocalController`."""
 
     def __init__(self, network: LocalNetwork | str) -> None:
-        """Put a trained network, or shipped weights by their name, behind the seam."""
+        """Put a trained network, or shipped weights by their name, behind the interface."""
         super().__init__(network, "action")
 
     def act(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """Actions (N, 2): speed in m/s and steering in rad."""
-        return self.ask(observations, targets)
+        return self.outputs(observations, targets)
 
 
 class ReachabilityNetwork(_Estimator):
     """RE (Meng 2020, III-C), a `Reachability`."""
 
     def __init__(self, network: LocalNetwork | str, calibration: Calibration | None = None) -> None:
-        """Put a trained network, or shipped weights by their name, behind the seam.
+        """Put a trained network, or shipped weights by their name, behind the interface.
 
         Args:
-            network: tells a logit.
-            calibration: makes it a probability; shipped weights have one of their own on the card,
-                and any other network's logit is taken as it is.
+            network: predicts a logit.
+            calibration: maps it to a probability; shipped weights have one on their card, and any
+                other network's logit is used as it is.
         """
         super().__init__(network, "reachability")
         if calibration is None and isinstance(network, str):
@@ -178,18 +178,18 @@ class ReachabilityNetwork(_Estimator):
 
     def logits(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
         """Logits (N,) before calibration."""
-        return self.ask(observations, prepared)[:, 0]
+        return self.outputs(observations, prepared)[:, 0]
 
     @torch.inference_mode()
     def embed(self, observations: Observation) -> NDArray[np.float32]:
-        """Directions (N, R, D) of what N robots see, alike where they see the same thing."""
+        """Embeddings (N, R, D) of what N robots see."""
         return self.network.embed(self.encode(observations)).numpy()
 
     @torch.inference_mode()
     def embed_targets(self, prepared: EncodedTargets) -> NDArray[np.float32]:
-        """Directions (N, P, R, D) of N targets: of their first picture and of the middle one.
+        """Embeddings (N, P, R, D) of N targets: of their first image and of the middle one.
 
-        The first was taken about where a robot is that can just reach the target.
+        The first was taken about where the target is just reachable.
         """
         count = prepared.encoded.shape[1]
         some = prepared.encoded[:, sorted({0, count // 2})]
@@ -201,6 +201,6 @@ def _joined(parts: list[Tensor]) -> Array:
     return torch.cat(parts).numpy().astype(float)
 
 
-def _told(outputs: Array) -> tuple[Array, Array]:
+def _waypoints_and_overlaps(outputs: Array) -> tuple[Array, Array]:
     """Waypoints (N, 2) and overlaps (N, 2) among a network's outputs (N, 6)."""
     return outputs[:, :2], 1.0 / (1.0 + np.exp(-outputs[:, 4:6]))

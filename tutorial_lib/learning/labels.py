@@ -1,6 +1,6 @@
-"""What a network is to learn from a drive (Meng 2020, IV): waypoint, heading difference, overlap.
+"""Labels from a trajectory (Meng 2020, IV): waypoint, heading difference, overlap.
 
-A pair is a place to drive from, beside a recorded drive, and a frame of that drive to drive to.
+A pair is a start beside a recorded trajectory, and a frame of that trajectory as target.
 """
 
 from dataclasses import dataclass
@@ -15,20 +15,20 @@ from tutorial_lib.world.visibility import mutual_overlap
 CLEARANCE = 0.06
 """Metres that the line to a waypoint keeps from every wall."""
 CANDIDATES = 16
-"""Places of the drive that are tried as waypoints."""
+"""Places on the trajectory that are tried as waypoints."""
 
 
 def waypoint_labels(
     caster: Raycaster, starts: Array, track: Array, sources: NDArray, targets: NDArray
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """The farthest place of the drive that a straight line leads to (Meng 2020, IV).
+    """The farthest place on the trajectory that a free straight line leads to (Meng 2020, IV).
 
     Args:
         caster: the walls.
-        starts: (N, 3) where the robots are, beside frames `sources` of the drive.
-        track: (T, 3) poses of the recorded drive.
-        sources: (N,) frame numbers.
-        targets: (N,) frame numbers; a target before its source is its own waypoint.
+        starts: (N, 3) where the robots are, beside frames `sources` of the trajectory.
+        track: (T, 3) poses of the trajectory.
+        sources: (N,) frames.
+        targets: (N,) frames; a target before its source is its own waypoint.
 
     Returns:
         (N, 2) waypoints in the frames of `starts`, and (N,) whether there is one.
@@ -58,12 +58,12 @@ def in_clear_sight(caster: Raycaster, origins: Array, points: Array) -> NDArray[
 
 @dataclass(frozen=True)
 class Labels:
-    """What is to be learnt of N pairs.
+    """Labels of N pairs.
 
     Attributes:
         waypoint: (N, 2) metres, in the frame of the start.
         heading: (N,) rad, of the target as seen from the start.
-        overlap: (N, 2) share of the current picture in the target's, and the other way round.
+        overlap: (N, 2) share of the current image in the target's, and vice versa.
     """
 
     waypoint: Array

@@ -1,4 +1,4 @@
-"""A network that compares what is seen with a target in its context (Meng 2020, III-B)."""
+"""A network that compares an observation with a target in its context (Meng 2020, III-B)."""
 
 from dataclasses import dataclass
 
@@ -19,15 +19,15 @@ from tutorial_lib.learning.views import VIEWS, View
 ENCODERS = ("matching", "pair", "separate", "stacked")
 OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3}
 """Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; or
-the logit of how probable it is that the target is reached, and two overlaps."""
+the logit of reachability, and two overlaps."""
 
 
 @dataclass(frozen=True)
 class Architecture:
-    """All that must be known to build a network; it stands on the card beside its weights.
+    """All that is needed to build a network; it is stored on the card beside its weights.
 
     Attributes:
-        k: pictures of context on either side of the target.
+        k: images of context on either side of the target.
         encoder: one of `ENCODERS`.
         view: one of `VIEWS`.
         outputs: one of `OUTPUTS`.
@@ -49,18 +49,18 @@ class Architecture:
             raise InputError(f"network: k = {self.k!r}; give a whole number, 0 to 20")
 
     @property
-    def pictures(self) -> int:
+    def images(self) -> int:
         """Of a target with its context, 2k + 1."""
         return 2 * self.k + 1
 
     @property
     def looks_at(self) -> View:
-        """The view that is meant by its name."""
+        """The view of that name."""
         return VIEWS[self.view]
 
 
 class LocalNetwork(nn.Module):
-    """WaypointPairs, their context, and what is to be told about them."""
+    """Predicts waypoint, action or reachability from an image and a target in its context."""
 
     def __init__(self, architecture: Architecture) -> None:
         """Build an untrained network."""
@@ -68,36 +68,36 @@ class LocalNetwork(nn.Module):
         self.architecture = architecture
         channels, rows, _ = architecture.looks_at.size
         if architecture.encoder == "stacked":
-            self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.pictures)
+            self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.images)
         else:
             kinds = {"matching": MatchingEncoder, "pair": PairEncoder, "separate": SeparateEncoder}
             self.encoder = kinds[architecture.encoder](channels, rows)
         self.stacked = architecture.encoder == "stacked"
-        compared = 1 if self.stacked else architecture.pictures
+        compared = 1 if self.stacked else architecture.images
         self.context = nn.Conv1d(FEATURES, 128, compared)
         self.hidden = nn.Linear(128, 64)
         self.heads = nn.Linear(64, OUTPUTS[architecture.outputs])
         self.pose = nn.Linear(FEATURES, 4)
         self.to(memory_format=torch.channels_last)
 
-    def encode_current(self, pictures: Tensor) -> Tensor:
-        """What is kept of current pictures (N, C, H, W)."""
-        return self.encoder.current(pictures)
+    def encode_current(self, images: Tensor) -> Tensor:
+        """Encode current images (N, C, H, W)."""
+        return self.encoder.current(images)
 
     def encode_targets(self, contexts: Tensor) -> Tensor:
-        """What is kept of targets (M, 2k+1, C, H, W), an anchor's for instance: (M, 2k+1, ...)."""
+        """Encode targets (M, 2k+1, C, H, W), such as anchors: (M, 2k+1, ...)."""
         if self.stacked:
             return self.encoder.target(contexts.flatten(1, 2))[:, None]
         encoded = self.encoder.target(contexts.flatten(0, 1))
         return encoded.unflatten(0, contexts.shape[:2])
 
     def embed(self, encoded: Tensor) -> Tensor:
-        """Directions (N, R, D) of unit length; a map is searched by them.
+        """Embeddings (N, R, D) of unit length, for retrieval.
 
-        A matching encoder has one for every two columns of a picture, others one for all of it.
+        A matching encoder has one for every two columns of an image, others one for all of it.
 
         Args:
-            encoded: (N, ...) from `encode_current`, or of single pictures from `encode_targets`.
+            encoded: (N, ...) from `encode_current`, or of single images from `encode_targets`.
         """
         if not isinstance(self.encoder, MatchingEncoder):
             return functional.normalize(encoded.flatten(1)[:, None], dim=-1)
@@ -105,21 +105,21 @@ class LocalNetwork(nn.Module):
         return functional.normalize(columns.unflatten(1, (-1, 2)).mean(dim=2), dim=-1)
 
     def compare(self, current: Tensor, targets: Tensor) -> tuple[Tensor, Tensor]:
-        """Tell about pairs of what was kept.
+        """The network's outputs for pairs of encoded images.
 
         Args:
             current: (N, ...) from `encode_current`.
             targets: (N, 2k+1, ...) from `encode_targets`.
 
         Returns:
-            (N, O) outputs, and (N, 2k+1, 4) where each picture of the context was taken: x, y,
-            cosine and sine of the heading, seen from the current pose. Only training needs those.
+            (N, O) outputs, and (N, 2k+1, 4) the pose of each context image: x, y, cosine and sine
+            of the heading, in the frame of the current pose. Only training needs those.
         """
         features = self.encoder.compare(current, targets)
-        return self._tell(features), self.pose(features)
+        return self._outputs(features), self.pose(features)
 
     def forward(self, current: Tensor, contexts: Tensor) -> Tensor:
-        """Outputs (N, O) for pictures (N, C, H, W) and targets (N, 2k+1, C, H, W), nothing kept.
+        """Outputs (N, O) for images (N, C, H, W) and targets (N, 2k+1, C, H, W), nothing cached.
 
         This is the paper's plain evaluation: each pair is encoded for itself.
         """
@@ -130,14 +130,14 @@ class LocalNetwork(nn.Module):
         features = self.encoder.compare(
             self.encoder.current(repeated), self.encoder.target(contexts.flatten(0, 1))[:, None]
         )
-        return self._tell(features.view(*pairs, FEATURES))
+        return self._outputs(features.view(*pairs, FEATURES))
 
-    def _tell(self, features: Tensor) -> Tensor:
-        """Outputs (N, O) from what describes pairs (N, P, FEATURES)."""
+    def _outputs(self, features: Tensor) -> Tensor:
+        """Outputs (N, O) from features of pairs (N, P, FEATURES)."""
         (wanted,) = self.context.kernel_size
         if features.shape[1] != wanted:
             raise InputError(
-                f"network: targets of {features.shape[1]} pictures; give {wanted} to this one"
+                f"network: targets of {features.shape[1]} images; give {wanted} to this one"
             )
         x = self.context(features.transpose(1, 2))[..., 0].relu()  # (N, 128)
         return self.heads(self.hidden(x).relu())

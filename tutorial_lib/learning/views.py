@@ -1,4 +1,4 @@
-"""What a network looks at: the camera's picture or the laser's scan, 64 columns."""
+"""Input of a network: the camera's image or the laser's scan, 64 columns."""
 
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -21,28 +21,28 @@ _BEAMS = 96
 
 
 class View(Protocol):
-    """How a network gets its pictures, (..., H, W, C) arrays, and turns them into numbers."""
+    """How a network gets its images, (..., H, W, C) arrays, and normalizes them."""
 
     name: str
     size: tuple[int, int, int]
     camera: Camera
 
     def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray:
-        """What is seen from poses (..., 3); a disc's owner is the number of a pose."""
+        """Images from poses (..., 3); a disc's owner is the index of a pose."""
 
     def of(self, observations: Observation) -> NDArray:
-        """What robots see, (N, H, W, C)."""
+        """The robots' images (N, H, W, C)."""
 
-    def vary(self, pictures: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
-        """The same change of looks for the g-th of all (G, ..., H, W, C) `pictures`."""
+    def vary(self, images: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+        """The same augmentation for the g-th of all (G, ..., H, W, C) `images`."""
 
-    def numbers(self, pictures: NDArray) -> Tensor:
-        """Pictures (..., H, W, C) as (..., C', H, W), each number about -1 to 1."""
+    def numbers(self, images: NDArray) -> Tensor:
+        """Images (..., H, W, C) as (..., C', H, W), each number about -1 to 1."""
 
 
 @dataclass(frozen=True)
 class CameraView:
-    """The camera's pictures.
+    """The camera's images.
 
     Attributes:
         rows: 16 for learning; 64 show the same in more detail.
@@ -52,7 +52,7 @@ class CameraView:
 
     @property
     def name(self) -> str:
-        """As it stands on a network's card."""
+        """Its name on a network's card."""
         return f"camera{self.rows}"
 
     @property
@@ -66,20 +66,20 @@ class CameraView:
         return (3, self.rows, COLUMNS)
 
     def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray[np.uint8]:
-        """Pictures (..., H, W, 3) uint8 from poses (..., 3)."""
+        """Images (..., H, W, 3) uint8 from poses (..., 3)."""
         image, _ = self.camera.look(scene, poses.reshape(-1, 3), discs)
         return image.reshape(*poses.shape[:-1], *image.shape[1:])
 
     def of(self, observations: Observation) -> NDArray[np.uint8]:
-        """The robots' pictures."""
+        """The robots' images."""
         return observations.image
 
-    def vary(self, pictures: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+    def vary(self, images: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
         """Exchange the colour channels, invert some, and change contrast and brightness.
 
-        A world's colours are arbitrary; what counts is where the same ones are seen again.
+        A world's colours are arbitrary; what matters is where the same ones reappear.
         """
-        count = len(pictures[0])
+        count = len(images[0])
         order = rng.permuted(np.tile(np.arange(3), (count, 1)), axis=1)
         level = np.linspace(0.0, 1.0, 256)
         gamma = np.exp(rng.normal(0.0, 0.25, (count, 3, 1)))
@@ -94,13 +94,13 @@ class CameraView:
                     for p, order, tables in zip(group, order, tables, strict=True)
                 ]
             )
-            for group in pictures
+            for group in images
         ]
 
-    def numbers(self, pictures: NDArray) -> Tensor:
-        """Pictures (..., H, W, 3) as (..., 3, H, W) from -1 to 1."""
-        _check(pictures, (self.rows, COLUMNS, 3), np.uint8)
-        return _tensor(pictures).movedim(-1, -3).float().div_(127.5).sub_(1.0)
+    def numbers(self, images: NDArray) -> Tensor:
+        """Images (..., H, W, 3) as (..., 3, H, W) from -1 to 1."""
+        _check(images, (self.rows, COLUMNS, 3), np.uint8)
+        return _tensor(images).movedim(-1, -3).float().div_(127.5).sub_(1.0)
 
 
 @dataclass(frozen=True)
@@ -122,15 +122,15 @@ class LaserView:
             raise InputError(f"laser: {observations.laser.shape[1]} beams; give {_BEAMS}")
         return self._middle(observations.laser)[:, None, :, None]
 
-    def vary(self, pictures: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
-        """Distances are what they are."""
+    def vary(self, images: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+        """Distances are not augmented."""
         del rng
-        return pictures
+        return images
 
-    def numbers(self, pictures: NDArray) -> Tensor:
+    def numbers(self, images: NDArray) -> Tensor:
         """Distances (..., 1, 64, 1) as (..., 3, 1, 64): near, middling and far ones spread out."""
-        _check(pictures, (1, COLUMNS, 1), np.float32)
-        metres = _tensor(pictures)[..., 0]
+        _check(images, (1, COLUMNS, 1), np.float32)
+        metres = _tensor(images)[..., 0]
         parts = [0.5 / (metres + 0.25), metres.clamp(max=3.0) / 1.5 - 1.0, metres / 5.0 - 1.0]
         return torch.stack(parts, dim=-3)
 
@@ -144,23 +144,23 @@ VIEWS: dict[str, View] = {view.name: view for view in (CameraView(16), CameraVie
 
 
 def _recoloured(
-    pictures: NDArray[np.uint8], order: NDArray[np.intp], tables: NDArray[np.uint8]
+    images: NDArray[np.uint8], order: NDArray[np.intp], tables: NDArray[np.uint8]
 ) -> NDArray[np.uint8]:
-    """Pictures (..., 3) with channels in another `order` (3,), each through its table (3, 256)."""
-    changed = np.empty_like(pictures)
+    """Images (..., 3) with channels in another `order` (3,), each through its table (3, 256)."""
+    changed = np.empty_like(images)
     for channel, source in enumerate(order):
-        changed[..., channel] = tables[channel][pictures[..., source]]
+        changed[..., channel] = tables[channel][images[..., source]]
     return changed
 
 
-def _tensor(pictures: NDArray) -> Tensor:
+def _tensor(images: NDArray) -> Tensor:
     """The numbers of an array, which may be a view such as one flipped left to right."""
-    return torch.from_numpy(np.ascontiguousarray(pictures))
+    return torch.from_numpy(np.ascontiguousarray(images))
 
 
-def _check(pictures: NDArray, size: tuple[int, ...], kind: type) -> None:
-    if pictures.shape[-3:] != size or pictures.dtype != kind:
+def _check(images: NDArray, size: tuple[int, ...], kind: type) -> None:
+    if images.shape[-3:] != size or images.dtype != kind:
         raise InputError(
-            f"pictures: {pictures.dtype} of shape {pictures.shape}; this network looks at "
+            f"images: {images.dtype} of shape {images.shape}; this network takes "
             f"{np.dtype(kind)} (..., {', '.join(map(str, size))}): give the robot that sensor"
         )

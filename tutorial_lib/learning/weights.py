@@ -29,9 +29,9 @@ class Card:
         recipe: data and settings it was trained with.
         validation: what was measured on validation worlds.
         calibration: what turns the logit of reachability into a probability, see `Calibration`.
-        minutes: it took, and the recording of drives too if they were not there yet.
+        minutes: it took, including demonstrations that were not recorded before.
         cores: that it was trained on; the reference machine has two.
-        parameters: how many numbers it has.
+        parameters: their number.
         sha256: of the weights' file.
     """
 
@@ -83,7 +83,7 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
 
 
 def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
-    """A trained network by its name, ready to be asked.
+    """A trained network by its name, ready for inference.
 
     Raises:
         InputError: when file or card is missing, the hash differs or the shapes do not fit; it

@@ -9,17 +9,17 @@ from tutorial_lib.interfaces import Observation
 
 
 class ImageSimilarity:
-    """A `Reachability` that learns nothing: how alike two pictures are, pixel by pixel.
+    """A `Reachability` without learning: the similarity of two images, pixel by pixel.
 
-    The correlation of two pictures, from -1 to 1, is moved to 0 ... 1. It is no probability, but
+    The correlation of two images, from -1 to 1, is moved to 0 ... 1. It is no probability, but
     stands where one is expected, as the similarity of SPTM does.
     """
 
-    def prepare(self, pictures: NDArray[np.uint8]) -> Array:
-        """Pictures (M, P, H, W, 3) of targets, of which the middle one counts, as rows (M, D)."""
-        if pictures.ndim != 5:
-            raise InputError(f"targets: shape {pictures.shape}; give pictures (M, P, H, W, 3)")
-        return _rows(pictures[:, pictures.shape[1] // 2])
+    def prepare(self, images: NDArray[np.uint8]) -> Array:
+        """Images (M, P, H, W, 3) of targets, of which the middle one counts, as rows (M, D)."""
+        if images.ndim != 5:
+            raise InputError(f"targets: shape {images.shape}; give images (M, P, H, W, 3)")
+        return _rows(images[:, images.shape[1] // 2])
 
     def probability(self, observations: Observation, prepared: Array) -> Array:
         """Similarities (N,) in [0, 1]."""
@@ -28,8 +28,8 @@ class ImageSimilarity:
         return 0.5 + 0.5 * np.clip((_rows(observations.image) * prepared).sum(axis=1), -1.0, 1.0)
 
 
-def _rows(pictures: NDArray[np.uint8]) -> Array:
-    """Pictures (N, H, W, 3) as rows (N, D) of mean zero and length one."""
-    rows = pictures.reshape(len(pictures), -1).astype(np.float32)
+def _rows(images: NDArray[np.uint8]) -> Array:
+    """Images (N, H, W, 3) as rows (N, D) of mean zero and length one."""
+    rows = images.reshape(len(images), -1).astype(np.float32)
     rows -= rows.mean(axis=1, keepdims=True)
     return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-6)

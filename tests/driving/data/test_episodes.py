@@ -219,7 +219,7 @@ def test_a_context_is_that_of_its_own_drive(recorded, k):
         ([10**9], 1, "there are 0 to"),
         ([1.5], 1, "whole numbers"),
         ([[1, 2]], 1, r"\(N,\)"),
-        ([0], 400, "k = 400 needs a drive of 2401 frames"),
+        ([0], 400, "k = 400 needs a trajectory of 2401 frames"),
     ],
 )
 def test_no_context_of_what_was_not_recorded(recorded, frames, k, words):
@@ -228,7 +228,7 @@ def test_no_context_of_what_was_not_recorded(recorded, frames, k, words):
 
 
 def test_without_a_drive_there_is_nothing_to_draw(box):
-    with pytest.raises(InputError, match="no drives"):
+    with pytest.raises(InputError, match="no trajectories"):
         RecordedWorld(box, [])
 
 

@@ -169,7 +169,7 @@ def test_a_small_part_of_a_picture_is_not_the_picture():
         (np.ones((2, 1, 3)), np.ones((2, 1, 3)), r"give finite \(N, P, R, D\)"),
         (np.full((2, 1, 3), np.nan), np.ones((2, 1, 1, 3)), "give finite"),
         (np.ones((2, 1, 3)), np.full((2, 1, 1, 3), np.inf), "give finite"),
-        (np.ones((2, 1, 3)), np.ones((2, 1, 1, 4)), "3 and 4 numbers .* same network"),
+        (np.ones((2, 1, 3)), np.ones((2, 1, 1, 4)), "3 and 4 dimensions.* same network"),
     ],
 )
 def test_embeddings_that_do_not_fit_are_named(seen, shown, words):

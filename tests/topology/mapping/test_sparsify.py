@@ -147,7 +147,7 @@ def test_anything_that_an_array_selects_from_can_be_prepared():
         (lambda r: sparsify(r, frames(4), np.arange(4), 0.9, window=0), "window 0; give a whole"),
         (lambda r: every_nth(1, 3), "1 frames"),
         (lambda r: every_nth(9, 0), "n = 0; give a whole"),
-        (lambda r: contextified(np.zeros((0, 2)), 1), "without a picture"),
+        (lambda r: contextified(np.zeros((0, 2)), 1), "without an image"),
         (lambda r: contextified(np.zeros((3, 2)), -1), "k = -1; give a whole"),
         (lambda r: stored_frames([0, 9], 9, 2), "give .A,. of 0 to 8"),
         (lambda r: stored_frames([[0, 1]], 9, 2), "give .A,. of 0 to 8"),

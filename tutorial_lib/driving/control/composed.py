@@ -35,8 +35,8 @@ class ComposedController:
     """C: predicts a waypoint, and drives to it by the laser; a `LocalController`.
 
     Attributes:
-        predictor: C_WP, which knows nothing of the body.
-        controller: C_RMP, which knows nothing of the target.
+        predictor: C_WP, independent of the body.
+        controller: C_RMP, independent of the target.
     """
 
     predictor: WaypointPredictor
@@ -50,7 +50,7 @@ class ComposedController:
 
 @dataclass(frozen=True)
 class RandomWaypoints:
-    """A `WaypointPredictor` that does not look: a waypoint somewhere 1 m behind to 3 m ahead.
+    """A `WaypointPredictor` that ignores its input: a waypoint somewhere 1 m behind to 3 m ahead.
 
     Attributes:
         rng: draws them.

@@ -2,10 +2,10 @@
 
 A *policy* says how something should accelerate - a point of the body, its distance from a wall, the
 steering angle - and with its *metric* how much that matters, and in which directions. The
-*pull-back* through a Jacobian tells what this means for the body's controls. What all policies ask
-for is *resolved* by least squares, weighted with the metrics.
+*pull-back* through a Jacobian maps this to the body's controls. The policies' accelerations are
+*resolved* by least squares, weighted with the metrics.
 
-Before, `rmp_moves` turns the waypoint into an arc, ahead or in reverse; afterwards it limits speed.
+Before, `rmp_arcs` turns the waypoint into an arc, ahead or in reverse; afterwards it limits speed.
 """
 
 from dataclasses import dataclass, field
@@ -28,7 +28,7 @@ def goal_policy(
 ) -> tuple[Array, Array]:
     """Pull a point to its goal, and damp it: gain * offset / |offset| - damping * velocity.
 
-    It is in no hurry beyond gain / damping, in m/s. Within `near` the pull fades to nothing.
+    Its terminal speed is gain / damping, in m/s. Within `near` the pull fades to nothing.
     Gives accelerations (..., 2) and metrics (..., 2, 2), the identity.
 
     Args:
@@ -50,7 +50,7 @@ def obstacle_policy(
     """Make the distance from an obstacle grow: (push + brake * closing) / distance.
 
     What it accelerates is a number, so its metric is one too. In the plane that is the metric
-    weight * h h^T of the paper, h the direction to the obstacle: sideways it does not mind.
+    weight * h h^T of the paper, h the direction to the obstacle: it has no effect sideways.
     Gives accelerations (...) of the distances, and metrics (...).
 
     Args:
@@ -109,7 +109,7 @@ def control_jacobian(body: BicycleCar | DifferentialDrive, controls: ArrayLike) 
 def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[Array, Array]:
     """What a policy means for the controls: force J^T M a, and metric J^T M J.
 
-    That Jacobians change is left out: controls are chosen anew ten times a second.
+    That Jacobians change is left out: controls are updated ten times a second.
     Jacobians (..., D, 2) are those of the D numbers that the policy accelerates, by (..., D) with
     metrics (..., D, D). Forces (..., 2) and metrics (..., 2, 2) of several policies add up.
     """
@@ -122,14 +122,14 @@ def resolve(forces: Array, metrics: Array, damping: float = 1e-6) -> Array:
 
     They minimise the sum over the policies of (J u - a)^T M (J u - a), plus damping * |u|^2.
     Forces (..., 2) and metrics (..., 2, 2) are sums of what `pull_back` gave; the damping keeps at
-    rest what no policy cares for.
+    rest what no policy acts on.
     """
     return np.linalg.solve(metrics + damping * np.eye(2), forces[..., None])[..., 0]
 
 
 @dataclass(frozen=True)
 class RMPController:
-    """Rollouts a body to a waypoint by the laser and policies; a `Controller`.
+    """Drives a body to a waypoint by the laser and policies; a `Controller`.
 
     Attributes:
         body: a car or a differential drive.
@@ -141,11 +141,11 @@ class RMPController:
         authority: m/s; a car that is slower counts its steering as if it drove so fast.
         lane, lane_reach: metres that the lane to a waypoint has beside the body, and is long.
         swing: rad by which lanes are preferred on the side to which the body turns already.
-        reverse_cost, turn_cost, go_on, begin, miss: see `rmp_moves.choose_moves`.
+        reverse_cost, turn_cost, go_on, begin, miss: see `rmp_arcs.choose_moves`.
         carrot: metres ahead on the arc at which the goal policy pulls a car.
         arrived: metres from the waypoint at which the body stops.
         margin: metres that the body keeps from everything.
-        braking, reserve, crawl, hurry: see `rmp_moves.safe_speeds`.
+        braking, reserve, crawl, hurry: see `rmp_arcs.safe_speeds`.
         settle: rad; while a car's steering has to turn by more than this, it slows down.
     """
 

@@ -1,4 +1,4 @@
-"""What the policies of `rmp` need to know of the room: how far an arc is free, and which way round.
+"""Free space for the policies of `rmp`: how far an arc is free, and which arc to take.
 
 A body is covered by discs, which makes all of this geometry of circles: a disc of the body that
 moves on an arc meets a point where two circles cross.
@@ -28,7 +28,7 @@ def free_travel(lasers: Array, angles: Array, arcs: Array, discs: Array, margin:
         angles: (B,) of the beams, rad.
         arcs: (N, 2) curvature in 1/m, and direction of travel, +1 or -1.
         discs: (D, 2) that cover the body: place on its long axis, and radius, metres.
-        margin: metres that it keeps from everything; whoever is nearer may leave.
+        margin: metres that it keeps from everything; a body that is nearer may leave.
 
     Returns:
         (N, 2) metres that are free, and metres between the body and the nearest thing now.
@@ -130,8 +130,8 @@ def choose_moves(
 
     An arc leads from the rear axle to the waypoint, ahead or in reverse. Where it would be too
     tight or is blocked, the car first drives the other way with opposite lock, which turns it the
-    same way, until enough of the arc is open. What it does now it prefers to go on doing: its speed
-    is the memory.
+    same way, until enough of the arc is open. It prefers to continue what it does: its
+    speed is the memory.
 
     Args:
         lasers: (N, B) metres.
@@ -176,7 +176,7 @@ def choose_moves(
 def _direct(x: float, y: float, radius: float, reverse_cost: float, turn_cost: float) -> float:
     """Ahead (+1) or in reverse (-1) to a waypoint, by what the distance and the turn would cost."""
     distance, bearing = np.sqrt(x * x + y * y), abs(np.arctan2(y, x))
-    # Very near, the bearing says nothing.
+    # Very near, the bearing is uninformative.
     turn = radius * min(1.0, distance / 0.3)
     ahead = distance + turn * (bearing + turn_cost * max(0.0, bearing - np.pi / 2))
     back = reverse_cost * distance + turn * (np.pi - bearing)
@@ -199,7 +199,7 @@ def _pursue(x: float, y: float, gear: float, radius: float) -> tuple[float, floa
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _see(laser: Array, cos: Array, sin: Array, px: Array, py: Array) -> int:
-    """Write the points within the horizon to `px` and `py`, and tell how many there are."""
+    """Write the points within the horizon to `px` and `py`, and return how many there are."""
     near = 0
     for beam in range(len(laser)):
         if laser[beam] < _HORIZON:

@@ -1,7 +1,7 @@
-"""Demonstrations: an oracle drives between random places, and what the robots sense is kept.
+"""Demonstrations: an oracle drives between random places, and what the robots sense is recorded.
 
 After Meng 2020 (IV): random starts, goals and headings in the free space; a reactive controller
-follows the geodesic at 10 Hz; runs that collide are dropped.
+follows the geodesic at 10 Hz; rollouts that collide are dropped.
 """
 
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ def demonstrate(
     Args:
         world: name to put on the trajectories.
         scene: that world.
-        count: cars that set out.
+        count: cars that start.
         seed: of starts, goals and noise.
         controller: drives to the waypoints; `PARKING` unless given.
         control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
@@ -64,11 +64,11 @@ def demonstrate(
     """
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
-    starts, goals, limit = _errands(scene, paths, count, rng)
+    starts, goals, limit = _starts_and_goals(scene, paths, count, rng)
     simulation = _fleet(scene, starts, control_noise, rng)
     oracle = OraclePolicy(simulation, paths, goals, controller)
     found = _recorded(world, seed, oracle, limit)
-    return [drive for drive in found if drive is not None and len(drive) >= SHORTEST]
+    return [one for one in found if one is not None and len(one) >= SHORTEST]
 
 
 def demonstrate_between(
@@ -88,7 +88,7 @@ def demonstrate_between(
         N trajectories as from `demonstrate`, None for a car that did not arrive.
 
     Raises:
-        InputError: when no way leads from a start to its goal.
+        InputError: when no path leads from a start to its goal.
     """
     simulation = _fleet(scene, starts, 0.0, None)
     limit = geodesic_limit(paths, starts, goals)
@@ -103,14 +103,14 @@ def record_demonstrations(
     jobs: int = 2,
     control_noise: float = 0.0,
 ) -> list[Path]:
-    """Record demonstrations in many worlds, one file each; files that are there are kept.
+    """Record demonstrations in many worlds, one file each; existing files are kept.
 
-    So an interrupted recording goes on where it stopped and ends with the same files. A file that
+    So an interrupted recording resumes where it stopped and ends with the same files. A file that
     is damaged, or was recorded with another seed, count or noise, is recorded again.
 
     Args:
         worlds: their names, see `world.worlds`.
-        count: cars that set out in each world.
+        count: cars that start in each world.
         seed: of the whole recording.
         folder: for the files; made where it is missing.
         jobs: processes.
@@ -160,31 +160,31 @@ def _is_recorded(path: Path, world: str, seed: int) -> bool:
         found = load_trajectories(path)
     except InputError:
         return False
-    return {(drive.world, drive.seed) for drive in found} == {(world, seed)}
+    return {(one.world, one.seed) for one in found} == {(world, seed)}
 
 
 def _fleet(
     scene: Scene, starts: Array, control_noise: float, rng: np.random.Generator | None
 ) -> Simulation:
-    """Pictures are rendered on load; the controllers need only the laser."""
+    """Images are rendered on load; the controllers need only the laser."""
     sensors = Sensors(camera=None)
     return Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
 
 
 def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list[Trajectory | None]:
-    """What each robot sensed on its way, None for one that did not arrive."""
+    """The trajectory of each robot, None for one that did not arrive."""
     recorder = _Recorder()
-    drives = rollout(oracle.simulation, oracle, ReachGoals(oracle.goals, limit), record=recorder)
+    rollouts = rollout(oracle.simulation, oracle, ReachGoals(oracle.goals, limit), record=recorder)
     return [
         recorder.trajectory(world, seed, robot) if reached else None
-        for robot, reached in enumerate(drives.reached)
+        for robot, reached in enumerate(rollouts.reached)
     ]
 
 
-def _errands(
+def _starts_and_goals(
     scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator
 ) -> tuple[Array, Array, Array]:
-    """Random starts (N, 3), goals (N, 2) and the seconds (N,) that the drives may take."""
+    """Random starts (N, 3), goals (N, 2) and time limits (N,) in seconds."""
     places = np.flatnonzero(paths.largest)
     starts = random_free_poses(scene, BicycleCar(), paths.points[places], count, rng)
     distance = paths.fields(starts[:, :2], shortest=True).cost[:, places]
@@ -204,7 +204,7 @@ def _errands(
 
 
 class _Recorder:
-    """Keeps what the robots under way sense and do."""
+    """Records what the moving robots sense and do."""
 
     def __init__(self) -> None:
         self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
@@ -219,12 +219,12 @@ class _Recorder:
         self._steps.append((robots, row))
 
     def trajectory(self, world: str, seed: int, robot: int) -> Trajectory:
-        """All that was kept of one robot."""
+        """The trajectory of one robot."""
         rows = []
         for robots, row in self._steps:
             place = np.searchsorted(robots, robot)
             if place == len(robots) or robots[place] != robot:
-                break  # whoever is done does not set out again
+                break  # a robot that is done does not move again
             rows.append([column[place] for column in row])
         columns = [np.array(column) for column in zip(*rows, strict=True)]
         return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)

@@ -1,4 +1,4 @@
-"""Episodes of local control: from beside a recorded drive to a frame of it (Meng 2020, Table I)."""
+"""Episodes of local control: from beside a trajectory to a frame of it (Meng 2020, Table I)."""
 
 from dataclasses import dataclass, replace
 from itertools import combinations, pairwise, product
@@ -31,10 +31,10 @@ class Episodes:
     """Starts and targets in one world.
 
     Attributes:
-        recorded: the drives they lie on.
+        recorded: the trajectories they lie on.
         starts: (N, 3) poses.
         targets: (N,) frames to reach.
-        ahead: (N,) metres of the drive between them, negative for a target behind.
+        ahead: (N,) metres of the trajectory between them, negative for a target behind.
         limit: (N,) seconds allowed.
     """
 
@@ -53,7 +53,7 @@ class Episodes:
         return Episodes(self.recorded, *(values[index] for values in kept))
 
     def within(self, recorded: RecordedWorld) -> "Episodes":
-        """The same ones where the world looks otherwise."""
+        """The same episodes in a world that looks different."""
         return replace(self, recorded=recorded)
 
     @property
@@ -70,18 +70,18 @@ def draw_episodes(
     least: float = -BEHIND,
     fewer: bool = False,
 ) -> Episodes:
-    """Targets from 1 m behind to 3 m ahead along a drive (Meng 2020, Table I).
+    """Targets from 1 m behind to 3 m ahead along a trajectory (Meng 2020, Table I).
 
     Starts are perturbed as in the authors' code. Three things that the paper leaves open: a start
-    has 5 cm to spare all around, it is not yet within 0.3 m of its target, and the two pictures may
+    has 5 cm to spare all around, it is not yet within 0.3 m of its target, and the two images may
     have nothing in common.
 
     Args:
-        recorded: drives of one world.
+        recorded: trajectories of one world.
         paths: its geodesics.
         count: N episodes.
         rng: draws them.
-        least: metres along the drive to the target, at least.
+        least: metres along the trajectory to the target, at least.
         fewer: whether less than `count` will do.
 
     Raises:
@@ -108,7 +108,7 @@ def draw_episodes(
 def with_obstacles(
     episodes: Episodes, each: int, count: int, rng: np.random.Generator
 ) -> tuple[Episodes, list[Person]]:
-    """The first `count` of those episodes that have room for `each` obstacles on the way.
+    """The first `count` of those episodes that have room for `each` obstacles in between.
 
     An obstacle stands within 0.3 m of the straight line between start and target, with a passage on
     one side at least.
@@ -118,11 +118,11 @@ def with_obstacles(
         robot of that episode only.
     """
     chosen, obstacles = [], []
-    for number, (start, goal) in enumerate(zip(episodes.starts, episodes.goals, strict=True)):
+    for index, (start, goal) in enumerate(zip(episodes.starts, episodes.goals, strict=True)):
         places = _places(episodes.recorded, start[:2], goal[:2], each, rng)
         if len(places) == each and len(chosen) < count:
             obstacles += [Person([place], radius=RADIUS, owner=len(chosen)) for place in places]
-            chosen.append(number)
+            chosen.append(index)
     return episodes.subset(np.array(chosen, dtype=np.intp)), obstacles
 
 
@@ -133,7 +133,7 @@ def _places(
     if np.linalg.norm(goal - start) < _FROM_START + _FROM_TARGET:
         return []
     for _ in range(_TRIES):
-        places = [_near_the_way(start, goal, rng) for _ in range(each)]
+        places = [_near_the_line(start, goal, rng) for _ in range(each)]
         apart = np.linalg.norm(np.array(places)[:, None] - [start, goal], axis=2)
         kept = (apart >= [_FROM_START, _FROM_TARGET]).all()
         kept = kept and all(np.linalg.norm(a - b) >= 2 * RADIUS for a, b in combinations(places, 2))
@@ -142,7 +142,7 @@ def _places(
     return []
 
 
-def _near_the_way(start: Array, goal: Array, rng: np.random.Generator) -> Array:
+def _near_the_line(start: Array, goal: Array, rng: np.random.Generator) -> Array:
     """A point within 0.3 m of the straight line between two points."""
     along = goal - start
     aside = np.array([-along[1], along[0]]) / max(float(np.linalg.norm(along)), 1e-9)

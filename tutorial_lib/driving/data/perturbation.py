@@ -1,4 +1,4 @@
-"""Beside a recorded drive: where a robot may find itself that is to go on from there."""
+"""Perturbed starts beside a recorded trajectory, from which a robot has to recover."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from tutorial_lib.world.scene import Scene
 
 @dataclass(frozen=True)
 class Perturbation:
-    """How far from a recorded drive a robot may find itself.
+    """How far from a recorded trajectory a robot starts.
 
     Attributes:
         aside: metres, sigma of the shift to the left or right.
@@ -39,9 +39,9 @@ class Perturbation:
 
 
 PAPER_PERTURBATION = Perturbation()
-"""As the authors' code has it; what Table I starts from."""
+"""As in the authors' code; the starts of Table I."""
 TRAINING_PERTURBATION = Perturbation(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
-"""Wider than the paper's: a car that manoeuvres looks far aside."""
+"""Wider than the paper's: during a manoeuvre a car faces far aside."""
 
 
 def perturbed(

@@ -1,4 +1,4 @@
-"""The drives that were recorded in one world, and pairs of places along them."""
+"""The trajectories that were recorded in one world, and pairs of places along them."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -16,16 +16,16 @@ from tutorial_lib.world.sensors import Camera
 BEHIND, AHEAD = 1.0, 3.0
 """Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
 CLOSE = 0.8
-"""Metres along the drive within which the last bit of the way is decided."""
+"""Metres along the trajectory of pairs that decide the last bit of an approach."""
 
 
 def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) -> NDArray[np.intp]:
     """Frames of contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
 
     Args:
-        frames: (N,) numbers i of the targets.
-        k: pictures on either side.
-        first: (N,) or one number, the first frame of the drive, which is repeated before it.
+        frames: (N,) indices i of the targets.
+        k: images on either side.
+        first: (N,) or one number, the first frame of the trajectory, which is repeated before it.
         last: the same for the last frame, which is repeated after it.
 
     Returns:
@@ -39,21 +39,21 @@ def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) 
 
 
 class RecordedWorld:
-    """All the drives recorded in one world, laid end to end.
+    """All the trajectories recorded in one world, laid end to end.
 
     Attributes:
         scene: the world.
         poses: (F, 3) of all frames.
         speed, steering: (F,) m/s and rad.
-        arc: (F,) metres driven up to each frame, never falling from one drive to the next.
-        first, last: (F,) numbers of the first and last frame of the drive that a frame is from.
-        first_frames: (D,) the first frame of each drive.
+        arc: (F,) metres driven up to each frame, never falling from one trajectory to the next.
+        first, last: (F,) the first and last frame of the trajectory of each frame.
+        first_frames: (M,) the first frame of each of M trajectories.
     """
 
     def __init__(self, scene: Scene, trajectories: Sequence[Trajectory]) -> None:
         """Lay `trajectories` end to end."""
         if not trajectories:
-            raise InputError("pairs: no drives to draw from; record some first")
+            raise InputError("pairs: no trajectories to draw from; record some first")
         self.scene = scene
         self.trajectories = tuple(trajectories)
         lengths = np.array([len(trajectory) for trajectory in trajectories])
@@ -64,7 +64,7 @@ class RecordedWorld:
         self.steering = np.concatenate([trajectory.steering for trajectory in trajectories])
         self.first = np.repeat(self.first_frames, lengths)
         self.last = np.repeat(ends - 1, lengths)
-        # A gap wider than any pair keeps a search along the arc within its drive.
+        # A gap wider than any pair keeps a search along the arc within its trajectory.
         gap = np.repeat(np.arange(len(lengths)) * 100.0, lengths)
         length = np.cumsum([0.0] + [t.arc_length[-1] for t in trajectories[:-1]])
         arcs = np.concatenate([trajectory.arc_length for trajectory in trajectories])
@@ -79,14 +79,14 @@ class RecordedWorld:
         """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
 
         Args:
-            frames: (N,) numbers i of the targets.
-            k: pictures on either side.
+            frames: (N,) indices i of the targets.
+            k: images on either side.
 
         Returns:
-            (N, 2k+1); beyond either end of a drive its first or last frame is repeated.
+            (N, 2k+1); beyond either end of a trajectory its first or last frame is repeated.
 
         Raises:
-            InputError: when a drive is shorter than one context, or there is no such frame.
+            InputError: when a trajectory is shorter than one context, or there is no such frame.
         """
         frames = self._checked(frames)
         if k < 0:
@@ -95,17 +95,17 @@ class RecordedWorld:
         shortest = (self.last - self.first + 1)[frames].min(initial=needed)
         if shortest < needed:
             raise InputError(
-                f"context: k = {k} needs a drive of {needed} frames and one has {shortest}; record "
-                "longer ones or give a smaller k"
+                f"context: k = {k} needs a trajectory of {needed} frames and one has {shortest}; "
+                "record longer ones or give a smaller k"
             )
         return frames_around(frames, k, self.first[frames], self.last[frames])
 
     def observe(self, frames: NDArray[np.intp], camera: Camera | None = None) -> Observation:
-        """What the robot sensed at frames (N,): pictures are rendered, the rest was recorded.
+        """What the robot sensed at frames (N,): images are rendered, the rest was recorded.
 
         Args:
-            frames: their numbers.
-            camera: takes the pictures; the usual one unless given.
+            frames: their indices.
+            camera: takes the images; the usual one unless given.
 
         Raises:
             InputError: when there is no such frame, or lasers have different numbers of beams.
@@ -120,7 +120,7 @@ class RecordedWorld:
     def _sensed(self) -> tuple[NDArray[np.float32], Array]:
         """Laser (F, B) and odometry (F, 3) of all frames; only to observe are they needed."""
         if len({trajectory.laser.shape[1] for trajectory in self.trajectories}) > 1:
-            raise InputError("drives: lasers with different numbers of beams; take them apart")
+            raise InputError("trajectories: lasers with different numbers of beams; separate them")
         laser = np.concatenate([trajectory.laser for trajectory in self.trajectories])
         return laser, np.concatenate([trajectory.odometry for trajectory in self.trajectories])
 
@@ -134,20 +134,20 @@ class RecordedWorld:
         return frames
 
     def frame_at(self, frames: NDArray[np.intp], ahead: Array) -> NDArray[np.intp]:
-        """(N,) the frame so many metres `ahead` (N,) of each frame, or the end of the drive."""
+        """(N,) the frame `ahead` (N,) metres of each frame, or the end of the trajectory."""
         found = np.searchsorted(self.arc, self.arc[frames] + ahead)
         return np.clip(found, self.first[frames], self.last[frames])
 
     def draw(
         self, targets: int, starts: int, rng: np.random.Generator, close: float = 0.0
     ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Pairs of frames along one drive, the target 1 m behind to 3 m ahead (Table I).
+        """Pairs of frames along one trajectory, the target 1 m behind to 3 m ahead (Table I).
 
         Args:
             targets: G, how many targets.
             starts: S, for each.
             rng: draws them.
-            close: share of the pairs that are within `CLOSE` instead, as at the end of a drive.
+            close: share of the pairs that are within `CLOSE` instead, as at its end.
 
         Returns:
             (G * S,) frames to drive from, those of one target in a row, and (G,) targets.

@@ -79,13 +79,13 @@ def roll_out_pairs(
     order = np.flatnonzero(driven)[np.argsort(pairs.limit[driven], kind="stable")]
     sensors = None if camera is None else Sensors(camera=camera)
     for first in range(0, len(order), FLEET):
-        some = order[first : first + FLEET]
-        simulation = Simulation(recorded.scene, pairs.starts[some], sensors=sensors)
-        targets = pairs.targets[some]
-        ends = ReachGoals(recorded.poses[targets, :2], pairs.limit[some], settle=True)
-        drives = rollout(simulation, make_policy(simulation, recorded, targets), ends)
-        reached[some], collided[some] = drives.reached, drives.collided
-        seconds[some] = drives.seconds
+        rows = order[first : first + FLEET]
+        simulation = Simulation(recorded.scene, pairs.starts[rows], sensors=sensors)
+        targets = pairs.targets[rows]
+        ends = ReachGoals(recorded.poses[targets, :2], pairs.limit[rows], settle=True)
+        rollouts = rollout(simulation, make_policy(simulation, recorded, targets), ends)
+        reached[rows], collided[rows] = rollouts.reached, rollouts.collided
+        seconds[rows] = rollouts.seconds
     return RolloutOutcomes(pairs, driven, reached, collided, seconds)
 
 

@@ -1,6 +1,6 @@
-"""Recorded experience: what a robot sensed and did, ten times a second; on disk without pictures.
+"""Recorded experience: what a robot sensed and did, ten times a second; on disk without images.
 
-A million frames are 12 GB of pixels but seconds of rays, so pictures are rendered when needed.
+A million frames are 12 GB of pixels but seconds of rays, so images are rendered when needed.
 """
 
 from dataclasses import dataclass, fields, replace
@@ -17,7 +17,7 @@ from tutorial_lib.files import load_arrays, save_arrays
 from tutorial_lib.geometry import Array, arc_length
 
 CONTEXT_INTERVAL = 3
-"""Frames between the pictures of a target's context (dT of Meng 2020, III-B)."""
+"""Frames between the images of a target's context (dT of Meng 2020, III-B)."""
 VERSION = 1
 """Of the file's layout."""
 
@@ -35,13 +35,13 @@ _COLUMNS: dict[str, tuple[tuple[int | None, ...], type]] = {
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """One drive at 10 Hz: row t is what was sensed at time t, and the action then taken.
+    """One trajectory at 10 Hz: row t is what was sensed at time t, and the action then taken.
 
     Attributes:
         world: its name, see `world.worlds`.
-        seed: the drive was made with.
+        seed: it was recorded with.
         poses: (T, 3) float64, where the robot really was.
-        odometry: (T, 3) float64, pose since the start as the wheels told it.
+        odometry: (T, 3) float64, pose since the start by wheel odometry.
         laser: (T, B) float32 metres, full circle.
         speed: (T,) float64 m/s.
         steering: (T,) float64 rad.
@@ -82,7 +82,7 @@ class Trajectory:
         return arc_length(self.poses)
 
     def since(self, metres: float) -> "Trajectory":
-        """The rest of the drive, from where so many metres had been driven.
+        """The rest of the trajectory, after so many metres.
 
         Raises:
             InputError: when it is not as long.

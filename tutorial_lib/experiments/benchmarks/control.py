@@ -77,7 +77,7 @@ class Loop:
             scene, random_free_poses(scene, BicycleCar(), places, cars, rng)
         )
         around = random_free_poses(scene, BicycleCar(), places, cars, rng)
-        pictures = predictor.architecture.pictures
+        pictures = predictor.architecture.images
         poses = np.repeat(around[:, None], pictures, axis=1)
         self.contexts = predictor.view.render(scene, poses)
         self.predictor, self.controller = predictor, RMPController()
@@ -99,7 +99,7 @@ class Loop:
         """One control step; the time of each stage is added to `spent`."""
         seen: Observation = _timed(spent, "sense", self.simulation.observe)
         waypoints, _ = _timed(spent, "network", lambda: self.predictor.predict(seen, self.targets))
-        _timed(spent, "plain", lambda: self.predictor.predict_plainly(seen, self.contexts))
+        _timed(spent, "plain", lambda: self.predictor.predict_uncached(seen, self.contexts))
         actions = _timed(spent, "rmp", lambda: self.controller.act(seen, waypoints))
         _timed(spent, "move", lambda: self.simulation.step(actions))
 

@@ -85,5 +85,5 @@ def measure(world: int, seed: int, targets: int, anchors: int) -> dict[str, tupl
     begun = time.perf_counter()
     for _ in range(_PLAIN // _BLOCK):
         some = rng.integers(anchors, size=(2, _BLOCK))
-        network.ask_plainly(seen[some[0]], contexts[some[1]])
+        network.outputs_uncached(seen[some[0]], contexts[some[1]])
     return {"rollouts": driven, "cached": cached, "plain": (_PLAIN, time.perf_counter() - begun)}

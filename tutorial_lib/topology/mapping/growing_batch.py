@@ -1,4 +1,4 @@
-"""A growing row of things that come in batches, such as prepared targets."""
+"""A growing batch, such as the prepared targets of a map."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from tutorial_lib.errors import InputError
 
 
 class GrowingBatch:
-    """Batches laid end to end; numbers select from all of them.
+    """Batches laid end to end; indices select from all of them.
 
-    A batch is an array, or anything that an array of numbers selects from and whose class has a
+    A batch is an array, or anything that an array of indices selects from and whose class has a
     method `joined` that makes one of a list, as observations and encoded targets do. Batches are
     merged with those before once they are as long, so that there are few and adding one is cheap.
     """
@@ -35,16 +35,16 @@ class GrowingBatch:
             self._batches[-1] = joined([self._batches[-1], last])
             del self._first[-2]
 
-    def __getitem__(self, numbers: ArrayLike) -> Any:  # noqa: ANN401
-        """What has those numbers (N,), N > 0, as one batch."""
-        numbers = np.asarray(numbers)
-        which = np.searchsorted(self._first, numbers, side="right") - 1
+    def __getitem__(self, indices: ArrayLike) -> Any:  # noqa: ANN401
+        """The items at indices (N,), N > 0, as one batch."""
+        indices = np.asarray(indices)
+        which = np.searchsorted(self._first, indices, side="right") - 1
         order = np.argsort(which, kind="stable")
         bounds = np.flatnonzero(np.diff(which[order])) + 1
         parts = []
         for some in np.split(order, bounds):
             batch = which[some[0]]
-            parts.append(self._batches[batch][numbers[some] - self._first[batch]])
+            parts.append(self._batches[batch][indices[some] - self._first[batch]])
         return parts[0] if len(parts) == 1 else joined(parts)[np.argsort(order)]
 
 

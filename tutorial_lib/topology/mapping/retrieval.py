@@ -1,6 +1,6 @@
-"""Which vertices are worth asking RE about: those that look alike, by cheap comparison.
+"""Which vertices are worth querying RE about: similar ones, found by comparing embeddings.
 
-RE compares two pictures in a network. An embedding is computed from each picture alone, so those of
+RE compares two images in a network. An embedding is computed from each image alone, so those of
 all vertices are kept, and all of them are compared with a new one by a product of matrices.
 """
 
@@ -12,19 +12,19 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 
 Embedding = NDArray[np.float32]
-"""(N, R, D) directions of what is seen in R parts of a picture, or (N, P, R, D) for P pictures."""
-_AT_ONCE = 8  # pictures; their products with those of a large map fill the memory
+"""(N, R, D) embeddings of R parts of an image, or (N, P, R, D) for P images."""
+_AT_ONCE = 8  # images; their products with those of a large map fill the memory
 
 
 def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
-    """How much N pictures look like one of the pictures of each of M targets.
+    """Similarity of N images to each of M targets.
 
-    Two pictures are alike when each part of either has a counterpart in the other: the sum of the
-    means of the best cosines (late interaction). Of a target's pictures the one most alike counts.
+    Two images are alike when each part of either has a counterpart in the other: the sum of the
+    means of the best cosines (late interaction). Of a target's images the most similar one counts.
 
     Args:
         seen: (N, R, D).
-        shown: (M, P, R, D), the pictures of targets in their context.
+        shown: (M, P, R, D), the images of targets in their context.
 
     Returns:
         (N, M), from -2 to 2.
@@ -32,30 +32,30 @@ def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
     seen, shown = _checked(seen, 3), _checked(shown, 4)
     if seen.shape[-1] != shown.shape[-1]:
         raise InputError(
-            f"embeddings: {seen.shape[-1]} and {shown.shape[-1]} numbers for a direction; embed "
+            f"embeddings: {seen.shape[-1]} and {shown.shape[-1]} dimensions; embed "
             "all with the same network"
         )
-    count, pictures, parts, size = shown.shape
+    count, images, parts, size = shown.shape
     laid = np.ascontiguousarray(shown.transpose(3, 1, 2, 0)).reshape(size, -1)
     found = np.empty((len(seen), count), dtype=np.float32)
     for first in range(0, len(seen), _AT_ONCE):
         some = seen[first : first + _AT_ONCE]
         cosines = some.reshape(-1, size) @ laid
-        cosines = cosines.reshape(len(some), -1, pictures, parts, count)
+        cosines = cosines.reshape(len(some), -1, images, parts, count)
         both = cosines.max(axis=3).mean(axis=1) + cosines.max(axis=1).mean(axis=2)
         found[first : first + _AT_ONCE] = both.max(axis=1)
     return found
 
 
 def most_alike(alike: ArrayLike, count: int) -> NDArray[np.intp]:
-    """(N, min(count, M)) numbers of the targets most alike, of (N, M); in no order."""
+    """(N, min(count, M)) indices of the most similar targets, of (N, M); in no order."""
     alike = np.asarray(alike)
     count = min(count, alike.shape[1])
     return np.argpartition(-alike, max(count - 1, 0), axis=1)[:, :count]
 
 
 class Index:
-    """What V vertices look like, as seen from them and as shown to who looks for them."""
+    """Embeddings of V vertices: as observation (query) and as target (key)."""
 
     def __init__(self) -> None:
         """No vertices yet."""
@@ -63,7 +63,7 @@ class Index:
         self._shown: list[Embedding] = []
 
     def append(self, seen: Embedding, shown: Embedding) -> None:
-        """Add N vertices: what was seen there (N, R, D), and their pictures (N, P, R, D)."""
+        """Add N vertices: as observations (N, R, D), and as targets (N, P, R, D)."""
         self._seen.append(_checked(seen, 3))
         self._shown.append(_checked(shown, 4))
 

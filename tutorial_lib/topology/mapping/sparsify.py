@@ -21,22 +21,22 @@ def sparsify(
     """Keep as few frames as the controller needs (Meng 2020, III-D).
 
     From anchor i the next one is the largest j such that RE(o_i, o_k) > `threshold` for every k in
-    (i, j]. Where not even i + 1 can be reached so surely, it is kept, since one must get on.
+    (i, j]. Where not even i + 1 is above the threshold, it is kept all the same.
 
     Args:
         reachability: RE.
         observations: T frames of the trajectory, in order.
         prepared: the same frames as targets, T of them, from `reachability.prepare`; anything that
-            an array of numbers selects from.
+            an array of indices selects from.
         threshold: p_sparsify; the higher it is, the more frames are kept.
-        window: frames asked about in one call, which changes the time it takes and nothing else.
+        window: frames queried in one call, which changes only the running time.
 
     Returns:
-        (A,) numbers of the anchors, rising; the first frame and the last are always among them.
+        (A,) indices of the anchors, rising; the first frame and the last are always among them.
 
     Raises:
         InputError: when there are fewer than two frames, not as many targets, a threshold or window
-            makes no sense, or `reachability` tells no probabilities.
+            makes no sense, or `reachability` returns no probabilities.
     """
     frames = len(observations)
     _check_frames(frames)
@@ -78,24 +78,24 @@ def every_nth(frames: int, n: int) -> NDArray[np.intp]:
     return np.append(np.arange(0, frames - 1, n), frames - 1)
 
 
-def contextified(pictures: NDArray, k: int) -> NDArray:
+def contextified(images: NDArray, k: int) -> NDArray:
     """Every frame of a trajectory with its context, as a target (Meng 2020, III-B).
 
     Args:
-        pictures: (T, ...) of one trajectory.
-        k: pictures on either side, `CONTEXT_INTERVAL` frames apart.
+        images: (T, ...) of one trajectory.
+        k: images on either side, `CONTEXT_INTERVAL` frames apart.
 
     Returns:
-        (T, 2k+1, ...); beyond either end the first or last picture is repeated.
+        (T, 2k+1, ...); beyond either end the first or last image is repeated.
 
     Raises:
-        InputError: when there is no picture, or k is negative.
+        InputError: when there is no image, or k is negative.
     """
-    if not len(pictures):
-        raise InputError("contextified: a trajectory without a picture; give (T, ...)")
+    if not len(images):
+        raise InputError("contextified: a trajectory without an image; give (T, ...)")
     _check_context(k)
-    last = len(pictures) - 1
-    return pictures[frames_around(np.arange(len(pictures)), k, 0, last)]
+    last = len(images) - 1
+    return images[frames_around(np.arange(len(images)), k, 0, last)]
 
 
 def stored_frames(anchors: ArrayLike, frames: int, k: int) -> int:
