@@ -35,8 +35,8 @@ def test_the_table_of_plans_is_that_of_the_results(row):
         ("numpy, vectorised", "numpy"),
         ("rays, batches of 256", "numba"),
         ("rays, one pose at a time", "numba_single"),
-        ("pictures 64 × 16", "image16"),
-        ("pictures 64 × 64", "image64"),
+        ("images 64 × 16", "image16"),
+        ("images 64 × 64", "image64"),
     ],
 )
 def test_the_table_of_rays_is_that_of_the_results(label, method):
@@ -75,11 +75,11 @@ def test_the_table_of_local_controllers_is_that_of_the_results(label, controller
 def test_success_on_real_maps_is_that_of_the_results(name):
     rows = rows_of(f"meng_table1_{name}")
     k5, oracle = (
-        next(r for r in rows if (r["controller"], r["condition"]) == (who, "clean"))
-        for who in ("k5", "oracle")
+        next(r for r in rows if (r["controller"], r["condition"]) == (which, "clean"))
+        for which in ("k5", "oracle")
     )
-    told = f"{name} {k5['success']:.1%} with k = 5, {oracle['success']:.1%} by the oracle"
-    assert told in README
+    words = f"{name} {k5['success']:.1%} with k = 5, {oracle['success']:.1%} by the oracle"
+    assert words in README
 
 
 ESTIMATORS = {
@@ -89,7 +89,7 @@ ESTIMATORS = {
     "RE, laser, k = 2": "laser",
     "SPTM's network": "sptm",
     "image similarity": "image",
-    "geometry, told by the map": "geometry",
+    "true geometry": "geometry",
 }
 
 
@@ -118,9 +118,7 @@ def test_the_table_of_anchors_is_that_of_the_results(label, method, chosen):
     }
     keys = [("k0", "clean"), ("k2", "clean"), ("k2", "noise"), ("k5", "clean")]
     expected = [
-        f"{rows[key]['cover_rate']:.1%} of the way at {rows[key]['sparsity']:.3f}"
-        if key in rows
-        else ""
+        f"{rows[key]['cover_rate']:.1%} at {rows[key]['sparsity']:.3f}" if key in rows else ""
         for key in keys
     ]
     assert cells_of(label) == expected
@@ -130,13 +128,13 @@ def test_what_is_said_of_disturbances_is_that_of_the_results():
     rows = {row["disturbance"]: row for row in rows_of("disturbances")}
     for kind in ("none", "pushed", "turned", "person"):
         assert f"{rows[kind]['finished']:.1%}" in README
-    assert f"{rows['carried']['soon']:.1%} say within 5 s that they are lost" in README
+    assert f"{rows['carried']['soon']:.1%} declare within 5 s that they are lost" in README
 
 
 def test_the_speed_of_reachability_is_that_of_the_results():
     rows = {row["what"]: row for row in rows_of("reachability")}
-    assert f"drive {rows['rollouts']['per_s']:,.0f} errands a second" in README
-    assert f"{rows['cached']['per_s']:,.0f} questions a second" in README
+    assert f"run {rows['rollouts']['per_s']:,.0f} rollouts a second" in README
+    assert f"{rows['cached']['per_s']:,.0f} queries a second" in README
     assert f"{rows['cached']['over_plain']:.1f} times as many" in README
 
 
@@ -155,7 +153,7 @@ def test_the_examples_run(capsys):
     assert "m from the target" in capsys.readouterr().out
 
 
-def test_the_planner_of_ones_own_is_raced(tmp_path):
+def test_a_planner_of_ones_own_is_compared(tmp_path):
     *_, planner = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     assert planner.count("\n") < 30
     (tmp_path / "my_planner.py").write_text(planner)
@@ -189,14 +187,14 @@ def test_the_table_of_navigation_is_that_of_the_results(world):
 
 def test_what_is_said_of_navigation_is_that_of_the_results():
     notes = json.loads((RESULTS / "meng_table2.json").read_text())["notes"]
-    told = dict(note.split(": ", 1) for note in notes)
+    by_kind = dict(note.split(": ", 1) for note in notes)
     for name, words in (("meng", "Meng"), ("sptm", "SPTM")):
-        assert f"{told[f'{name}, all worlds'].split()[0]} for {words}" in README
-    assert f"a difference of {told['meng - sptm']}" in README
-    assert f"{told['meng'].split()[0]} of Meng's edges are no wormholes" in README
+        assert f"{by_kind[f'{name}, all worlds'].split()[0]} for {words}" in README
+    assert f"a difference of {by_kind['meng - sptm']}" in README
+    assert f"{by_kind['meng'].split()[0]} of Meng's edges are no wormholes" in README
 
 
-def told_of(name):
+def notes_of(name):
     """The notes of a result by what stands before their colon."""
     notes = json.loads((RESULTS / f"{name}.json").read_text())["notes"]
     return dict(note.split(": ", 1) for note in notes if ": " in note)
@@ -213,14 +211,14 @@ def test_what_is_said_of_a_plans_probability_is_that_of_the_results():
     assert f"{sum(row['trials'] for row in rows):,} starts from anywhere" in README
     assert listed(rows, "probability", 0) in README
     assert listed(rows, "success", 0) in README
-    told = told_of("meng_fig9")
+    by_kind = notes_of("meng_fig9")
     for kind in ("product of RE", "recalibrated"):
-        ece, spearman = re.fullmatch(r"ECE (\S+), Spearman .* (\S+)", told[kind]).groups()
+        ece, spearman = re.fullmatch(r"ECE (\S+), Spearman .* (\S+)", by_kind[kind]).groups()
         assert f"ECE {ece}" in README
         assert f"Spearman {spearman}" in README
 
 
-def test_what_is_said_of_fewer_drives_is_that_of_the_results():
+def test_what_is_said_of_fewer_trajectories_is_that_of_the_results():
     rows = rows_of("meng_fig10")
     assert listed(rows, "success", 1) in README
     assert listed(rows, "no_generalisation", 0) in README
@@ -241,9 +239,9 @@ def test_what_is_said_of_faults_is_that_of_the_results():
 
 
 def test_what_is_said_of_other_colours_and_real_maps_is_that_of_the_results():
-    told = told_of("meng_table2_shifted")
+    by_kind = notes_of("meng_table2_shifted")
     for name, words in (("meng", "Meng"), ("sptm", "SPTM")):
-        assert f"{told[f'{name}, all worlds'].split()[0]} for {words}" in README
+        assert f"{by_kind[f'{name}, all worlds'].split()[0]} for {words}" in README
     for name in ("depot", "tb3_sandbox", "warehouse"):
         rows = {row["method"]: row["success"] for row in rows_of(f"meng_table2_{name}")}
         assert f"{name} {rows['meng']:.1%} and {rows['sptm']:.1%}" in README
@@ -252,7 +250,7 @@ def test_what_is_said_of_other_colours_and_real_maps_is_that_of_the_results():
 def test_what_is_said_of_the_speed_of_maps_is_that_of_the_results():
     rows = rows_of("map")
     indexed, exhaustive = (row for row in rows if row["map"] == "one building, no reuse")
-    assert f"{indexed['queries'] / exhaustive['queries']:.1%} of the questions" in README
+    assert f"{indexed['queries'] / exhaustive['queries']:.1%} of the queries" in README
     assert f"finds {indexed['recall']:.2%} of the edges" in README
     large = {row["vertices"]: row for row in rows[4:] if row["method"] == "indexed"}
     thousand = min(large, key=lambda size: abs(size - 1_000))

@@ -521,9 +521,7 @@ def transition__is_impatient(state, active, visited, reach, overlap, at, waited,
     return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
-def transition__has_a_timeout_of_its_own(
-    state, active, visited, reach, overlap, at, waited, rules
-):
+def transition__has_a_timeout_of_its_own(state, active, visited, reach, overlap, at, waited, rules):
     """Dead reckoning for long, other rules"""
     if state == State.DEAD_RECKONING and reach[active] <= rules.p_follow:
         return State.LOST if waited > 4.0 else state, active, visited
