@@ -29,3 +29,9 @@ def test_rays_end_at_the_walls_and_the_field_of_view_is_tinted():
     view.rays(picture, pose, ends)
     view.arrow(picture, pose)
     assert (picture != before).any()
+
+
+def test_rays_turn_with_the_robot():
+    scene = Scene(make_box())
+    ends = ray_ends(scene, [2.0, 5.0, np.pi / 2], [-np.pi / 2, 0.0, np.pi / 2])
+    assert np.allclose(ends, [[10, 5], [2, 10], [0, 5]])

@@ -23,3 +23,10 @@ def test_policies_are_drawn_where_they_are(box):
     assert changed[:, 1].max() == pytest.approx(x + view.scale, abs=3)
     assert changed[:, 1].min() == pytest.approx(x - 0.5 * view.scale, abs=3)
     assert changed[:, 0].min() == pytest.approx(y - 0.5 * view.scale, abs=3)
+
+
+@pytest.mark.parametrize("angle", [0.4, -1.0, 1.3])
+def test_ellipses_lie_along_the_axis_on_which_a_metric_weighs_most(angle):
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    outline = ellipse(turn @ np.diag([9.0, 1.0]) @ turn.T, 0.1, 9.0)
+    assert np.abs(outline @ turn).max(axis=0) == pytest.approx([0.3, 0.1], abs=0.002)

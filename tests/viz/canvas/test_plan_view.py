@@ -89,3 +89,13 @@ def test_goals_discs_lines_and_dots_change_only_their_place():
     view.polyline(untouched, np.zeros((0, 2)), colours.PATH, 3)
     view.points(untouched, np.zeros((0, 2)), colours.LASER, 3)
     assert (untouched == view.base).all()
+
+
+def test_walls_have_the_colours_of_their_place_on_the_strip():
+    view = PlanView(Scene(make_box()), 1032, 1032)
+    # Each wall begins 10 m on along the strip, which repeats after 25.6 m; stripe k lies from k to
+    # k + 0.4 m.
+    for point, stripe in (([4.2, 0.0], 4), ([10.0, 2.2], 12), ([5.8, 10.0], 24), ([0.0, 9.2], 5)):
+        colour = np.array([stripe * 9, 255 - stripe * 9, 80])
+        assert np.abs(at(view, view.base, point) - colour).max() <= 12
+    assert np.abs(np.array(at(view, view.base, [10.0, 2.7])) - [200, 190, 160]).max() <= 3

@@ -26,3 +26,14 @@ def test_the_dashboard_shows_the_camera_and_the_laser_with_ahead_up():
     assert laser[20, 160].tolist() == list(colours.PAPER)  # free ahead
     assert laser[300, 160].tolist() == list(colours.ROOMS["open"])  # behind the wall
     assert laser[160 + 40, 140:180].tolist().count(list(colours.LASER)) > 0  # the wall itself
+
+
+def test_what_the_laser_meets_on_the_left_is_drawn_on_the_left():
+    scene, pose = Scene(make_box()), np.array([[5.0, 8.5, 0.0]])  # a wall 1.5 m to the left
+    scan = Laser().scan(scene, pose)
+    image, nothing = np.zeros((1, 16, 64, 3), np.uint8), np.zeros(1)
+    observation = Observation(image, None, scan, pose, nothing, nothing)
+    moment = Moment(pose[0], CAR, observation, pose[:, :2], pose[:, :2], None, None, [])
+    laser = draw_laser(moment, 320)  # 40 pixels a metre
+    assert laser[160, 60].tolist() == list(colours.ROOMS["open"])
+    assert laser[160, 260].tolist() == list(colours.PAPER)
