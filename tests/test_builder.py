@@ -156,3 +156,11 @@ def test_long_import_lists_fill_lines_and_nothing_else_changes():
     assert max(map(len, compact.splitlines())) <= 100
     assert ast.dump(ast.parse(compact)) == ast.dump(ast.parse(code))
     assert "call(\n    one,\n    two,\n)" in compact
+
+
+def test_an_exercise_is_checked_after_it_and_not_before(project):
+    start, check = GOOD.split("\n# %%\n")
+    title, exercise = start.split("\n# %% exercise")
+    swapped = f"{title}\n# %%\n{check}\n# %% exercise{exercise}"
+    with pytest.raises(InputError, match=r"has no check_double\.use\(double\) after it"):
+        read_source(project, swapped)

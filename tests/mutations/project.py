@@ -27,7 +27,7 @@ MUTATIONS = [
         "files.py",
         "path.is_dir() or not os.access",
         "not os.access",
-        "test_cli.py -k 'wrong_input or refused'",
+        "test_files.py",
     ),
     (
         "a stub stands where functions of the top level have it",
