@@ -164,3 +164,11 @@ def test_an_exercise_is_checked_after_it_and_not_before(project):
     swapped = f"{title}\n# %%\n{check}\n# %% exercise{exercise}"
     with pytest.raises(InputError, match=r"has no check_double\.use\(double\) after it"):
         read_source(project, swapped)
+
+
+@pytest.mark.parametrize("count", [0, 1, 2])
+def test_three_wrong_answers_are_needed(project, count):
+    some = "".join(f"def double__wrong_{i}(x):\n    return {i}\n\n\n" for i in range(count))
+    (project / "tests/wrong_answers/09_double.py").write_text(some)
+    with pytest.raises(InputError, match=f"has {count} wrong answers for 'double'; write 3"):
+        read_source(project, GOOD)

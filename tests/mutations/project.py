@@ -62,6 +62,6 @@ MUTATIONS = [
         "cli.py",
         "(options.worlds or options.ablation)",
         "options.worlds",
-        "test_cli.py -k refused",
+        "experiments/meng2020/test_table1.py -k in_place_of",
     ),
 ]
