@@ -209,6 +209,17 @@ def test_a_robot_that_stands_still_for_good_is_done_and_one_that_rests_is_not(bo
     assert rollouts.seconds[2] == pytest.approx(rollouts.seconds[3] + 1.8, abs=0.3)
 
 
+def test_rests_do_not_add_up(box):
+    resting = Straight()
+    resting.act = lambda observations, robots: np.array([[next(speeds), 0.0]])
+    speeds = iter(([0.5] * 8 + [0.0] * 8) * 40)
+    ends = ReachGoals(GOALS[:1], 60.0, settle=True)
+    rollouts = rollout(Simulation(box, ROWS[:1]), resting, ends)
+    assert rollouts.reached[0]
+    moved = np.abs(np.diff(rollouts.poses[:, 0], axis=0)).max(axis=1) > 1e-4
+    assert (~moved).sum() > 2 * SETTLED / 0.1
+
+
 def test_without_settle_no_rollout_ends_for_standing_still(box):
     rollouts = rollout(Simulation(box, ROWS), StopAndGo(), ReachGoals(GOALS, 16.0))
     assert rollouts.seconds[[0, 1, 4]] == pytest.approx(16.0, abs=0.11)
