@@ -173,7 +173,7 @@ def reach_ahead(guide, frames):
     """RE (T, T) from each frame of a trajectory to the next `AHEAD` ones, and 0 elsewhere."""
     here, there = np.nonzero(np.triu(np.tri(len(frames), k=AHEAD), 1))
     seen = guide.recorded.observe(frames, guide.predictor.view.camera)
-    targets = guide.reachability.prepare(guide.pictures(frames))
+    targets = guide.reachability.prepare(guide.images(frames))
     reach = np.zeros((len(frames), len(frames)))
     reach[here, there] = guide.reachability.probability(seen[here], targets[there])
     return reach
@@ -676,7 +676,7 @@ def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
 
 def anchor_paths(guide, kept):
     """AnchorPaths of anchors, frames (A,) of recorded trajectories, one for each robot."""
-    images = guide.pictures(np.concatenate(kept))
+    images = guide.images(np.concatenate(kept))
     prepared = guide.predictor.prepare(images), guide.reachability.prepare(images)
     return AnchorPaths.end_to_end(*prepared, [len(path) for path in kept])
 
@@ -1004,7 +1004,7 @@ def failure_poses(index):
 def reach_from(index, poses):
     """RE (P,) of the anchor that was driven to, from poses (P, 3)."""
     _, place = failure_step(index)
-    target = guide.reachability.prepare(guide.pictures(kept[index][[place]]))
+    target = guide.reachability.prepare(guide.images(kept[index][[place]]))
     seen = Simulation(scene, poses).observe()
     return guide.reachability.probability(seen, target[np.zeros(len(poses), dtype=int)])
 

@@ -19,7 +19,7 @@ from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.meng2020 import calibration
 from tutorial_lib.experiments.protocols import estimators, geometry_bound, reachability
 from tutorial_lib.experiments.protocols.estimators import Estimator
-from tutorial_lib.experiments.protocols.reachability import Asker, Sizes, examine, far_pairs
+from tutorial_lib.experiments.protocols.reachability import Queries, Sizes, examine, far_pairs
 from tutorial_lib.geometry import to_local, wrap
 from tutorial_lib.learning.calibration import auc, brier, reliability
 from tutorial_lib.learning.networks import Architecture
@@ -38,7 +38,7 @@ def paths(recorded):
 # Who is asked.
 
 
-def test_each_judge_has_its_weights_its_controller_and_its_context(monkeypatch):
+def test_each_estimator_has_its_weights_its_controller_and_its_context(monkeypatch):
     def named(name):
         k = {"reach_k0": 0, "reach_k5": 5, "sptm": 0}.get(name, 2)
         return SimpleNamespace(name=name, architecture=Architecture(k, outputs="reachability"))
@@ -57,23 +57,23 @@ def test_each_judge_has_its_weights_its_controller_and_its_context(monkeypatch):
 
 
 @needs(*WEIGHTS)
-def test_each_judge_s_network_has_the_context_that_it_is_given(recorded):
+def test_each_estimator_s_network_has_the_context_that_it_is_given(recorded):
     frames = np.array([40, 90])
-    for name, judge in estimators.estimators(calibration.ALL[:5]).items():
-        assert judge.reachability.architecture.k == judge.k, name
-        told = judge.judge(recorded, recorded.observe(frames), frames + 5)
-        assert ((told > 0) & (told < 1)).all()
-        assert judge.reachability.calibration.raw != (-1.0, 1.0) or name == "sptm"
+    for name, estimator in estimators.estimators(calibration.ALL[:5]).items():
+        assert estimator.reachability.architecture.k == estimator.k, name
+        probability = estimator.predict(recorded, recorded.observe(frames), frames + 5)
+        assert ((probability > 0) & (probability < 1)).all()
+        assert estimator.reachability.calibration.raw != (-1.0, 1.0) or name == "sptm"
 
 
 @pytest.mark.parametrize("at_once", [1, 7, 1024])
-def test_each_pair_is_judged_for_itself(recorded, monkeypatch, at_once):
+def test_each_pair_is_predicted_by_itself(recorded, monkeypatch, at_once):
     monkeypatch.setattr(estimators, "_AT_ONCE", at_once)
     starts, targets = (
         np.random.default_rng(0).integers(len(recorded.poses), size=(2, 30)) // 40 * 40
     )
     seen = recorded.observe(starts)
-    together = IMAGE.judge(recorded, seen, targets)
+    together = IMAGE.predict(recorded, seen, targets)
     there = recorded.observe(targets).image
     for pair in range(30):
         prepared = ImageSimilarity().prepare(there[[pair]][:, None])
@@ -81,9 +81,9 @@ def test_each_pair_is_judged_for_itself(recorded, monkeypatch, at_once):
         assert together[pair] == pytest.approx(alone[0])
     rows, columns = np.array([3, 3, 9]), np.array([0, 5, 5])
     prepared = IMAGE.targets(recorded, targets)
-    told = IMAGE.ask_all(seen, prepared, rows, columns)
+    predicted = IMAGE.query_all(seen, prepared, rows, columns)
     wanted = ImageSimilarity().probability(seen[rows], prepared[columns])
-    assert told == pytest.approx(wanted)
+    assert predicted == pytest.approx(wanted)
 
 
 def test_targets_are_shown_in_their_context_as_the_network_views_them(recorded):
@@ -118,7 +118,7 @@ def test_the_sizes_are_those_that_the_design_promises():
     assert set(calibration._QUICK) | {"geometry"} == {"k2", "k5", "sptm", "image", "geometry"}
 
 
-def test_geometry_is_told_where_the_target_is_what_is_seen_of_it_and_how_tight_it_is(recorded):
+def test_geometry_gets_where_the_target_is_what_is_seen_of_it_and_how_tight_it_is(recorded):
     errands = made_up(recorded, 6, 0).pairs
     found = geometry_bound.features(recorded, errands)
     assert found.shape == (len(errands), 10)
@@ -152,11 +152,11 @@ def test_geometry_foretells_what_depends_on_geometry(recorded, monkeypatch):
     model = geometry_bound.fitted("k2")
     others = made_up(recorded, 40, 7).pairs
     others = others.subset(others.seen)
-    told = model.predict_proba(geometry_bound.features(recorded, others))[:, 1]
-    assert auc(told, others.geodesic < 2.0) > 0.95
+    predicted = model.predict_proba(geometry_bound.features(recorded, others))[:, 1]
+    assert auc(predicted, others.geodesic < 2.0) > 0.95
 
 
-def test_without_scikit_learn_there_is_no_bound_and_that_is_told(monkeypatch):
+def test_without_scikit_learn_there_is_no_bound_and_that_is_reported(monkeypatch):
     monkeypatch.setitem(sys.modules, "sklearn.ensemble", None)
     with pytest.raises(InputError, match=r"scikit-learn; pip install -e '\.\[test\]'"):
         geometry_bound.fitted("k2")
@@ -186,7 +186,7 @@ class Knowing:
 
 @pytest.fixture
 def asker(recorded, paths, monkeypatch):
-    """Asks a judge that knows all frames up to 25 ahead; notes what is driven."""
+    """Queries an estimator that knows all frames up to 25 ahead; notes what is driven."""
     driven = []
 
     def drive(world, errands, controller, all_of_them=False):
@@ -200,8 +200,8 @@ def asker(recorded, paths, monkeypatch):
     monkeypatch.setattr(reachability, "_driven", drive)
 
     def made(reach=25):
-        judge = Estimator(Knowing(recorded, reach), "k0", 0)
-        return Asker(recorded, paths, judge, np.random.default_rng(0)), driven
+        estimator = Estimator(Knowing(recorded, reach), "k0", 0)
+        return Queries(recorded, paths, estimator, np.random.default_rng(0)), driven
 
     return made
 
@@ -256,7 +256,7 @@ def test_where_nobody_is_sure_nothing_is_driven(asker, recorded):
 
 @pytest.fixture(scope="module")
 def world():
-    """One small world, examined by two that are the same judge."""
+    """One small world, examined by two that are the same estimator."""
     patch = pytest.MonkeyPatch()
     patch.setattr(reachability, "estimators", lambda names: dict.fromkeys(names, IMAGE))
     patch.setattr(reachability, "_CARS", 4)
@@ -269,12 +269,12 @@ def world():
 
 def test_a_world_is_examined_from_every_side(world):
     one = world["image"]
-    assert set(one) == {"told", "reached", "seen", "bound", "far", "consecutive", "edges"}
-    count = len(one["told"])
+    assert set(one) == {"predicted", "reached", "seen", "bound", "far", "consecutive", "edges"}
+    count = len(one["predicted"])
     assert 10 < count <= 20
     for name in ("reached", "seen", "bound"):
         assert one[name].shape == (count,)
-    for name in ("told", "far", "bound"):
+    for name in ("predicted", "far", "bound"):
         assert ((one[name] >= 0) & (one[name] <= 1)).all()
     assert set(one["reached"]) <= {0.0, 1.0}
     assert 0 < len(one["far"]) <= 30
@@ -293,8 +293,8 @@ def test_all_estimators_are_asked_the_same(world):
 def part(seed, count=60):
     """What one world may give."""
     rng = np.random.default_rng(seed)
-    told = rng.random(count) ** 0.3
-    some = {"told": told, "reached": (rng.random(count) < told).astype(float)}
+    predicted = rng.random(count) ** 0.3
+    some = {"predicted": predicted, "reached": (rng.random(count) < predicted).astype(float)}
     some |= {"seen": rng.random(count) < 0.6, "bound": rng.random(count)}
     some["far"] = rng.random(30)
     return some | {
@@ -306,14 +306,14 @@ def test_a_row_tells_how_right_an_estimator_was():
     parts = [part(seed) for seed in range(4)]
     row = calibration._row("k2", parts)
     every = {key: np.concatenate([p[key] for p in parts]) for key in parts[0]}
-    told, reached = every["told"][every["seen"]], every["reached"][every["seen"]]
-    assert (row["estimator"], row["pairs"]) == ("k2", len(told))
-    assert row["auc"] == auc(told, reached)
-    assert row["brier"] == brier(told, reached)
-    assert row["ece"] == reliability(told, reached).ece
+    predicted, reached = every["predicted"][every["seen"]], every["reached"][every["seen"]]
+    assert (row["estimator"], row["pairs"]) == ("k2", len(predicted))
+    assert row["auc"] == auc(predicted, reached)
+    assert row["brier"] == brier(predicted, reached)
+    assert row["ece"] == reliability(predicted, reached).ece
     assert row["geometry_auc"] == auc(every["bound"][every["seen"]], reached)
-    assert row["precision_mix"] == pytest.approx(reached[told > 0.99].mean())
-    assert row["sure_mix"] == (told > 0.99).sum() > 3
+    assert row["precision_mix"] == pytest.approx(reached[predicted > 0.99].mean())
+    assert row["sure_mix"] == (predicted > 0.99).sum() > 3
     assert row["precision_map"] == pytest.approx(every["edges"].mean())
     assert row["precision_consecutive"] == pytest.approx(every["consecutive"].mean())
     assert (row["sure_map"], row["sure_consecutive"]) == (26, 26)
@@ -328,7 +328,7 @@ def test_a_row_tells_how_right_an_estimator_was():
 def test_where_nobody_was_sure_there_is_no_precision():
     parts = [part(seed) for seed in range(2)]
     for p in parts:
-        p["told"], p["edges"] = 0.9 * p["told"], np.empty(0)
+        p["predicted"], p["edges"] = 0.9 * p["predicted"], np.empty(0)
     row = calibration._row("image", parts)
     assert row["precision_mix"] is row["precision_mix_low"] is row["precision_map"] is None
     assert row["sure_mix"] == row["sure_map"] == 0

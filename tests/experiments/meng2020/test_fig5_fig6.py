@@ -103,7 +103,7 @@ def test_anchors_are_those_of_the_sparsifier_and_more_of_them_the_higher_the_thr
 
 def test_pictures_of_anchors_have_their_context(recorded):
     guide, frames = guide_of(recorded, "k2", Sure()), np.array([50, 0, 300])
-    pictures = guide.pictures(frames)
+    pictures = guide.images(frames)
     assert pictures.shape == (3, 5, 16, 64, 3)
     for number in range(5):
         shown = recorded.observe(recorded.context(frames, 2)[:, number]).image

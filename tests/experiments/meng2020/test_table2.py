@@ -24,11 +24,11 @@ from tutorial_lib.experiments.protocols.navigation import (
     NEAR,
     STUCK,
     TIMES,
-    drive_times,
     edge_lengths,
     experiences,
     goals_of,
     navigate,
+    start_times,
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -195,7 +195,7 @@ def test_goals_are_shown_in_their_context_as_seen_from_there(asked):
 
 def test_experiences_are_the_drives_one_after_the_other(house):
     found = list(experiences(house))
-    begins = drive_times(house)
+    begins = start_times(house)
     assert len(found) == len(begins) == 6
     assert begins[0] == 0.0
     last = -np.inf

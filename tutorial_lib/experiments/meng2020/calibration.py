@@ -51,8 +51,10 @@ def run(options: Options) -> Report:
 
 def _row(name: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
     """One line of the table, from all worlds."""
-    told, reached, seen, bound = (_all(parts, key) for key in ("told", "reached", "seen", "bound"))
-    worlds = np.repeat(np.arange(len(parts)), [len(part["told"]) for part in parts])
+    told, reached, seen, bound = (
+        _all(parts, key) for key in ("predicted", "reached", "seen", "bound")
+    )
+    worlds = np.repeat(np.arange(len(parts)), [len(part["predicted"]) for part in parts])
     told, reached, bound, worlds = (values[seen] for values in (told, reached, bound, worlds))
     diagram = reliability(told, reached, _BINS)
     row: dict[str, Any] = {"estimator": name, "pairs": int(seen.sum())}

@@ -1,4 +1,4 @@
-"""Who says whether a target can be reached: the rows of the calibration table."""
+"""The estimators of reachability in the calibration table."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class Estimator:
     """One estimator of reachability.
 
     Attributes:
-        reachability: is asked.
-        controller: whose outcomes it is to foretell, one of `CONTROLLERS`.
-        k: pictures of context on either side of a target.
+        reachability: RE, or what stands in for it.
+        controller: whose outcomes it predicts, one of `CONTROLLERS`.
+        k: images of context on either side of a target.
     """
 
     reachability: Reachability
@@ -40,23 +40,25 @@ class Estimator:
         poses = recorded.poses[recorded.context(frames, self.k)]
         return self.reachability.prepare(view.render(recorded.scene, poses))
 
-    def judge(self, recorded: RecordedWorld, seen: Observation, targets: NDArray[np.intp]) -> Array:
-        """Probabilities (N,) that from what is `seen` (N) the frames (N,) are reached."""
+    def predict(
+        self, recorded: RecordedWorld, seen: Observation, targets: NDArray[np.intp]
+    ) -> Array:
+        """Probabilities (N,) that C reaches frames (N,) from where N observations were made."""
         frames, which = np.unique(targets, return_inverse=True)
         prepared = self.targets(recorded, frames)
-        return self.ask_all(seen, prepared, np.arange(len(seen)), which)
+        return self.query_all(seen, prepared, np.arange(len(seen)), which)
 
-    def ask_all(
+    def query_all(
         self, seen: Observation, prepared: object, rows: NDArray[np.intp], shown: NDArray[np.intp]
     ) -> Array:
-        """Probabilities (N,) of pairs: observation numbers (N,) and target numbers (N,)."""
+        """Probabilities (N,) of pairs: indices of observations (N,) and of targets (N,)."""
         parts = np.array_split(np.arange(len(rows)), 1 + len(rows) // _AT_ONCE)
-        asked = [query(self.reachability, seen[rows[p]], prepared[shown[p]]) for p in parts]
-        return np.concatenate(asked)
+        found = [query(self.reachability, seen[rows[p]], prepared[shown[p]]) for p in parts]
+        return np.concatenate(found)
 
 
 def estimators(names: tuple[str, ...]) -> dict[str, Estimator]:
-    """The estimators of those names; SPTM's and plain similarity are held against k = 2."""
+    """The estimators of those names; SPTM's and image similarity are compared with k = 2."""
     every = {name: (f"reach_{name}", name) for name in CONTROLLERS} | {"sptm": ("sptm", "k2")}
     found = {}
     for name in names:

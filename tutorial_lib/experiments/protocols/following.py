@@ -34,35 +34,35 @@ WEIGHTS = {
 }
 """C_WP and RE by context."""
 Disturb = Callable[[Simulation, Robots], None]
-"""Does something to the robots under way."""
+"""Disturbs the robots under way."""
 CARS = 48
 """That set out in a world, for trajectories to choose from."""
 LENGTH = 15.0
 """Metres of the trajectories, on average (Meng 2020, IV-B)."""
 UNDER_WAY = 2.0
-"""Metres driven before a trajectory begins. Cars set out from where they happen to stand, to and
-fro until they face the way they want to go; anchors so close together, each seen the other way
-round, cannot be told apart by overlap or waypoint, however many are kept."""
+"""Metres driven before a trajectory begins. Cars first manoeuvre until they face their path;
+anchors that close together with opposite headings cannot be distinguished by overlap or waypoint,
+however many are kept."""
 _SHORTEST = 10.0
-_BUDGET = 2.0  # times the time that the slowest drive takes
+_BUDGET = 2.0  # times the time of the slowest rollout
 
 
 def trajectories(seed: int, count: int, rng: np.random.Generator) -> RecordedWorld:
     """A world with `count` recorded trajectories of about `LENGTH` metres on average.
 
-    They begin once the cars are under way. There are fewer, where not as many are 10 m long.
+    They begin once the cars are under way. There are fewer where fewer are 10 m long.
     """
     name = local_world(seed)
     scene = scene_of(name)
-    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
-    moved = [drive.since(UNDER_WAY) for drive in drives if drive.arc_length[-1] > 2 * UNDER_WAY]
-    found = [drive for drive in moved if drive.arc_length[-1] >= _SHORTEST] or moved
+    whole = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
+    moved = [one.since(UNDER_WAY) for one in whole if one.arc_length[-1] > 2 * UNDER_WAY]
+    found = [one for one in moved if one.arc_length[-1] >= _SHORTEST] or moved
     found = sorted(rng.permutation(np.array(found, dtype=object)), key=_off_average)[:count]
     return RecordedWorld(scene, found)
 
 
-def _off_average(drive: Any) -> float:  # noqa: ANN401 - a Trajectory
-    return abs(drive.arc_length[-1] - LENGTH)
+def _off_average(trajectory: Any) -> float:  # noqa: ANN401 - a Trajectory
+    return abs(trajectory.arc_length[-1] - LENGTH)
 
 
 @dataclass(frozen=True)
@@ -89,10 +89,10 @@ class Guide:
 
     @property
     def k(self) -> int:
-        """Pictures of context on either side of an anchor."""
+        """Images of context on either side of an anchor."""
         return self.predictor.architecture.k
 
-    def pictures(self, frames: NDArray[np.intp]) -> NDArray:
+    def images(self, frames: NDArray[np.intp]) -> NDArray:
         """Frames (N,) in their context, (N, 2k+1, H, W, C)."""
         poses = self.recorded.poses[self.recorded.context(frames, self.k)]
         return self.predictor.view.render(self.recorded.scene, poses)
@@ -101,35 +101,35 @@ class Guide:
         """Frames (A,) of the world that the sparsifier keeps of a trajectory."""
         frames = self.recorded.frames_of(trajectory)
         seen = self.recorded.observe(frames, self.predictor.view.camera)
-        prepared = self.reachability.prepare(self.pictures(frames))
+        prepared = self.reachability.prepare(self.images(frames))
         return frames[sparsify(self.reachability, seen, prepared, threshold)]
 
     def follow(
         self,
-        trails: list[NDArray[np.intp]],
+        anchors: list[NDArray[np.intp]],
         noise: float = 0.0,
         rng: np.random.Generator | None = None,
         people: Sequence[Person] = (),
         disturb: Disturb | None = None,
     ) -> tuple[Array, Array, FollowerLog]:
-        """Follow trails, each from its first frame, and say how far each was followed.
+        """Follow paths of anchors, each from its first frame on.
 
         Args:
-            trails: frames (A,) of each robot's anchors, all of one trajectory.
+            anchors: frames (A,) of each robot's anchors, all of one trajectory.
             noise: sigma of the actuation noise.
             rng: of the noise.
-            people: who walk about.
-            disturb: is called before each step with the simulation and those under way.
+            people: in the world.
+            disturb: is called before each step with the simulation and the robots under way.
 
         Returns:
-            Metres (N,) that were covered, poses (T, N, 3), and what went on.
+            Metres (N,) covered, poses (T, N, 3), and the follower's log.
         """
-        recorded, frames = self.recorded, np.concatenate(trails)
-        pictures = self.pictures(frames)
-        targets, prepared = self.predictor.prepare(pictures), self.reachability.prepare(pictures)
-        paths = AnchorPaths.end_to_end(targets, prepared, [len(trail) for trail in trails])
+        recorded, frames = self.recorded, np.concatenate(anchors)
+        images = self.images(frames)
+        targets, prepared = self.predictor.prepare(images), self.reachability.prepare(images)
+        paths = AnchorPaths.end_to_end(targets, prepared, [len(one) for one in anchors])
         follower = Follower(paths, self.predictor, RMPController(), self.reachability)
-        ends = np.array([(trail[0], trail[-1]) for trail in trails])
+        ends = np.array([(one[0], one[-1]) for one in anchors])
         simulation = Simulation(
             recorded.scene,
             recorded.poses[ends[:, 0]],

@@ -1,4 +1,4 @@
-"""How well an outcome can be foretold from geometry: a bound for what pictures can tell."""
+"""How well geometry predicts an outcome: an upper bound for what images can predict."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ WORLDS = tuple(range(200, 216))
 _TARGETS, _CARS = 200, 16
 
 
-def features(recorded: RecordedWorld, errands: ReachabilityPairs) -> Array:
+def features(recorded: RecordedWorld, pairs: ReachabilityPairs) -> Array:
     """(N, 10) what is given: where the target is, what is seen of it, and how tight it is."""
-    goals, starts = recorded.poses[errands.targets], errands.starts
+    goals, starts = recorded.poses[pairs.targets], pairs.starts
     scene, seen = recorded.scene, relative(starts, goals)
     sight = scene.caster.sees(starts[:, :2], goals[:, :2])
     room = [scene.clearance.at(poses[:, :2]) for poses in (starts, goals)]
     distance, bearing = np.hypot(seen[:, 0], seen[:, 1]), np.arctan2(seen[:, 1], seen[:, 0])
     columns = [distance, np.abs(bearing), np.abs(seen[:, 2]), seen[:, 0], seen[:, 1], sight, *room]
-    return np.column_stack([*columns, errands.overlap])
+    return np.column_stack([*columns, pairs.overlap])
 
 
 def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
-    """A gradient-boosted model of how a controller's errands end, from `WORLDS`.
+    """A gradient-boosted model of a controller's outcomes, fitted on `WORLDS`.
 
     Raises:
         InputError: where scikit-learn is not installed.
@@ -46,8 +46,8 @@ def fitted(controller: str) -> Any:  # noqa: ANN401 - scikit-learn's model
     files = record_outcomes(worlds, weights, _TARGETS, _CARS, WORK)
     known = recipe_of(weights, _TARGETS, _CARS)
     outcomes: list[RolloutOutcomes] = [load_outcomes(file, known) for file in files]
-    drives = recorded_worlds_of(worlds, _CARS, WORK)
-    given = [features(world, o.pairs) for world, o in zip(drives, outcomes, strict=True)]
+    recorded = recorded_worlds_of(worlds, _CARS, WORK)
+    given = [features(world, o.pairs) for world, o in zip(recorded, outcomes, strict=True)]
     model = HistGradientBoostingClassifier(max_iter=300, learning_rate=0.06, random_state=0)
     seen = np.concatenate([o.pairs.seen for o in outcomes])
     reached = np.concatenate([o.reached for o in outcomes])

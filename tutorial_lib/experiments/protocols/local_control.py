@@ -1,4 +1,4 @@
-"""The courses of Table I: episodes under one condition in one world."""
+"""Table I's task: episodes of local control under several conditions (Meng 2020, IV)."""
 
 from __future__ import annotations
 
@@ -27,22 +27,22 @@ WORLDS = tuple(range(20_000, 20_020))
 NOISE = 1 / 3
 OBSTACLES = 2
 CARS = 24
-"""That record the drives of a world."""
+"""That record the trajectories of a world."""
 OVERLAPPING = 0.7
-"""Both overlaps beyond which the authors' code takes a target for reached too."""
+"""Both overlaps above which the authors' code counts a target as reached, too."""
 _EPISODES, _QUICK_EPISODES = 100, 40
 _SPARE, _LONG = 5, 2.0  # times as many episodes, so long, among which are those with room
 
 
 @dataclass(frozen=True)
 class Condition:
-    """What all controllers drive under one condition in one world.
+    """One condition in one world, the same for all controllers.
 
     Attributes:
         episodes: starts and targets.
-        people: obstacles on the way.
+        people: obstacles on the path.
         noise: sigma of the factor on both controls.
-        seed: of the noise; another one in every world.
+        seed: of the noise; different in every world.
     """
 
     episodes: Episodes
@@ -64,21 +64,21 @@ class Condition:
         policy = make_policy(simulation, episodes.recorded, episodes.targets)
         return rollout(simulation, policy, ReachGoals(episodes.goals[:, :2], episodes.limit))
 
-    def matched(self, drives: Rollouts) -> NDArray[np.bool_]:
-        """(N,) whether a drive reached its target, or ever saw what its target sees."""
+    def matched(self, rollouts: Rollouts) -> NDArray[np.bool_]:
+        """(N,) whether a rollout reached its target, or ever had both overlaps with it."""
         caster, goals = self.episodes.recorded.scene.caster, self.episodes.goals
-        matched = drives.reached.copy()
-        for robot in np.flatnonzero(~drives.reached):
-            # A drive that touched something ended with that.
-            steps = round(drives.seconds[robot] / STEP) + (not drives.collided[robot])
-            track = drives.poses[:steps, robot]
+        matched = rollouts.reached.copy()
+        for robot in np.flatnonzero(~rollouts.reached):
+            # A collision ends a rollout.
+            steps = round(rollouts.seconds[robot] / STEP) + (not rollouts.collided[robot])
+            track = rollouts.poses[:steps, robot]
             both = mutual_overlap(caster, track, np.broadcast_to(goals[robot], track.shape))
             matched[robot] = (both > OVERLAPPING).all(axis=1).any()
         return matched
 
 
 def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
-    """The worlds that were asked for, and how many episodes each has."""
+    """The worlds to run, and how many episodes each has."""
     worlds = options.worlds or (WORLDS[:10] if options.quick else WORLDS)
     return worlds, _QUICK_EPISODES if options.quick else _EPISODES
 
@@ -86,7 +86,7 @@ def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
 def conditions(place: Any, count: int, seed: int) -> dict[str, Condition]:  # noqa: ANN401
     """The conditions of one world; shifted colours only where a world is generated.
 
-    Obstacles stand in episodes of their own, drawn from those that are long and wide enough.
+    Episodes with obstacles are drawn from those that are long enough and leave room to pass.
     """
     recorded, paths, rng = _explored(place, seed)
     episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
@@ -106,44 +106,44 @@ def conditions(place: Any, count: int, seed: int) -> dict[str, Condition]:  # no
 
 
 def clean_condition(place: Any, count: int, seed: int) -> Condition:  # noqa: ANN401
-    """Only the first condition of `conditions`."""
+    """The first of `conditions` alone."""
     recorded, paths, rng = _explored(place, seed)
     return Condition(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
 
 
 def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
-    """What everything random in one world is drawn with."""
+    """Seeds of everything random in one world."""
     return seed, place if isinstance(place, int) else 0
 
 
 def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:  # noqa: ANN401
-    """A world with drives recorded in it, its geodesics, and what draws everything else."""
+    """A world with recorded trajectories, its geodesics, and the generator for all else."""
     generated = isinstance(place, int)
     name = local_world(place) if generated else str(place)
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
     rng = np.random.default_rng(seeds_of(place, seed))
-    drives = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
-    return RecordedWorld(scene, drives), GridPaths(scene.clearance), rng
+    trajectories = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
+    return RecordedWorld(scene, trajectories), GridPaths(scene.clearance), rng
 
 
 def attempt(
-    course: Condition, pilot: PolicyFactory, sensors: Sensors | None = None
+    condition: Condition, make_policy: PolicyFactory, sensors: Sensors | None = None
 ) -> dict[str, Array]:
-    """One pilot on one course; each value is (N,).
+    """Run one policy under one condition; each value is (N,).
 
-    How it went: reached, collided, and matched (see `Condition.matched`). What it was like: metres
-    ahead along the drive, bearing of the target in rad, the smaller overlap of the two first
-    pictures, and metres of clearance at start or target, whichever is less.
+    Outcomes: reached, collided, and matched (see `Condition.matched`). Difficulty: metres ahead
+    along the trajectory, bearing of the target in rad, the smaller overlap of start and target, and
+    the smaller clearance of the two in metres.
     """
-    episodes = course.episodes
-    drives = course.run(pilot, sensors)
+    episodes = condition.episodes
+    rollouts = condition.run(make_policy, sensors)
     scene, starts, goals = episodes.recorded.scene, episodes.starts, episodes.goals
     seen = to_local(starts, goals[:, :2])
     room = np.stack([scene.clearance.at(poses[:, :2]) for poses in (starts, goals)])
     return {
-        "reached": drives.reached.astype(float),
-        "collided": drives.collided.astype(float),
-        "matched": course.matched(drives).astype(float),
+        "reached": rollouts.reached.astype(float),
+        "collided": rollouts.collided.astype(float),
+        "matched": condition.matched(rollouts).astype(float),
         "ahead": episodes.ahead,
         "bearing": np.abs(np.arctan2(seen[:, 1], seen[:, 0])),
         "overlap": mutual_overlap(scene.caster, starts, goals).min(axis=1),

@@ -128,14 +128,14 @@ def experiences(building: Building, indices: Sequence[int] | None = None) -> Ite
         building: the building.
         indices: of the trajectories; all unless given.
     """
-    begins = drive_times(building)
+    begins = start_times(building)
     indices = range(len(building.recorded.trajectories)) if indices is None else indices
-    for number in indices:
-        seen = building.recorded.observe(building.recorded.frames_of(number))
-        yield Experience(seen, begins[number] + building.recorded.trajectories[number].timestamps)
+    for i in indices:
+        seen = building.recorded.observe(building.recorded.frames_of(i))
+        yield Experience(seen, begins[i] + building.recorded.trajectories[i].timestamps)
 
 
-def drive_times(building: Building) -> Array:
+def start_times(building: Building) -> Array:
     """Seconds (D,) at which each recorded trajectory of a building begins."""
     long = [trajectory.timestamps[-1] + _BETWEEN for trajectory in building.recorded.trajectories]
     return np.cumsum([0.0, *long[:-1]])
@@ -151,11 +151,11 @@ def goals_of(trials: Trials, view: View, k: int) -> list[Goals]:
 
 def vertex_poses(building: Building, topomap: TopoMap) -> Array:
     """Poses (V, 3) at which a map's vertices were recorded; the agent never gets them."""
-    begins = drive_times(building)
+    begins = start_times(building)
     times = topomap.vertices.timestamps
-    drives = np.searchsorted(begins, times, side="right") - 1
-    first = building.recorded.first_frames[drives]
-    return building.recorded.poses[first + np.rint((times - begins[drives]) / STEP).astype(int)]
+    which = np.searchsorted(begins, times, side="right") - 1
+    first = building.recorded.first_frames[which]
+    return building.recorded.poses[first + np.rint((times - begins[which]) / STEP).astype(int)]
 
 
 def edge_lengths(building: Building, topomap: TopoMap) -> Array:

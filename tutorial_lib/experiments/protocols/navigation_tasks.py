@@ -1,4 +1,4 @@
-"""Buildings in which maps are made: places, the drives between them, and trials (Table II)."""
+"""Table II's task: buildings with places, trajectories between them, and trials."""
 
 from __future__ import annotations
 
@@ -23,28 +23,28 @@ from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import map_world, scene_of
 
 PLACES = 10
-"""That are joined pairwise: 90 trajectories (Meng 2020, IV-C)."""
+"""Joined pairwise by 90 trajectories (Meng 2020, IV-C)."""
 ROOMY = 0.45
 """Metres of clearance that a place has."""
 ANYWHERE_PERTURBATION = Perturbation(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
-"""Of starts that lie on a drive, but do not look along it."""
+"""Of starts on a trajectory that do not look along it."""
 _FAR = 3.0  # metres from a start to its goal at least
 _SPARE, _SPARE_ANYWHERE = 1.1, 1.5  # times as many trials are drawn, since some have no room
-_LOOK = 1.0  # metres of the way by which a car is placed that sets out on it
+_LOOK = 1.0  # metres of the path along which a car's first heading points
 _TURNS = np.array([0.0, 0.4, -0.4, 0.8, -0.8, 1.2, -1.2, np.pi])
 
 
 @dataclass(frozen=True, eq=False)
 class Building:
-    """A world with places that recorded drives join pairwise.
+    """A world with places that recorded trajectories join pairwise.
 
     Attributes:
         name: of the world.
         scene: the world.
         paths: its geodesics.
         places: (P, 2) metres.
-        recorded: the drives, one for each pair.
-        pairs: (D, 2) the places that each drive joins.
+        recorded: the trajectories, one for each pair.
+        pairs: (D, 2) the places that each trajectory joins.
     """
 
     name: str
@@ -57,15 +57,15 @@ class Building:
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """Where robots start, and what pictures they are shown; none of this is on the map.
+    """Starts and goal images of navigation; none of them is on the map.
 
-    For each trial an oracle has driven from the same start to the same place, which took it
-    `seconds`. The goal's picture was taken where it arrived.
+    For each trial an oracle drove from the same start to the same place in `seconds`; the goal
+    image was taken where it arrived.
 
     Attributes:
         pairs: (N, 2) places at either end.
         starts: (N, 3) poses, perturbed.
-        recorded: the oracle's drives.
+        recorded: the oracle's trajectories.
         goals: (N,) frames of those.
         seconds: (N,) that the oracle took.
     """
@@ -79,22 +79,22 @@ class Trials:
     def __len__(self) -> int:
         return len(self.starts)
 
-    def subset(self, numbers: NDArray[np.intp]) -> Trials:
-        """The trials of those numbers (M,)."""
+    def subset(self, indices: NDArray[np.intp]) -> Trials:
+        """The trials of those indices (M,)."""
         parts = (self.pairs, self.starts, self.goals, self.seconds)
-        pairs, starts, goals, seconds = (part[numbers] for part in parts)
+        pairs, starts, goals, seconds = (part[indices] for part in parts)
         return Trials(pairs, starts, self.recorded, goals, seconds)
 
     @property
     def goal_poses(self) -> Array:
-        """(N, 3) where the goals' pictures were taken."""
+        """(N, 3) poses at which the goal images were taken."""
         return self.recorded.poses[self.goals]
 
 
 def building(
     place: int | Path, seed: int, count: int = PLACES, palette: str = "standard"
 ) -> Building:
-    """Choose places that cover a world, and record a drive for each ordered pair of them.
+    """Choose places that cover a world, and record a trajectory for each ordered pair of them.
 
     Args:
         place: seed of a large generated world, or a map's file.
@@ -112,7 +112,7 @@ def building(
 
 
 def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLACES) -> Building:
-    """Choose places that cover a scene, and record a drive for each ordered pair of them.
+    """Choose places that cover a scene, and record a trajectory for each ordered pair of them.
 
     Raises:
         InputError: when the world is too small for so many places.
@@ -121,61 +121,63 @@ def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLA
     places = spread_places(paths, count, rng)
     pairs = np.array(list(permutations(range(count), 2)))
     starts = facing(scene, paths, places, pairs)
-    drives = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], 0)
-    kept = [number for number, drive in enumerate(drives) if long_enough(drive)]
+    trajectories = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], 0)
+    kept = [i for i, one in enumerate(trajectories) if long_enough(one)]
     if not kept:
-        raise InputError(f"{name}: no drive between any two of {count} places; give a larger map")
-    recorded = RecordedWorld(scene, [drives[number] for number in kept])
+        raise InputError(
+            f"{name}: no trajectory between any two of {count} places; give a larger map"
+        )
+    recorded = RecordedWorld(scene, [trajectories[i] for i in kept])
     return Building(name, scene, paths, places, recorded, pairs[kept])
 
 
 def trials(building: Building, count: int, rng: np.random.Generator) -> Trials:
     """Draw trials between the places of a building; pairs come equally often.
 
-    A trial starts where the recorded drive of its pair did, but perturbed as in Table I.
+    A trial starts where the recorded trajectory of its pair did, perturbed as in Table I.
     """
-    drives = np.resize(rng.permutation(len(building.pairs)), round(_SPARE * count) + 1)
-    first = building.recorded.first_frames[drives]
+    which = np.resize(rng.permutation(len(building.pairs)), round(_SPARE * count) + 1)
+    first = building.recorded.first_frames[which]
     starts, found = perturbed(
         building.scene, building.recorded.poses[first], PAPER_PERTURBATION, rng
     )
-    return _shown(building, starts[found], building.pairs[drives[found]], count)
+    return _shown(building, starts[found], building.pairs[which[found]], count)
 
 
 def trials_from_anywhere(building: Building, count: int, rng: np.random.Generator) -> Trials:
-    """Draw trials from somewhere on the recorded drives to any of the places (Fig. 9).
+    """Draw trials from anywhere on the recorded trajectories to any of the places (Fig. 9).
 
-    Many starts look far aside. The first place of their pair is that of the drive.
+    Many starts look far aside. The first place of their pair is that of the trajectory.
     """
     size = round(_SPARE_ANYWHERE * count)
     frames = rng.integers(len(building.recorded.poses), size=size)
     starts, found = perturbed(
         building.scene, building.recorded.poses[frames], ANYWHERE_PERTURBATION, rng
     )
-    drive = np.searchsorted(building.recorded.first_frames, frames, side="right") - 1
+    which = np.searchsorted(building.recorded.first_frames, frames, side="right") - 1
     pairs = np.stack(
-        [building.pairs[drive, 0], rng.integers(len(building.places), size=len(frames))], 1
+        [building.pairs[which, 0], rng.integers(len(building.places), size=len(frames))], 1
     )
     far = np.linalg.norm(starts[:, :2] - building.places[pairs[:, 1]], axis=1) > _FAR
     return _shown(building, starts[found & far], pairs[found & far], count)
 
 
 def _shown(building: Building, starts: Array, pairs: NDArray[np.intp], count: int) -> Trials:
-    """At most `count` trials, each with the picture that an oracle took at its end."""
+    """At most `count` trials, each with the image that an oracle took at its end."""
     places = building.places[pairs[:, 1]]
     shown = demonstrate_between(building.name, building.scene, building.paths, starts, places, 0)
-    kept = [number for number, drive in enumerate(shown) if long_enough(drive)][:count]
-    oracle = RecordedWorld(building.scene, [shown[number] for number in kept])
+    kept = [i for i, one in enumerate(shown) if long_enough(one)][:count]
+    oracle = RecordedWorld(building.scene, [shown[i] for i in kept])
     goals = np.unique(oracle.last)
-    seconds = np.array([drive.timestamps[-1] for drive in oracle.trajectories])
+    seconds = np.array([one.timestamps[-1] for one in oracle.trajectories])
     return Trials(pairs[kept], starts[kept], oracle, goals, seconds)
 
 
 def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Array:
-    """Roomy places (count, 2), each as far from those before as can be: they cover the world.
+    """Roomy places (count, 2), each as far from the others as possible: they cover the world.
 
     Raises:
-        InputError: when there are not as many.
+        InputError: when there are fewer.
     """
     for roomy in (ROOMY, 0.0):
         nodes = np.flatnonzero(paths.largest & (paths.clearance >= roomy))
@@ -183,10 +185,10 @@ def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Arr
             continue
         nearest, chosen = np.full(len(nodes), np.inf), [int(rng.integers(len(nodes)))]
         # The first is drawn only to find one that is far from it.
-        for number in range(count + 1):
+        for step in range(count + 1):
             field = paths.fields(paths.points[nodes[chosen[-1]]], shortest=True)
             far = field.cost[0, nodes]
-            nearest = far if number <= 1 else np.minimum(nearest, far)
+            nearest = far if step <= 1 else np.minimum(nearest, far)
             chosen.append(int(nearest.argmax()))
         if nearest.max() > 0:
             return paths.points[nodes[chosen[1:-1]]]
@@ -194,19 +196,19 @@ def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Arr
 
 
 def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp]) -> Array:
-    """Poses (D, 3) at the first place of each pair (D, 2) that look along the way to the other."""
+    """Poses (D, 3) at the first place of each pair (D, 2) that look along the path to the other."""
     fields = paths.fields(places)
     poses = np.empty((len(pairs), 3))
-    for number, (start, goal) in enumerate(pairs):
-        way = fields.path(places[start], goal)
-        far = np.linalg.norm(way - way[0], axis=1)
-        ahead = way[min(int(np.searchsorted(far, _LOOK)), len(way) - 1)] - way[0]
+    for i, (start, goal) in enumerate(pairs):
+        path = fields.path(places[start], goal)
+        far = np.linalg.norm(path - path[0], axis=1)
+        ahead = path[min(int(np.searchsorted(far, _LOOK)), len(path) - 1)] - path[0]
         heading = np.arctan2(ahead[1], ahead[0])
-        tried = np.column_stack([np.tile(way[0], (len(_TURNS), 1)), heading + _TURNS])
-        poses[number] = tried[is_free(scene, BicycleCar(), tried).argmax()]
+        tried = np.column_stack([np.tile(path[0], (len(_TURNS), 1)), heading + _TURNS])
+        poses[i] = tried[is_free(scene, BicycleCar(), tried).argmax()]
     return poses
 
 
-def long_enough(drive: Trajectory | None) -> bool:
-    """Whether a drive arrived, and has frames enough for a context."""
-    return drive is not None and len(drive) >= SHORTEST
+def long_enough(trajectory: Trajectory | None) -> bool:
+    """Whether a trajectory arrived, and has enough frames for a context."""
+    return trajectory is not None and len(trajectory) >= SHORTEST

@@ -1,4 +1,4 @@
-"""Every estimator in one world: what it says about errands and edges, and what happened."""
+"""Every estimator in one world: predictions for pairs and edges, and the outcomes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS, Estimator, estimators
 from tutorial_lib.experiments.protocols.geometry_bound import features
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.topology.mapping.sparsify import sparsify
 from tutorial_lib.world.simulation import Simulation
@@ -31,20 +31,20 @@ from tutorial_lib.world.visibility import mutual_overlap
 from tutorial_lib.world.worlds import local_world, scene_of
 
 SURE = 0.99
-"""What a map asks for."""
+"""RE that a map demands."""
 _CARS = 24
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """How much is asked in each world.
+    """How many pairs are queried in each world.
 
     Attributes:
-        targets: of the errands, with five starts each.
-        far: pairs that are far apart and see nothing of each other.
-        anchors: frames that are all paired with each other.
-        edges: pairs of those that are driven, of those of which an estimator is sure.
-        consecutive: pairs of consecutive anchors that are driven.
+        targets: of the pairs, with five starts each.
+        far: far, occluded pairs.
+        anchors: frames of which all pairs are queried.
+        edges: rollouts of such pairs above `SURE`.
+        consecutive: rollouts from an anchor to the next.
     """
 
     targets: int = 320
@@ -57,95 +57,97 @@ class Sizes:
 def examine(
     world: int, names: tuple[str, ...], bounds: dict[str, Any], sizes: Sizes, seed: int
 ) -> dict[str, dict[str, Array]]:
-    """What each estimator says about one world, and what happened; arrays by name."""
-    use_threads(1)  # the worlds are run side by side
+    """Predictions of each estimator in one world, and the outcomes; arrays by name."""
     rng = np.random.default_rng([seed, world])
     name = local_world(world)
     scene = scene_of(name)
     recorded = RecordedWorld(scene, demonstrate(name, scene, _CARS, int(rng.integers(2**31))))
     paths = GridPaths(scene.clearance)
-    errands = draw_reachability_pairs(recorded, paths, sizes.targets, rng)
+    pairs = draw_reachability_pairs(recorded, paths, sizes.targets, rng)
     starts, far = far_pairs(recorded, paths, sizes.far, rng)
     frames = np.sort(rng.choice(len(recorded.poses), sizes.anchors, replace=False))
     every = estimators(names)
-    outcomes = {c: _driven(recorded, errands, c) for c in {j.controller for j in every.values()}}
-    given, found = features(recorded, errands), {}
-    for name, judge in every.items():
-        outcome = outcomes[judge.controller]
-        asked = Asker(recorded, paths, judge, np.random.default_rng([seed, world]))
-        told = asked.judge_poses(errands.starts, errands.targets)
-        bound = bounds[judge.controller].predict_proba(given)[:, 1]
+    outcomes = {c: _driven(recorded, pairs, c) for c in {j.controller for j in every.values()}}
+    given, found = features(recorded, pairs), {}
+    for name, estimator in every.items():
+        outcome = outcomes[estimator.controller]
+        queries = Queries(recorded, paths, estimator, np.random.default_rng([seed, world]))
+        predicted = queries.from_poses(pairs.starts, pairs.targets)
+        bound = bounds[estimator.controller].predict_proba(given)[:, 1]
         found[name] = {
-            "told": told,
+            "predicted": predicted,
             "reached": outcome.reached.astype(float),
-            "seen": errands.seen,
+            "seen": pairs.seen,
             "bound": bound,
-            "far": asked.judge_frames(starts, far),
-            "consecutive": asked.consecutive(sizes.consecutive),
-            "edges": asked.edges(frames, sizes.edges),
+            "far": queries.from_frames(starts, far),
+            "consecutive": queries.consecutive(sizes.consecutive),
+            "edges": queries.edges(frames, sizes.edges),
         }
     return found
 
 
 @dataclass(frozen=True)
-class Asker:
+class Queries:
     """One estimator in one world."""
 
     recorded: RecordedWorld
     paths: GridPaths
-    judge: Estimator
+    estimator: Estimator
     rng: np.random.Generator
 
-    def judge_poses(self, starts: Array, targets: NDArray[np.intp]) -> Array:
+    def from_poses(self, starts: Array, targets: NDArray[np.intp]) -> Array:
         """Probabilities (N,) from poses (N, 3) to frames (N,)."""
         seen = Simulation(self.recorded.scene, starts).observe()
-        return self.judge.judge(self.recorded, seen, targets)
+        return self.estimator.predict(self.recorded, seen, targets)
 
-    def judge_frames(self, starts: NDArray[np.intp], targets: NDArray[np.intp]) -> Array:
+    def from_frames(self, starts: NDArray[np.intp], targets: NDArray[np.intp]) -> Array:
         """Probabilities (N,) from frames (N,) to frames (N,)."""
-        return self.judge.judge(self.recorded, self.recorded.observe(starts), targets)
+        return self.estimator.predict(self.recorded, self.recorded.observe(starts), targets)
 
     def consecutive(self, count: int) -> Array:
-        """Whether C got from anchor to anchor, where the sparsifier was sure of it; (M,)."""
+        """Whether C reached the next anchor, where RE is above `SURE`; (M,)."""
         pairs = []
         for trajectory in self.rng.permutation(len(self.recorded.trajectories)):
             frames = self.recorded.frames_of(trajectory)
             seen, prepared = (
                 self.recorded.observe(frames),
-                self.judge.targets(self.recorded, frames),
+                self.estimator.targets(self.recorded, frames),
             )
-            anchors = frames[sparsify(self.judge.reachability, seen, prepared, SURE)]
+            anchors = frames[sparsify(self.estimator.reachability, seen, prepared, SURE)]
             pairs += list(pairwise(anchors))
             if len(pairs) >= 2 * count:
                 break
         starts, targets = np.array(pairs).T
-        sure = self.judge_frames(starts, targets) > SURE
+        sure = self.from_frames(starts, targets) > SURE
         return self._reached(starts[sure], targets[sure], count)
 
     def edges(self, frames: NDArray[np.intp], count: int) -> Array:
-        """Whether C got there, for some of all pairs of frames (A,) that would be edges; (M,)."""
-        number = np.arange(len(frames))
-        rows, columns = (pairs.ravel() for pairs in np.meshgrid(number, number, indexing="ij"))
+        """Whether C reached the target, for random pairs of frames (A,) above `SURE`; (M,)."""
+        index = np.arange(len(frames))
+        rows, columns = (grid.ravel() for grid in np.meshgrid(index, index, indexing="ij"))
         apart = rows != columns
         rows, columns = rows[apart], columns[apart]
-        seen, prepared = self.recorded.observe(frames), self.judge.targets(self.recorded, frames)
-        sure = self.judge.ask_all(seen, prepared, rows, columns) > SURE
+        seen, prepared = (
+            self.recorded.observe(frames),
+            self.estimator.targets(self.recorded, frames),
+        )
+        sure = self.estimator.query_all(seen, prepared, rows, columns) > SURE
         return self._reached(frames[rows[sure]], frames[columns[sure]], count)
 
     def _reached(self, starts: NDArray[np.intp], targets: NDArray[np.intp], count: int) -> Array:
-        some = self.rng.permutation(len(starts))[:count]
-        poses = self.recorded.poses[starts[some]]
-        errands = reachability_pairs(self.recorded, self.paths, poses, targets[some])
-        if not len(errands):
+        chosen = self.rng.permutation(len(starts))[:count]
+        poses = self.recorded.poses[starts[chosen]]
+        pairs = reachability_pairs(self.recorded, self.paths, poses, targets[chosen])
+        if not len(pairs):
             return np.empty(0)
-        outcomes = _driven(self.recorded, errands, self.judge.controller, all_of_them=True)
+        outcomes = _driven(self.recorded, pairs, self.estimator.controller, all_of_them=True)
         return outcomes.reached.astype(float)
 
 
 def far_pairs(
     recorded: RecordedWorld, paths: GridPaths, count: int, rng: np.random.Generator
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Frames (N,), and others more than 5 m away; neither sees a tenth of the other's view."""
+    """Frames (N,) and (N,) of far, occluded pairs: over 5 m apart, both overlaps below 0.1."""
     spare, goals = 3 * count, max(count // 6, 1)
     starts = rng.integers(len(recorded.poses), size=spare)
     targets = np.sort(rng.integers(len(recorded.poses), size=goals))[
@@ -161,11 +163,11 @@ def far_pairs(
 
 def _driven(
     recorded: RecordedWorld,
-    errands: ReachabilityPairs,
+    pairs: ReachabilityPairs,
     controller: str,
     all_of_them: bool = False,
 ) -> RolloutOutcomes:
     predictor = WaypointNetwork(CONTROLLERS[controller])
     return roll_out_pairs(
-        recorded, errands, by_waypoints(predictor), predictor.view.camera, all_of_them
+        recorded, pairs, by_waypoints(predictor), predictor.view.camera, all_of_them
     )

@@ -45,13 +45,13 @@ class AnchorPaths:
             )
         if not len(self.paths):
             raise InputError("paths: none; give one path for each robot")
-        for number, path in enumerate(self.paths):
+        for i, path in enumerate(self.paths):
             path = np.asarray(path)
             if path.ndim != 1 or not len(path) or path.dtype.kind not in "iu":
-                raise InputError(f"paths: path {number} is {path}; give (L,) indices, L >= 1")
+                raise InputError(f"paths: path {i} is {path}; give (L,) indices, L >= 1")
             if not 0 <= path.min() <= path.max() < len(self.targets):
                 raise InputError(
-                    f"paths: path {number} is {path}; anchors are 0 to {len(self.targets) - 1}"
+                    f"paths: path {i} is {path}; anchors are 0 to {len(self.targets) - 1}"
                 )
 
     @classmethod
@@ -69,14 +69,14 @@ class AnchorPaths:
         return np.array([len(np.asarray(path)) for path in self.paths])
 
     @cached_property
-    def _numbers(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    def _laid_out(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """All paths laid end to end, and (N,) where each begins."""
         return np.concatenate([np.asarray(path) for path in self.paths]), (
             np.cumsum(self.lengths) - self.lengths
         )
 
     def _anchors(self, robots: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.intp]:
-        laid, begins = self._numbers
+        laid, begins = self._laid_out
         return laid[begins[robots] + places]
 
     def probabilities(
@@ -97,7 +97,7 @@ class AnchorPaths:
             queried: (M, W) which of them to query; those that do not exist never are.
 
         Returns:
-            (M, W), not a number where RE is not queried.
+            (M, W), NaN where RE is not queried.
         """
         rows, columns = np.nonzero(queried & self.exist(robots, places))
         found = np.full(places.shape, np.nan)

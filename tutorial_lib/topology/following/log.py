@@ -34,10 +34,10 @@ class FollowerLog:
 
     Attributes:
         state: (T, N) int8, a `State` each.
-        active: (T, N) int32, place along the trail of the anchor driven to, -1 while searching.
+        active: (T, N) int32, place along the path of the active anchor, -1 while searching.
         visited: (T, N) int32, place of the anchor that was last visited, -1 for none.
         probability: (T, N) RE of the anchor that was active when the step began; not a number
-            where nobody asked.
+            where it is not queried.
         overlap: (T, N) mean predicted overlap with that anchor; not a number outside Follow.
         waypoint: (T, N, 2) metres in the frame of the robot's odometry; not a number before the
             first.
