@@ -28,7 +28,7 @@ MUTATIONS = [
         "experiments/protocols/navigation_tasks.py",
         "tried[is_free(scene, BicycleCar(), tried).argmax()]",
         "tried[0]",
-        f"{TABLE2} -k cars_look",
+        f"{TABLE2} -k look",
     ),
     (
         "each world counts the same, however many episodes it has",

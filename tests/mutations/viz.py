@@ -30,10 +30,10 @@ MUTATIONS = [
         "viz/canvas/test_topomaps.py",
     ),
     (
-        "ellipses are turned the wrong way",
+        "an axis of an ellipse is as long as its weight, not its root",
         "viz/canvas/motion_policies.py",
-        "* reach @ axes.T",
-        "* reach @ axes",
+        "np.sqrt(np.maximum(weights, 0.0))",
+        "np.maximum(weights, 0.0)",
         "viz/canvas/test_motion_policies.py",
     ),
     (
