@@ -24,10 +24,16 @@ MOST_WORKERS = 4
 """Of the default run: each takes most of a gigabyte, and the longest tests take as long anyway."""
 LIMITS = {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "2"}
 """Of a worker: threads for numpy and torch, and processes, that it may start beside the others."""
-ALONE = ("tests/project/test_notebooks.py",)
-"""Files that share nothing slow among their tests: these are spread over the workers."""
-LONGEST = ("tests/project/test_notebooks.py",)
-"""Files and folders that workers begin with, or one would still be at them in the end."""
+ALONE = ("tests/project/test_notebooks.py", "tests/test_cli.py")
+"""Files whose tests share nothing slow: these are spread over the workers."""
+LONGEST = (
+    "tests/project/test_notebooks.py",
+    "tests/test_cli.py",
+    "tests/experiments/",
+    "tests/project/test_browser.py",
+    "tests/learning/",
+)
+"""What workers begin with: started last, one would still be at it when the others are done."""
 
 
 def pytest_addoption(parser):
@@ -83,6 +89,20 @@ def rank(nodeid):
     """The place of a test's file in `LONGEST`; after them for all others."""
     found = (n for n, name in enumerate(LONGEST) if nodeid.startswith(name))
     return next(found, len(LONGEST))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _one_thread():
+    """Beside other workers a network has one thread: two would wait for each other's core."""
+    if "PYTEST_XDIST_WORKER" not in os.environ:
+        yield
+        return
+    import torch
+
+    torch.set_num_threads(1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(torch, "set_num_threads", lambda count: None)
+        yield
 
 
 def make_box(width=10.0, height=10.0, pillars=()):

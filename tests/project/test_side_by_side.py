@@ -5,8 +5,10 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+import torch
 
 from tests import conftest
+from tutorial_lib.learning.estimators import use_threads
 
 PROJECT = Path(__file__).resolve().parents[2]
 FOLDER, FILE = str(PROJECT / "tests"), f"{__file__}::test_the_files_named_exist"
@@ -42,6 +44,8 @@ def test_a_worker_is_limited():
     if "PYTEST_XDIST_WORKER" not in os.environ:
         pytest.skip("this is no worker")
     assert all(os.environ.get(name) for name in conftest.LIMITS)
+    use_threads(2)
+    assert torch.get_num_threads() == 1
 
 
 def test_the_files_named_exist():
