@@ -842,13 +842,15 @@ show(stacked([side_by_side(panels, titles, height=min(560, len(panels[0]))), sta
 stored_run = load_result("meng_fig6")
 world_name = local_world(stored_run.worlds[0])
 away = scene_of(world_name)
-trajectory = fig6.chosen_drive(world_name, away, stored_run.seed)
+trajectory = fig6.choose_trajectory(world_name, away, stored_run.seed)
 places = np.array([[row["x"], row["y"], row["heading"]] for row in stored_run.rows])
-follower_guide = Guide(RecordedWorld(away, [trajectory]), fig6.CONTEXT)
+follower_guide = Guide(RecordedWorld(away, [trajectory]), fig6.Settings.context)
 away_view = PlanView(away, 1000, 760)
 picture = away_view.base.copy()
 draw_frames(away_view, picture, trajectory.poses, 1.4)
-draw_anchors(away_view, picture, trajectory.poses[follower_guide.anchors(0, fig6.THRESHOLD)])
+draw_anchors(
+    away_view, picture, trajectory.poses[follower_guide.anchors(0, fig6.Settings.threshold)]
+)
 print(stored_run.notes[0])
 print("place   after    state              to anchor      RE")
 for row in stored_run.rows:

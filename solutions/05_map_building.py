@@ -40,10 +40,10 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments import (
     WORMHOLE,
     Building,
-    building,
     experiences,
     facing,
     load_result,
+    make_building,
     spread_places,
     vertex_poses,
 )
@@ -171,7 +171,7 @@ for name, weight in (("fewest edges", None), ("most probable", "weight")):
 # Now for real: an apartment that no network has seen, four places in it, and a trajectory from each place to each other one. From now on everything comes from these twelve trajectories. Each has its colour.
 
 # %%
-apartment = building(10_020, seed=0, count=4)
+apartment = make_building(10_020, seed=0, count=4)
 view = PlanView(apartment.scene, 700, 530)
 people_camera = Camera(rows=64)  # the network's view, with 64 rows in place of 16
 

@@ -42,12 +42,12 @@ from tutorial_lib.experiments import (
     WORMHOLE,
     Trials,
     agents,
-    building,
+    draw_trials,
     experiences,
     goals_of,
     load_result,
+    make_building,
     navigate,
-    trials,
     vertex_poses,
 )
 from tutorial_lib.interfaces import Goals, Plan
@@ -164,7 +164,7 @@ most_probable_path = check_most_probable_path.use(most_probable_path)
 
 # %%
 PLACE, SHOWN = 10_007, 12
-loop_building = building(PLACE, 0, count=5)
+loop_building = make_building(PLACE, 0, count=5)
 shown = np.sort(np.random.default_rng(0).permutation(len(loop_building.pairs))[:SHOWN])
 agent = agents.meng()
 agent.learn(list(experiences(loop_building, shown)))
@@ -242,7 +242,7 @@ join_ends = check_join_ends.use(join_ends)
 # **Predict:** at the start, how many of the vertices can be reached with more than 0.5? Only those nearby? And how many are predicted to reach the goal?
 
 # %%
-all_trials = trials(loop_building, 20, np.random.default_rng(1))
+all_trials = draw_trials(loop_building, 20, np.random.default_rng(1))
 goals = goals_of(all_trials, agent.predictor.view, agent.predictor.architecture.k)
 seen_at_start = Simulation(loop_building.scene, all_trials.starts).observe()
 rules = DijkstraPlanner()

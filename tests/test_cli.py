@@ -27,35 +27,35 @@ def _in_a_folder_of_its_own(tmp_path, monkeypatch):
 
 def test_the_demo_reaches_its_goal_and_leaves_film_strip_and_figures(tmp_path, capsys):
     assert main(["demo", "--oracle", "--seed", "3"]) == 0
-    told = json.loads((tmp_path / "demo.json").read_text())
-    assert told["reached"]
-    assert not told["collided"]
-    assert told["rooms_away"] == oracle_demo.ROOMS_AWAY
-    assert told["people"] == 2
-    assert told["driven"] > 0.8 * told["geodesic"] > 4.0
+    saved = json.loads((tmp_path / "demo.json").read_text())
+    assert saved["reached"]
+    assert not saved["collided"]
+    assert saved["rooms_away"] == oracle_demo.ROOMS_AWAY
+    assert saved["people"] == 2
+    assert saved["driven"] > 0.8 * saved["geodesic"] > 4.0
     film = cv2.VideoCapture(str(tmp_path / "demo.webm"))
-    assert film.get(cv2.CAP_PROP_FRAME_COUNT) > told["seconds"] * 4
+    assert film.get(cv2.CAP_PROP_FRAME_COUNT) > saved["seconds"] * 4
     assert film.read()[1].shape[2] == 3
     assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(OUTPUTS)
     assert "reached the goal" in capsys.readouterr().out
 
 
-def test_the_demo_finds_its_way_by_sight(tmp_path, capsys):
+def test_the_demo_navigates_by_sight(tmp_path, capsys):
     assert main(["demo", "--seed", "3"]) == 0
-    told = json.loads((tmp_path / "demo.json").read_text())
-    assert told["reached"]
-    assert told["rooms_away"] == oracle_demo.ROOMS_AWAY
-    assert told["people"] == 2
-    assert told["driven"] > 0.8 * told["geodesic"] > 4.0
-    assert 0.5 < told["probability"] < 1.0
-    assert told["edges"] > told["vertices"] > 20
+    saved = json.loads((tmp_path / "demo.json").read_text())
+    assert saved["reached"]
+    assert saved["rooms_away"] == oracle_demo.ROOMS_AWAY
+    assert saved["people"] == 2
+    assert saved["driven"] > 0.8 * saved["geodesic"] > 4.0
+    assert 0.5 < saved["probability"] < 1.0
+    assert saved["edges"] > saved["vertices"] > 20
     assert cv2.VideoCapture(str(tmp_path / "demo.webm")).read()[1].shape[2] == 3
     assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
     assert "reached the goal" in capsys.readouterr().out
 
 
-def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
+def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path):
     image = np.full((160, 200), 254, np.uint8)
     image[[0, -1]] = image[:, [0, -1]] = 0
     image[60:100, 80:90] = 0
@@ -66,7 +66,7 @@ def test_the_demo_drives_on_a_map_of_ones_own(tmp_path):
     assert json.loads((tmp_path / "demo.json").read_text())["reached"]
 
 
-def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
+def test_a_missed_goal_sets_the_exit_code(monkeypatch):
     class Asleep(oracle_demo.OraclePolicy):
         def act(self, simulation):
             return np.zeros((1, 2))
@@ -94,16 +94,38 @@ def test_a_missed_goal_is_told_by_the_exit_code(monkeypatch):
         (["experiment", "calibration", "--ablation", "rows"], "calibration has audit"),
         (["experiment", "meng_table1", "--ablation", "audit"], "meng_table1 has encoder"),
         (["experiment", "meng_fig7", "--ablation", "audit"], "meng_fig7 has none"),
-        (["experiment", "calibration", "--map", "small.json"], "--map: calibration runs on"),
-        (["experiment", "meng_fig5", "--map", "small.json"], "--map: meng_fig5 runs on"),
-        (["experiment", "meng_fig6", "--map", "small.json"], "--map: meng_fig6 runs on"),
-        (["experiment", "meng_fig7", "--map", "small.json"], "--map: meng_fig7 runs on"),
+        (
+            ["experiment", "calibration", "--map", "small.json"],
+            "--map: calibration cannot use it; its options: --worlds",
+        ),
+        (
+            ["experiment", "meng_fig5", "--map", "small.json"],
+            "--map: meng_fig5 cannot use it; its options: --worlds",
+        ),
+        (
+            ["experiment", "meng_fig6", "--map", "small.json"],
+            "--map: meng_fig6 cannot use it; its options: --worlds",
+        ),
+        (
+            ["experiment", "meng_fig7", "--map", "small.json"],
+            "--map: meng_fig7 cannot use it; its options: --worlds",
+        ),
         (["bench", "reachability", "--seed", "-1"], "--seed"),
-        (["experiment", "plans", "--palette", "shifted"], "--palette: only for"),
-        (["experiment", "meng_fig9", "--agent", "x.py:A"], "meng_fig9 has no agents"),
+        (
+            ["experiment", "plans", "--palette", "shifted"],
+            "--palette: plans cannot use it; its options: --worlds A:B, --map",
+        ),
+        (
+            ["experiment", "meng_fig9", "--agent", "x.py:A"],
+            "--agent: meng_fig9 cannot use it; its options: --worlds A:B",
+        ),
         (["experiment", "meng_table2", "--agent", "x.py:A"], "there is no file x.py"),
         (["experiment", "meng_table2", "--agent", "x.py"], "give FILE.py:CLASS"),
         (["experiment", "meng_table2", "--ablation", "rows"], "meng_table2 has thresholds"),
+        (["bench", "raycast", "--worlds", "1:3"], "--worlds: raycast runs in no world"),
+        (["bench", "fleet", "--worlds", "1:3"], "--worlds: fleet runs in a single one"),
+        (["bench", "map", "--worlds", "1:3"], "--worlds: map runs in a single one"),
+        (["experiment", "meng_fig4", "--worlds", "1:3"], "--worlds: meng_fig4 runs in a single"),
     ],
 )
 def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
@@ -141,7 +163,7 @@ def test_worlds_that_are_no_range_are_refused(capsys, text):
         (["bench", "reachability", "--ablation", "audit"], "--ablation"),
     ],
 )
-def test_what_there_is_not_is_refused_with_what_there_is(capsys, arguments, words):
+def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, words):
     with pytest.raises(SystemExit) as stopped:
         main(arguments)
     assert stopped.value.code == 2
@@ -161,6 +183,22 @@ def stuck(*_):
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run with nohup or &
 runpy.run_module("tutorial_lib", run_name="__main__")
 """
+
+
+@pytest.mark.parametrize(
+    ("command", "lines"),
+    [
+        ("experiment", ["meng_table2   --worlds A:B --map --palette --agent --ablation {thr"]),
+        ("bench", ["raycast\n", "fleet         --worlds A:A+1\n"]),
+    ],
+)
+def test_the_help_shows_which_experiment_takes_which_options(capsys, command, lines):
+    with pytest.raises(SystemExit) as stopped:
+        main([command, "--help"])
+    assert stopped.value.code == 0
+    shown = capsys.readouterr().out
+    for line in lines:
+        assert f"\n  {line}" in shown
 
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")
@@ -191,11 +229,11 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, what, arguments):
 def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
     arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]
     assert main(arguments) == 0
-    told = json.loads((tmp_path / "p.json").read_text())
-    assert {"name", "seed", "worlds", "quick", "seconds", "rows"} <= set(told)
-    assert told["worlds"] == [10_500]
-    assert [row["family"] for row in told["rows"]] == list(FAMILIES)
-    for row in told["rows"]:
+    saved = json.loads((tmp_path / "p.json").read_text())
+    assert {"name", "seed", "worlds", "quick", "seconds", "rows"} <= set(saved)
+    assert saved["worlds"] == [10_500]
+    assert [row["family"] for row in saved["rows"]] == list(FAMILIES)
+    for row in saved["rows"]:
         assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 20)
         assert row["success"] >= 0.9
         assert row["walls_crossed"] == 0
@@ -214,10 +252,10 @@ def test_bench_raycast_compares_every_method_at_every_size(tmp_path, capsys):
 
 def test_bench_fleet_drives_the_same_trajectories_twice(tmp_path, capsys):
     assert main(["bench", "fleet", "--quick", "--json", "f.json"]) == 0
-    told = json.loads((tmp_path / "f.json").read_text())
-    assert {row["method"] for row in told["rows"]} == {"fleet", "separate"}
-    assert all(row["cars"] == 256 for row in told["rows"])
-    apart = float(told["notes"][0].split("at most ")[1].split(" m")[0])
+    saved = json.loads((tmp_path / "f.json").read_text())
+    assert {row["method"] for row in saved["rows"]} == {"fleet", "separate"}
+    assert all(row["cars"] == 256 for row in saved["rows"])
+    apart = float(saved["notes"][0].split("at most ")[1].split(" m")[0])
     assert apart < 1e-6
 
 
@@ -225,8 +263,8 @@ def test_people_in_the_demo_stand_where_the_floor_is():
     scene = Scene(generate("apartment", 10_003))
     paths = oracle_demo.GridPaths(scene.clearance)
     start, goal, rooms, _ = oracle_demo.choose_places(scene, paths, np.random.default_rng(0))
-    way = paths.fields(goal).path(start[:2])
-    people = oracle_demo.place_people(way, scene)
+    path = paths.fields(goal).path(start[:2])
+    people = oracle_demo.place_people(path, scene)
     assert len(rooms) == len(people) == 2
     for person in people:
         assert scene.clearance.at(person.route).min() > 0.0
@@ -234,7 +272,7 @@ def test_people_in_the_demo_stand_where_the_floor_is():
 
 
 @pytest.mark.parametrize(("user", "allowed"), [(0, True), (1000, False)])
-def test_jupyterlab_opens_the_first_notebook_and_asks_no_other_host(monkeypatch, user, allowed):
+def test_jupyterlab_opens_the_first_notebook_and_contacts_no_other_host(monkeypatch, user, allowed):
     monkeypatch.setattr(os, "geteuid", lambda: user, raising=False)
     line = lab_command(["--no-browser"])
     assert line[:3] == [sys.executable, "-m", "jupyterlab"]

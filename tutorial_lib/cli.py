@@ -11,26 +11,11 @@ from dataclasses import fields
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.benchmarks import control, fleet, map_building, raycast, reachability
-from tutorial_lib.experiments.common.report import Options, Report, parse_worlds
+from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
+from tutorial_lib.experiments.common.report import Options, parse_worlds
 from tutorial_lib.experiments.demos.navigation_demo import run_map_demo
 from tutorial_lib.experiments.demos.oracle_demo import run_demo
-from tutorial_lib.experiments.meng2020 import (
-    calibration,
-    fig4,
-    fig5,
-    fig6,
-    fig7,
-    fig8,
-    fig9,
-    fig10,
-    fig11,
-    fig13,
-    table1,
-    table1_ablations,
-    table2,
-)
-from tutorial_lib.experiments.robustness import disturbances, faults, plans
+from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
@@ -38,49 +23,18 @@ from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.generators.palette import PALETTES
 from tutorial_lib.world.importers import import_map
 
-EXPERIMENTS = {
-    "plans": plans.run,
-    "meng_table1": table1.run,
-    "meng_table2": table2.run,
-    "meng_fig4": fig4.run,
-    "calibration": calibration.run,
-    "meng_fig5": fig5.run,
-    "meng_fig6": fig6.run,
-    "meng_fig7": fig7.run,
-    "meng_fig8": fig8.run,
-    "meng_fig9": fig9.run,
-    "meng_fig10": fig10.run,
-    "meng_fig11": fig11.run,
-    "meng_fig13": fig13.run,
-    "disturbances": disturbances.run,
-    "faults": faults.run,
-}
-WITH_ABLATIONS = {
-    "meng_table1": tuple(table1_ablations.ABLATIONS),
-    "meng_table2": ("thresholds",),
-    "calibration": ("audit",),
-}
-WITH_MAPS = ("meng_table1", "meng_table2", "plans")
-WITH_PALETTES = WITH_AGENTS = ("meng_table2",)
-BENCHES = {
-    "raycast": raycast.run,
-    "fleet": fleet.run,
-    "control": control.run,
-    "reachability": reachability.run,
-    "map": map_building.run,
-}
 NETWORKS = {
     "waypoint": recipes.WAYPOINT,
     "reachability": {**reach_recipes.REACHABILITY, "sptm": reach_recipes.SPTM},
 }
-"""What `train` can train."""
+"""Recipes that `train` takes, by name and k."""
 PROJECT = Path(__file__).resolve().parent.parent
 INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
 
 
 def main(arguments: list[str]) -> int:
     """Run a command and return its exit code; wrong input gets one line on stderr."""
-    if arguments[:1] == ["lab"]:  # what follows is JupyterLab's
+    if arguments[:1] == ["lab"]:  # the remaining arguments are JupyterLab's
         return open_lab(arguments[1:])
     options = _parser().parse_args(arguments)
     try:
@@ -89,10 +43,10 @@ def main(arguments: list[str]) -> int:
         print(f"error: {error}", file=sys.stderr)
         return WRONG_INPUT
     except OSError as error:
-        print(f"error: {error}; check the folder and the space on the disk", file=sys.stderr)
+        print(f"error: {error}; check the folder and the disk space", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        print("interrupted; nothing half-written was left", file=sys.stderr)
+        print("interrupted; no partial file was left", file=sys.stderr)
         return INTERRUPTED
 
 
@@ -109,7 +63,7 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument(
         "--oracle",
         action="store_true",
-        help="by a driver that knows the floor plan and its pose, not by sight",
+        help="drive by an oracle that knows the floor plan and its pose, not by sight",
     )
     demo.set_defaults(run=_demo)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
@@ -118,13 +72,18 @@ def _parser() -> argparse.ArgumentParser:
         "--students", action="store_true", help="only what students get; runs nothing"
     )
     build.set_defaults(run=_build)
-    train = commands.add_parser("train", help="train a network from nothing, its data included")
+    train = commands.add_parser("train", help="train a network from scratch, data included")
     train.add_argument("name", choices=tuple(NETWORKS))
     choices = dict.fromkeys(k for known in NETWORKS.values() for k in known)
     train.add_argument("--k", choices=tuple(choices), required=True)
     train.set_defaults(run=_train)
-    for name, table in (("experiment", EXPERIMENTS), ("bench", BENCHES)):
-        command = commands.add_parser(name, help=f"one of: {', '.join(table)}")
+    for name, table in (("experiment", EXPERIMENTS), ("bench", BENCHMARKS)):
+        command = commands.add_parser(
+            name,
+            help=f"one of: {', '.join(table)}",
+            epilog=_accepted(table),
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
         command.add_argument("name", choices=table)
         command.add_argument("--json", type=Path, help="where to write the rows")
         command.add_argument("--worlds", type=parse_worlds, default=(), metavar="A:B")
@@ -132,13 +91,21 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("--quick", action="store_true", help="fewer episodes, same code")
         if table is EXPERIMENTS:
             command.add_argument("--map", type=Path, help="a map's file, in place of worlds")
-            known = [name for names in WITH_ABLATIONS.values() for name in names]
+            known = [name for entry in table.values() for name in entry.ablations]
             command.add_argument("--ablation", choices=known, default="")
-            command.add_argument("--palette", choices=PALETTES, default="standard")
+            command.add_argument("--palette", choices=PALETTES, default=STANDARD)
             command.add_argument("--agent", default="", metavar="FILE.py:CLASS")
-        none = {"map": None, "ablation": "", "palette": "standard", "agent": ""}
-        command.set_defaults(run=_report, table=table, **none)
+        command.set_defaults(run=_report, table=table)
     return parser
+
+
+def _accepted(table: dict[str, Experiment]) -> str:
+    """Which experiment takes which options, a line each."""
+    width = max(map(len, table))
+    lines = [
+        f"  {name:{width}}  {' '.join(entry.options())}".rstrip() for name, entry in table.items()
+    ]
+    return "\n".join(["all take --json, --seed and --quick; besides:", *lines])
 
 
 def lab_command(arguments: list[str]) -> list[str]:
@@ -149,7 +116,7 @@ def lab_command(arguments: list[str]) -> list[str]:
         "jupyterlab",
         f"--ServerApp.root_dir={PROJECT}",
         "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb",
-        "--LabApp.news_url=None",  # it works without a network: no news, no look for updates
+        "--LabApp.news_url=None",  # works offline: no news, no check for updates
         "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
         *(["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []),
         *arguments,
@@ -157,7 +124,7 @@ def lab_command(arguments: list[str]) -> list[str]:
 
 
 def open_lab(arguments: list[str]) -> int:
-    """Open JupyterLab and wait until it is closed; the exit code is its own."""
+    """Open JupyterLab, wait until it is closed, and return its exit code."""
     try:
         return subprocess.call(lab_command(arguments))
     except KeyboardInterrupt:
@@ -181,7 +148,7 @@ def _demo(options: argparse.Namespace) -> int:
 
 
 def _build(options: argparse.Namespace) -> int:
-    # The tools it needs are installed with the tests, not with the library.
+    # Its dependencies are installed with the tests, not with the library.
     from tutorial_lib.builder import build
 
     known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
@@ -204,7 +171,7 @@ def _train(options: argparse.Namespace) -> int:
     else:
         network, card = reach_recipes.train_reachability(recipe, recipes.WORK)
     path = save_network(network, card)
-    # What is finished would otherwise be found again instead of trained.
+    # Otherwise the next call would resume a finished training.
     for checkpoint in recipe.checkpoints(recipes.WORK):
         checkpoint.unlink(missing_ok=True)
     print(f"wrote {path.relative_to(PROJECT)} after {card.minutes} min: {card.validation}")
@@ -212,25 +179,11 @@ def _train(options: argparse.Namespace) -> int:
 
 
 def _report(options: argparse.Namespace) -> int:
-    known = WITH_ABLATIONS.get(options.name, ())
-    if options.ablation and options.ablation not in known:
-        which = f"has {', '.join(known)}" if known else "has none"
-        raise InputError(f"--ablation {options.ablation}: {options.name} {which}")
-    if options.map is not None and options.name not in WITH_MAPS:
-        raise InputError(f"--map: {options.name} runs on generated worlds; leave it out")
-    if options.palette != "standard" and (options.name not in WITH_PALETTES or options.map):
-        raise InputError(f"--palette: only for generated worlds of {', '.join(WITH_PALETTES)}")
-    if options.agent and options.name not in WITH_AGENTS:
-        raise InputError(f"--agent: {options.name} has no agents; use {', '.join(WITH_AGENTS)}")
-    if options.map is not None and (options.worlds or options.ablation):
-        raise InputError("--map: stands in place of worlds; give no --worlds and no --ablation")
-    if options.seed < 0:
-        raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
     if options.json is not None:
         check_writable(options.json)
-    names = [field.name for field in fields(Options)]
-    asked = Options(**{name: getattr(options, name) for name in names})
-    report: Report = options.table[options.name](asked)
+    names = {field.name for field in fields(Options)}
+    given = {name: value for name, value in vars(options).items() if name in names}
+    report = options.table[options.name].report(Options(**given))
     print(report.as_text())
     if options.json is not None:
         write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")

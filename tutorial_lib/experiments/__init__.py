@@ -13,10 +13,10 @@ from tutorial_lib.experiments.protocols.navigation import (
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
     Trials,
-    building,
+    draw_trials,
     facing,
+    make_building,
     spread_places,
-    trials,
 )
 
 __all__ = [
@@ -26,13 +26,13 @@ __all__ = [
     "Guide",
     "Trials",
     "agents",
-    "building",
+    "draw_trials",
     "experiences",
     "facing",
     "goals_of",
     "load_result",
+    "make_building",
     "navigate",
     "spread_places",
-    "trials",
     "vertex_poses",
 ]

@@ -1,4 +1,4 @@
-"""The audit of errands on which nobody is sent, and the benchmark of reachability."""
+"""The audit of pairs that are labelled without a rollout, and the benchmark of reachability."""
 
 import json
 from itertools import pairwise
@@ -17,23 +17,24 @@ from tutorial_lib.experiments.meng2020 import calibration, calibration_audit
 BOUNDS = [5.0, 6.0, 7.0, 8.0, 10.0, 12.0, 15.0, 20.0, None]
 
 
-def run_audit(monkeypatch, chances, **options):
+def run_audit(monkeypatch, run_world, **options):
     monkeypatch.setattr(calibration_audit, "recorded_worlds_of", lambda *arguments: [])
-    monkeypatch.setattr(calibration_audit, "chances", chances)
+    monkeypatch.setattr(calibration_audit, "run_world", run_world)
     with joblib.parallel_config(backend="sequential"):
-        return calibration.run(Options(ablation="audit", **options))
+        return calibration.EXPERIMENT.report(Options(ablation="audit", **options))
 
 
-def by_lot(world, count, seed):
+def by_lot(world, options, settings):
     """Metres and outcomes that differ from world to world."""
-    rng = np.random.default_rng([seed, world])
+    rng, count = np.random.default_rng([options.seed, world]), settings.pairs
     metres = np.concatenate([rng.uniform(5.0, 30.0, count - 8), [5, 6.5, 7, 8.1, 11, 13, 15, 20]])
     return metres, (rng.random(count) < 0.2).astype(float)
 
 
-def test_the_audit_counts_who_arrived_by_how_far_it_was(monkeypatch):
+def test_the_audit_counts_arrivals_by_distance(monkeypatch):
     report = run_audit(monkeypatch, by_lot, worlds=(216, 220, 230), seed=4)
-    parts = [by_lot(world, calibration_audit.ERRANDS, 4) for world in (216, 220, 230)]
+    settings = calibration_audit.Settings()
+    parts = [by_lot(world, Options(seed=4), settings) for world in (216, 220, 230)]
     metres, reached = (np.concatenate(column) for column in zip(*parts, strict=True))
     assert [(r["from_m"], r["to_m"]) for r in report.rows[:-1]] == list(pairwise(BOUNDS))
     for row in report.rows:
@@ -46,7 +47,7 @@ def test_the_audit_counts_who_arrived_by_how_far_it_was(monkeypatch):
     assert (every["from_m"], every["to_m"], every["errands"]) == (
         5.0,
         None,
-        3 * calibration_audit.ERRANDS,
+        3 * settings.pairs,
     )
     assert sum(row["errands"] for row in report.rows[:-1]) == every["errands"]
     assert (report.name, report.worlds) == ("audit", (216, 220, 230))
@@ -54,43 +55,45 @@ def test_the_audit_counts_who_arrived_by_how_far_it_was(monkeypatch):
 
 
 def test_the_audit_is_smaller_where_it_must_be_quick(monkeypatch):
-    asked = []
+    calls = []
 
-    def chances(world, count, seed):
-        asked.append((world, count))
-        return by_lot(world, count, seed)
+    def run_world(world, options, settings):
+        calls.append((world, settings.pairs))
+        return by_lot(world, options, settings)
 
-    run_audit(monkeypatch, chances, quick=True)
-    assert [world for world, _ in asked] == list(calibration_audit.WORLDS)
-    assert {count for _, count in asked} == {21}
-    assert calibration_audit.ERRANDS * len(calibration_audit.WORLDS) > 2_000
+    run_audit(monkeypatch, run_world, quick=True)
+    assert [world for world, _ in calls] == list(calibration_audit.WORLDS)
+    assert {count for _, count in calls} == {21}
+    assert calibration_audit.Settings().pairs * len(calibration_audit.WORLDS) > 2_000
 
 
-def test_where_no_errand_was_so_long_the_audit_says_nothing(monkeypatch):
+def test_where_no_pair_is_so_far_apart_the_audit_has_no_share(monkeypatch):
     report = run_audit(monkeypatch, lambda *arguments: (np.full(5, 6.5), np.ones(5)))
     json.dumps(report.as_dict(), allow_nan=False)
     assert report.rows[0]["reached"] is None
     assert report.rows[1]["reached"] == 1.0
 
 
-def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, monkeypatch):
+def test_the_audit_rolls_out_far_occluded_pairs_and_no_others(recorded, monkeypatch):
     monkeypatch.setattr(calibration_audit, "recorded_worlds_of", lambda *arguments: [recorded])
-    sent, roll_out_pairs = [], calibration_audit.roll_out_pairs
+    rolled_out, roll_out_pairs = [], calibration_audit.roll_out_pairs
 
-    def run(world, errands, pilot, all_of_them=False):
+    def run(world, pairs, policy, all_of_them=False):
         assert all_of_them
-        sent.append(errands)
-        return roll_out_pairs(world, errands, pilot, all_of_them=all_of_them)
+        rolled_out.append(pairs)
+        return roll_out_pairs(world, pairs, policy, all_of_them=all_of_them)
 
     monkeypatch.setattr(calibration_audit, "roll_out_pairs", run)
-    metres, reached = calibration_audit.chances(216, 3, 0)
-    (errands,) = sent
-    assert errands.far_and_occluded.all()
-    assert metres.tolist() == errands.geodesic.tolist()
+    metres, reached = calibration_audit.run_world(
+        216, Options(), calibration_audit.Settings(pairs=3)
+    )
+    (pairs,) = rolled_out
+    assert pairs.far_and_occluded.all()
+    assert metres.tolist() == pairs.geodesic.tolist()
     assert len(metres) == len(reached) == 3
     assert metres.min() > FAR
     assert set(reached) <= {0.0, 1.0}
-    # They are some of the usual errands.
+    # They are among the usual pairs.
     paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng([0, 216])
     drawn = draw_reachability_pairs(recorded, paths, 6, rng)
     assert set(metres) <= set(drawn.geodesic)
@@ -100,35 +103,37 @@ def test_the_audit_sends_robots_on_hopeless_errands_and_on_no_others(recorded, m
 
 
 def test_the_benchmark_adds_up_what_its_processes_do(monkeypatch):
-    asked = []
+    calls = []
 
-    def measure(world, seed, targets, anchors):
-        asked.append((world, seed, targets, anchors))
-        return {"rollouts": (targets, 2.0), "cached": (anchors**2, 0.5), "plain": (100, 4.0)}
+    def measure(world, seed, settings):
+        calls.append((world, seed, settings.targets, settings.anchors))
+        cached = settings.anchors**2, 0.5
+        return {"rollouts": (settings.targets, 2.0), "cached": cached, "plain": (100, 4.0)}
 
     monkeypatch.setattr(reachability, "measure", measure)
     with joblib.parallel_config(backend="sequential"):
-        report = reachability.run(Options(worlds=(20_007, 20_008), seed=3))
+        report = reachability.EXPERIMENT.report(Options(worlds=(20_007,), seed=3))
     rows = {row["what"]: row for row in report.rows}
-    targets, anchors = reachability._TARGETS, reachability._ANCHORS
+    settings = reachability.Settings()
+    targets, anchors = settings.targets, settings.anchors
     assert rows["rollouts"]["count"] == 2 * targets
     assert rows["rollouts"]["per_s"] == pytest.approx(2 * targets / 2.0)
     assert rows["cached"]["per_s"] == pytest.approx(2 * anchors**2 / 0.5)
     assert rows["plain"]["per_s"] == pytest.approx(50.0)
     assert rows["cached"]["over_plain"] == pytest.approx(2 * anchors**2 / 0.5 / 50.0)
     assert rows["rollouts"]["over_plain"] is rows["plain"]["over_plain"] is None
-    # Both warm up, and then each has its own errands in the first world.
-    assert {world for world, *_ in asked} == {20_007}
-    assert asked[-2:] == [(20_007, 3, targets, anchors), (20_007, 4, targets, anchors)]
+    # Both warm up, and then each has its own pairs.
+    assert {world for world, *_ in calls} == {20_007}
+    assert calls[-2:] == [(20_007, 3, targets, anchors), (20_007, 4, targets, anchors)]
     json.dumps(report.as_dict(), allow_nan=False)
     assert "over_plain" in report.as_text()
 
 
 @needs("reach_k2")
 def test_the_benchmark_measures_rollouts_and_queries(monkeypatch):
-    for name, few in (("_CARS", 3), ("_PLAIN", 64), ("_BLOCK", 32)):
-        monkeypatch.setattr(reachability, name, few)
-    found = reachability.measure(10_001, 0, 2, 12)
+    monkeypatch.setattr(reachability, "_BATCH", 32)
+    few = reachability.Settings(cars=3, targets=2, anchors=12, plain=64)
+    found = reachability.measure(10_001, 0, few)
     assert set(found) == {"rollouts", "cached", "plain"}
     assert 0 < found["rollouts"][0] <= 10
     assert found["cached"][0] == 144

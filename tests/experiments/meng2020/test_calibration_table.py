@@ -44,7 +44,7 @@ def test_each_estimator_has_its_weights_its_controller_and_its_context(monkeypat
         return SimpleNamespace(name=name, architecture=Architecture(k, outputs="reachability"))
 
     monkeypatch.setattr(estimators, "ReachabilityNetwork", named)
-    found = estimators.estimators(calibration.ALL)
+    found = estimators.estimators(calibration.Settings().estimators)
     assert isinstance(found.pop("image").reachability, ImageSimilarity)
     assert {name: (j.reachability.name, j.controller, j.k) for name, j in found.items()} == {
         "k0": ("reach_k0", "k0", 0),
@@ -59,7 +59,7 @@ def test_each_estimator_has_its_weights_its_controller_and_its_context(monkeypat
 @needs(*WEIGHTS)
 def test_each_estimator_s_network_has_the_context_that_it_is_given(recorded):
     frames = np.array([40, 90])
-    for name, estimator in estimators.estimators(calibration.ALL[:5]).items():
+    for name, estimator in estimators.estimators(calibration.Settings().estimators[:5]).items():
         assert estimator.reachability.architecture.k == estimator.k, name
         probability = estimator.predict(recorded, recorded.observe(frames), frames + 5)
         assert ((probability > 0) & (probability < 1)).all()
@@ -112,10 +112,16 @@ def test_far_pairs_are_far_apart_and_see_nothing_of_each_other(recorded, paths):
 
 
 def test_the_sizes_are_those_that_the_design_promises():
-    assert calibration.QUICK.targets * 5 * 10 == 8_000
-    assert calibration.QUICK.anchors * (calibration.QUICK.anchors - 1) <= 20_000
-    assert calibration.FULL.far * len(calibration.WORLDS) >= 20_000
-    assert set(calibration._QUICK) | {"geometry"} == {"k2", "k5", "sptm", "image", "geometry"}
+    assert calibration.QUICK.sizes.targets * 5 * 10 == 8_000
+    assert calibration.QUICK.sizes.anchors * (calibration.QUICK.sizes.anchors - 1) <= 20_000
+    assert calibration.Settings().sizes.far * len(calibration.WORLDS) >= 20_000
+    assert set(calibration.QUICK.estimators) | {"geometry"} == {
+        "k2",
+        "k5",
+        "sptm",
+        "image",
+        "geometry",
+    }
 
 
 def test_geometry_gets_where_the_target_is_what_is_seen_of_it_and_how_tight_it_is(recorded):
@@ -360,11 +366,13 @@ def test_the_experiment_has_a_row_for_every_estimator(monkeypatch, quick):
     monkeypatch.setattr(calibration, "fitted", fitted.append)
     monkeypatch.setattr(calibration, "examine", examine)
     with joblib.parallel_config(backend="sequential"):
-        report = calibration.run(Options(worlds=(10_001, 10_003), seed=5, quick=quick))
-    names = calibration._QUICK if quick else calibration.ALL
+        report = calibration.EXPERIMENT.report(
+            Options(worlds=(10_001, 10_003), seed=5, quick=quick)
+        )
+    settings = calibration.QUICK if quick else calibration.Settings()
+    names, sizes = settings.estimators, settings.sizes
     assert [row["estimator"] for row in report.rows] == [*names, "geometry"]
     assert fitted == [name for name in names if name not in ("sptm", "image")]
-    sizes = calibration.QUICK if quick else calibration.FULL
     assert examined == [(10_001, sizes, 5), (10_003, sizes, 5)]
     assert (report.worlds, report.quick, report.seed) == ((10_001, 10_003), quick, 5)
     json.dumps(report.as_dict(), allow_nan=False)
@@ -376,9 +384,11 @@ def test_the_experiment_runs_on_a_validation_world(monkeypatch):
     monkeypatch.setattr(calibration, "fitted", lambda controller: model)
     monkeypatch.setattr(reachability, "_CARS", 6)
     small = Sizes(targets=10, far=60, anchors=12, edges=2, consecutive=2)
-    monkeypatch.setattr(calibration, "QUICK", small)
+    few = replace(calibration.QUICK, sizes=small)
     with joblib.parallel_config(backend="sequential"):
-        report = calibration.run(Options(worlds=(10_001,), quick=True))
+        report = replace(calibration.EXPERIMENT, quick_settings=few).report(
+            Options(worlds=(10_001,), quick=True)
+        )
     assert [row["estimator"] for row in report.rows] == ["k2", "k5", "sptm", "image", "geometry"]
     for row in report.rows[:4]:
         assert 10 <= row["pairs"] <= 50

@@ -1,6 +1,7 @@
 """Trajectories that are followed again by their anchors, as in Figs. 5 and 6."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from types import SimpleNamespace
 
@@ -173,12 +174,12 @@ def planted(recorded, monkeypatch):
 
 def run_fig5():
     with joblib.parallel_config(backend="sequential"):
-        return fig5.run(Options(worlds=(10_001, 10_003)))
+        return fig5.EXPERIMENT.report(Options(worlds=(10_001, 10_003)))
 
 
 def test_gaps_are_measured_between_anchors_but_not_to_the_end(recorded, planted):
     planted(lambda frames: np.array([0, 12, 30, 31, frames - 1]))
-    found = fig5.place_anchors(10_001, 0)
+    found = fig5.run_world(10_001, Options(), fig5.Settings())
     assert list(found) == ["k2", "k5", "laser"]
     gaps, anchors, frames = found["k5"]
     assert anchors == 5 * len(recorded.trajectories)
@@ -189,7 +190,7 @@ def test_gaps_are_measured_between_anchors_but_not_to_the_end(recorded, planted)
         for first, last in ((0, 12), (12, 30), (30, 31)):
             steps = np.hypot(*np.diff(way[first : last + 1, :2], axis=0).T)
             driven = np.cumsum(np.hypot(*np.diff(way[first:, :2], axis=0).T))
-            metre = first + 1 + int(np.searchsorted(driven, fig5.AHEAD - 1e-9))
+            metre = first + 1 + int(np.searchsorted(driven, fig5.Settings.ahead - 1e-9))
             room = recorded.scene.clearance.at(way[first + 1 : metre + 1, :2])
             turned = np.abs(wrap(np.diff(way[first : metre + 1, 2])))
             wanted.append((steps.sum(), room.min(), turned.sum()))
@@ -217,12 +218,10 @@ def test_fig_5_counts_all_anchors(recorded, planted):
 
 def test_a_world_may_have_no_gaps(recorded, planted, monkeypatch):
     planted(lambda frames: np.array([0, frames - 1]))
-    none = fig5.place_anchors(10_001, 0)
+    none = fig5.run_world(10_001, Options(), fig5.Settings())
     planted(lambda frames: np.append(np.arange(0, frames - 1, 7), frames - 1))
-    some = fig5.place_anchors(10_001, 0)
-    monkeypatch.setattr(
-        fig5, "place_anchors", lambda world, seed: none if world == 10_003 else some
-    )
+    some = fig5.run_world(10_001, Options(), fig5.Settings())
+    monkeypatch.setattr(fig5, "run_world", lambda world, *_: none if world == 10_003 else some)
     assert run_fig5().rows[0]["metres"] == pytest.approx(some["k2"][0][:, 0].mean())
 
 
@@ -230,8 +229,8 @@ def test_correlations_are_of_ranks(monkeypatch):
     rng = np.random.default_rng(0)
     metres, clearance = rng.integers(1, 9, size=(2, 50)).astype(float)
     gaps = np.column_stack([metres, np.exp(clearance), -np.exp(metres)])
-    found = dict.fromkeys(fig5.CONTEXTS, (gaps, 50, 500))
-    monkeypatch.setattr(fig5, "place_anchors", lambda world, seed: found)
+    found = dict.fromkeys(fig5.Settings.contexts, (gaps, 50, 500))
+    monkeypatch.setattr(fig5, "run_world", lambda world, *_: found)
     for row in run_fig5().rows:
         assert row["with_clearance"] == pytest.approx(spearmanr(metres, clearance).statistic)
         assert row["with_turn"] == row["with_turn_low"] == pytest.approx(-1.0)
@@ -263,7 +262,7 @@ def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
     monkeypatch.setattr(fig6, "demonstrate", lambda *arguments: ways)
     monkeypatch.setattr(fig6, "scene_of", lambda name: box)
     monkeypatch.setattr(fig6, "Guide", Planted)
-    report = fig6.run(Options(worlds=(10_001, 10_002)))
+    report = fig6.EXPERIMENT.report(Options(worlds=(10_001,)))
     use_threads(1)
     ((drives, context),) = chosen
     (drive,) = drives  # the one that is nearest to 23 m once it is under way
@@ -290,9 +289,9 @@ def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
 @needs("reach_k2", "reach_k5", "reach_laser")
 def test_fig_5_runs_on_a_validation_world(monkeypatch):
     monkeypatch.setattr(following, "CARS", 8)
-    monkeypatch.setattr(fig5, "_EACH", 2)
+    few = replace(fig5.EXPERIMENT, settings=fig5.Settings(trajectories=2))
     with joblib.parallel_config(backend="sequential"):
-        report = fig5.run(Options(worlds=(10_001,)))
+        report = few.report(Options(worlds=(10_001,)))
     assert [row["context"] for row in report.rows] == ["k2", "k5", "laser"]
     assert all(0.0 < row["sparsity"] < 1.0 for row in report.rows)
 
@@ -300,8 +299,8 @@ def test_fig_5_runs_on_a_validation_world(monkeypatch):
 @needs("reach_k5")
 def test_fig_6_runs_on_a_validation_world(monkeypatch):
     monkeypatch.setattr(fig6, "CARS", 4)
-    monkeypatch.setattr(fig6, "LENGTH", 6.0)
     monkeypatch.setattr(fig6, "use_threads", lambda count: None)  # for one robot, one is best
-    report = fig6.run(Options(worlds=(10_001,)))
-    assert len(report.rows) == fig6.PLACES
+    short = replace(fig6.EXPERIMENT, settings=fig6.Settings(length=6.0))
+    report = short.report(Options(worlds=(10_001,)))
+    assert len(report.rows) == fig6.Settings.places
     assert {row["state"] for row in report.rows} <= {state.name.lower() for state in State}

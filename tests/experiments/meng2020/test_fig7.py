@@ -1,5 +1,7 @@
 """Fig. 7: how much of a trajectory is followed, against how little of it is kept."""
 
+from dataclasses import replace
+
 import joblib
 import numpy as np
 import pytest
@@ -95,7 +97,8 @@ class Keeping:
 def test_trajectories_are_followed_in_every_way(recorded, monkeypatch, quick):
     monkeypatch.setattr(fig7, "Guide", Keeping)
     monkeypatch.setattr(fig7, "trajectories", lambda *arguments: recorded)
-    found = fig7.follow_all(10_001, quick, 0)
+    settings = fig7.QUICK if quick else fig7.Settings()
+    found = fig7.run_world(10_001, Options(), settings)
     ours = (0.9, 0.99) if quick else (0.9, 0.95, 0.97, 0.99)
     theirs = (10, 30) if quick else (10, 20, 30, 40)
     ways = {("meng", p) for p in ours} | {("sptm", n) for n in theirs}
@@ -122,7 +125,7 @@ def test_fig_7_reports_every_way_once_and_the_gaps(recorded, monkeypatch):
     monkeypatch.setattr(fig7, "Guide", Keeping)
     monkeypatch.setattr(fig7, "trajectories", lambda *arguments: recorded)
     with joblib.parallel_config(backend="sequential"):
-        report = fig7.run(Options(worlds=(10_001, 10_003)))
+        report = fig7.EXPERIMENT.report(Options(worlds=(10_001, 10_003)))
     keys = [(r["method"], r["context"], r["condition"], r["threshold"]) for r in report.rows]
     assert len(keys) == len(set(keys)) == 3 * 8 + 4
     for row in report.rows:
@@ -139,9 +142,10 @@ def test_fig_7_reports_every_way_once_and_the_gaps(recorded, monkeypatch):
 def test_fig_7_runs_on_a_validation_world(monkeypatch):
     for name, less in (("CARS", 6), ("_SHORTEST", 4.0), ("LENGTH", 5.0)):
         monkeypatch.setattr(following, name, less)
-    for name, few in (("EACH", 1), ("THRESHOLDS", (0.9,)), ("INTERVALS", (10,))):
-        monkeypatch.setattr(fig7, f"_QUICK_{name}", few)
+    few = replace(fig7.QUICK, thresholds=(0.9,), intervals=(10,), trajectories=1)
     with joblib.parallel_config(backend="sequential"):
-        report = fig7.run(Options(worlds=(10_001,), quick=True))
+        report = replace(fig7.EXPERIMENT, quick_settings=few).report(
+            Options(worlds=(10_001,), quick=True)
+        )
     assert len(report.rows) == 6
     assert all(0.0 <= row["cover_rate"] <= 1.0 for row in report.rows)

@@ -1,6 +1,7 @@
 """Figures 4, 8, 9, 10, 11 and 13, thresholds, faults and the bench, in a room with pillars."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 
 import networkx as nx
@@ -45,7 +46,7 @@ def house():
 def one_house(house, monkeypatch):
     """Whichever world is asked for, it is this room."""
     for module in (*MODULES, map_building):
-        monkeypatch.setattr(module, "building", lambda *_, **__: house)
+        monkeypatch.setattr(module, "make_building", lambda *_, **__: house)
         if hasattr(module, "for_each"):
             monkeypatch.setattr(module, "for_each", in_turn)
 
@@ -86,7 +87,7 @@ def test_the_two_drives_of_fig_4_run_together_farthest(house):
 
 @networks
 def test_each_stage_of_fig_4_leaves_less_of_the_map(house):
-    rows = fig4.run(QUICK).rows
+    rows = fig4.EXPERIMENT.report(QUICK).rows
     assert [row["stage"] for row in rows] == ["dense", "pruned", "reused"]
     dense, pruned, reused = rows
     assert dense["edges"] == dense["vertices"] * (dense["vertices"] - 1)
@@ -97,7 +98,7 @@ def test_each_stage_of_fig_4_leaves_less_of_the_map(house):
 
 @networks
 def test_fig_8_tells_where_every_vertex_was_seen(house):
-    (row,) = saved(fig8.run(QUICK))["rows"]
+    (row,) = saved(fig8.EXPERIMENT.report(QUICK))["rows"]
     assert (row["world"], row["family"], row["area"]) == (20_000, "box", 135)
     assert row["images"] == len(house.recorded.poses)
     assert len(row["poses"]) == len(row["trajectories"]) == row["vertices"]
@@ -108,18 +109,18 @@ def test_fig_8_tells_where_every_vertex_was_seen(house):
 
 
 def test_fig_9_is_recalibrated_on_validation_worlds_only(monkeypatch):
-    rng, asked = np.random.default_rng(0), []
+    rng, worlds = np.random.default_rng(0), []
 
-    def gamble(world, options):
-        """Plans that come true half as often as they tell; elsewhere, hardly ever."""
-        asked.append(world)
-        told = rng.uniform(0.02, 1.0, 2_000)
+    def run_world(world, *_):
+        """Plans succeed half as often as predicted; elsewhere, hardly ever."""
+        worlds.append(world)
+        predicted = rng.uniform(0.02, 1.0, 2_000)
         share = 0.5 if world in fig9.VALIDATION else 0.02
-        return np.stack([told, rng.random(2_000) < share * told])
+        return np.stack([predicted, rng.random(2_000) < share * predicted])
 
-    monkeypatch.setattr(fig9, "run_world", gamble)
-    report = fig9.run(Options(worlds=(20_000, 20_001)))
-    assert asked == [*fig9.VALIDATION, 20_000, 20_001]
+    monkeypatch.setattr(fig9, "run_world", run_world)
+    report = fig9.EXPERIMENT.report(Options(worlds=(20_000, 20_001)))
+    assert worlds == [*fig9.VALIDATION, 20_000, 20_001]
     rows = saved(report)["rows"]
     assert [row["bin"] for row in rows] == [*range(5), *range(5)]
     assert [row["calibrated"] for row in rows] == [False] * 5 + [True] * 5
@@ -130,15 +131,15 @@ def test_fig_9_is_recalibrated_on_validation_worlds_only(monkeypatch):
     assert report.worlds == (20_000, 20_001)
 
 
-def test_fig_9_notes_how_far_told_and_measured_are_apart(monkeypatch):
+def test_fig_9_notes_how_far_predicted_and_measured_are_apart(monkeypatch):
     rng = np.random.default_rng(1)
 
-    def gamble(*_):
-        told = rng.uniform(0.02, 1.0, 3_000)
-        return np.stack([told, rng.random(3_000) < told**3])
+    def run_world(*_):
+        predicted = rng.uniform(0.02, 1.0, 3_000)
+        return np.stack([predicted, rng.random(3_000) < predicted**3])
 
-    monkeypatch.setattr(fig9, "run_world", gamble)
-    plain, mended = fig9.run(QUICK).notes
+    monkeypatch.setattr(fig9, "run_world", run_world)
+    plain, mended = fig9.EXPERIMENT.report(QUICK).notes
     assert "product of RE" in plain
     assert "recalibrated" in mended
 
@@ -151,28 +152,27 @@ def test_fig_9_notes_how_far_told_and_measured_are_apart(monkeypatch):
 
 
 @networks
-def test_plans_of_fig_9_are_tried_whatever_the_chances(house, monkeypatch):
-    monkeypatch.setattr(fig9, "QUICK_TRIALS", 6)
+def test_plans_of_fig_9_are_driven_whatever_their_probability(house, monkeypatch):
     sent = []
     navigate = fig9.navigate
     monkeypatch.setattr(fig9, "navigate", lambda *a: sent.append(navigate(*a)) or sent[-1])
-    told, came_true = fig9.run_world(20_000, QUICK)
-    assert told.shape == came_true.shape == (len(sent[0].success),)
-    assert ((told >= 0) & (told <= 1)).all()
-    assert (came_true == sent[0].success).all()
-    assert set(came_true[told == 0].tolist()) <= {0.0}
+    probability, success = fig9.run_world(20_000, QUICK, fig9.Settings(trials=6))
+    assert probability.shape == success.shape == (len(sent[0].success),)
+    assert ((probability >= 0) & (probability <= 1)).all()
+    assert (success == sent[0].success).all()
+    assert set(success[probability == 0].tolist()) <= {0.0}
 
 
 @networks
 def test_fig_10_learns_nested_shares_of_the_drives(house, monkeypatch):
-    monkeypatch.setattr(fig10, "QUICK_TRIALS", 6)
+    few = replace(fig10.EXPERIMENT, quick_settings=fig10.Settings(trials=6))
     learned = []
     monkeypatch.setattr(
         fig10,
         "experiences",
         lambda house, numbers: learned.append(numbers) or buildings_experiences(house, numbers),
     )
-    report = fig10.run(QUICK)
+    report = few.report(QUICK)
     assert [len(numbers) for numbers in learned] == [
         round(share * len(house.pairs)) for share in fig10.SHARES
     ]
@@ -192,37 +192,33 @@ buildings_experiences = fig10.experiences
 
 
 @networks
-def test_a_way_of_fig_11_leads_over_trajectories_that_nobody_drove_as_one(house, monkeypatch):
-    monkeypatch.setattr(fig11, "_TRIALS", 24)
-    monkeypatch.setattr(fig11, "SHARE", 0.6)
-    report = fig11.run(QUICK)
+def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(house):
+    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=24, share=0.6))
+    report = few.report(QUICK)
     rows = report.rows
     assert len({row["trajectory"] for row in rows}) >= 2
     rng = np.random.default_rng([0, 20_000, 7])
     kept = np.sort(rng.permutation(len(house.pairs))[: round(0.6 * len(house.pairs))])
     assert {row["trajectory"] for row in rows} <= set(kept.tolist())
-    way = [rows[0]["from_place"], rows[0]["to_place"]]
-    assert way not in house.pairs[kept].tolist()
+    pair = [rows[0]["from_place"], rows[0]["to_place"]]
+    assert pair not in house.pairs[kept].tolist()
     for row in rows:
         drive = house.recorded.poses[house.recorded.frames_of(row["trajectory"])]
         assert np.abs(drive - [row["x"], row["y"], row["heading"]]).max(axis=1).min() < 1e-9
-    assert f"from place {way[0]} to {way[1]}" in report.notes[0]
+    assert f"from place {pair[0]} to {pair[1]}" in report.notes[0]
 
 
 @networks
-def test_a_world_without_a_new_way_is_told(monkeypatch):
-    monkeypatch.setattr(fig11, "_TRIALS", 4)
-    monkeypatch.setattr(fig11, "SHARE", 1.0)
-    with pytest.raises(InputError, match=r"meng_fig11: no new way .* give another one"):
-        fig11.run(QUICK)
+def test_a_world_without_a_new_path_is_an_error():
+    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=4, share=1.0))
+    with pytest.raises(InputError, match=r"meng_fig11: no new path .* give another one"):
+        few.report(QUICK)
 
 
 @networks
-def test_fig_13_counts_vertices_at_even_numbers_of_frames(monkeypatch):
-    monkeypatch.setattr(fig13, "FRAMES", 2_000)
-    monkeypatch.setattr(fig13, "EVERY", 500)
-    monkeypatch.setattr(fig13, "_DRIVES", 6)
-    report = fig13.run(Options(worlds=(20_000,)))
+def test_fig_13_counts_vertices_at_even_numbers_of_frames():
+    few = fig13.Settings(frames=2_000, interval=500, at_once=6)
+    report = replace(fig13.EXPERIMENT, settings=few).report(Options(worlds=(20_000,)))
     assert [row["frames"] for row in report.rows] == [500, 1_000, 1_500, 2_000]
     sizes = [row["vertices"] for row in report.rows]
     assert sizes == sorted(sizes)
@@ -232,8 +228,8 @@ def test_fig_13_counts_vertices_at_even_numbers_of_frames(monkeypatch):
     assert report.notes[0].startswith(f"from 1,000 to 2,000 frames {grown:.1%} more vertices")
 
 
-def test_the_drives_of_fig_13_begin_where_recorded_ones_did_but_not_quite(house):
-    more = fig13.more_drives(house, np.random.default_rng(0))
+def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(house):
+    more = fig13.more_trajectories(house, 45, np.random.default_rng(0))
     first = house.recorded.poses[house.recorded.first_frames, :2]
     for drive in more.trajectories:
         gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()
@@ -257,8 +253,8 @@ def test_each_threshold_is_a_row_over_all_worlds(monkeypatch):
         1: {keys[0]: result([1, 1], 10), keys[1]: result([0, 1], 30)},
         2: {keys[0]: result([1, 0], 20), keys[1]: result([0, 0], 50)},
     }
-    monkeypatch.setattr(table2_thresholds, "run_world", lambda world, _: found[world])
-    report = table2.run(Options(ablation="thresholds", worlds=(1, 2)))
+    monkeypatch.setattr(table2_thresholds, "run_world", lambda world, *_: found[world])
+    report = table2.EXPERIMENT.report(Options(ablation="thresholds", worlds=(1, 2)))
     assert report.name == "meng_table2_thresholds"
     first, second = saved(report)["rows"]
     assert (first["method"], first["threshold"], first["replans"]) == keys[0]
@@ -273,18 +269,15 @@ def test_each_threshold_is_a_row_over_all_worlds(monkeypatch):
 
 def test_thresholds_are_chosen_on_validation_worlds():
     assert set(table2_thresholds.WORLDS) < set(fig9.VALIDATION)
-    assert not set(fig9.VALIDATION) & set(table2.WORLDS)
+    assert not set(fig9.VALIDATION) & set(navigation_tasks.WORLDS)
 
 
 @needs("waypoint_k5", "reach_k5", "sptm")
-def test_all_thresholds_are_tried_on_the_same_trials_and_without_planning_anew(monkeypatch):
-    monkeypatch.setattr(table2_thresholds, "QUICK_TRIALS", 3)
-    monkeypatch.setattr(table2_thresholds, "RE", (0.9, 0.99))
-    monkeypatch.setattr(table2_thresholds, "SIMILARITY", (0.9, 0.99))
-    asked = []
+def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkeypatch):
+    calls = []
 
     def measured(house, trials, agent):
-        asked.append((trials, agent.replans, agent.topomap.graph.number_of_edges()))
+        calls.append((trials, agent.replans, agent.topomap.graph.number_of_edges()))
         return result([1, 1, 1], len(agent.topomap))
 
     monkeypatch.setattr(table2_thresholds, "measured", measured)
@@ -295,7 +288,8 @@ def test_all_thresholds_are_tried_on_the_same_trials_and_without_planning_anew(m
             agent.learn(list(buildings_experiences(house))) or measured(house, trials, agent)
         ),
     )
-    found = table2_thresholds.run_world(20_000, QUICK)
+    few = table2_thresholds.Settings(trials=3, re=(0.9, 0.99), similarity=(0.9, 0.99))
+    found = table2_thresholds.run_world(20_000, QUICK, few)
     assert list(found) == [
         ("meng", 0.9, 8),
         ("meng", 0.99, 8),
@@ -304,9 +298,9 @@ def test_all_thresholds_are_tried_on_the_same_trials_and_without_planning_anew(m
         ("sptm", 0.99, 8),
         ("sptm", 0.99, 0),
     ]
-    assert all(trials is asked[0][0] for trials, _, _ in asked)
-    assert [replans for _, replans, _ in asked] == [key[2] for key in found]
-    edges = [edges for _, _, edges in asked]
+    assert all(trials is calls[0][0] for trials, _, _ in calls)
+    assert [replans for _, replans, _ in calls] == [key[2] for key in found]
+    edges = [edges for _, _, edges in calls]
     assert edges[1] == edges[2]  # the same map
     assert edges[3] > edges[4] == edges[5]
 
@@ -314,35 +308,35 @@ def test_all_thresholds_are_tried_on_the_same_trials_and_without_planning_anew(m
 # Faults.
 
 
-def test_a_blocked_way_can_be_driven_around_but_not_through(house):
-    asked = navigation_tasks.trials(house, 12, np.random.default_rng(0))
-    people, kept, seconds = faults.blockades(house, asked, 4)
+def test_a_blocked_path_can_be_driven_around_but_not_through(house):
+    trials = navigation_tasks.draw_trials(house, 12, np.random.default_rng(0))
+    people, kept, seconds = faults.blockades(house, trials, 4)
     assert 0 < len(kept) <= 4
     assert len(seconds) == len(kept)
-    assert (seconds > asked.seconds[kept]).all()
+    assert (seconds > trials.seconds[kept]).all()
     assert sorted({person.owner for person in people}) == list(range(len(kept)))
     for number, trial in enumerate(kept):
         row = np.stack([person.route[0] for person in people if person.owner == number])
-        track = asked.recorded.trajectories[trial].poses[:, :2]
+        track = trials.recorded.trajectories[trial].poses[:, :2]
         gap = np.linalg.norm(track[:, None] - row, axis=-1).min()
-        assert gap < Person.radius + 0.12  # the oracle's way is through them
+        assert gap < Person.radius + 0.12  # the oracle's path is through them
         order = np.argsort(row @ (row[-1] - row[0]))
         steps = np.linalg.norm(np.diff(row[order], axis=0), axis=1)
         assert (steps < 2 * Person.radius + 0.34).all()  # narrower than a car between two of them
 
 
-def test_a_way_without_another_one_is_not_blocked(monkeypatch):
+def test_a_path_without_a_detour_is_not_blocked(monkeypatch):
     corridor = Scene(make_box(14.0, 1.6))
     house = navigation_tasks.explored("corridor", corridor, np.random.default_rng(0), 2)
-    asked = navigation_tasks.trials(house, 4, np.random.default_rng(0))
-    people, kept, seconds = faults.blockades(house, asked, 4)
+    trials = navigation_tasks.draw_trials(house, 4, np.random.default_rng(0))
+    people, kept, seconds = faults.blockades(house, trials, 4)
     assert (people, len(kept), len(seconds)) == ([], 0, 0)
 
 
 @networks
-def test_faults_tell_what_came_of_each(house, monkeypatch):
-    monkeypatch.setattr(faults, "QUICK_TRIALS", 10)
-    report = faults.run(QUICK)
+def test_every_fault_has_its_row_of_outcomes():
+    few = replace(faults.EXPERIMENT, quick_settings=faults.Settings(trials=10))
+    report = few.report(QUICK)
     rows = {row["fault"]: row for row in saved(report)["rows"]}
     assert list(rows) == ["none", "blocked", "own_goal", "strange_goal"]
     assert rows["none"]["trials"] == rows["blocked"]["trials"] > 0
@@ -354,7 +348,7 @@ def test_faults_tell_what_came_of_each(house, monkeypatch):
     assert rows["blocked"]["plans"] >= 1.0
 
 
-def test_faults_without_a_way_to_block_are_no_division_by_nothing():
+def test_faults_without_a_path_to_block_have_an_empty_row():
     empty = np.empty(0)
     row = faults._row("blocked", [{"reached": empty, "plans": empty}])
     assert (row["trials"], row["reached"], row["plans"]) == (0, None, None)
@@ -364,9 +358,9 @@ def test_faults_without_a_way_to_block_are_no_division_by_nothing():
 
 
 @networks
-def test_the_bench_compares_the_index_with_all_questions(house, monkeypatch):
-    monkeypatch.setattr(map_building, "QUICK_SIZES", (20, 40))
-    report = map_building.run(QUICK)
+def test_the_bench_compares_the_index_with_all_queries(house):
+    few = map_building.Settings(places=5, sizes=(20, 40))
+    report = replace(map_building.EXPERIMENT, quick_settings=few).report(QUICK)
     kinds = list(dict.fromkeys(row["map"] for row in report.rows))
     assert kinds == ["one building", "one building, no reuse", "many buildings, no reuse"]
     for kind in kinds:
@@ -387,7 +381,7 @@ def test_the_bench_compares_the_index_with_all_questions(house, monkeypatch):
 
 
 @networks
-def test_comparing_with_everyone_leaves_the_map_as_it_is(house):
+def test_comparing_with_every_vertex_leaves_the_map_as_it_is(house):
     agent = agents.meng()
     drives = list(map_building.sparsified(house))
     agent.learn([])

@@ -35,11 +35,8 @@ def course():
 @pytest.fixture(scope="module")
 def report():
     """Two worlds with few episodes."""
-    patch = pytest.MonkeyPatch()
-    patch.setattr(local_control, "_QUICK_EPISODES", 3)
-    made = table1.run(Options(worlds=(10_000, 10_001), quick=True))
-    patch.undo()
-    return made
+    few = replace(table1.EXPERIMENT, quick_settings=table1.Settings(episodes=3))
+    return few.report(Options(worlds=(10_000, 10_001), quick=True))
 
 
 def test_every_controller_has_a_row_for_every_condition(report):
@@ -121,11 +118,11 @@ def test_a_map_stands_in_place_of_worlds(other, capsys):
     assert "--map" in capsys.readouterr().err
 
 
-def test_a_map_has_no_shifted_palette_and_is_named(tmp_path, monkeypatch):
+def test_a_map_has_no_shifted_palette_and_is_named(tmp_path):
     plan = generate("apartment", 10_012)
     save_plan(plan, tmp_path / "flat.json")
-    monkeypatch.setattr(local_control, "_QUICK_EPISODES", 2)
-    made = table1.run(Options(quick=True, map=tmp_path / "flat.json"))
+    few = replace(table1.EXPERIMENT, quick_settings=table1.Settings(map_episodes=2))
+    made = few.report(Options(quick=True, map=tmp_path / "flat.json"))
     assert made.map == "flat.json"
     assert {row["condition"] for row in made.rows} == CONDITIONS - {"shifted"}
 
@@ -135,9 +132,9 @@ def test_an_ablation_belongs_to_its_experiment(capsys):
     assert "--ablation encoder: plans has none" in capsys.readouterr().err
 
 
-def test_the_benchmark_of_control_tells_where_the_time_goes(monkeypatch):
-    monkeypatch.setattr(control, "FLEETS", (1, 3))
-    rows = control.run(Options(quick=True)).rows
+def test_the_benchmark_of_control_shows_where_the_time_goes():
+    few = replace(control.EXPERIMENT, quick_settings=control.Settings(fleets=(1, 3), rounds=4))
+    rows = few.report(Options(quick=True)).rows
     assert {(row["cars"], row["stage"]) for row in rows} == {
         (cars, stage) for cars in (1, 3) for stage in (*control.STAGES, "plain", "all")
     }

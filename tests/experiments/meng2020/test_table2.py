@@ -34,10 +34,10 @@ from tutorial_lib.experiments.protocols.navigation import (
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     ROOMY,
     Trials,
-    building,
+    draw_trials,
     facing,
+    make_building,
     spread_places,
-    trials,
 )
 from tutorial_lib.interfaces import Agent, Experience, Navigation
 from tutorial_lib.learning.estimators import use_threads
@@ -64,12 +64,12 @@ def plan(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def house(plan):
-    return building(plan, seed=0, count=3)
+    return make_building(plan, seed=0, count=3)
 
 
 @pytest.fixture(scope="module")
 def asked(house):
-    return trials(house, 10, np.random.default_rng(1))
+    return draw_trials(house, 10, np.random.default_rng(1))
 
 
 # Buildings.
@@ -91,7 +91,7 @@ def test_a_building_has_a_drive_for_every_ordered_pair_of_places(house):
 
 
 def test_the_same_seed_gives_the_same_building(house, plan):
-    again, other = building(plan, seed=0, count=3), building(plan, seed=5, count=3)
+    again, other = make_building(plan, seed=0, count=3), make_building(plan, seed=5, count=3)
     assert (again.places == house.places).all()
     assert (again.recorded.poses == house.recorded.poses).all()
     assert (
@@ -169,10 +169,10 @@ def test_trials_start_beside_a_recorded_drive_and_end_where_it_leads(house, aske
 
 
 def test_trials_are_drawn_by_their_seed(house, asked):
-    again = trials(house, 10, np.random.default_rng(1))
+    again = draw_trials(house, 10, np.random.default_rng(1))
     assert (again.starts == asked.starts).all()
     assert (again.pairs == asked.pairs).all()
-    other = trials(house, 10, np.random.default_rng(2))
+    other = draw_trials(house, 10, np.random.default_rng(2))
     assert not np.array_equal(other.starts, asked.starts)
 
 
@@ -518,9 +518,9 @@ def test_an_agent_is_a_file_and_a_class(where, words, tmp_path, monkeypatch):
         ("x = 1\n", "own.py has no Mine$"),
         (
             "class Mine:\n    def drive(self): ...\n",
-            "has the methods of no piece .agent: learn, start",
+            "has the methods of no component .agent: learn, start",
         ),
-        ("class Mine:\n    def learn(self): ...\n", "has the methods of no piece"),
+        ("class Mine:\n    def learn(self): ...\n", "has the methods of no component"),
         ("class Mine:\n    def prepare(self): ...\n", "reachability: prepare, probability"),
         (
             "class Mine:\n    def __init__(self):\n        x = 1\n        raise KeyError('abc')\n",
@@ -637,7 +637,7 @@ def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsy
     def never(*_, **__):
         raise AssertionError("it was driven")
 
-    monkeypatch.setattr(table2, "building", never)
+    monkeypatch.setattr(table2, "make_building", never)
     monkeypatch.setattr(table2, "for_each", never)
     for where in ("nowhere.py:Mine", own("class Mine\n")):
         assert main(["experiment", "meng_table2", "--quick", "--agent", where]) == 2
@@ -645,7 +645,9 @@ def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsy
         assert f"--agent {where}: " in told
         assert "Traceback" not in told
     assert main(["experiment", "plans", "--agent", own(WHOLE)]) == 2
-    assert "--agent: plans has no agents; use meng_table2" in capsys.readouterr().err
+    assert (
+        "--agent: plans cannot use it; its options: --worlds A:B, --map" in capsys.readouterr().err
+    )
 
 
 # The race.
@@ -653,11 +655,10 @@ def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsy
 
 @networks
 def test_a_race_is_run_by_all_on_the_same_trials(plan, own, monkeypatch):
-    monkeypatch.setattr(table2, "QUICK_PLACES", 3)
-    monkeypatch.setattr(table2, "QUICK_TRIALS", 4)
+    few = replace(table2.EXPERIMENT, quick_settings=table2.Settings(places=3, trials=4))
     monkeypatch.setattr(navigation, "GRACE", 1.0)
     monkeypatch.setattr(table2, "for_each", in_turn)
-    report = table2.run(Options(quick=True, map=plan, agent=own(WHOLE)))
+    report = few.report(Options(quick=True, map=plan, agent=own(WHOLE)))
     rows = {row["method"]: row for row in report.rows}
     assert list(rows) == ["meng", "sptm", "random", "oracle", "custom"]
     for row in rows.values():

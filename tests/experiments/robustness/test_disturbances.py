@@ -1,6 +1,7 @@
 """Disturbances do what they say, and are counted as they should be."""
 
 import json
+from dataclasses import replace
 
 import joblib
 import numpy as np
@@ -118,9 +119,9 @@ def test_trajectories_begin_under_way():
 
 def test_disturbances_run_on_a_validation_world(monkeypatch):
     monkeypatch.setattr(following, "CARS", 8)
-    monkeypatch.setattr(disturbances, "_EACH", 2)
+    few = replace(disturbances.EXPERIMENT, settings=disturbances.Settings(trajectories=2))
     with joblib.parallel_config(backend="sequential"):
-        report = disturbances.run(Options(worlds=(10_001,)))
+        report = few.report(Options(worlds=(10_001,)))
     rows = {row["disturbance"]: row for row in report.rows}
     assert list(rows) == ["none", "pushed", "turned", "carried", "person"]
     assert rows["none"]["trajectories"] == 2

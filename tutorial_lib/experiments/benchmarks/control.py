@@ -1,16 +1,18 @@
-"""How many cars C drives in closed loop, and where the time goes."""
+"""How many cars C drives per second in closed loop, and which stage takes how long."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
 from tutorial_lib.world.bodies import BicycleCar
@@ -20,30 +22,36 @@ from tutorial_lib.world.simulation import Simulation
 from tutorial_lib.world.worlds import scene_of, world_name
 
 _T = TypeVar("_T")
-FLEETS = (1, 64, 256)
-WORLD = 20_000
-NETWORK = "waypoint_k2"
-THREADS = 2
-"""Of the network."""
 STAGES = ("sense", "network", "rmp", "move")
-_ROUNDS, _QUICK_ROUNDS, _BLOCK = 12, 4, 5  # looks at the clock, and control steps between them
+_STEPS = 5  # of control between two readings of the clock
 
 
-def run(options: Options) -> Report:
-    """Measure every stage of C with k = 2 on fleets of one car and of many.
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the benchmark.
 
-    The apartment of the first of `options.worlds` is driven in, or that of `WORLD`.
+    Attributes:
+        network: of C.
+        fleets: numbers of cars.
+        threads: of the network.
+        rounds: of five control steps; the median counts.
     """
-    begun = time.perf_counter()
-    worlds = options.worlds[:1] or (WORLD,)
-    scene = scene_of(world_name("apartment", worlds[0]))
-    use_threads(THREADS)
-    predictor = WaypointNetwork(NETWORK)
-    rounds = _QUICK_ROUNDS if options.quick else _ROUNDS
-    rows = []
-    for cars in FLEETS:
+
+    network: str = "waypoint_k2"
+    fleets: tuple[int, ...] = (1, 64, 256)
+    threads: int = 2
+    rounds: int = 12
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Measure every stage of C with k = 2, for one car and for fleets, in an apartment."""
+    scene = scene_of(world_name("apartment", options.worlds[0]))
+    use_threads(settings.threads)
+    predictor = WaypointNetwork(settings.network)
+    rows: Rows = []
+    for cars in settings.fleets:
         loop = Loop(scene, predictor, cars, np.random.default_rng(options.seed))
-        seconds = loop.measure(rounds)
+        seconds = loop.measure(settings.rounds)
         total = sum(seconds[stage] for stage in STAGES)
         for stage, took in {**seconds, "all": total}.items():
             rows.append(
@@ -56,21 +64,20 @@ def run(options: Options) -> Report:
                     "plain_over_cached": seconds["plain"] / took if stage == "network" else None,
                 }
             )
-    took = time.perf_counter() - begun
     note = (
         f"network: targets encoded once and kept; plain: every pair encoded for itself; "
-        f"{THREADS} threads"
+        f"{settings.threads} threads"
     )
-    return Report("control", options.seed, worlds, options.quick, took, rows, (note,))
+    return rows, [note]
 
 
 class Loop:
-    """A fleet under C in closed loop, stage by stage."""
+    """A fleet driven by C in closed loop, timed stage by stage."""
 
     def __init__(
         self, scene: Scene, predictor: WaypointNetwork, cars: int, rng: np.random.Generator
     ) -> None:
-        """Put `cars` cars into a scene, each with a target of its own."""
+        """Place `cars` cars in a scene, each with its own target."""
         paths = GridPaths(scene.clearance)
         places = paths.points[paths.largest]
         self.simulation = Simulation(
@@ -84,13 +91,13 @@ class Loop:
         self.targets = predictor.prepare(self.contexts)
 
     def measure(self, rounds: int) -> dict[str, float]:
-        """Seconds of each stage of one control step, in the median round; `plain` is uncached."""
+        """Seconds of each stage of a control step, in the median round; `plain` is uncached."""
         taken = []
         for _ in range(rounds + 1):
             spent = dict.fromkeys((*STAGES, "plain"), 0.0)
-            for _ in range(_BLOCK):
+            for _ in range(_STEPS):
                 self._step(spent)
-            taken.append({stage: took / _BLOCK for stage, took in spent.items()})
+            taken.append({stage: took / _STEPS for stage, took in spent.items()})
         # The first round compiles.
         in_order = sorted(taken[1:], key=lambda spent: sum(spent[stage] for stage in STAGES))
         return in_order[len(in_order) // 2]
@@ -109,3 +116,8 @@ def _timed(spent: dict[str, float], stage: str, work: Callable[[], _T]) -> _T:
     result = work()
     spent[stage] += time.perf_counter() - begun
     return result
+
+
+EXPERIMENT = Experiment(
+    "control", run, (20_000,), settings=Settings(), quick_settings=Settings(rounds=4)
+)

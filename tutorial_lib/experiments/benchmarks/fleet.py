@@ -1,16 +1,18 @@
-"""One space for a fleet against one space for each car."""
+"""One pymunk space for a fleet against one space for each car."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.generators import generate
@@ -18,22 +20,29 @@ from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, SUBSTEPS, Simulation
 
-CARS = 256
-WORLD = 20_000
-_BLOCK, _ROUNDS = 10, 12  # control steps between two looks at the clock, and how often
+_STEPS = 10  # of control between two readings of the clock
 
 
-def run(options: Options) -> Report:
-    """Measure car-steps per second of both, and compare the trajectories.
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the benchmark.
 
-    The apartment of the first of `options.worlds` is driven in, or that of `WORLD`.
+    Attributes:
+        cars: of the fleet.
+        rounds: of ten control steps; the median counts.
     """
-    begun, rng = time.perf_counter(), np.random.default_rng(options.seed)
-    worlds = options.worlds[:1] or (WORLD,)
-    scene = Scene(generate("apartment", worlds[0]))
+
+    cars: int = 256
+    rounds: int = 12
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Measure car-steps per second of both in an apartment, and compare the trajectories."""
+    rng, cars = np.random.default_rng(options.seed), settings.cars
+    scene = Scene(generate("apartment", options.worlds[0]))
     paths = GridPaths(scene.clearance)
-    starts = random_free_poses(scene, BicycleCar(), paths.points[paths.largest], CARS, rng)
-    actions = np.column_stack([rng.uniform(-0.3, 0.8, CARS), rng.uniform(-0.45, 0.45, CARS)])
+    starts = random_free_poses(scene, BicycleCar(), paths.points[paths.largest], cars, rng)
+    actions = np.column_stack([rng.uniform(-0.3, 0.8, cars), rng.uniform(-0.45, 0.45, cars)])
     fleet = Simulation(scene, starts)
     separate = [SeparateCar(scene.plan.segments, pose) for pose in starts.tolist()]
 
@@ -41,24 +50,22 @@ def run(options: Options) -> Report:
         for car, action in zip(separate, actions.tolist(), strict=True):
             car.step(*action)
 
-    rounds = 3 if options.quick else _ROUNDS
     speeds = {
-        "fleet": _car_steps(lambda: fleet.step(actions), rounds),
-        "separate": _car_steps(step_separate, rounds),
+        "fleet": cars * _steps_per_second(lambda: fleet.step(actions), settings.rounds),
+        "separate": cars * _steps_per_second(step_separate, settings.rounds),
     }
     apart = np.abs(fleet.poses[:, :2] - [car.body.position for car in separate]).max()
     rows = [
-        {"method": m, "cars": CARS, "steps_per_s": s, "ratio": s / speeds["separate"]}
+        {"method": m, "cars": cars, "steps_per_s": s, "ratio": s / speeds["separate"]}
         for m, s in speeds.items()
     ]
-    steps = rounds * _BLOCK
+    steps = settings.rounds * _STEPS
     note = f"after {steps} steps the trajectories are at most {apart:.1e} m apart"
-    took = time.perf_counter() - begun
-    return Report("fleet", options.seed, worlds, options.quick, took, rows, (note,))
+    return rows, [note]
 
 
 class SeparateCar:
-    """One car in a space of its own, in plain Python: what the fleet is measured against."""
+    """One car in its own space, in plain Python: the baseline of the fleet."""
 
     def __init__(self, segments: Array, pose: list[float]) -> None:
         """Put a car at `pose` among wall `segments` (S, 4)."""
@@ -93,12 +100,17 @@ def _clip(value: float, most: float) -> float:
     return min(max(value, -most), most)
 
 
-def _car_steps(step: Callable[[], None], rounds: int) -> float:
-    """Car-steps per second: the median over rounds."""
+def _steps_per_second(step: Callable[[], None], rounds: int) -> float:
+    """Control steps per second: the median over rounds."""
     speeds = []
     for _ in range(rounds):
         begun = time.perf_counter()
-        for _ in range(_BLOCK):
+        for _ in range(_STEPS):
             step()
-        speeds.append(CARS * _BLOCK / (time.perf_counter() - begun))
+        speeds.append(_STEPS / (time.perf_counter() - begun))
     return float(np.median(speeds))
+
+
+EXPERIMENT = Experiment(
+    "fleet", run, (20_000,), settings=Settings(), quick_settings=Settings(rounds=3)
+)

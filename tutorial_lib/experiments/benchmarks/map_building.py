@@ -1,18 +1,24 @@
-"""What a map costs as it grows: seconds for each trajectory and plan, asked by index or of all."""
+"""What a map costs as it grows: seconds per trajectory and plan, indexed or exhaustive."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_of
-from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, Building, building, trials
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    PLACES,
+    Building,
+    draw_trials,
+    make_building,
+)
 from tutorial_lib.interfaces import Goals, Observation
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
@@ -23,46 +29,62 @@ from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.simulation import Simulation
 
-WORLD = 20_000
-SIZES, QUICK_SIZES = (100, 300, 1_000, 3_000, 10_000), (100, 300)
-_EVERYONE = 10**9
-_SOME = 4  # trajectories that are timed at each size
+_EVERY_VERTEX = 10**9
+_TIMED = 4  # trajectories that are timed at each size
 _PLANS = 12
+_NO_REUSE = MapSettings(p_reuse=1.0)
 
 
-def run(options: Options) -> Report:
-    """Build one building's map both ways; then let a map without reuse grow over many worlds."""
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the benchmark.
+
+    Attributes:
+        places: of the one building.
+        sizes: numbers of vertices at which the growing map is measured.
+    """
+
+    places: int = PLACES
+    sizes: tuple[int, ...] = (100, 300, 1_000, 3_000, 10_000)
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Build one building's map both ways; then grow a map without reuse over many worlds."""
+    use_threads(1)  # a few images at a time are too little work to share
+    first = options.worlds[0]
+    building = make_building(first, options.seed, settings.places)
     begun = time.perf_counter()
-    use_threads(1)  # a few pictures at a time are too little work to be shared
-    first = (options.worlds or (WORLD,))[0]
-    house = building(first, options.seed, 5 if options.quick else PLACES)
-    started = time.perf_counter()
-    anchors = list(sparsified(house))
-    drives = anchors, time.perf_counter() - started
-    rows, notes = building_map(house, *drives, MapSettings(), "one building")
-    more = building_map(house, *drives, MapSettings(p_reuse=1.0), "one building, no reuse")
-    rows, notes = rows + more[0] + growing_map(first, options), notes + more[1]
-    took = time.perf_counter() - begun
-    return Report("map", options.seed, (first,), options.quick, took, rows, tuple(notes))
+    anchors = list(sparsified(building))
+    sparsifying = time.perf_counter() - begun
+    rows: Rows = []
+    notes: list[str] = []
+    for name, reuse in (("one building", MapSettings()), ("one building, no reuse", _NO_REUSE)):
+        more = building_map(building, anchors, sparsifying, reuse, name)
+        rows, notes = rows + more[0], notes + more[1]
+    return rows + growing_map(first, options.seed, settings.sizes), notes
 
 
 def building_map(
-    house: Building, drives: list[Anchors], sparsifying: float, settings: MapSettings, name: str
-) -> tuple[list[dict[str, Any]], list[str]]:
-    """The map of one building by index, and by asking about every pair.
+    building: Building,
+    trajectories: list[Anchors],
+    sparsifying: float,
+    settings: MapSettings,
+    name: str,
+) -> tuple[Rows, list[str]]:
+    """The map of one building with the index, and by comparing every pair.
 
     Args:
-        house: the building.
-        drives: the anchors of each of its drives.
+        building: whose map is built.
+        trajectories: the anchors of each.
         sparsifying: seconds that it took to find them.
         settings: of the map.
         name: of the rows.
     """
     rows, edges, each = [], {}, {}
-    for method, candidates in (("indexed", None), ("exhaustive", _EVERYONE)):
+    for method, candidates in (("indexed", None), ("exhaustive", _EVERY_VERTEX)):
         topomap = TopoMap(agents.meng().reachability, settings)
         times = []
-        for anchors in drives:
+        for anchors in trajectories:
             begun = time.perf_counter()
             Insertion(topomap, anchors, candidates).insert()
             times.append(time.perf_counter() - begun)
@@ -72,15 +94,15 @@ def building_map(
                 "method": method,
                 "map": name,
                 "vertices": len(topomap),
-                "trajectories": len(drives),
+                "trajectories": len(trajectories),
                 "seconds_per_trajectory": float(np.mean(times[-5:])),
                 "queries": topomap.vertices.queries,
                 "recall": 1.0,
-                "plan_ms": planned(house, topomap, candidates),
+                "plan_ms": planned(building, topomap, candidates),
             }
         )
     rows[0]["recall"] = len(edges["indexed"] & edges["exhaustive"]) / len(edges["exhaustive"])
-    frames = len(house.recorded.poses)
+    frames = len(building.recorded.poses)
     total = sparsifying + each["indexed"].sum()
     notes = [
         f"{name}: {frames:,} frames mapped in {total:.0f} s, of which sparsifying "
@@ -88,36 +110,38 @@ def building_map(
         f"{name}, indexed: {rows[0]['queries'] / rows[1]['queries']:.1%} of the queries, "
         f"{rows[0]['recall']:.2%} of the edges",
     ]
-    if len(drives) >= 90:
+    if len(trajectories) >= 90:
         late, early = (each["indexed"][at - 3 : at + 2].mean() for at in (88, 10))
         notes.append(f"{name}: the 90th trajectory takes {late / early:.2f} times the 10th's time")
     return rows, notes
 
 
-def growing_map(first: int, options: Options) -> list[dict[str, Any]]:
-    """Times at several sizes of a map without reuse, over one world after the other."""
-    rows: list[dict[str, Any]] = []
-    sizes = list(QUICK_SIZES if options.quick else SIZES)
-    topomap = TopoMap(agents.meng().reachability, MapSettings(p_reuse=1.0))
+def growing_map(first: int, seed: int, sizes: tuple[int, ...]) -> Rows:
+    """Times at several sizes of a map without reuse, from the `first` world on."""
+    rows: Rows = []
+    due = list(sizes)
+    topomap = TopoMap(agents.meng().reachability, _NO_REUSE)
     world = first
-    while sizes:
-        house = building(world, options.seed, PLACES)
-        drives = sparsified(house)
-        for anchors in drives:
+    while due:
+        building = make_building(world, seed, PLACES)
+        trajectories = sparsified(building)
+        for anchors in trajectories:
             add_trajectory(topomap, anchors)
-            if len(topomap) < sizes[0]:
+            if len(topomap) < due[0]:
                 continue
-            sizes.pop(0)
-            some = [anchors for anchors, _ in zip(drives, range(_SOME), strict=False)]
-            whole = exhaustively(topomap, some[-1])
-            queries, begun = topomap.vertices.queries, time.perf_counter()
-            for other in some:
+            due.pop(0)
+            timed = [anchors for anchors, _ in zip(trajectories, range(_TIMED), strict=False)]
+            whole = exhaustively(topomap, timed[-1])
+            before, begun = topomap.vertices.queries, time.perf_counter()
+            for other in timed:
                 add_trajectory(topomap, other)
-            seconds = (time.perf_counter() - begun) / len(some)
-            asked = (topomap.vertices.queries - queries) / len(some)
-            rows.append(_row("indexed", topomap, seconds, asked, planned(house, topomap, None)))
-            rows.append(_row("exhaustive", topomap, *whole, planned(house, topomap, _EVERYONE)))
-            if not sizes:
+            seconds = (time.perf_counter() - begun) / len(timed)
+            queries = (topomap.vertices.queries - before) / len(timed)
+            plan = planned(building, topomap, None)
+            rows.append(_row("indexed", topomap, seconds, queries, plan))
+            plan = planned(building, topomap, _EVERY_VERTEX)
+            rows.append(_row("exhaustive", topomap, *whole, plan))
+            if not due:
                 break
         world += 1
     return rows
@@ -126,38 +150,38 @@ def growing_map(first: int, options: Options) -> list[dict[str, Any]]:
 def exhaustively(topomap: TopoMap, anchors: Anchors) -> tuple[float, int]:
     """Seconds and queries of comparing a trajectory with every vertex; the map stays as it is."""
     queries, begun = topomap.vertices.queries, time.perf_counter()
-    Insertion(topomap, anchors, _EVERYONE)
+    Insertion(topomap, anchors, _EVERY_VERTEX)
     return time.perf_counter() - begun, topomap.vertices.queries - queries
 
 
-def sparsified(house: Building) -> Iterator[Anchors]:
-    """The anchors of one recorded drive after the other."""
+def sparsified(building: Building) -> Iterator[Anchors]:
+    """The anchors of one recorded trajectory after the other."""
     agent = agents.meng()
-    for experience in experiences(house):
-        seen = experience.observations
-        pictures = agent.predictor.view.of(seen)
+    for experience in experiences(building):
+        observations = experience.observations
+        images = agent.predictor.view.of(observations)
         yield anchors_of(
-            agent.reachability, seen, pictures, K, agent.p_sparsify, experience.timestamps
+            agent.reachability, observations, images, K, agent.p_sparsify, experience.timestamps
         )
 
 
-def planned(house: Building, topomap: TopoMap, candidates: int | None) -> float:
-    """Milliseconds of a plan, its questions to the network included."""
-    asked = trials(house, _PLANS, np.random.default_rng(0))
-    seen = Simulation(house.scene, asked.starts).observe()
-    goals = goals_of(asked, VIEWS["camera16"], K)
+def planned(building: Building, topomap: TopoMap, candidates: int | None) -> float:
+    """Milliseconds of a plan, including its queries of the network."""
+    trials = draw_trials(building, _PLANS, np.random.default_rng(0))
+    observations = Simulation(building.scene, trials.starts).observe()
+    goals = goals_of(trials, VIEWS["camera16"], K)
     planner = DijkstraPlanner()
     planner = planner if candidates is None else replace(planner, candidates=candidates)
-    times = [timed_plan(planner, seen[[i]], goals[i], topomap) for i in range(len(goals))]
+    times = [timed_plan(planner, observations[[i]], goals[i], topomap) for i in range(len(goals))]
     return 1000 * float(np.median(times))
 
 
 def timed_plan(
-    planner: DijkstraPlanner, seen: Observation, goals: Goals, topomap: TopoMap
+    planner: DijkstraPlanner, observation: Observation, goals: Goals, topomap: TopoMap
 ) -> float:
     """Seconds of one plan."""
     begun = time.perf_counter()
-    planner.plan(seen, goals, topomap)
+    planner.plan(observation, goals, topomap)
     return time.perf_counter() - begun
 
 
@@ -174,3 +198,12 @@ def _row(
         "recall": None,
         "plan_ms": plan,
     }
+
+
+EXPERIMENT = Experiment(
+    "map",
+    run,
+    (20_000,),
+    settings=Settings(),
+    quick_settings=Settings(places=5, sizes=(100, 300)),
+)

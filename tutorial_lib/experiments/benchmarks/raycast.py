@@ -1,15 +1,17 @@
-"""How fast are rays and pictures? pymunk, numpy and numba on the same walls, one thread."""
+"""How fast are rays and images? pymunk, numpy and numba on the same walls, one thread."""
 
 from __future__ import annotations
 
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import pymunk
 
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.materials import Material, Stripe
@@ -17,84 +19,91 @@ from tutorial_lib.world.raycast import Fan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
 
-WALLS = (50, 120, 500, 5000)
 BATCH = 256
 DENSITY = 120 / 14**2
-"""Walls on a square metre."""
+"""Walls per square metre."""
 _POSES = 4096
-_RANGE = 30.0  # metres that pymunk's rays are long
+_RANGE = 30.0  # length of pymunk's rays in metres
 
 
-def run(options: Options) -> Report:
-    """Measure frames of 64 rays over 120 degrees per second, for each method and size.
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the benchmark.
 
-    The walls are random, so `options.worlds` is of no use here.
+    Attributes:
+        walls: sizes of the random scenes.
+        seconds: that each method is measured at each size.
     """
-    begun, seconds = time.perf_counter(), 0.2 if options.quick else 1.0
-    rows = []
-    for walls in WALLS:
+
+    walls: tuple[int, ...] = (50, 120, 500, 5000)
+    seconds: float = 1.0
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Measure frames per second, of 64 rays over 120 degrees, for each method and size."""
+    rows: Rows = []
+    for walls in settings.walls:
         scene, poses = random_scene(walls, np.random.default_rng([options.seed, walls]))
-        speeds = {name: rate(task, seconds) for name, task in methods(scene, poses).items()}
+        tasks = methods(scene, poses)
+        speeds = {name: rate(task, settings.seconds) for name, task in tasks.items()}
         for name, speed in speeds.items():
             ratio = speed / speeds["pymunk"]
             rows.append({"method": name, "walls": walls, "frames_per_s": speed, "ratio": ratio})
-    notes = ("ratio: to pymunk's loop over bare rays, on the same walls and poses",)
-    took = time.perf_counter() - begun
-    return Report("raycast", options.seed, (), options.quick, took, rows, notes)
+    return rows, ["ratio: to pymunk's loop over bare rays, on the same walls and poses"]
 
 
 def methods(scene: Scene, poses: Array) -> dict[str, Callable[[int], int]]:
-    """For each method a function that does a share of the work and returns its frames."""
+    """For each method, a function that renders the batch of an index and returns its size."""
     fan, caster = Camera().fan, scene.caster
     few, many = Camera(rows=16), Camera(rows=64)
     space = space_of(caster.segments)
 
-    def batch(number: int) -> Array:
-        first = number * BATCH % len(poses)
+    def batch(index: int) -> Array:
+        first = index * BATCH % len(poses)
         return poses[first : first + BATCH]
 
     def counted(work: Callable[[Array], object]) -> Callable[[int], int]:
-        def task(number: int) -> int:
-            work(batch(number))
+        def task(index: int) -> int:
+            work(batch(index))
             return BATCH
 
         return task
 
-    def one_by_one(number: int) -> int:
-        for pose in batch(number):
+    def one_by_one(index: int) -> int:
+        for pose in batch(index):
             caster.cast(pose[None], fan)
         return BATCH
 
-    def pymunk_loop(number: int) -> int:
-        few_poses = batch(number)[:16]
+    def pymunk_loop(index: int) -> int:
+        few_poses = batch(index)[:16]
         query_loop(space, few_poses, fan)
         return len(few_poses)
 
-    def numpy_batch(number: int) -> int:
-        few_poses = batch(number)[: max(1, 500 // len(caster.segments))]
+    def numpy_batch(index: int) -> int:
+        few_poses = batch(index)[: max(1, 500 // len(caster.segments))]
         numpy_distances(caster.segments, few_poses, fan)
         return len(few_poses)
 
     return {
         "pymunk": pymunk_loop,
         "numpy": numpy_batch,
-        "numba": counted(lambda some: caster.cast(some, fan)),
+        "numba": counted(lambda part: caster.cast(part, fan)),
         "numba_single": one_by_one,
-        "image16": counted(lambda some: few.look(scene, some)),
-        "image64": counted(lambda some: many.look(scene, some)),
+        "image16": counted(lambda part: few.look(scene, part)),
+        "image64": counted(lambda part: many.look(scene, part)),
     }
 
 
 def rate(task: Callable[[int], int], seconds: float) -> float:
-    """Frames per second: the median over several measurements of at least `seconds` together."""
+    """Frames per second: the median of several measurements, over at least `seconds` in total."""
     task(0)
     speeds = []
-    end, number = time.perf_counter() + seconds, 1
+    end, index = time.perf_counter() + seconds, 1
     while time.perf_counter() < end or len(speeds) < 3:
         begun, frames = time.perf_counter(), 0
         while time.perf_counter() - begun < seconds / 10:
-            frames += task(number)
-            number += 1
+            frames += task(index)
+            index += 1
         speeds.append(frames / (time.perf_counter() - begun))
     return float(np.median(speeds))
 
@@ -128,7 +137,7 @@ def numpy_distances(segments: Array, poses: Array, fan: Fan) -> Array:
 
 
 def space_of(segments: Array) -> pymunk.Space:
-    """A pymunk space with the segments as walls without thickness."""
+    """A pymunk space with the segments as walls of zero thickness."""
     space = pymunk.Space()
     for x0, y0, x1, y1 in segments.tolist():
         space.add(pymunk.Segment(space.static_body, (x0, y0), (x1, y1), 0.0))
@@ -159,3 +168,6 @@ def _striped(name: str, rng: np.random.Generator) -> Material:
     starts = np.sort(rng.uniform(0, 24, 20)).tolist()
     stripes = [Stripe(a, a + 0.5, c) for a, c in zip(starts, colours[1:], strict=True)]
     return Material(name, colours[0], tuple(stripes))
+
+
+EXPERIMENT = Experiment("raycast", run, settings=Settings(), quick_settings=Settings(seconds=0.2))

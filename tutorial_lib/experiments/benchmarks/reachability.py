@@ -1,8 +1,9 @@
-"""How many errands are driven a second, and how many pairs RE is asked about."""
+"""Rollouts per second of pairs of start and target, and queries of RE per second."""
 
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass, replace
 
 import numpy as np
 from joblib import Parallel, delayed
@@ -12,33 +13,42 @@ from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.world.worlds import scene_of, world_name
 
-WORLD = 20_000
 JOBS = 2
-"""Processes that drive or ask side by side, as on the reference machine."""
-_CARS = 16
-_TARGETS, _QUICK_TARGETS = 400, 120
-_ANCHORS, _QUICK_ANCHORS = 120, 60
-_PLAIN = 1_024
-_BLOCK = 256
+"""Processes side by side, as on the reference machine."""
+_BATCH = 256
 
 
-def run(options: Options) -> Report:
-    """Drive errands of k = 2, and ask RE about all pairs of anchors, in two processes."""
-    begun = time.perf_counter()
-    worlds = options.worlds[:1] or (WORLD,)
-    targets = _QUICK_TARGETS if options.quick else _TARGETS
-    anchors = _QUICK_ANCHORS if options.quick else _ANCHORS
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the benchmark.
+
+    Attributes:
+        cars: that record the trajectories.
+        targets: of the rollouts in each process.
+        anchors: all pairs of which are queried in each process.
+        plain: queries without cached embeddings in each process.
+    """
+
+    cars: int = 16
+    targets: int = 400
+    anchors: int = 120
+    plain: int = 1_024
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Roll out pairs with k = 2, and query RE on all pairs of anchors, in two processes."""
+    world, seed = options.worlds[0], options.seed
+    few = replace(settings, targets=20, anchors=20)
     with Parallel(n_jobs=JOBS) as side_by_side:
         # The first round loads and compiles.
-        side_by_side(delayed(measure)(worlds[0], options.seed, 20, 20) for _ in range(JOBS))
-        found = side_by_side(
-            delayed(measure)(worlds[0], options.seed + i, targets, anchors) for i in range(JOBS)
-        )
+        side_by_side(delayed(measure)(world, seed, few) for _ in range(JOBS))
+        found = side_by_side(delayed(measure)(world, seed + i, settings) for i in range(JOBS))
     per_second = {
         name: sum(count / seconds for count, seconds in (part[name] for part in found))
         for name in found[0]
@@ -52,38 +62,46 @@ def run(options: Options) -> Report:
         }
         for name, rate in per_second.items()
     ]
-    took = time.perf_counter() - begun
-    notes = (
-        f"k = 2, {JOBS} processes of one thread; cached: both pictures of a pair encoded before",
-    )
-    return Report("reachability", options.seed, worlds, options.quick, took, rows, notes)
+    note = f"k = 2, {JOBS} processes of one thread; cached: both images of a pair encoded before"
+    return rows, [note]
 
 
-def measure(world: int, seed: int, targets: int, anchors: int) -> dict[str, tuple[int, float]]:
-    """How many rollouts, cached and plain queries were made, and the seconds they took."""
+def measure(world: int, seed: int, settings: Settings) -> dict[str, tuple[int, float]]:
+    """Numbers of rollouts, cached and plain queries, and the seconds that they took."""
     use_threads(1)
     name = world_name("apartment", world)
     scene, rng = scene_of(name), np.random.default_rng(seed)
-    recorded = RecordedWorld(scene, demonstrate(name, scene, _CARS, seed))
-    errands = draw_reachability_pairs(recorded, GridPaths(scene.clearance), targets, rng)
-    pilot = by_waypoints(WaypointNetwork("waypoint_k2"))
+    recorded = RecordedWorld(scene, demonstrate(name, scene, settings.cars, seed))
+    paths = GridPaths(scene.clearance)
+    pairs = draw_reachability_pairs(recorded, paths, settings.targets, rng)
+    policy = by_waypoints(WaypointNetwork("waypoint_k2"))
     begun = time.perf_counter()
-    outcomes = roll_out_pairs(recorded, errands, pilot)
+    outcomes = roll_out_pairs(recorded, pairs, policy)
     driven = int(outcomes.driven.sum()), time.perf_counter() - begun
-    network = ReachabilityNetwork("reach_k2")
-    frames = np.sort(rng.choice(len(recorded.poses), anchors, replace=False))
-    seen = recorded.observe(frames)
+    network, count = ReachabilityNetwork("reach_k2"), settings.anchors
+    frames = np.sort(rng.choice(len(recorded.poses), count, replace=False))
+    observations = recorded.observe(frames)
     poses = recorded.poses[recorded.context(frames, network.architecture.k)]
     contexts = network.view.render(scene, poses)
-    current, prepared = network.encode(seen), network.prepare(contexts)
-    rows, columns = (pairs.ravel() for pairs in np.indices((anchors, anchors)))
+    current, prepared = network.encode(observations), network.prepare(contexts)
+    rows, columns = (indices.ravel() for indices in np.indices((count, count)))
     begun = time.perf_counter()
-    for first in range(0, len(rows), _BLOCK):
-        some = slice(first, first + _BLOCK)
-        network.compare(current[rows[some]], prepared[columns[some]])
+    for first in range(0, len(rows), _BATCH):
+        part = slice(first, first + _BATCH)
+        network.compare(current[rows[part]], prepared[columns[part]])
     cached = len(rows), time.perf_counter() - begun
     begun = time.perf_counter()
-    for _ in range(_PLAIN // _BLOCK):
-        some = rng.integers(anchors, size=(2, _BLOCK))
-        network.outputs_uncached(seen[some[0]], contexts[some[1]])
-    return {"rollouts": driven, "cached": cached, "plain": (_PLAIN, time.perf_counter() - begun)}
+    for _ in range(settings.plain // _BATCH):
+        one, other = rng.integers(count, size=(2, _BATCH))
+        network.outputs_uncached(observations[one], contexts[other])
+    plain = settings.plain, time.perf_counter() - begun
+    return {"rollouts": driven, "cached": cached, "plain": plain}
+
+
+EXPERIMENT = Experiment(
+    "reachability",
+    run,
+    (20_000,),
+    settings=Settings(),
+    quick_settings=Settings(targets=120, anchors=60),
+)

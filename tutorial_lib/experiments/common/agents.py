@@ -1,4 +1,4 @@
-"""The whole systems that are raced against each other, and how to put a piece of your own in."""
+"""The agents that experiments compare, and how to run one, or a component, of your own."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from tutorial_lib.topology.planner import DijkstraPlanner
 
 CONTEXT = "k5"
 S_SHORTCUT = 0.99
-"""SPTM's, by a search on validation worlds."""
-PIECES = {
+"""SPTM's threshold, chosen on validation worlds."""
+COMPONENTS = {
     "agent": ("learn", "start"),
     "planner": ("plan",),
     "localizer": ("localize",),
     "reachability": ("prepare", "probability"),
 }
-"""What an own class may be, by the methods that it has."""
+"""What a class of your own can be, by the methods that it has."""
 
 
 def meng(**changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute of the agent
-    """The system of Meng 2020 with the shipped networks, but for what is `changed`."""
+    """The agent of Meng 2020 with the shipped networks; `changed` replaces attributes."""
     parts: dict[str, Any] = {
         "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
         "controller": RMPController(),
@@ -43,7 +43,7 @@ def meng(**changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute of the ag
 
 
 def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the agent
-    """SPTM with the same controller and follower, but for what is `changed`."""
+    """SPTM with the same controller and follower; `changed` replaces attributes."""
     parts: dict[str, Any] = {
         "similarity": ReachabilityNetwork("sptm"),
         "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
@@ -60,42 +60,44 @@ def random_agent(rng: np.random.Generator) -> RandomAgent:
 
 
 def custom(where: str) -> Agent:
-    """An agent with a piece of somebody's own, from "FILE.py:CLASS".
+    """An agent of the user's own, or `meng` with a component of theirs, from "FILE.py:CLASS".
 
-    The class is made without arguments. One that has `learn` and `start` is a whole agent; one
-    that has `plan`, `localize`, or `prepare` and `probability` takes the place of that piece of
-    `meng`.
+    The class is instantiated without arguments. One with `learn` and `start` is a whole agent; one
+    with `plan`, `localize`, or `prepare` and `probability` replaces that component of `meng`.
 
     Raises:
-        InputError: when there is no such file or class, it cannot be made, or it is no such piece.
+        InputError: if there is no such file or class, if it cannot be instantiated, or if it is
+            no such component.
     """
-    piece = _made(where)
-    kinds = [kind for kind, methods in PIECES.items() if all(hasattr(piece, m) for m in methods)]
+    component = _instantiate(where)
+    kinds = [
+        kind for kind, methods in COMPONENTS.items() if all(hasattr(component, m) for m in methods)
+    ]
     if not kinds:
-        known = "; ".join(f"{kind}: {', '.join(methods)}" for kind, methods in PIECES.items())
-        raise InputError(f"--agent {where}: has the methods of no piece ({known})")
+        known = "; ".join(f"{kind}: {', '.join(methods)}" for kind, methods in COMPONENTS.items())
+        raise InputError(f"--agent {where}: has the methods of no component ({known})")
     if kinds[0] == "agent":
-        return piece
+        return component
     if kinds[0] == "localizer":
-        return meng(planner=DijkstraPlanner(localizer=piece))
-    return meng(**{kinds[0]: piece})
+        return meng(planner=DijkstraPlanner(localizer=component))
+    return meng(**{kinds[0]: component})
 
 
 def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
-    """Run something with a piece of somebody's own; a fault of theirs becomes a clear report.
+    """Call `run` with the user's agent; an exception in their code becomes a clear message.
 
     Raises:
-        InputError: with the file, the line and what went wrong.
+        InputError: with the file, the line and the error.
     """
     try:
         return run(*arguments)
     except InputError as error:
         raise InputError(f"--agent {where}: {error}") from error
     except (Exception, SystemExit) as error:
-        raise InputError(f"--agent {where}: {_told(where, error)}") from error
+        raise InputError(f"--agent {where}: {_fault(where, error)}") from error
 
 
-def _made(where: str) -> Any:  # noqa: ANN401
+def _instantiate(where: str) -> Any:  # noqa: ANN401
     file, _, name = where.rpartition(":")
     path = Path(file)
     if not file or not name.isidentifier():
@@ -116,18 +118,18 @@ def _made(where: str) -> Any:  # noqa: ANN401
     except InputError:
         raise
     except (Exception, SystemExit) as error:
-        raise InputError(f"--agent {where}: {_told(where, error)}") from error
+        raise InputError(f"--agent {where}: {_fault(where, error)}") from error
 
 
-def _told(where: str, error: BaseException) -> str:
-    """What went wrong, and in which line of their file."""
+def _fault(where: str, error: BaseException) -> str:
+    """The error, and the line of the user's file in which it was raised."""
     file = Path(where.rpartition(":")[0]).resolve()
     lines = [
         frame.lineno
         for frame in traceback.extract_tb(error.__traceback__)
         if Path(frame.filename).resolve() == file
     ]
-    # A SyntaxError has no frame in the file that it is about.
+    # A SyntaxError has no frame in the file that it concerns.
     line = lines[-1] if lines else getattr(error, "lineno", None)
     at = f"{file.name}, line {line}: " if line else ""
     return f"{at}{type(error).__name__}: {error}"

@@ -1,4 +1,4 @@
-"""What every experiment and benchmark gives back: rows, as a table and as JSON."""
+"""What experiments and benchmarks are given and return: options, and rows as table and JSON."""
 
 from __future__ import annotations
 
@@ -8,19 +8,22 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+Rows = list[dict[str, Any]]
+"""One for each line of the table; all have the same keys."""
+
 
 @dataclass(frozen=True)
 class Options:
-    """What a run was asked for on the command line.
+    """The options of the command line.
 
     Attributes:
         worlds: seeds of the worlds; empty for the experiment's own.
-        seed: of everything that is random but the worlds.
-        quick: fewer episodes, same code.
+        seed: of everything random except the worlds.
+        quick: at most five minutes: the same code with fewer episodes, where it takes longer.
         map: a file to run on instead of generated worlds.
-        ablation: which one to run instead of the whole experiment.
+        ablation: to run instead of the experiment itself.
         palette: of generated worlds.
-        agent: FILE.py:CLASS of a system, or a piece of one, to race with the others.
+        agent: FILE.py:CLASS of an agent, or of a component of one, to compare with the others.
     """
 
     worlds: tuple[int, ...] = ()
@@ -38,13 +41,13 @@ class Report:
 
     Attributes:
         name: of the experiment or benchmark.
-        seed: it was run with.
+        seed: of the run.
         worlds: seeds of the worlds.
-        quick: whether fewer episodes were run.
-        seconds: it took.
-        rows: one for each line of the table; all have the same keys.
-        notes: what to read below the table.
-        map: the file's name, where it was run on one.
+        quick: whether it was a quick run.
+        seconds: that the run took.
+        rows: of the table.
+        notes: to be read below the table.
+        map: name of the map's file, if it ran on one.
     """
 
     name: str
@@ -52,18 +55,17 @@ class Report:
     worlds: tuple[int, ...]
     quick: bool
     seconds: float
-    rows: list[dict[str, Any]]
+    rows: Rows
     notes: tuple[str, ...] = ()
     map: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """For JSON, which has no word for what is not a number: that is None."""
-        told = asdict(self)
-        told["rows"] = [{key: _finite(value) for key, value in row.items()} for row in self.rows]
-        return told
+        """For JSON, in which a number that is not finite becomes None."""
+        rows = [{key: _finite(value) for key, value in row.items()} for row in self.rows]
+        return asdict(self) | {"rows": rows}
 
     def as_text(self) -> str:
-        """A table that a person can read; lists are for the JSON only."""
+        """A table to read; lists are only in the JSON."""
         keys = [key for key, value in self.rows[0].items() if not isinstance(value, list)]
         cells = [keys, *([_shown(row[key]) for key in keys] for row in self.rows)]
         widths = [max(len(line[i]) for line in cells) for i in range(len(keys))]
@@ -83,7 +85,7 @@ def parse_worlds(text: str) -> tuple[int, ...]:
     return tuple(range(first, last))
 
 
-def _finite(value: Any) -> Any:  # noqa: ANN401 - whatever stands in a row
+def _finite(value: Any) -> Any:  # noqa: ANN401 - any value of a row
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 

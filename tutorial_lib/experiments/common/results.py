@@ -1,4 +1,4 @@
-"""Results that come with the library, which notebooks show."""
+"""The stored results that come with the library and that notebooks show."""
 
 import json
 from pathlib import Path
@@ -10,7 +10,7 @@ FOLDER = Path(__file__).resolve().parents[2] / "results"
 
 
 def load_result(name: str, folder: Path = FOLDER) -> Report:
-    """The stored results of an experiment or benchmark.
+    """Load the stored results of an experiment or benchmark.
 
     Raises:
         InputError: when there are none, or the file is damaged.

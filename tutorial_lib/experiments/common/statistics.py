@@ -1,4 +1,4 @@
-"""Intervals: worlds are the independent units, not episodes."""
+"""Confidence intervals; worlds, not episodes, are the independent units."""
 
 from collections.abc import Callable
 
@@ -10,18 +10,18 @@ from scipy.stats import binomtest
 from tutorial_lib.geometry import Array
 
 _DRAWS = 4_000
-_FEW_DRAWS = 400  # of what takes longer to measure than a mean
+_FEW_DRAWS = 400  # for measures that take longer than a mean
 _LEVEL = float(2 * ndtr(1.96) - 1)  # 95 %, as z = 1.96 rounds it
 
 
 def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, float]:
     """Mean of all values and its 95 % interval, bootstrapped over worlds.
 
-    With only one world it is Wilson's interval.
+    With only one world, Wilson's interval.
 
     Args:
         values: (N,) success of each episode, 0 or 1.
-        worlds: (N,) which world each is from.
+        worlds: (N,) the world of each.
 
     >>> over_worlds([1.0, 1.0, 0.0, 1.0], [0, 0, 1, 1])
     (0.75, 0.5, 1.0)
@@ -31,7 +31,7 @@ def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, flo
 
 
 def _bootstrapped(values: Array, units: NDArray[np.intp]) -> tuple[float, float, float]:
-    """Mean of values (N,) and its interval; `units` (N,) from 0 on are drawn whole."""
+    """Mean of values (N,) and its interval; whole `units` (N,), numbered from 0, are resampled."""
     sums, counts = np.bincount(units, values), np.bincount(units)
     draws = np.random.default_rng(0).integers(len(sums), size=(_DRAWS, len(sums)))
     means = sums[draws].sum(axis=1) / counts[draws].sum(axis=1)
@@ -42,9 +42,9 @@ def _bootstrapped(values: Array, units: NDArray[np.intp]) -> tuple[float, float,
 def measured_over_worlds(
     measure: Callable[..., float], worlds: ArrayLike, *columns: ArrayLike
 ) -> tuple[float, float, float]:
-    """What `measure` finds in all columns (N,), and its 95 % interval, bootstrapped over worlds.
+    """`measure` of all columns (N,), and its 95 % interval, bootstrapped over worlds.
 
-    With only one world it is bootstrapped over its rows.
+    With only one world its rows are resampled. Resamples in which it is NaN are left out.
 
     >>> measured_over_worlds(lambda x: float(np.max(x)), [0, 0, 1], [1.0, 2.0, 3.0])
     (3.0, 2.0, 3.0)
@@ -77,7 +77,7 @@ def difference(
 
 
 def in_points(found: tuple[float, float, float]) -> str:
-    """A difference of shares and its interval, to read.
+    """A difference of shares and its interval as text.
 
     >>> in_points((0.021, -0.004, 0.05))
     '+2.1 points (-0.4 to +5.0)'

@@ -26,7 +26,12 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
     vertex_poses,
 )
-from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials, explored, trials
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    Building,
+    Trials,
+    draw_trials,
+    explored,
+)
 from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
@@ -72,7 +77,7 @@ def navigate_once(scene: Scene, seed: int, places: int = PLACES) -> tuple[Rollou
     building = explored(name, scene, np.random.default_rng(seed), places)
     agent = agents.meng()
     agent.learn(list(experiences(building)))
-    drawn = trials(building, _TRIALS, np.random.default_rng(seed))
+    drawn = draw_trials(building, _TRIALS, np.random.default_rng(seed))
     trial, rooms, away = farthest(building, drawn)
     people = people_beside(trial, scene)
     navigation = agent.start(goals_of(trial, VIEWS["camera16"], K))

@@ -1,16 +1,15 @@
-"""Fig. 11 of Meng 2020: a way that nobody drove, put together from several trajectories."""
+"""Fig. 11 of Meng 2020: a path that was never recorded, composed of several trajectories."""
 
 from __future__ import annotations
 
-import time
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.report import Options, Report
-from tutorial_lib.experiments.meng2020.table2 import WORLDS
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.navigation import (
     K,
     experiences,
@@ -18,44 +17,61 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
     vertex_poses,
 )
-from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, building, trials
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    PLACES,
+    WORLDS,
+    draw_trials,
+    make_building,
+)
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 
-SHARE = 0.4
-"""Of the trajectories that are learned."""
-_TRIALS = 40
 
+@dataclass(frozen=True)
+class Settings:
+    """Settings of Fig. 11.
 
-def run(options: Options) -> Report:
-    """Find a trial whose own trajectory was not learned, and whose way leads over several others.
-
-    Of those that succeed, the one whose way changes between trajectories most evenly is shown.
+    Attributes:
+        places: of the building.
+        share: of the trajectories, which are learned.
+        trials: to choose from.
     """
-    begun = time.perf_counter()
-    worlds = options.worlds[:1] or WORLDS[:1]
+
+    places: int = PLACES
+    share: float = 0.4
+    trials: int = 40
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Find a trial whose own trajectory was not learned and whose path joins several others.
+
+    Of those that succeed, the one whose path has the most vertices of a second trajectory is shown.
+    """
     use_threads(2)
-    house = building(worlds[0], options.seed, PLACES)
-    rng = np.random.default_rng([options.seed, worlds[0], 7])
-    kept = np.sort(rng.permutation(len(house.pairs))[: round(SHARE * len(house.pairs))])
-    asked, agent = trials(house, _TRIALS, rng), agents.meng()
-    agent.learn(list(experiences(house, kept.tolist())))
-    journey = agent.start(goals_of(asked, VIEWS["camera16"], K))
-    outcome = navigate(house, asked, lambda _: journey)
-    known = {tuple(pair) for pair in house.pairs[kept].tolist()}
+    world = options.worlds[0]
+    building = make_building(world, options.seed, settings.places)
+    rng = np.random.default_rng([options.seed, world, 7])
+    pairs = building.pairs
+    kept = np.sort(rng.permutation(len(pairs))[: round(settings.share * len(pairs))])
+    trials, agent = draw_trials(building, settings.trials, rng), agents.meng()
+    agent.learn(list(experiences(building, kept.tolist())))
+    navigation = agent.start(goals_of(trials, VIEWS["camera16"], K))
+    outcome = navigate(building, trials, lambda _: navigation)
+    known = {tuple(pair) for pair in pairs[kept].tolist()}
     best, most = -1, 0
     for trial in np.flatnonzero(outcome.success):
-        if tuple(asked.pairs[trial].tolist()) in known or len(journey.history[trial]) > 1:
+        plans = navigation.history[trial]
+        if tuple(trials.pairs[trial].tolist()) in known or len(plans) > 1:
             continue
-        found = agent.topomap.trajectory[list(journey.history[trial][0].vertices)]
+        found = agent.topomap.trajectory[list(plans[0].vertices)]
         second = sorted(np.bincount(found))[-2:][0] if len(set(found.tolist())) > 1 else 0
         if second > most:
             best, most = int(trial), int(second)
     if best < 0:
-        raise InputError("meng_fig11: no new way was found in this world; give another one")
-    plan, poses = journey.history[best][0], vertex_poses(house, agent.topomap)
-    first, last = asked.pairs[best].tolist()
-    rows: list[dict[str, Any]] = [
+        raise InputError("meng_fig11: no new path was found in this world; give another one")
+    plan, poses = navigation.history[best][0], vertex_poses(building, agent.topomap)
+    first, last = trials.pairs[best].tolist()
+    rows: Rows = [
         {
             "from_place": first,
             "to_place": last,
@@ -71,7 +87,9 @@ def run(options: Options) -> Report:
     ]
     note = (
         f"from place {first} to {last} with {plan.probability:.1%}; reached after "
-        f"{outcome.seconds[best]:.0f} s; {len(kept)} of {len(house.pairs)} trajectories known"
+        f"{outcome.seconds[best]:.0f} s; {len(kept)} of {len(pairs)} trajectories known"
     )
-    took = time.perf_counter() - begun
-    return Report("meng_fig11", options.seed, worlds, options.quick, took, rows, (note,))
+    return rows, [note]
+
+
+EXPERIMENT = Experiment("meng_fig11", run, WORLDS[:1], settings=Settings())

@@ -1,8 +1,8 @@
-"""Fig. 13 of Meng 2020: how maps run_world with what was observed."""
+"""Fig. 13 of Meng 2020: how maps grow with the number of observations."""
 
 from __future__ import annotations
 
-import time
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,73 +11,85 @@ from tutorial_lib.driving.data.demonstrations import demonstrate_between
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.report import Options, Report
-from tutorial_lib.experiments.meng2020.table2 import WORLDS
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
+    WORLDS,
     Building,
-    building,
     long_enough,
+    make_building,
 )
 from tutorial_lib.interfaces import Experience
 from tutorial_lib.parallel import for_each
 
-FRAMES, QUICK_FRAMES = 100_000, 20_000
-EVERY = 10_000
-"""Frames from one row to the next."""
-_DRIVES = 45  # recorded at a time
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of Fig. 13.
+
+    Attributes:
+        places: of a building.
+        frames: observed in each world.
+        interval: frames from one row to the next.
+        at_once: trajectories recorded at a time.
+    """
+
+    places: int = PLACES
+    frames: int = 100_000
+    interval: int = 10_000
+    at_once: int = 45
 
 
-def run(options: Options) -> Report:
-    """Drive from place to place for hours, and count vertices."""
-    begun = time.perf_counter()
-    worlds = options.worlds or (WORLDS[:2] if options.quick else WORLDS)
-    parts = for_each(run_world, worlds, options, label="meng_fig13")
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Record trajectories from place to place for hours, and count vertices."""
+    parts = for_each(run_world, options.worlds, options, settings, label="meng_fig13")
     rows = [row for part in parts for row in part]
-    notes = []
-    if not options.quick:
-        size = {(row["world"], row["frames"]): row["vertices"] for row in rows}
-        added = [size[world, FRAMES] / size[world, FRAMES // 2] - 1 for world in worlds]
-        notes.append(
-            f"from {FRAMES // 2:,} to {FRAMES:,} frames {np.mean(added):.1%} more vertices "
-            f"({min(added):.1%} to {max(added):.1%} by world)"
-        )
-    took = time.perf_counter() - begun
-    return Report("meng_fig13", options.seed, worlds, options.quick, took, rows, tuple(notes))
+    if options.quick:
+        return rows, []
+    size = {(row["world"], row["frames"]): row["vertices"] for row in rows}
+    most, half = settings.frames, settings.frames // 2
+    added = [size[world, most] / size[world, half] - 1 for world in options.worlds]
+    note = (
+        f"from {half:,} to {most:,} frames {np.mean(added):.1%} more vertices "
+        f"({min(added):.1%} to {max(added):.1%} by world)"
+    )
+    return rows, [note]
 
 
-def run_world(world: int, options: Options) -> list[dict[str, Any]]:
+def run_world(world: int, options: Options, settings: Settings) -> Rows:
     """The rows of one world."""
-    house = building(world, options.seed, PLACES)
+    building = make_building(world, options.seed, settings.places)
     rng = np.random.default_rng([options.seed, world, 5])
     agent, frames, rows, clock = agents.meng(), 0, [], 0.0
-    most = QUICK_FRAMES if options.quick else FRAMES
-    while frames < most:
-        recorded = more_drives(house, rng)
-        for number, drive in enumerate(recorded.trajectories):
-            seen = recorded.observe(recorded.frames_of(number))
-            agent.learn([Experience(seen, clock + drive.timestamps)])
-            clock += float(drive.timestamps[-1]) + 60.0
-            before, frames = frames, frames + len(drive)
-            rows += [_row(world, at, agent) for at in _passed(before, min(frames, most))]
-            if frames >= most:
+    while frames < settings.frames:
+        recorded = more_trajectories(building, settings.at_once, rng)
+        for index, trajectory in enumerate(recorded.trajectories):
+            observations = recorded.observe(recorded.frames_of(index))
+            agent.learn([Experience(observations, clock + trajectory.timestamps)])
+            clock += float(trajectory.timestamps[-1]) + 60.0
+            before, frames = frames, frames + len(trajectory)
+            due = _due(before, min(frames, settings.frames), settings.interval)
+            rows += [_row(world, count, agent) for count in due]
+            if frames >= settings.frames:
                 break
     return rows
 
 
-def more_drives(house: Building, rng: np.random.Generator) -> RecordedWorld:
-    """Some more drives between the places, from perturbed starts."""
-    drives = rng.integers(len(house.pairs), size=_DRIVES)
-    first = house.recorded.first_frames[drives]
-    starts, _ = perturbed(house.scene, house.recorded.poses[first], PAPER_PERTURBATION, rng)
-    places = house.places[house.pairs[drives, 1]]
-    made = demonstrate_between(house.name, house.scene, house.paths, starts, places, 0)
-    return RecordedWorld(house.scene, [drive for drive in made if long_enough(drive)])
+def more_trajectories(building: Building, count: int, rng: np.random.Generator) -> RecordedWorld:
+    """Record up to `count` more trajectories between the places, from perturbed starts."""
+    chosen = rng.integers(len(building.pairs), size=count)
+    first = building.recorded.first_frames[chosen]
+    poses = building.recorded.poses[first]
+    starts, _ = perturbed(building.scene, poses, PAPER_PERTURBATION, rng)
+    goals = building.places[building.pairs[chosen, 1]]
+    made = demonstrate_between(building.name, building.scene, building.paths, starts, goals, 0)
+    return RecordedWorld(building.scene, [part for part in made if long_enough(part)])
 
 
-def _passed(before: int, now: int) -> range:
+def _due(before: int, now: int, interval: int) -> range:
     """The numbers of frames at which a row is due."""
-    return range((before // EVERY + 1) * EVERY, now + 1, EVERY)
+    return range((before // interval + 1) * interval, now + 1, interval)
 
 
 def _row(world: int, frames: int, agent: Any) -> dict[str, Any]:  # noqa: ANN401
@@ -89,3 +101,8 @@ def _row(world: int, frames: int, agent: Any) -> dict[str, Any]:  # noqa: ANN401
         "every_10th": frames // 10,
         "every_20th": frames // 20,
     }
+
+
+EXPERIMENT = Experiment(
+    "meng_fig13", run, WORLDS, WORLDS[:2], Settings(), quick_settings=Settings(frames=20_000)
+)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import time
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.report import Options, Report
-from tutorial_lib.experiments.meng2020.table2 import WORLDS
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.navigation import experiences
-from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, Building, building
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    PLACES,
+    WORLDS,
+    Building,
+    make_building,
+)
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
@@ -20,41 +24,57 @@ STAGES = {
     "pruned": MapSettings(p_reuse=1.0),
     "reused": MapSettings(),
 }
-"""Settings of the map, stage by stage."""
-_BESIDE = 0.5  # metres from a frame of the other trajectory within which both run together
+"""Settings of the map at each stage."""
 
 
-def run(options: Options) -> Report:
-    """Join the two trajectories that have most of their way in common, in the first world."""
-    begun = time.perf_counter()
-    worlds = options.worlds[:1] or WORLDS[:1]
+@dataclass(frozen=True)
+class Settings:
+    """Settings of Fig. 4.
+
+    Attributes:
+        places: of the building.
+        beside: metres to a frame of the other trajectory within which the two run side by side.
+    """
+
+    places: int = PLACES
+    beside: float = 0.5
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Map the two trajectories that run side by side the farthest."""
     use_threads(2)
-    house = building(worlds[0], options.seed, PLACES)
-    pair = most_in_common(house)
-    rows: list[dict[str, Any]] = []
-    for stage, settings in STAGES.items():
-        agent = agents.meng(settings=settings)
-        agent.learn(list(experiences(house, pair)))
+    building = make_building(options.worlds[0], options.seed, settings.places)
+    pair = most_in_common(building, settings.beside)
+    rows: Rows = []
+    for stage, map_settings in STAGES.items():
+        agent = agents.meng(settings=map_settings)
+        agent.learn(list(experiences(building, pair)))
         graph = agent.topomap.graph
         rows.append(
             {"stage": stage, "vertices": len(graph), "edges": graph.number_of_edges()}
-            | {"frames": sum(len(house.recorded.frames_of(number)) for number in pair)}
+            | {"frames": sum(len(building.recorded.frames_of(i)) for i in pair)}
         )
-    took = time.perf_counter() - begun
-    return Report("meng_fig4", options.seed, worlds, options.quick, took, rows)
+    return rows, []
 
 
-def most_in_common(house: Building) -> list[int]:
-    """Numbers of two drives, to different places, that run together farthest."""
-    drives = [house.recorded.poses[house.recorded.frames_of(n)] for n in range(len(house.pairs))]
+def most_in_common(building: Building, beside: float = Settings.beside) -> list[int]:
+    """Indices of the two trajectories that run side by side the farthest.
+
+    They have neither their start nor their goal in common.
+    """
+    recorded = building.recorded
+    poses = [recorded.poses[recorded.frames_of(i)] for i in range(len(building.pairs))]
     best, most = [0, 1], -1
-    for first, one in enumerate(drives):
-        for second in range(first + 1, len(drives)):
-            if (house.pairs[first] == house.pairs[second]).any():
+    for first, one in enumerate(poses):
+        for second in range(first + 1, len(poses)):
+            if (building.pairs[first] == building.pairs[second]).any():
                 continue
-            gap = np.linalg.norm(one[::5, None, :2] - drives[second][None, ::5, :2], axis=-1)
-            turn = one[::5, None, 2] - drives[second][None, ::5, 2]
-            common = int(((gap < _BESIDE) & (np.cos(turn) > 0.5)).any(axis=1).sum())
+            gap = np.linalg.norm(one[::5, None, :2] - poses[second][None, ::5, :2], axis=-1)
+            turn = one[::5, None, 2] - poses[second][None, ::5, 2]
+            common = int(((gap < beside) & (np.cos(turn) > 0.5)).any(axis=1).sum())
             if common > most:
                 best, most = [first, second], common
     return best
+
+
+EXPERIMENT = Experiment("meng_fig4", run, WORLDS[:1], settings=Settings())

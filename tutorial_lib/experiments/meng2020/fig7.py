@@ -1,13 +1,14 @@
-"""Fig. 7 of Meng 2020: how much of a trajectory is followed, against how little of it is kept."""
+"""Fig. 7 of Meng 2020: how much of a trajectory is followed, against how much of it is kept."""
 
 from __future__ import annotations
 
-import time
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import in_points, measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import NOISE, WORLDS
@@ -15,80 +16,101 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.sparsify import every_nth, stored_frames
 
-CONTEXTS = ("k0", "k2", "k5")
-THRESHOLDS, INTERVALS = (0.9, 0.95, 0.97, 0.99), (10, 20, 30, 40)
-"""p_sparsify of ours, and n of SPTM's every n-th frame."""
-_QUICK_THRESHOLDS, _QUICK_INTERVALS = (0.9, 0.99), (10, 30)
-_EACH, _QUICK_EACH = 8, 10
-NOISY = "k2"
-"""The context that is driven with actuation noise, too."""
-
 Key = tuple[str, str, str, float]
 """Method, context, condition, threshold or interval."""
 
 
-def run(options: Options) -> Report:
+@dataclass(frozen=True)
+class Settings:
+    """Settings of Fig. 7.
+
+    Attributes:
+        contexts: of C and RE.
+        thresholds: p_sparsify of Meng 2020.
+        intervals: n of SPTM, which keeps every n-th frame.
+        trajectories: in each world.
+        noisy: the contexts that are also driven with actuation noise.
+    """
+
+    contexts: tuple[str, ...] = ("k0", "k2", "k5")
+    thresholds: tuple[float, ...] = (0.9, 0.95, 0.97, 0.99)
+    intervals: tuple[int, ...] = (10, 20, 30, 40)
+    trajectories: int = 8
+    noisy: tuple[str, ...] = ("k2",)
+
+
+QUICK = Settings(thresholds=(0.9, 0.99), intervals=(10, 30), trajectories=10, noisy=())
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Follow the same trajectories by anchors chosen in every way."""
-    begun = time.perf_counter()
-    worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    parts = for_each(follow_all, worlds, options.quick, options.seed, label="meng_fig7")
-    where = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))["length"]) for p in parts])
+    parts = for_each(run_world, options.worlds, options, settings, label="meng_fig7")
+    world = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))["length"]) for p in parts])
     joined = {
         key: {name: np.concatenate([part[key][name] for part in parts]) for name in columns}
         for key, columns in parts[0].items()
     }
-    rows = [_row(key, columns, where) for key, columns in joined.items()]
+    rows = [_row(key, columns, world) for key, columns in joined.items()]
     lengths = next(iter(joined.values()))["length"]
-    notes = (f"mean length {lengths.mean():.1f} m", *_notes(joined, where))
-    took = time.perf_counter() - begun
-    return Report("meng_fig7", options.seed, worlds, options.quick, took, rows, notes)
+    return rows, [f"mean length {lengths.mean():.1f} m", *_notes(joined, world)]
 
 
-def follow_all(world: int, quick: bool, seed: int) -> dict[Key, dict[str, Array]]:
-    """Every way to choose anchors in one world; each value is (M,) over its trajectories."""
-    rng = np.random.default_rng([seed, world])
-    recorded = trajectories(world, _QUICK_EACH if quick else _EACH, rng)
-    thresholds = _QUICK_THRESHOLDS if quick else THRESHOLDS
-    intervals = _QUICK_INTERVALS if quick else INTERVALS
-    numbers = range(len(recorded.trajectories))
+def run_world(world: int, options: Options, settings: Settings) -> dict[Key, dict[str, Array]]:
+    """Every choice of anchors in one world; each value is (M,) over its trajectories."""
+    rng = np.random.default_rng([options.seed, world])
+    recorded = trajectories(world, settings.trajectories, rng)
+    indices = range(len(recorded.trajectories))
     found: dict[Key, dict[str, Array]] = {}
-    for context in CONTEXTS:
+    for context in settings.contexts:
         guide = Guide(recorded, context)
-        ways = {("meng", p): [guide.anchors(i, p) for i in numbers] for p in thresholds}
-        for n in intervals:
-            ways["sptm", n] = [
-                (frames := recorded.frames_of(i))[every_nth(len(frames), n)] for i in numbers
+        choices = {("meng", p): [guide.anchors(i, p) for i in indices] for p in settings.thresholds}
+        ours = list(choices)
+        for n in settings.intervals:
+            choices["sptm", n] = [
+                (frames := recorded.frames_of(i))[every_nth(len(frames), n)] for i in indices
             ]
-        trails = [trail for kept in ways.values() for trail in kept]
-        metres = np.split(guide.follow(trails)[0], len(ways))
-        for ((method, chosen), kept), covered in zip(ways.items(), metres, strict=True):
-            found[method, context, "clean", chosen] = _columns(guide, kept, covered)
-        if context == NOISY and not quick:
-            ours = {key: kept for key, kept in ways.items() if key[0] == "meng"}
-            trails = [trail for kept in ours.values() for trail in kept]
-            metres = np.split(guide.follow(trails, NOISE, rng)[0], len(ours))
-            for ((method, chosen), kept), covered in zip(ours.items(), metres, strict=True):
-                found[method, context, "noise", chosen] = _columns(guide, kept, covered)
+        found |= _followed(guide, choices, "clean")
+        if context in settings.noisy:
+            found |= _followed(guide, {key: choices[key] for key in ours}, "noise", NOISE, rng)
     return found
 
 
-def _columns(guide: Guide, trails: list[Any], covered: Array) -> dict[str, Array]:
-    """What was kept of each trajectory, and how much of it was followed; (M,) each."""
-    frames = np.array([trail[-1] - trail[0] + 1 for trail in trails], dtype=float)
-    arc = guide.recorded.arc
-    kept = zip(trails, frames, strict=True)
+def _followed(
+    guide: Guide,
+    choices: dict[tuple[str, float], list[Any]],
+    condition: str,
+    noise: float = 0.0,
+    rng: np.random.Generator | None = None,
+) -> dict[Key, dict[str, Array]]:
+    """The columns of each choice of anchors; all are followed in one rollout."""
+    paths = [anchors for kept in choices.values() for anchors in kept]
+    metres = np.split(guide.follow(paths, noise, rng)[0], len(choices))
     return {
-        "length": np.array([arc[trail[-1]] - arc[trail[0]] for trail in trails]),
+        (method, guide.context, condition, chosen): _columns(guide, kept, covered)
+        for ((method, chosen), kept), covered in zip(choices.items(), metres, strict=True)
+    }
+
+
+def _columns(guide: Guide, kept: list[Any], covered: Array) -> dict[str, Array]:
+    """How much of each trajectory was kept, and how much of it was followed; (M,) each."""
+    frames = np.array([anchors[-1] - anchors[0] + 1 for anchors in kept], dtype=float)
+    arc = guide.recorded.arc
+    stored = [
+        stored_frames(anchors - anchors[0], int(count), guide.k)
+        for anchors, count in zip(kept, frames, strict=True)
+    ]
+    return {
+        "length": np.array([arc[anchors[-1]] - arc[anchors[0]] for anchors in kept]),
         "covered": covered,
-        "anchors": np.array([len(trail) for trail in trails], dtype=float),
-        "stored": np.array([stored_frames(t - t[0], int(n), guide.k) for t, n in kept], float),
+        "anchors": np.array([len(anchors) for anchors in kept], dtype=float),
+        "stored": np.array(stored, dtype=float),
         "frames": frames,
     }
 
 
-def _row(key: Key, columns: dict[str, Array], where: Array) -> dict[str, Any]:
+def _row(key: Key, columns: dict[str, Array], world: Array) -> dict[str, Any]:
     method, context, condition, chosen = key
-    rate, low, high = measured_over_worlds(_share, where, columns["covered"], columns["length"])
+    rate, low, high = measured_over_worlds(_share, world, columns["covered"], columns["length"])
     return {
         "method": method,
         "context": context,
@@ -96,7 +118,7 @@ def _row(key: Key, columns: dict[str, Array], where: Array) -> dict[str, Any]:
         "threshold": chosen,
         "sparsity": _share(columns["anchors"], columns["frames"]),
         "stored": _share(columns["stored"], columns["frames"]),
-        "trajectories": len(where),
+        "trajectories": len(world),
         "cover_rate": rate,
         "low": low,
         "high": high,
@@ -107,24 +129,24 @@ def _share(part: Array, whole: Array) -> float:
     return float(part.sum() / whole.sum())
 
 
-def _notes(joined: dict[Key, dict[str, Array]], where: Array) -> list[str]:
-    """Areas between the curves, and what noise costs; in points."""
+def _notes(joined: dict[Key, dict[str, Array]], world: Array) -> list[str]:
+    """Areas between the curves, and the loss by noise; in points."""
     notes = []
-    for context in CONTEXTS:
+    for context in dict.fromkeys(key[1] for key in joined):
         curves = {
             method: [
                 columns for key, columns in joined.items() if key[:3] == (method, context, "clean")
             ]
             for method in ("meng", "sptm")
         }
-        found = _between(curves["meng"], curves["sptm"], where)
+        found = _between(curves["meng"], curves["sptm"], world)
         notes.append(f"area between meng and sptm, {context}: {in_points(found)}")
     for key, noisy in joined.items():
         if key[2] == "noise":
             clean = joined[(*key[:2], "clean", key[3])]
             found = measured_over_worlds(
                 lambda a, b, length: _share(a - b, length),
-                where,
+                world,
                 clean["covered"],
                 noisy["covered"],
                 clean["length"],
@@ -134,9 +156,9 @@ def _notes(joined: dict[Key, dict[str, Array]], where: Array) -> list[str]:
 
 
 def _between(
-    ours: list[dict[str, Array]], theirs: list[dict[str, Array]], where: Array
+    ours: list[dict[str, Array]], theirs: list[dict[str, Array]], world: Array
 ) -> tuple[float, float, float]:
-    """Mean gap of two curves over the sparsities that both have, with its interval."""
+    """Mean gap of two curves over the sparsities that they share, with its interval."""
     count = len(ours)
     names = ("anchors", "frames", "covered", "length")
     columns = [curve[name] for curve in (*ours, *theirs) for name in names]
@@ -155,4 +177,7 @@ def _between(
         at = np.linspace(least, most, 50)
         return float((np.interp(at, *first.T) - np.interp(at, *second.T)).mean())
 
-    return measured_over_worlds(gap, where, *columns)
+    return measured_over_worlds(gap, world, *columns)
+
+
+EXPERIMENT = Experiment("meng_fig7", run, WORLDS, WORLDS[:4], Settings(), QUICK)

@@ -1,27 +1,28 @@
-"""Table I of Meng 2020: how often each local controller reaches a target near a recorded drive."""
+"""Table I of Meng 2020: how often each local controller reaches a target near a trajectory."""
 
 from __future__ import annotations
 
-import time
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
 from tutorial_lib.experiments.meng2020 import table1_ablations
 from tutorial_lib.experiments.protocols.controllers import controllers
 from tutorial_lib.experiments.protocols.local_control import (
+    WORLDS,
     attempt,
     conditions,
     seeds_of,
-    worlds_of,
 )
 from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
 
 PAPER = {"direct": 0.46, "k0": 0.88, "k2": 0.91, "k5": 0.95}
-"""Table I of the paper, which is clean. Its direct control has k = 0, ours k = 2."""
+"""Table I of the paper, without disturbances. Its direct control has k = 0, ours k = 2."""
 _BREAKDOWN = {
     "behind": ("ahead", -1.1, 0.0),
     "to_1m": ("ahead", 0.0, 1.0),
@@ -31,47 +32,51 @@ _BREAKDOWN = {
     "little_overlap": ("overlap", 0.0, 0.1),
     "tight": ("clearance", 0.0, 0.3),
 }
-"""Parts of the episodes that have a column of their own: what was measured, from, to."""
+"""Subsets of the episodes with a column each: the measure, and its least and greatest value."""
 
 Results = dict[tuple[str, str], dict[str, Array]]
-"""What every (controller, condition) made of each episode."""
+"""For each (controller, condition), columns over all episodes."""
 
 
-def run(options: Options) -> Report:
-    """Race all controllers on the same episodes.
+@dataclass(frozen=True)
+class Settings:
+    """Settings of Table I.
+
+    Attributes:
+        episodes: in each generated world.
+        map_episodes: in the world of a map's file.
+    """
+
+    episodes: int = 100
+    map_episodes: int = 200
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
+    """Run all controllers on the same episodes.
 
     With `options.map` the only world is that file's, and there is no shifted palette.
     """
-    begun = time.perf_counter()
-    if options.ablation:
-        return table1_ablations.run(options)
-    worlds, count = worlds_of(options)
-    places: list[Any] = list(worlds)
+    places: list[Any] = [*options.worlds]
+    count = settings.episodes
     if options.map is not None:
-        worlds, places = (), [options.map]
-        count = count if options.quick else 2 * count
-    parts = for_each(run_world, places, count, options.seed, label="meng_table1")
-    results = _joined(parts)
-    rows = [_row(results, *key) for key in results]
-    took = time.perf_counter() - begun
-    notes = _notes(results)
-    where = "" if options.map is None else options.map.name
-    return Report("meng_table1", options.seed, worlds, options.quick, took, rows, notes, where)
+        places, count = [options.map], settings.map_episodes
+    results = _joined(for_each(run_world, places, count, options.seed, label="meng_table1"))
+    return [_row(results, *key) for key in results], _notes(results)
 
 
 def run_world(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed or a file
-    """Let every controller drive every condition of one world.
+    """Run every controller under every condition in one world.
 
     Args:
         place: seed of a generated world, or a map's file.
         count: episodes.
-        seed: of drives, episodes and noise.
+        seed: of trajectories, episodes and noise.
     """
     found: Results = {}
-    pilots = controllers(seeds_of(place, seed))
-    for condition, course in conditions(place, count, seed).items():
-        for name, pilot in pilots.items():
-            found[name, condition] = attempt(course, pilot)
+    factories = controllers(seeds_of(place, seed))
+    for name, condition in conditions(place, count, seed).items():
+        for controller, factory in factories.items():
+            found[controller, name] = attempt(condition, factory)
     return found
 
 
@@ -124,3 +129,15 @@ def _notes(results: Results) -> tuple[str, ...]:
             found = difference(one["reached"], other["reached"], one["world"])
             notes.append(f"{what}: {in_points(found)}")
     return tuple(notes)
+
+
+EXPERIMENT = Experiment(
+    "meng_table1",
+    run,
+    WORLDS,
+    WORLDS[:10],
+    Settings(),
+    quick_settings=Settings(episodes=40, map_episodes=40),
+    accepts=frozenset({"map"}),
+    ablations=table1_ablations.EXPERIMENTS,
+)

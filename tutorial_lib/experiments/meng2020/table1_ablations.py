@@ -1,33 +1,47 @@
-"""Ablations of local control at k = 2: how pictures are compared, worlds, rows of pixels."""
+"""Ablations of local control at k = 2: how images are compared, worlds, rows of pixels."""
 
 from __future__ import annotations
 
-import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
-from tutorial_lib.experiments.protocols.local_control import attempt, clean_condition, worlds_of
+from tutorial_lib.experiments.protocols.local_control import WORLDS, attempt, clean_condition
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.learning.recipes import WORK, Recipe, record_for, train_local
-from tutorial_lib.learning.training import Settings
+from tutorial_lib.learning.training import Settings as TrainingSettings
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.simulation import Sensors
 
-STEPS = 4_000
-"""Of every variant: about four minutes."""
-_QUICK_STEPS = 400
 _COMMAND = "experiment meng_table1 --ablation"
 
 
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the ablations.
+
+    Attributes:
+        episodes: in each world.
+        max_steps: of training each variant: about four minutes.
+    """
+
+    episodes: int = 100
+    max_steps: int = 4_000
+
+
+QUICK = Settings(episodes=40, max_steps=400)
+
+
 def _variants(ablation: str, **architectures: tuple[Architecture, int]) -> dict[str, Recipe]:
-    settings = Settings(max_steps=STEPS)
+    settings = TrainingSettings(max_steps=Settings.max_steps)
     return {
         name: Recipe(f"ablation_{name}", f"{_COMMAND} {ablation}", architecture, settings, worlds)
         for name, (architecture, worlds) in architectures.items()
@@ -56,23 +70,21 @@ ABLATIONS = {
 }
 
 
-def run(options: Options) -> Report:
-    """Train every variant of `options.ablation` and drive the clean episodes of Table I with it."""
-    begun = time.perf_counter()
-    worlds, count = worlds_of(options)
-    recipes = ABLATIONS[options.ablation]
+def run(recipes: dict[str, Recipe], options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Train every variant and run the clean episodes of Table I with it."""
+    worlds, count = options.worlds, settings.episodes
     variants = list(recipes.values())
     if options.quick:
-        variants = [_quickly(recipe) for recipe in variants]
+        variants = [_shortened(recipe, settings.max_steps) for recipe in variants]
     record_for(max(variants, key=lambda recipe: recipe.worlds), WORK)
     trained = for_each(_train, variants, label="training", jobs=2)
     predictors = [network for network, _ in trained]
-    parts = for_each(_race, worlds, predictors, count, options.seed, label="ablation")
-    where = np.repeat(np.arange(len(worlds)), count)
+    parts = for_each(run_world, worlds, predictors, count, options.seed, label="ablation")
+    world = np.repeat(np.arange(len(worlds)), count)
     outcomes = [np.concatenate(found) for found in zip(*parts, strict=True)]
-    rows: list[dict[str, Any]] = []
+    rows: Rows = []
     for variant, (predictor, card), reached in zip(recipes, trained, outcomes, strict=True):
-        success, low, high = over_worlds(reached, where)
+        success, low, high = over_worlds(reached, world)
         weights = predictor.network.parameters()
         rows.append(
             {
@@ -90,17 +102,15 @@ def run(options: Options) -> Report:
         )
     first, *others = zip(recipes, outcomes, strict=True)
     notes = [
-        f"{first[0]} - {other}: " + in_points(difference(first[1], reached, where))
+        f"{first[0]} - {other}: " + in_points(difference(first[1], reached, world))
         for other, reached in others
     ]
-    took = time.perf_counter() - begun
-    name = f"ablation_{options.ablation}"
-    return Report(name, options.seed, worlds, options.quick, took, rows, tuple(notes))
+    return rows, notes
 
 
-def _quickly(recipe: Recipe) -> Recipe:
-    """The same with few steps, to see that it works."""
-    settings = replace(recipe.settings, max_steps=_QUICK_STEPS, eval_interval=_QUICK_STEPS)
+def _shortened(recipe: Recipe, steps: int) -> Recipe:
+    """The same recipe with few steps, to see that it runs."""
+    settings = replace(recipe.settings, max_steps=steps, eval_interval=steps)
     return replace(recipe, name=f"{recipe.name}_quick", settings=settings)
 
 
@@ -109,10 +119,18 @@ def _train(recipe: Recipe) -> tuple[WaypointNetwork, Any]:
     return WaypointNetwork(network), card
 
 
-def _race(world: int, predictors: list[WaypointNetwork], count: int, seed: int) -> list[Array]:
+def run_world(world: int, predictors: list[WaypointNetwork], count: int, seed: int) -> list[Array]:
     """Whether each variant reached each target of one world."""
-    course = clean_condition(world, count, seed)
+    condition = clean_condition(world, count, seed)
     return [
-        attempt(course, by_waypoints(p), Sensors(camera=p.view.camera))["reached"]
+        attempt(condition, by_waypoints(p), Sensors(camera=p.view.camera))["reached"]
         for p in predictors
     ]
+
+
+EXPERIMENTS = {
+    name: Experiment(
+        f"ablation_{name}", partial(run, recipes), WORLDS, WORLDS[:10], Settings(), QUICK
+    )
+    for name, recipes in ABLATIONS.items()
+}

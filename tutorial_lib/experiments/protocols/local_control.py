@@ -14,7 +14,6 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, rollout
-from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.people import Person
@@ -30,7 +29,6 @@ CARS = 24
 """That record the trajectories of a world."""
 OVERLAPPING = 0.7
 """Both overlaps above which the authors' code counts a target as reached, too."""
-_EPISODES, _QUICK_EPISODES = 100, 40
 _SPARE, _LONG = 5, 2.0  # times as many episodes, so long, among which are those with room
 
 
@@ -75,12 +73,6 @@ class Condition:
             both = mutual_overlap(caster, track, np.broadcast_to(goals[robot], track.shape))
             matched[robot] = (both > OVERLAPPING).all(axis=1).any()
         return matched
-
-
-def worlds_of(options: Options) -> tuple[tuple[int, ...], int]:
-    """The worlds to run, and how many episodes each has."""
-    worlds = options.worlds or (WORLDS[:10] if options.quick else WORLDS)
-    return worlds, _QUICK_EPISODES if options.quick else _EPISODES
 
 
 def conditions(place: Any, count: int, seed: int) -> dict[str, Condition]:  # noqa: ANN401

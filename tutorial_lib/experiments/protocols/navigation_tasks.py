@@ -22,6 +22,8 @@ from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import map_world, scene_of
 
+WORLDS = tuple(range(20_000, 20_005))
+"""Of Table II and what belongs to it."""
 PLACES = 10
 """Joined pairwise by 90 trajectories (Meng 2020, IV-C)."""
 ROOMY = 0.45
@@ -91,7 +93,7 @@ class Trials:
         return self.recorded.poses[self.goals]
 
 
-def building(
+def make_building(
     place: int | Path, seed: int, count: int = PLACES, palette: str = "standard"
 ) -> Building:
     """Choose places that cover a world, and record a trajectory for each ordered pair of them.
@@ -131,7 +133,7 @@ def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLA
     return Building(name, scene, paths, places, recorded, pairs[kept])
 
 
-def trials(building: Building, count: int, rng: np.random.Generator) -> Trials:
+def draw_trials(building: Building, count: int, rng: np.random.Generator) -> Trials:
     """Draw trials between the places of a building; pairs come equally often.
 
     A trial starts where the recorded trajectory of its pair did, perturbed as in Table I.

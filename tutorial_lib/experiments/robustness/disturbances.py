@@ -1,9 +1,9 @@
-"""How the follower recovers: pushed aside, turned, met by a person, or carried away."""
+"""How the follower recovers: pushed aside, turned, obstructed by a person, or kidnapped."""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import REACHED
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
@@ -24,65 +25,74 @@ from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.simulation import STEP, Simulation
 
-CONTEXT, THRESHOLD = "k2", 0.99
 ASIDE, TURNED = 0.5, np.deg2rad(40.0)
 """Metres and rad by which cars are moved."""
 SOON = 5.0
 """Seconds within which a car that was carried away must notice it."""
-_EACH, _QUICK_EACH = 8, 4
-_WHEN = (0.3, 0.7)  # shares of the trajectory between which something happens
+_WHEN = (0.3, 0.7)  # shares of the trajectory between which the disturbance happens
 _AWAY = 4.0  # metres from its trajectory to where a car is carried, out of sight of all of it
 _TRIES = 400
-_CROSSING = 0.8  # metres that a person walks to either side of the way
+_CROSSING = 0.8  # metres that a person walks to either side of the trajectory
 _WALKING = 0.25  # m/s
 
 Move = Callable[[RecordedWorld, int, Array, np.random.Generator], "Array | None"]
-"""Where to put the robot that follows a drive, by its number and pose; nothing where there is no
-such place."""
+"""Returns where to put a robot, given the recorded frame that it passes and its pose; None where
+there is no such place."""
 
 
-def run(options: Options) -> Report:
-    """Disturb the following of the same trajectories in every way."""
-    begun = time.perf_counter()
-    worlds = options.worlds or (WORLDS[:4] if options.quick else WORLDS)
-    parts = for_each(disturb_all, worlds, options.quick, options.seed, label="disturbances")
-    rows = [_row(kind, [part[kind] for part in parts]) for kind in parts[0]]
-    took = time.perf_counter() - begun
-    return Report("disturbances", options.seed, worlds, options.quick, took, rows)
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the disturbances.
 
-
-def disturb_all(world: int, quick: bool, seed: int) -> dict[str, dict[str, Array]]:
-    """Every disturbance in one world; each value is (M,) over the robots that it came to.
-
-    A robot that does not get to the middle of its drive undisturbed counts nowhere.
+    Attributes:
+        context: of C and RE.
+        threshold: p_sparsify.
+        trajectories: in each world.
     """
-    rng = np.random.default_rng([seed, world])
-    recorded = trajectories(world, _QUICK_EACH if quick else _EACH, rng)
-    guide = Guide(recorded, CONTEXT)
-    trails = [guide.anchors(i, THRESHOLD) for i in range(len(recorded.trajectories))]
-    ends = np.array([(trail[0], trail[-1]) for trail in trails])
+
+    context: str = "k2"
+    threshold: float = 0.99
+    trajectories: int = 8
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Follow the same trajectories with every disturbance."""
+    parts = for_each(run_world, options.worlds, options, settings, label="disturbances")
+    return [_row(kind, [part[kind] for part in parts]) for kind in parts[0]], []
+
+
+def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
+    """Every disturbance in one world; each value is (M,) over the robots that it affected.
+
+    A robot that does not reach the middle of its trajectory when undisturbed is never counted.
+    """
+    rng = np.random.default_rng([options.seed, world])
+    recorded = trajectories(world, settings.trajectories, rng)
+    guide = Guide(recorded, settings.context)
+    paths = [guide.anchors(i, settings.threshold) for i in range(len(recorded.trajectories))]
+    ends = np.array([(path[0], path[-1]) for path in paths])
     length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
-    due = recorded.arc[ends[:, 0]] + rng.uniform(*_WHEN, len(trails)) * length
+    due = recorded.arc[ends[:, 0]] + rng.uniform(*_WHEN, len(paths)) * length
     middle = np.searchsorted(recorded.arc, due)
     passing = Disturbance(recorded, middle, None, rng)
-    _, poses, following = guide.follow(trails, disturb=passing)
-    found = {"none": _outcomes(recorded, ends, poses, following.state, passing.step)}
+    _, poses, log = guide.follow(paths, disturb=passing)
+    found = {"none": _outcomes(recorded, ends, poses, log.state, passing.step)}
     for kind, move in MOVES.items():
         moving = Disturbance(recorded, middle, move, rng)
-        _, poses, following = guide.follow(trails, disturb=moving)
+        _, poses, log = guide.follow(paths, disturb=moving)
         step = np.where(passing.step < 0, -1, moving.step)
-        found[kind] = _outcomes(recorded, ends, poses, following.state, step)
+        found[kind] = _outcomes(recorded, ends, poses, log.state, step)
     people = [in_the_way(recorded, frame, robot, rng) for robot, frame in enumerate(middle)]
-    _, poses, following = guide.follow(trails, people=people)
-    # Where they would have met them, had they not slowed down before.
-    return {**found, "person": _outcomes(recorded, ends, poses, following.state, passing.step)}
+    _, poses, log = guide.follow(paths, people=people)
+    # Counted from the step at which they would have met them, had they not slowed down before.
+    return {**found, "person": _outcomes(recorded, ends, poses, log.state, passing.step)}
 
 
 class Disturbance:
-    """Puts each robot elsewhere once, when it comes by a certain frame of its drive.
+    """Moves each robot once, when it passes a given frame of its trajectory.
 
     Attributes:
-        step: (N,) when that was, -1 for never.
+        step: (N,) at which this happened, -1 for never.
     """
 
     def __init__(
@@ -92,12 +102,12 @@ class Disturbance:
         move: Move | None,
         rng: np.random.Generator,
     ) -> None:
-        """`frames` (N,) one for each robot; `move` tells where to, or leaves it alone."""
+        """`frames` (N,) of the robots; without `move` only `step` is set."""
         self.recorded, self.frames, self.move, self.rng = recorded, frames, move, rng
         self.step, self._steps = np.full(len(frames), -1), 0
 
     def __call__(self, simulation: Simulation, robots: Robots) -> None:
-        """Move those that are there now."""
+        """Move the robots that are at their frame now."""
         gap = simulation.poses[:, :2] - self.recorded.poses[self.frames, :2]
         near = np.linalg.norm(gap, axis=1) < REACHED
         for robot in robots[near[robots] & (self.step[robots] < 0)]:
@@ -115,7 +125,7 @@ class Disturbance:
 def pushed(
     recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
 ) -> Array | None:
-    """`ASIDE` metres to the left or to the right."""
+    """Pushed `ASIDE` metres to the left or right."""
     del frame
     for side in rng.permutation([-ASIDE, ASIDE]):
         there = compose(here, np.array([0.0, side, 0.0]))
@@ -128,7 +138,7 @@ def pushed(
 def turned(
     recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
 ) -> Array | None:
-    """`TURNED` to the left or to the right."""
+    """Turned by `TURNED` to the left or right."""
     del frame
     for angle in rng.permutation([-TURNED, TURNED]):
         there = compose(here, np.array([0.0, 0.0, angle]))
@@ -140,7 +150,7 @@ def turned(
 def carried(
     recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
 ) -> Array | None:
-    """To a place on another drive that is out of sight of all of its own."""
+    """Kidnapped to another trajectory, out of sight of all of its own."""
     del here
     own = recorded.poses[recorded.first[frame] : recorded.last[frame] + 1, :2]
     for there in recorded.poses[rng.integers(len(recorded.poses), size=_TRIES)]:
@@ -156,11 +166,11 @@ MOVES: dict[str, Move] = {
     "turned": turned,
     "carried": carried,
 }
-"""Where a robot may be put."""
+"""Disturbances that move the robot."""
 
 
 def in_the_way(recorded: RecordedWorld, frame: int, robot: int, rng: np.random.Generator) -> Person:
-    """Somebody who walks to and fro across a drive, where there is room to."""
+    """A person who walks back and forth across a trajectory, as far as there is room."""
     x, y, heading = recorded.poses[frame]
     across = np.array([-np.sin(heading), np.cos(heading)])
     reach = np.linspace(0.0, _CROSSING, 17)
@@ -181,7 +191,7 @@ def _outcomes(
     state: NDArray[np.int8],
     step: NDArray[np.intp],
 ) -> dict[str, Array]:
-    """How it went on from `step` (N,) for those who were not lost by then; (M,) each."""
+    """How it went on from `step` (N,) for robots that were not lost by then; (M,) each."""
     gap = np.linalg.norm(poses[..., :2] - recorded.poses[ends[:, 1], :2], axis=-1)
     lost = state == State.LOST
     when = np.where(lost.any(axis=0), lost.argmax(axis=0), len(state))
@@ -196,19 +206,24 @@ def _outcomes(
 
 
 def _row(kind: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
-    where = np.repeat(np.arange(len(parts)), [len(part["lost"]) for part in parts])
+    world = np.repeat(np.arange(len(parts)), [len(part["lost"]) for part in parts])
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     lost = joined["lost"] > 0
-    row: dict[str, Any] = {"disturbance": kind, "trajectories": len(where)}
+    row: dict[str, Any] = {"disturbance": kind, "trajectories": len(world)}
     for name in ("finished", "soon"):
-        shares = (None, None, None)  # where there was no place to put anybody
-        if len(where):
-            shares = measured_over_worlds(_mean, where, joined[name])
+        shares = (None, None, None)  # if there was nowhere to put a robot
+        if len(world):
+            shares = measured_over_worlds(_mean, world, joined[name])
         row |= dict(zip((name, f"{name}_low", f"{name}_high"), shares, strict=True))
-    row["lost"] = _mean(joined["lost"]) if len(where) else None
+    row["lost"] = _mean(joined["lost"]) if len(world) else None
     row["seconds"] = float(np.median(joined["seconds"][lost])) if lost.any() else None
     return row
 
 
 def _mean(column: Array) -> float:
     return float(column.mean())
+
+
+EXPERIMENT = Experiment(
+    "disturbances", run, WORLDS, WORLDS[:4], Settings(), quick_settings=Settings(trajectories=4)
+)

@@ -1,8 +1,8 @@
-"""Are the generated plans sound, and can a car drive in them?"""
+"""Are the generated plans valid, and can a car drive in them?"""
 
 from __future__ import annotations
 
-import time
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,8 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import walls_crossed
 from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import Options, Report
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
@@ -26,50 +27,60 @@ from tutorial_lib.world.sensors import Laser
 from tutorial_lib.world.simulation import Simulation
 
 WORLDS = tuple(range(20_000, 20_200))
-GOALS = 20
-_DRIVEN, _QUICKLY_DRIVEN = 10, 5  # plans a family
 
 
-def run(options: Options) -> Report:
-    """Generate every world in every family; validate all and drive in some.
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the experiment.
+
+    Attributes:
+        goals: of the rollouts in one plan.
+        driven: plans of each family in which cars drive.
+    """
+
+    goals: int = 20
+    driven: int = 10
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Generate every world in every family, validate all plans, and drive in the first few.
 
     With `options.map` the only plan is that file's.
     """
-    begun = time.perf_counter()
-    worlds = options.worlds or (WORLDS[:20] if options.quick else WORLDS)
-    driven = worlds[: _QUICKLY_DRIVEN if options.quick else _DRIVEN]
+    worlds = options.worlds
+    driven = worlds[: settings.driven]
     jobs = [(family, world, world in driven) for family in FAMILIES for world in worlds]
     if options.map is not None:
-        worlds, jobs = (), [(str(options.map), 0, True)]
-    found = for_each(examine, jobs, options.seed, label="plans")
+        jobs = [(str(options.map), 0, True)]
+    found = for_each(examine, jobs, settings.goals, options.seed, label="plans")
     rows, notes = [], []
     for family in dict.fromkeys(job[0] for job in jobs):
         mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]
-        drives = sum(f["drives"] for _, f in mine)
+        rollouts = sum(f["rollouts"] for _, f in mine)
         rows.append(
             {
                 "family": family if options.map is None else options.map.name,
                 "plans": len(mine),
                 "valid": sum(not f["fault"] for _, f in mine),
-                "drives": drives,
-                "success": sum(f["reached"] for _, f in mine) / max(drives, 1),
+                "drives": rollouts,
+                "success": sum(f["reached"] for _, f in mine) / max(rollouts, 1),
                 "walls_crossed": sum(f["walls_crossed"] for _, f in mine),
             }
         )
         notes += [f"{family} {job[1]}: {f['fault']}" for job, f in mine if f["fault"]]
-    took = time.perf_counter() - begun
-    return Report("plans", options.seed, worlds, options.quick, took, rows, tuple(notes))
+    return rows, notes
 
 
-def examine(job: tuple[str, int, bool], seed: int) -> dict[str, Any]:
-    """Validate one plan and, where asked for, drive in it to `GOALS` random goals.
+def examine(job: tuple[str, int, bool], goals: int, seed: int) -> dict[str, Any]:
+    """Validate one plan and, if the job says so, drive in it to random goals.
 
     Args:
         job: family, one of `FAMILIES`, or a map's file; seed of the plan; whether to drive.
+        goals: of the rollouts.
         seed: of starts and goals.
     """
     family, world, driven = job
-    found = {"fault": "", "drives": 0, "reached": 0, "walls_crossed": 0}
+    found = {"fault": "", "rollouts": 0, "reached": 0, "walls_crossed": 0}
     rng = np.random.default_rng([seed, world])
     try:
         plan = make_plan(family, world)
@@ -77,26 +88,27 @@ def examine(job: tuple[str, int, bool], seed: int) -> dict[str, Any]:
         paths = GridPaths(scene.clearance)
         again = plan_to_json(make_plan(family, world))
         found["fault"] = find_fault(plan, again, scene, paths, rng)
-        drives = drive_about(scene, paths, GOALS, rng) if driven else None
+        rollouts = drive_about(scene, paths, goals, rng) if driven else None
     except InputError as error:
         if family not in FAMILIES:
             raise
         return found | {"fault": str(error)}
-    if drives is not None:
-        crossed = walls_crossed(scene.caster, drives.poses)
-        found |= {"drives": GOALS, "reached": int(drives.reached.sum()), "walls_crossed": crossed}
+    if rollouts is not None:
+        crossed = walls_crossed(scene.caster, rollouts.poses)
+        reached = int(rollouts.reached.sum())
+        found |= {"rollouts": goals, "reached": reached, "walls_crossed": crossed}
     return found
 
 
 def make_plan(family: str, world: int) -> FloorPlan:
-    """The plan of a family and seed, or that of a map's file."""
+    """The plan of a family and seed, or of a map's file."""
     return generate(family, world) if family in FAMILIES else import_map(family, world)
 
 
 def find_fault(
     plan: FloorPlan, again: str, scene: Scene, paths: GridPaths, rng: np.random.Generator
 ) -> str:
-    """What is wrong with a plan, or nothing; `again` is the JSON of a second try."""
+    """What is wrong with a plan, or ""; `again` is the JSON of the plan generated once more."""
     text = plan_to_json(plan)
     if again != text:
         return "the same seed gave another plan"
@@ -127,3 +139,14 @@ def drive_about(scene: Scene, paths: GridPaths, count: int, rng: np.random.Gener
     simulation = Simulation(scene, starts)
     ends = ReachGoals(goals, geodesic_limit(paths, starts, goals))
     return rollout(simulation, OraclePolicy(simulation, paths, goals), ends)
+
+
+EXPERIMENT = Experiment(
+    "plans",
+    run,
+    WORLDS,
+    WORLDS[:20],
+    Settings(),
+    quick_settings=Settings(driven=5),
+    accepts=frozenset({"map"}),
+)

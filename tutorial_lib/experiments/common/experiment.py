@@ -1,0 +1,95 @@
+"""An experiment as a command: the worlds and options it takes, its settings, its report."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Options, Report, Rows
+
+STANDARD = "standard"
+"""The palette unless another one is given."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One experiment or benchmark.
+
+    Attributes:
+        name: of its report; also of its command, unless it is an ablation.
+        run: is given the options, with the seeds of the worlds to run on, and the settings;
+            returns rows and notes.
+        worlds: seeds of the worlds to run on unless others are given. Where this is only one, the
+            experiment runs in a single world; where it is none, it takes no worlds.
+        quick_worlds: the same for a quick run; `worlds` unless given.
+        settings: a dataclass of the experiment's own.
+        quick_settings: the same for a quick run; `settings` unless given.
+        accepts: which of "map", "palette" and "agent" it takes.
+        ablations: other experiments that run in its place, by name.
+    """
+
+    name: str
+    run: Callable[[Options, Any], tuple[Rows, Sequence[str]]]
+    worlds: tuple[int, ...] = ()
+    quick_worlds: tuple[int, ...] = ()
+    settings: Any = None
+    quick_settings: Any = None
+    accepts: frozenset[str] = frozenset()
+    ablations: Mapping[str, Experiment] = field(default_factory=dict)
+
+    def report(self, options: Options) -> Report:
+        """Run it, or the ablation that `options` name.
+
+        Raises:
+            InputError: for an option that it cannot use, before anything is run.
+        """
+        if options.ablation:
+            if options.ablation not in self.ablations:
+                known = f"has {', '.join(self.ablations)}" if self.ablations else "has none"
+                raise InputError(f"--ablation {options.ablation}: {self.name} {known}")
+            return self.ablations[options.ablation].report(replace(options, ablation=""))
+        self._check(options)
+        begun = time.perf_counter()
+        worlds, settings = options.worlds or self.worlds, self.settings
+        if options.quick:
+            worlds = options.worlds or self.quick_worlds or self.worlds
+            settings = settings if self.quick_settings is None else self.quick_settings
+        worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
+        rows, notes = self.run(replace(options, worlds=worlds), settings)
+        took = time.perf_counter() - begun
+        return Report(
+            self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
+        )
+
+    def options(self) -> tuple[str, ...]:
+        """Which options it takes, to read; every experiment takes --seed, --quick and --json."""
+        seeds = "A:B" if len(self.worlds) > 1 else "A:A+1"
+        worlds = (f"--worlds {seeds}",) if self.worlds else ()
+        others = tuple(f"--{name}" for name in ("map", "palette", "agent") if name in self.accepts)
+        ablations = (f"--ablation {{{','.join(self.ablations)}}}",) if self.ablations else ()
+        return worlds + others + ablations
+
+    def _check(self, options: Options) -> None:
+        """Refuse by name whatever would have no effect."""
+        if options.seed < 0:
+            raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
+        given = {
+            "map": options.map is not None,
+            "palette": options.palette != STANDARD,
+            "agent": bool(options.agent),
+        }
+        for name, is_given in given.items():
+            if is_given and name not in self.accepts:
+                known = ", ".join(self.options()) or "none but --seed, --quick and --json"
+                raise InputError(f"--{name}: {self.name} cannot use it; its options: {known}")
+        if options.map is not None and options.worlds:
+            raise InputError("--map: replaces the generated worlds; leave out --worlds")
+        if options.map is not None and given["palette"]:
+            raise InputError("--palette: is that of generated worlds; leave out --map")
+        if options.worlds and not self.worlds:
+            raise InputError(f"--worlds: {self.name} runs in no world; leave it out")
+        if len(options.worlds) > len(self.worlds) == 1:
+            raise InputError(f"--worlds: {self.name} runs in a single one; give A:A+1")

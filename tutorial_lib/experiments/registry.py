@@ -1,0 +1,45 @@
+"""All experiments and benchmarks, by the names of their commands."""
+
+from tutorial_lib.experiments.benchmarks import control, fleet, map_building, raycast, reachability
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.meng2020 import (
+    calibration,
+    fig4,
+    fig5,
+    fig6,
+    fig7,
+    fig8,
+    fig9,
+    fig10,
+    fig11,
+    fig13,
+    table1,
+    table2,
+)
+from tutorial_lib.experiments.robustness import disturbances, faults, plans
+
+_EXPERIMENTS = (
+    plans,
+    table1,
+    table2,
+    fig4,
+    calibration,
+    fig5,
+    fig6,
+    fig7,
+    fig8,
+    fig9,
+    fig10,
+    fig11,
+    fig13,
+    disturbances,
+    faults,
+)
+_BENCHMARKS = (raycast, fleet, control, reachability, map_building)
+
+EXPERIMENTS: dict[str, Experiment] = {
+    module.EXPERIMENT.name: module.EXPERIMENT for module in _EXPERIMENTS
+}
+BENCHMARKS: dict[str, Experiment] = {
+    module.EXPERIMENT.name: module.EXPERIMENT for module in _BENCHMARKS
+}
