@@ -68,8 +68,8 @@ def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path):
 
 def test_a_missed_goal_sets_the_exit_code(monkeypatch):
     class Asleep(oracle_demo.OraclePolicy):
-        def act(self, simulation):
-            return np.zeros((1, 2))
+        def act(self, observations, robots):
+            return np.zeros((len(robots), 2))
 
     monkeypatch.setattr(oracle_demo, "OraclePolicy", Asleep)
     save_plan(make_box(6.0, 6.0), "box.json")

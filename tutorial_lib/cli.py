@@ -46,7 +46,7 @@ def main(arguments: list[str]) -> int:
         print(f"error: {error}; check the folder and the disk space", file=sys.stderr)
         return WRONG_INPUT
     except KeyboardInterrupt:
-        print("interrupted; no partial file was left", file=sys.stderr)
+        print("interrupted; nothing half-written was left", file=sys.stderr)
         return INTERRUPTED
 
 
