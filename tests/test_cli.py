@@ -170,21 +170,6 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, wor
     assert words in capsys.readouterr().err
 
 
-INTERRUPTED = """
-import runpy, signal, sys, time
-from tutorial_lib.experiments.demos.navigation_demo import agents
-from tutorial_lib.viz.figures.dashboard import RolloutFilm
-
-def stuck(*_):
-    print("at work", flush=True)
-    time.sleep(60)
-
-{what} = stuck
-signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run with nohup or &
-runpy.run_module("tutorial_lib", run_name="__main__")
-"""
-
-
 @pytest.mark.parametrize(
     ("command", "lines"),
     [
@@ -199,6 +184,21 @@ def test_the_help_shows_which_experiment_takes_which_options(capsys, command, li
     shown = capsys.readouterr().out
     for line in lines:
         assert f"\n  {line}" in shown
+
+
+INTERRUPTED = """
+import runpy, signal, sys, time
+from tutorial_lib.experiments.demos.navigation_demo import agents
+from tutorial_lib.viz.figures.dashboard import RolloutFilm
+
+def stuck(*_):
+    print("at work", flush=True)
+    time.sleep(60)
+
+{what} = stuck
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where tests run with nohup or &
+runpy.run_module("tutorial_lib", run_name="__main__")
+"""
 
 
 @pytest.mark.skipif(os.name == "nt", reason="SIGINT reaches a process group otherwise on Windows")
