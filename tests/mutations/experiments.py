@@ -19,7 +19,7 @@ MUTATIONS = [
     (
         "the place drawn first is one of those to keep away from",
         "experiments/protocols/navigation_tasks.py",
-        "far if number <= 1 else np.minimum(nearest, far)",
+        "far if step <= 1 else np.minimum(nearest, far)",
         "np.minimum(nearest, far)",
         f"{TABLE2} -k place",
     ),
@@ -54,7 +54,7 @@ MUTATIONS = [
     (
         "what is seen after a collision counts",
         "experiments/protocols/local_control.py",
-        "+ (not drives.collided[robot])",
+        "+ (not rollouts.collided[robot])",
         "+ 1",
         "experiments/meng2020/test_table1.py -k 'matched or noise_differs'",
     ),

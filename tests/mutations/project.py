@@ -58,10 +58,10 @@ MUTATIONS = [
         "test_cli.py -k missed",
     ),
     (
-        "a map and an ablation may be asked for together",
-        "cli.py",
-        "(options.worlds or options.ablation)",
-        "options.worlds",
-        "experiments/meng2020/test_table1.py -k in_place_of",
+        "a map and worlds may be given together",
+        "experiments/common/experiment.py",
+        "if options.map is not None and options.worlds:",
+        "if options.map is not None and not self.worlds:",
+        "experiments/common/test_experiment.py",
     ),
 ]
