@@ -37,19 +37,19 @@ class Line:
         x = self.x if robots is None else self.x[robots]
         return sensed(np.column_stack([x, 0 * x, 0 * x]))
 
-    def go(self, journey, steps):
-        """Drive; gives the actions of the last step."""
+    def go(self, navigation, steps):
+        """Act `steps` times, or until every robot is done."""
         for _ in range(steps):
-            robots = np.flatnonzero(~(journey.arrived | journey.given_up))
+            robots = np.flatnonzero(~(navigation.arrived | navigation.given_up))
             if not robots.size:
                 break
-            actions = journey.act(self.observe(robots), robots)
+            actions = navigation.act(self.observe(robots), robots)
             assert actions.shape == (len(robots), 2)
             self.x[robots] = np.minimum(self.x[robots] + 0.1 * actions[:, 0], self.wall)
 
 
 class LinePredictor:
-    """The way to a place, and an overlap that fades over 3 m."""
+    """Waypoints at the target, and an overlap that fades over 3 m."""
 
     view = SimpleNamespace(of=lambda observations: observations.odometry[:, 0])
     k = 1
@@ -64,7 +64,7 @@ class LinePredictor:
 
 
 class LineReachability:
-    """Sure of what is within 2 m, the nearer the surer, and not behind a wall."""
+    """Certain within 2 m, more so the nearer, and not behind a wall."""
 
     def __init__(self):
         self.wall = np.inf
@@ -88,7 +88,7 @@ class LineController:
 
 
 def goals_at(*places):
-    """Goal pictures of places on the line."""
+    """Goal images of places on the line."""
     x = np.array(places, dtype=float)
     return Goals(sensed(np.column_stack([x, 0 * x, 0 * x])), np.tile(x[:, None], (1, 3)))
 
@@ -102,24 +102,24 @@ def line_map(places, reachability):
     return topomap
 
 
-class Ways:
-    """Finds ways that were thought out before: one after the other, for each goal."""
+class Plans:
+    """Returns given plans, one after the other; the last one again and again."""
 
     def __init__(self, *plans):
-        self.plans, self.asked = list(plans), []
+        self.plans, self.queries = list(plans), []
 
     def __call__(self, observation, goals, excluded):
         assert len(observation) == 1
-        self.asked.append((float(observation.odometry[0, 0]), goals, set(excluded)))
-        return self.plans[min(len(self.asked), len(self.plans)) - 1]
+        self.queries.append((float(observation.odometry[0, 0]), goals, set(excluded)))
+        return self.plans[min(len(self.queries), len(self.plans)) - 1]
 
 
-def journey_of(find_way, goals, places=range(-4, 9), replans=5, wall=np.inf):
-    """A journey over a map of those places."""
+def navigation_along(find_path, goals, places=range(-4, 9), replans=5, wall=np.inf):
+    """Navigation over a map of those places."""
     reachability = LineReachability()
     reachability.wall = wall
     topomap = line_map(places, reachability)
-    return navigation_over(topomap, find_way, goals, replans)
+    return navigation_over(topomap, find_path, goals, replans)
 
 
 def navigation_over(topomap, find_path, goals, replans=5):
@@ -138,23 +138,23 @@ def navigation_over(topomap, find_path, goals, replans=5):
 SURE = (0.99,)
 
 
-# Journeys.
+# Navigation.
 
 
 def test_a_plan_is_followed_to_its_goal():
-    ways = Ways(Plan((5, 6, 7, 8), 1, SURE))  # vertex v is at v - 4
-    journey, line = journey_of(ways, [goals_at(-3, 5.5)]), Line([0.2])
-    assert isinstance(journey, Navigation)
-    assert journey.plans == [None]
-    line.go(journey, 1)
-    assert journey.plans == [ways.plans[0]]
-    assert ways.asked[0][0] == 0.2
-    assert ways.asked[0][2] == set()
-    line.go(journey, 200)
-    assert journey.arrived.tolist() == [True]
-    assert not journey.given_up[0]
+    planned = Plans(Plan((5, 6, 7, 8), 1, SURE))  # vertex v is at v - 4
+    navigation, line = navigation_along(planned, [goals_at(-3, 5.5)]), Line([0.2])
+    assert isinstance(navigation, Navigation)
+    assert navigation.plans == [None]
+    line.go(navigation, 1)
+    assert navigation.plans == [planned.plans[0]]
+    assert planned.queries[0][0] == 0.2
+    assert planned.queries[0][2] == set()
+    line.go(navigation, 200)
+    assert navigation.arrived.tolist() == [True]
+    assert not navigation.given_up[0]
     assert line.x[0] == pytest.approx(5.5, abs=0.25)
-    assert len(ways.asked) == len(journey.history[0]) == 1
+    assert len(planned.queries) == len(navigation.history[0]) == 1
 
 
 def test_each_robot_goes_to_its_own_goal():
@@ -162,103 +162,104 @@ def test_each_robot_goes_to_its_own_goal():
     goals = [goals_at(3.5), goals_at(7, -2.5), goals_at(0.6)]
     wanted = {id(goal): place for goal, place in zip(goals, plans, strict=True)}
 
-    def find_way(observation, goals, excluded):
+    def find_path(observation, goals, excluded):
         return plans[wanted[id(goals)]]
 
-    journey, line = journey_of(find_way, goals), Line([0.0, 0.1, -0.2])
-    line.go(journey, 200)
-    assert journey.arrived.all()
+    navigation, line = navigation_along(find_path, goals), Line([0.0, 0.1, -0.2])
+    line.go(navigation, 200)
+    assert navigation.arrived.all()
     assert line.x == pytest.approx([3.5, -2.5, 0.6], abs=0.25)
-    assert [plans[0] for plans in journey.history] == list(plans.values())
+    assert [plans[0] for plans in navigation.history] == list(plans.values())
 
 
-def test_who_is_lost_plans_anew_and_shuns_what_it_could_not_reach():
-    # Nobody gets past 2.4, so vertex 7 at 3 is not reached; the other goal is at -3.
-    ways = Ways(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
-    journey = journey_of(ways, [goals_at(5, -3)], wall=2.4)
+def test_a_lost_robot_replans_and_excludes_what_it_could_not_reach():
+    # No robot gets past 2.4, so vertex 7 at 3 is not reached; the other goal is at -3.
+    planned = Plans(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
+    navigation = navigation_along(planned, [goals_at(5, -3)], wall=2.4)
     line = Line([0.0], wall=2.4)
-    line.go(journey, 140)
-    assert len(ways.asked) == 2
-    place, _, excluded = ways.asked[1]
+    line.go(navigation, 140)
+    assert len(planned.queries) == 2
+    place, _, excluded = planned.queries[1]
     assert place == pytest.approx(2.4, abs=0.5)
     assert excluded == {7}
-    line.go(journey, 300)
-    assert journey.arrived[0]
+    line.go(navigation, 300)
+    assert navigation.arrived[0]
     assert line.x[0] == pytest.approx(-3, abs=0.25)
-    assert journey.history[0] == ways.plans
-    assert journey.plans[0] is ways.plans[1]
-    assert len(ways.asked) == 2
+    assert navigation.history[0] == planned.plans
+    assert navigation.plans[0] is planned.plans[1]
+    assert len(planned.queries) == 2
 
 
-def test_what_was_shunned_once_is_shunned_for_good():
-    ways = Ways(Plan((7, 8), 0, SURE), Plan((8,), 0, SURE), Plan((9,), 0, SURE), Plan((), 0, SURE))
-    journey = journey_of(ways, [goals_at(5)], replans=3, wall=2.4)
+def test_what_was_excluded_once_stays_excluded():
+    paths = (7, 8), (8,), (9,), ()
+    planned = Plans(*(Plan(path, 0, SURE) for path in paths))
+    navigation = navigation_along(planned, [goals_at(5)], replans=3, wall=2.4)
     line = Line([2.0], wall=2.4)
-    line.go(journey, 400)
+    line.go(navigation, 400)
     # The goal itself is no vertex.
-    assert [excluded for _, _, excluded in ways.asked] == [set(), {7}, {7, 8}, {7, 8, 9}]
-    assert journey.given_up[0]
+    assert [excluded for _, _, excluded in planned.queries] == [set(), {7}, {7, 8}, {7, 8, 9}]
+    assert navigation.given_up[0]
 
 
 @pytest.mark.parametrize("replans", [0, 1, 3])
-def test_who_is_lost_too_often_gives_up(replans):
-    ways = Ways(Plan((7, 8), 0, SURE))
-    journey = journey_of(ways, [goals_at(5), goals_at(1)], replans=replans, wall=2.4)
-    journey._find_path = lambda o, g, s: (
-        ways(o, g, s) if len(g) and g.contexts[0, 1] == 5 else Plan((5,), 0, SURE)
+def test_a_robot_that_is_lost_too_often_gives_up(replans):
+    planned = Plans(Plan((7, 8), 0, SURE))
+    navigation = navigation_along(planned, [goals_at(5), goals_at(1)], replans=replans, wall=2.4)
+    navigation._find_path = lambda o, g, s: (
+        planned(o, g, s) if len(g) and g.contexts[0, 1] == 5 else Plan((5,), 0, SURE)
     )
     line = Line([2.0, 0.0], wall=2.4)
-    line.go(journey, 60 * (replans + 2))
-    assert journey.given_up.tolist() == [True, False]
-    assert journey.arrived.tolist() == [False, True]
-    assert len(journey.history[0]) == len(ways.asked) == replans + 1
-    actions = journey.act(line.observe(), np.array([0, 1]))
+    line.go(navigation, 60 * (replans + 2))
+    assert navigation.given_up.tolist() == [True, False]
+    assert navigation.arrived.tolist() == [False, True]
+    assert len(navigation.history[0]) == len(planned.queries) == replans + 1
+    actions = navigation.act(line.observe(), np.array([0, 1]))
     assert (actions == 0).all()
-    assert len(ways.asked) == replans + 1
+    assert len(planned.queries) == replans + 1
 
 
-def test_who_does_not_trust_its_way_gives_up_at_once():
-    ways = Ways(Plan((5, 6), 0, (0.5, 0.1, 0.9), refusal="the best way has probability 0.045"))
-    journey, line = journey_of(ways, [goals_at(3)]), Line([0.0])
-    actions = journey.act(line.observe(), np.array([0]))
+def test_a_robot_whose_path_is_refused_gives_up_at_once():
+    planned = Plans(Plan((5, 6), 0, (0.5, 0.1, 0.9), refusal="the best path has probability 0.045"))
+    navigation, line = navigation_along(planned, [goals_at(3)]), Line([0.0])
+    actions = navigation.act(line.observe(), np.array([0]))
     assert (actions == 0).all()
-    assert journey.given_up.tolist() == [True]
-    assert not journey.arrived[0]
-    assert journey.plans[0].refusal
-    assert (journey.act(line.observe(), np.array([0])) == 0).all()
-    assert len(ways.asked) == 1
+    assert navigation.given_up.tolist() == [True]
+    assert not navigation.arrived[0]
+    assert navigation.plans[0].refusal
+    assert (navigation.act(line.observe(), np.array([0])) == 0).all()
+    assert len(planned.queries) == 1
 
 
-def test_who_knows_no_way_gives_up_before_long():
-    ways = Ways(Plan(refusal="no path leads from what is seen here to the goal"))
-    journey, line = journey_of(ways, [goals_at(3)]), Line([0.0])
-    line.go(journey, 260)
-    assert journey.given_up.tolist() == [True]
+def test_a_robot_without_a_plan_gives_up_before_long():
+    planned = Plans(Plan(refusal="no path leads from what is seen here to the goal"))
+    navigation, line = navigation_along(planned, [goals_at(3)]), Line([0.0])
+    line.go(navigation, 260)
+    assert navigation.given_up.tolist() == [True]
     assert line.x[0] == 0.0
-    assert len(ways.asked) >= 1
-    assert all(plan.refusal for plan in journey.history[0])
+    assert len(planned.queries) >= 1
+    assert all(plan.refusal for plan in navigation.history[0])
 
 
-def test_with_what_it_could_not_reach_it_shuns_the_place_around_it():
-    # From 7 one gets to 6 and 8 and back; to 5 and from 9 only one way.
-    ways = Ways(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
-    journey, line = journey_of(ways, [goals_at(5, -3)], wall=2.4), Line([0.0], wall=2.4)
+def test_with_what_it_could_not_reach_it_excludes_the_place_around_it():
+    # From 7 one gets to 6 and 8 and back; to 5 and from 9 in one direction only.
+    planned = Plans(Plan((5, 6, 7, 8), 0, SURE), Plan((5, 4, 3, 2), 1, SURE))
+    navigation, line = navigation_along(planned, [goals_at(5, -3)], wall=2.4), Line([0.0], wall=2.4)
     for source, target in ((7, 6), (6, 7), (7, 8), (8, 7), (7, 5), (9, 7), (8, 10), (10, 8)):
-        journey._topomap.connect(source, target, 0.9)
-    line.go(journey, 140)
-    assert len(ways.asked) == 2
-    assert ways.asked[1][2] == {6, 7, 8}
+        navigation._topomap.connect(source, target, 0.9)
+    line.go(navigation, 140)
+    assert len(planned.queries) == 2
+    assert planned.queries[1][2] == {6, 7, 8}
 
 
-def test_who_was_under_way_takes_any_way_rather_than_none():
-    refused = Plan((5, 4, 3, 2), 1, (0.4, 0.5), refusal="the best way has probability 0.2")
-    ways = Ways(Plan((5, 6, 7, 8), 0, SURE), refused)
-    journey = journey_of(ways, [goals_at(5, -3)], wall=2.4)
+def test_a_robot_under_way_takes_any_path_rather_than_none():
+    refused = Plan((5, 4, 3, 2), 1, (0.4, 0.5), refusal="the best path has probability 0.2")
+    planned = Plans(Plan((5, 6, 7, 8), 0, SURE), refused)
+    navigation = navigation_along(planned, [goals_at(5, -3)], wall=2.4)
     line = Line([0.0], wall=2.4)
-    line.go(journey, 440)
-    assert len(ways.asked) == 2
-    assert journey.arrived.tolist() == [True]
-    assert not journey.given_up[0]
+    line.go(navigation, 440)
+    assert len(planned.queries) == 2
+    assert navigation.arrived.tolist() == [True]
+    assert not navigation.given_up[0]
     assert line.x[0] == pytest.approx(-3, abs=0.25)
 
 
@@ -269,52 +270,52 @@ class Steering(LineController):
         return np.column_stack([0 * waypoints[:, 0], np.sign(waypoints[:, 1])])
 
 
-def test_who_knows_no_way_looks_around_for_one():
+def test_a_robot_without_a_plan_searches_for_one():
     unknown = Plan(refusal="no path leads from what is seen here to the goal")
-    ways = Ways(unknown, unknown, Plan((5,), 0, SURE))
-    journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
-    journey.follower.controller = Steering()
+    planned = Plans(unknown, unknown, Plan((5,), 0, SURE))
+    navigation, line = navigation_along(planned, [goals_at(2)]), Line([0.0])
+    navigation.follower.controller = Steering()
     robot = np.array([0])
     for _ in range(40):
-        actions = journey.act(line.observe(), robot)
-        if len(ways.asked) == 3:
+        actions = navigation.act(line.observe(), robot)
+        if len(planned.queries) == 3:
             break
         assert actions[0, 1] != 0
-        assert journey.plans == [None]
-    journey.follower.controller = LineController()
-    line.go(journey, 200)
-    assert journey.arrived[0]
-    assert not journey.given_up[0]
+        assert navigation.plans == [None]
+    navigation.follower.controller = LineController()
+    line.go(navigation, 200)
+    assert navigation.arrived[0]
+    assert not navigation.given_up[0]
 
 
-def test_a_robot_searches_for_twenty_seconds_and_each_time_anew():
+def test_a_robot_searches_for_twenty_seconds_each_time():
     unknown, sure = Plan(refusal="no path"), Plan((7, 8), 0, SURE)
     # A plan every second; what is found after 15 s leads to a wall, and after 15 s more to a goal.
-    ways = Ways(*[unknown] * 15, sure, *[unknown] * 15, Plan((5, 4), 1, SURE))
-    journey = journey_of(ways, [goals_at(5, -1)], wall=2.4)
+    planned = Plans(*[unknown] * 15, sure, *[unknown] * 15, Plan((5, 4), 1, SURE))
+    navigation = navigation_along(planned, [goals_at(5, -1)], wall=2.4)
     line = Line([2.0], wall=2.4)
-    line.go(journey, 600)
-    assert len(ways.asked) == 32
-    assert journey.arrived[0]
-    ways = Ways(unknown)
-    journey, line = journey_of(ways, [goals_at(5)]), Line([2.0])
-    line.go(journey, 200)
-    assert not journey.given_up[0]
-    line.go(journey, 1)
-    assert journey.given_up[0]
-    assert len(ways.asked) == 21
+    line.go(navigation, 600)
+    assert len(planned.queries) == 32
+    assert navigation.arrived[0]
+    planned = Plans(unknown)
+    navigation, line = navigation_along(planned, [goals_at(5)]), Line([2.0])
+    line.go(navigation, 200)
+    assert not navigation.given_up[0]
+    line.go(navigation, 1)
+    assert navigation.given_up[0]
+    assert len(planned.queries) == 21
 
 
-def test_who_has_given_up_stands_still():
-    ways = Ways(Plan(refusal="no path leads from what is seen here to the goal"))
-    journey, line = journey_of(ways, [goals_at(2)]), Line([0.0])
-    journey.follower.controller = Steering()
-    line.go(journey, 400)
-    assert journey.given_up[0]
-    asked = len(ways.asked)
+def test_a_robot_that_has_given_up_stands_still():
+    planned = Plans(Plan(refusal="no path leads from what is seen here to the goal"))
+    navigation, line = navigation_along(planned, [goals_at(2)]), Line([0.0])
+    navigation.follower.controller = Steering()
+    line.go(navigation, 400)
+    assert navigation.given_up[0]
+    queries = len(planned.queries)
     for _ in range(20):
-        assert (journey.act(line.observe(), np.array([0])) == 0).all()
-    assert len(ways.asked) == asked
+        assert (navigation.act(line.observe(), np.array([0])) == 0).all()
+    assert len(planned.queries) == queries
 
 
 def test_a_robot_alone_does_as_in_a_fleet():
@@ -322,12 +323,12 @@ def test_a_robot_alone_does_as_in_a_fleet():
     planner = DijkstraPlanner(least=0.0)
 
     def start(goals):
-        journey = journey_of(None, goals)
+        navigation = navigation_along(None, goals)
         for a in range(12):
-            journey._topomap.connect(a, a + 1, 0.999)
-            journey._topomap.connect(a + 1, a, 0.999)
-        journey._find_path = lambda o, g, s: planner.plan(o, g, journey._topomap, s)
-        return journey
+            navigation._topomap.connect(a, a + 1, 0.999)
+            navigation._topomap.connect(a + 1, a, 0.999)
+        navigation._find_path = lambda o, g, s: planner.plan(o, g, navigation._topomap, s)
+        return navigation
 
     fleet, together = start(goals), Line(starts)
     together.go(fleet, 200)
@@ -339,35 +340,35 @@ def test_a_robot_alone_does_as_in_a_fleet():
         assert one.history[0] == fleet.history[robot]
 
 
-def test_only_those_asked_about_plan_and_go_on():
-    journey = journey_of(Ways(Plan((5, 6), 0, SURE)), [goals_at(3)] * 3)
+def test_only_given_robots_plan_and_go_on():
+    navigation = navigation_along(Plans(Plan((5, 6), 0, SURE)), [goals_at(3)] * 3)
     line = Line([0.0, 0.0, 0.0])
     for _ in range(5):
-        actions = journey.act(line.observe(np.array([0, 2])), np.array([0, 2]))
+        actions = navigation.act(line.observe(np.array([0, 2])), np.array([0, 2]))
         line.x[[0, 2]] += 0.1 * actions[:, 0]
-    assert journey.plans[1] is None
+    assert navigation.plans[1] is None
     assert line.x[1] == 0.0
     assert line.x[0] == line.x[2] > 0.1
     nobody = np.array([], dtype=int)
-    assert journey.act(line.observe(nobody), nobody).shape == (0, 2)
+    assert navigation.act(line.observe(nobody), nobody).shape == (0, 2)
 
 
-def test_a_journey_over_an_empty_map_leads_to_what_is_in_sight():
+def test_navigation_over_an_empty_map_leads_to_what_is_in_sight():
     reachability = LineReachability()
     topomap, planner = TopoMap(reachability), DijkstraPlanner()
     goals = [goals_at(1.0), goals_at(9.0)]
-    journey = navigation_over(topomap, lambda o, g, s: planner.plan(o, g, topomap, s), goals)
+    navigation = navigation_over(topomap, lambda o, g, s: planner.plan(o, g, topomap, s), goals)
     line = Line([0.0, 0.0])
-    line.go(journey, 260)
-    assert journey.arrived.tolist() == [True, False]
-    assert journey.given_up.tolist() == [False, True]
+    line.go(navigation, 260)
+    assert navigation.arrived.tolist() == [True, False]
+    assert navigation.given_up.tolist() == [False, True]
     assert line.x == pytest.approx([1.0, 0.0], abs=0.25)
 
 
 # The agent of Meng 2020.
 
 
-def drive(first, last, begin=0.0, step=0.05):
+def driven_along(first, last, begin=0.0, step=0.05):
     """An experience of driving along the line."""
     x = np.arange(first, last, step if last > first else -step)
     seen = sensed(np.column_stack([x, 0 * x, 0 * x]))
@@ -384,10 +385,10 @@ def meng(**changed):
     return MengAgent(**{**parts, **changed})
 
 
-def test_an_agent_learns_a_sparse_map_drive_by_drive():
+def test_an_agent_learns_a_sparse_map_trajectory_by_trajectory():
     agent = meng()
     assert isinstance(agent, Agent)
-    agent.learn([drive(0, 10)])
+    agent.learn([driven_along(0, 10)])
     places = agent.topomap.vertices.observations[agent.topomap.alive].odometry[:, 0]
     assert places[0] == 0.0
     assert places[-1] == pytest.approx(9.95)
@@ -395,67 +396,67 @@ def test_an_agent_learns_a_sparse_map_drive_by_drive():
     assert agent.topomap.vertices.contexts[np.array([1])].tolist() == [
         pytest.approx([places[1] - 0.15, places[1], places[1] + 0.15])
     ]
-    agent.learn([drive(10, 20, 100.0)])
+    agent.learn([driven_along(10, 20, 100.0)])
     assert len(agent.topomap.paths) == 2
     assert agent.topomap.vertices.timestamps.max() >= 100.0
 
 
 def test_it_is_the_same_map_however_it_is_learned():
     one, two = meng(), meng()
-    drives = [drive(0, 6), drive(4, 12, 50.0), drive(6.02, 0, 99.0)]
-    one.learn(drives)
-    for experience in drives:
+    experiences = [driven_along(0, 6), driven_along(4, 12, 50.0), driven_along(6.02, 0, 99.0)]
+    one.learn(experiences)
+    for experience in experiences:
         two.learn([experience])
     assert edges_of(one.topomap) == edges_of(two.topomap)
     assert one.topomap.paths == two.topomap.paths
     assert len(one.topomap.paths) == 3
 
 
-def test_it_finds_its_way_over_several_drives():
+def test_it_navigates_over_several_trajectories():
     agent = meng()
-    agent.learn([drive(0, 6), drive(5, 12, 50.0)])
+    agent.learn([driven_along(0, 6), driven_along(5, 12, 50.0)])
     line = Line([0.1, 2.0, 6.0])
-    journey = agent.start([goals_at(11.5), goals_at(7.3), goals_at(30.0)])
-    line.go(journey, 400)
-    assert journey.arrived.tolist() == [True, True, False]
-    assert journey.given_up.tolist() == [False, False, True]
+    navigation = agent.start([goals_at(11.5), goals_at(7.3), goals_at(30.0)])
+    line.go(navigation, 400)
+    assert navigation.arrived.tolist() == [True, True, False]
+    assert navigation.given_up.tolist() == [False, False, True]
     assert line.x[:2] == pytest.approx([11.5, 7.3], abs=0.25)
-    assert len(journey.history[0]) == 1
-    assert journey.plans[0].probability > 0.9
+    assert len(navigation.history[0]) == 1
+    assert navigation.plans[0].probability > 0.9
 
 
 def test_what_was_blocked_since_is_tried_no_more_than_it_may_be():
     reachability = LineReachability()
     agent = meng(reachability=reachability, replans=2, planner=DijkstraPlanner(least=0.0))
-    agent.learn([drive(0, 12)])
+    agent.learn([driven_along(0, 12)])
     reachability.wall = 5.0
-    journey, line = agent.start([goals_at(11.0)]), Line([0.1], wall=5.0)
-    line.go(journey, 900)
-    assert journey.given_up[0]
+    navigation, line = agent.start([goals_at(11.0)]), Line([0.1], wall=5.0)
+    line.go(navigation, 900)
+    assert navigation.given_up[0]
     assert line.x[0] <= 5.0
-    first = journey.history[0][0]
+    first = navigation.history[0][0]
     assert first.vertices
-    for plan in journey.history[0][1:]:
+    for plan in navigation.history[0][1:]:
         assert plan.vertices != first.vertices
 
 
-def test_the_agent_plans_past_what_it_shuns_with_the_planner_it_was_given():
-    class Asked:
+def test_the_agent_plans_around_what_is_excluded_with_the_planner_it_was_given():
+    class Recording:
         def __init__(self):
-            self.asked = []
+            self.queries = []
 
         def plan(self, observation, goals, topomap, excluded):
-            self.asked.append((observation, goals, topomap, excluded))
+            self.queries.append((observation, goals, topomap, excluded))
             return Plan(refusal="no", probabilities=(0.1,))
 
-    agent = meng(planner=Asked())
-    agent.learn([drive(0, 3)])
+    agent = meng(planner=Recording())
+    agent.learn([driven_along(0, 3)])
     goals = goals_at(2.0)
-    journey = agent.start([goals])
-    journey.act(Line([0.5]).observe(), np.array([0]))
-    ((observation, asked, topomap, excluded),) = agent.planner.asked
+    navigation = agent.start([goals])
+    navigation.act(Line([0.5]).observe(), np.array([0]))
+    ((observation, given, topomap, excluded),) = agent.planner.queries
     assert observation.odometry[0, 0] == 0.5
-    assert asked is goals
+    assert given is goals
     assert topomap is agent.topomap
     assert excluded == set()
 
@@ -465,7 +466,7 @@ def test_the_agent_plans_past_what_it_shuns_with_the_planner_it_was_given():
 
 @settings(max_examples=60)
 @given(st.lists(st.integers(1, 5), min_size=1, max_size=3), st.integers(0, 3), st.integers(0, 999))
-def test_the_median_is_over_aligned_neighbours_of_the_same_drives(lengths, window, seed):
+def test_the_median_is_over_aligned_neighbours_of_the_same_trajectories(lengths, window, seed):
     trajectory = np.repeat(np.arange(len(lengths)), lengths)
     count = len(trajectory)
     alike = np.random.default_rng(seed).random((count, count))
@@ -492,16 +493,16 @@ def test_the_robot_is_where_it_looks_most_alike():
     table = np.random.default_rng(0).random((9, 9))
     topomap = table_map(table, 6)
     topomap.remove([2])
-    told = MostAlike().localize(numbered([6, 7, 8]), topomap)
+    belief = MostAlike().localize(numbered([6, 7, 8]), topomap)
     assert isinstance(MostAlike(), Localizer)
-    assert told.shape == (3, 5)
-    assert (told.sum(axis=1) == 1).all()
-    for row, number in zip(told, (6, 7, 8), strict=True):
+    assert belief.shape == (3, 5)
+    assert (belief.sum(axis=1) == 1).all()
+    for row, number in zip(belief, (6, 7, 8), strict=True):
         assert topomap.alive[row.argmax()] == max(topomap.alive, key=lambda v: table[number, v])
 
 
 class Similar(LineReachability):
-    """How alike two places of the line are; it looks at the middle picture alone."""
+    """How alike two places of the line are; it uses the middle image alone."""
 
     def prepare(self, contexts):
         assert contexts.shape[1] == 1
@@ -522,17 +523,17 @@ def sptm(**changed):
     return SPTMAgent(**{**parts, **changed})
 
 
-def test_sptm_keeps_every_nth_picture_and_joins_what_is_alike():
+def test_sptm_keeps_every_nth_image_and_joins_what_is_alike():
     agent = sptm(every=20, window=0)
     assert isinstance(agent, Agent)
-    agent.learn([drive(0, 5), drive(10, 15, 50.0), drive(0.5, 5.5, 99.0)])
+    agent.learn([driven_along(0, 5), driven_along(10, 15, 50.0), driven_along(0.5, 5.5, 99.0)])
     topomap = agent.topomap
     places = topomap.vertices.observations[topomap.alive].odometry[:, 0]
     assert places[:6] == pytest.approx([0, 1, 2, 3, 4, 4.95])
     assert topomap.paths == [list(range(6)), list(range(6, 12)), list(range(12, 18))]
     assert [topomap.path_of(v)[1] for v in (0, 5, 6, 17)] == [0, 5, 0, 5]
     driven = {edge for edge, (_, often) in edges_of(topomap).items() if often}
-    assert driven == {(a, b) for trail in topomap.paths for a, b in zip(trail, trail[1:])}  # noqa: B905, RUF007
+    assert driven == {(a, b) for path in topomap.paths for a, b in zip(path, path[1:])}  # noqa: B905, RUF007
     for a in range(18):
         for b in range(18):
             same = topomap.trajectory[a] == topomap.trajectory[b]
@@ -542,10 +543,10 @@ def test_sptm_keeps_every_nth_picture_and_joins_what_is_alike():
 
 
 def test_sptm_s_shortcuts_are_those_of_the_last_threshold():
-    drives = [drive(0, 5), drive(10, 15, 50.0), drive(0.5, 5.5, 99.0)]
+    experiences = [driven_along(0, 5), driven_along(10, 15, 50.0), driven_along(0.5, 5.5, 99.0)]
     agents = [sptm(every=20, window=0, s_shortcut=least) for least in (0.93, 0.98, 0.93)]
     for agent in agents:
-        agent.learn(drives)
+        agent.learn(experiences)
     many, few = len(agents[0].topomap.graph.edges), len(agents[1].topomap.graph.edges)
     assert many > few + 10
     agents[0].join(0.98)
@@ -554,9 +555,9 @@ def test_sptm_s_shortcuts_are_those_of_the_last_threshold():
     assert edges_of(agents[0].topomap) == edges_of(agents[2].topomap)
 
 
-def test_sptm_takes_the_way_over_the_fewest_edges():
+def test_sptm_takes_the_path_with_the_fewest_edges():
     agent = sptm(every=20, s_shortcut=0.9999)
-    agent.learn([drive(0, 12)])
+    agent.learn([driven_along(0, 12)])
     agent.topomap.connect(2, 9, 0.01)  # improbable, but short
     plan = agent.find_path(Line([0.1]).observe(), goals_at(40.0, 11.1), set())
     assert plan == Plan((0, 1, 2, 9, 10, 11), 1)
@@ -568,27 +569,27 @@ def test_sptm_takes_the_way_over_the_fewest_edges():
     assert agent.find_path(Line([0.1]).observe(), goals_at(1.2), {0, 1}).vertices == (0, 1)
 
 
-def test_sptm_refuses_where_no_way_leads():
+def test_sptm_refuses_where_no_path_leads():
     agent = sptm(every=20, s_shortcut=0.9999)
     here = Line([5.0]).observe()
     assert agent.find_path(here, goals_at(3.0), set()).refusal == "the map is empty"
-    agent.learn([drive(0, 6)])
+    agent.learn([driven_along(0, 6)])
     assert "no path leads" in agent.find_path(here, goals_at(0.0), set()).refusal
     assert agent.find_path(here, goals_at(0.0, 5.1), set()) == Plan((5,), 1)
 
 
 def test_sptm_drives_by_the_same_follower():
     agent = sptm(every=20)
-    agent.learn([drive(0, 6), drive(5.5, 12, 50.0)])
-    journey, line = agent.start([goals_at(11.0), goals_at(3.2)]), Line([0.1, 1.0])
-    line.go(journey, 400)
-    assert journey.arrived.all()
+    agent.learn([driven_along(0, 6), driven_along(5.5, 12, 50.0)])
+    navigation, line = agent.start([goals_at(11.0), goals_at(3.2)]), Line([0.1, 1.0])
+    line.go(navigation, 400)
+    assert navigation.arrived.all()
     assert line.x == pytest.approx([11.0, 3.2], abs=0.25)
-    agent.learn([drive(12, 0, 99.0)])
+    agent.learn([driven_along(12, 0, 99.0)])
     assert len(agent.topomap.paths) == 3
 
 
-# The oracle, and the wanderer.
+# The oracle and the random agent.
 
 
 def test_an_oracle_drives_each_robot_to_its_goal_and_stops(box):
@@ -596,80 +597,80 @@ def test_an_oracle_drives_each_robot_to_its_goal_and_stops(box):
     starts = np.array([[2.0, 2.0, 0.0], [8.0, 2.0, np.pi / 2], [2.0, 8.0, 0.0]])
     goals = np.array([[8.0, 3.0, 0.0], [7.0, 8.0, 1.0], [2.1, 8.0, 0.0]])
     simulation = Simulation(box, starts)
-    journey = OracleNavigation(simulation, paths, goals)
-    assert isinstance(journey, Navigation)
+    navigation = OracleNavigation(simulation, paths, goals)
+    assert isinstance(navigation, Navigation)
     last = np.zeros(3)
     for step in range(400):
-        robots = np.flatnonzero(~journey.arrived)
+        robots = np.flatnonzero(~navigation.arrived)
         if not robots.size:
             break
         actions = np.zeros((3, 2))
-        actions[robots] = journey.act(simulation.observe(robots), robots)
+        actions[robots] = navigation.act(simulation.observe(robots), robots)
         gap = np.linalg.norm(simulation.poses[:, :2] - goals[:, :2], axis=1)
-        assert (journey.arrived[robots] == (gap[robots] < REACHED)).all()
-        assert (actions[journey.arrived] == 0).all()
+        assert (navigation.arrived[robots] == (gap[robots] < REACHED)).all()
+        assert (actions[navigation.arrived] == 0).all()
         simulation.step(actions)
         last[robots] = step
-    assert journey.arrived.all()
-    assert not journey.given_up.any()
+    assert navigation.arrived.all()
+    assert not navigation.given_up.any()
     assert not simulation.collided.any()
     assert last[2] == 0 < last[0]
 
 
 class Knowing:
-    """A predictor for which targets are poses, and that notes what it was asked."""
+    """A predictor for which targets are poses, and that records its queries."""
 
     def __init__(self):
-        self.asked = []
+        self.queries = []
 
     def prepare(self, contexts):
         return contexts[:, 0]
 
     def predict(self, observations, targets):
-        self.asked.append((observations.odometry[:, 0].tolist(), targets[:, 0].tolist()))
+        self.queries.append((observations.odometry[:, 0].tolist(), targets[:, 0].tolist()))
         gap = targets[:, 0] - observations.odometry[:, 0]
         overlap = np.clip(1 - np.abs(gap) - targets[:, 1], 0, 1)
         return np.column_stack([gap, 0 * gap]), np.column_stack([overlap, overlap])
 
 
-def wander(goals, seed=0):
-    """A journey to goals: for each robot poses (x, how little is seen from there, 0)."""
+def random_navigation(goals, seed=0):
+    """Navigation to goals: for each robot poses (x, how little is seen from there, 0)."""
     agent = RandomAgent(Knowing(), LineController(), np.random.default_rng(seed))
     agent.learn([])
     assert isinstance(agent, Agent)
     shown = [np.array(some, dtype=float).reshape(-1, 3) for some in goals]
-    journey = agent.start([Goals(sensed(some), some[:, None]) for some in shown])
-    assert isinstance(journey, Navigation)
-    return agent, journey
+    navigation = agent.start([Goals(sensed(some), some[:, None]) for some in shown])
+    assert isinstance(navigation, Navigation)
+    return agent, navigation
 
 
-def test_a_wanderer_knows_its_own_goal_when_it_is_there():
+def test_a_random_agent_knows_its_own_goal_when_it_is_there():
     # The second has two, of which the latter is here; the third sees too little of it.
     goals = [[5, 0, 0], [[9, 0, 0], [0.1, 0, 0]], [0.1, 0.5, 0], [0.3, 0, 0]]
-    agent, journey = wander(goals)
+    agent, navigation = random_navigation(goals)
     line = Line([0.0, 0.0, 0.0, 0.0])
-    actions = journey.act(line.observe(), np.arange(4))
-    assert journey.arrived.tolist() == [False, True, False, False]
+    actions = navigation.act(line.observe(), np.arange(4))
+    assert navigation.arrived.tolist() == [False, True, False, False]
     assert (actions[1] == 0).all()
     assert actions.shape == (4, 2)
     assert (actions[[0, 2, 3], 0] != 0).any()
-    assert agent.predictor.asked == [([0.0] * 5, [5, 9, 0.1, 0.1, 0.3])]
-    assert not journey.given_up.any()
+    assert agent.predictor.queries == [([0.0] * 5, [5, 9, 0.1, 0.1, 0.3])]
+    assert not navigation.given_up.any()
 
 
-def test_a_wanderer_compares_each_robot_with_its_own_goals_only():
-    agent, journey = wander([[0, 0, 0], [[7, 0, 0], [8, 0, 0]], [9, 0, 0]])
+def test_a_random_agent_compares_each_robot_with_its_own_goals_only():
+    agent, navigation = random_navigation([[0, 0, 0], [[7, 0, 0], [8, 0, 0]], [9, 0, 0]])
     line = Line([3.0, 7.9, 9.5])
-    journey.act(line.observe(np.array([1, 2])), np.array([1, 2]))
-    assert agent.predictor.asked == [([7.9, 7.9, 9.5], [7, 8, 9])]
-    assert journey.arrived.tolist() == [False, True, False]
+    navigation.act(line.observe(np.array([1, 2])), np.array([1, 2]))
+    assert agent.predictor.queries == [([7.9, 7.9, 9.5], [7, 8, 9])]
+    assert navigation.arrived.tolist() == [False, True, False]
 
 
-def test_wandering_is_drawn_by_its_seed():
+def test_random_navigation_depends_on_its_seed():
     def track(seed):
-        _, journey = wander([[99, 0, 0]] * 2, seed)
+        _, navigation = random_navigation([[99, 0, 0]] * 2, seed)
         line = Line([0.0, 0.0])
-        line.go(journey, 50)
+        line.go(navigation, 50)
         return line.x.tolist()
 
     again = track(0)
@@ -679,6 +680,6 @@ def test_wandering_is_drawn_by_its_seed():
 
 
 def test_an_experience_says_what_it_lacks():
-    one = drive(0, 1)
+    one = driven_along(0, 1)
     with pytest.raises(InputError, match="experience: 20 observations, 19 timestamps"):
         replace(one, timestamps=one.timestamps[1:])
