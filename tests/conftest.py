@@ -154,24 +154,24 @@ def random_walls(count, side, rng):
 
 @pytest.fixture(scope="session")
 def recorded():
-    """Five or six drives recorded in an office."""
+    """Five or six trajectories in an office."""
     world = "office/1/standard"
     scene = scene_of(world)
     return RecordedWorld(scene, demonstrate(world, scene, 6, 3))
 
 
-def make_drive(points, step=0.05):
-    """A drive along a broken line (K, 2), a frame every `step` metres."""
+def make_trajectory(points, step=0.05):
+    """A trajectory along a broken line (K, 2), a frame every `step` metres."""
     points = np.asarray(points, dtype=float)
     miles = np.concatenate([[0.0], np.hypot(*np.diff(points, axis=0).T).cumsum()])
     at = np.arange(0.0, miles[-1] + 1e-9, step)
     places = np.stack([np.interp(at, miles, column) for column in points.T], axis=1)
     leg = np.clip(np.searchsorted(miles, at, side="right") - 1, 0, len(points) - 2)
     along = np.diff(points, axis=0)[leg]
-    return drive_of(np.column_stack([places, np.arctan2(along[:, 1], along[:, 0])]))
+    return trajectory_of(np.column_stack([places, np.arctan2(along[:, 1], along[:, 0])]))
 
 
-def drive_of(poses):
+def trajectory_of(poses):
     """A trajectory that consists of nothing but its poses (T, 3)."""
     poses = np.asarray(poses, dtype=float)
     count = len(poses)
@@ -182,7 +182,7 @@ def drive_of(poses):
 
 def needs(*weights):
     """Skips a test where these weights were not trained yet."""
-    from tutorial_lib.learning.weights import FOLDER  # not everybody needs torch
+    from tutorial_lib.learning.weights import FOLDER  # not all tests need torch
 
     missing = [name for name in weights if not (FOLDER / f"{name}.safetensors").is_file()]
     return pytest.mark.skipif(bool(missing), reason=f"not trained yet: {', '.join(missing)}")

@@ -1,4 +1,4 @@
-"""Made-up worlds in which maps are made: RE is read from a table, or told by where things are."""
+"""Made-up worlds in which maps are made: RE is read from a table, or follows from poses."""
 
 from itertools import pairwise
 
@@ -20,16 +20,16 @@ def sensed(odometry):
 
 
 def numbered(numbers):
-    """Observations whose odometry tells their number."""
+    """Observations whose odometry holds their index."""
     numbers = np.asarray(numbers, dtype=float)
     return sensed(np.column_stack([numbers, 0 * numbers, 0 * numbers]))
 
 
 class Table:
-    """RE from a table, from the number that the odometer tells to that in the context (2k+1,)."""
+    """RE from a table: from the index in the odometry to that in the context (2k+1,)."""
 
     def __init__(self, table):
-        self.table, self.asked = np.asarray(table, dtype=float), []
+        self.table, self.queried = np.asarray(table, dtype=float), []
 
     def prepare(self, contexts):
         contexts = np.asarray(contexts)
@@ -37,7 +37,7 @@ class Table:
 
     def probability(self, observations, prepared):
         sources = observations.odometry[:, 0].astype(int)
-        self.asked += zip(sources.tolist(), prepared.tolist(), strict=True)
+        self.queried += zip(sources.tolist(), prepared.tolist(), strict=True)
         return self.table[sources, prepared]
 
 
@@ -47,16 +47,16 @@ def anchors(numbers):
     return Anchors(numbered(numbers), numbers[:, None], numbers * 1.0)
 
 
-def table_map(table, count, trails=None, **settings):
-    """A map of vertices 0 to `count` without an edge, on one trail unless others are given."""
+def table_map(table, count, paths=None, **settings):
+    """A map of vertices 0 to `count` without an edge, on one path unless others are given."""
     topomap = TopoMap(Table(table), MapSettings(**settings))
-    trails = [list(range(count))] if trails is None else trails
-    owner = np.repeat(np.arange(len(trails)), [len(trail) for trail in trails])
-    place = np.concatenate([np.arange(len(trail)) for trail in trails])
-    numbers = np.concatenate(trails)
+    paths = [list(range(count))] if paths is None else paths
+    owner = np.repeat(np.arange(len(paths)), [len(path) for path in paths])
+    place = np.concatenate([np.arange(len(path)) for path in paths])
+    numbers = np.concatenate(paths)
     assert numbers.tolist() == list(range(count))
     topomap.make_vertices(numbered(numbers), numbers[:, None], numbers * 1.0, owner, place)
-    topomap.paths = [list(trail) for trail in trails]
+    topomap.paths = [list(path) for path in paths]
     return topomap
 
 
@@ -68,14 +68,14 @@ class Streets:
     """
 
     def __init__(self, reach=1.6):
-        self.reach, self.asked, self.hidden = reach, 0, []
+        self.reach, self.queries, self.hidden = reach, 0, []
 
     def prepare(self, contexts):
         contexts = np.asarray(contexts, dtype=float)
         return contexts[:, contexts.shape[1] // 2]
 
     def probability(self, observations, prepared):
-        self.asked += len(prepared)
+        self.queries += len(prepared)
         here = observations.odometry
         gap = prepared[:, :2] - here[:, :2]
         ahead = gap[:, 0] * np.cos(here[:, 2]) + gap[:, 1] * np.sin(here[:, 2])
@@ -88,7 +88,7 @@ class Streets:
 
 
 class StreetsAlike(Streets):
-    """The same, that can also tell what looks alike: the nearer two poses are."""
+    """The same, with embeddings: the nearer two poses are, the more alike."""
 
     size = 12.0
 
@@ -129,5 +129,5 @@ def anchors_at(poses, begin=0.0):
 
 def edges_of(topomap):
     """Probability, and how often it was driven, of every edge."""
-    told = topomap.graph.edges(data=True)
-    return {(a, b): (edge["probability"], edge["driven"]) for a, b, edge in told}
+    edges = topomap.graph.edges(data=True)
+    return {(a, b): (edge["probability"], edge["driven"]) for a, b, edge in edges}

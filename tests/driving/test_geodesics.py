@@ -87,7 +87,7 @@ def test_many_goals_at_once_give_what_single_goals_give(paths):
         assert np.allclose(together.distance(points, np.full(30, number)), alone)
 
 
-def test_waypoints_are_on_the_way_in_sight_and_within_reach(paths, pillars):
+def test_waypoints_are_on_the_path_in_sight_and_within_reach(paths, pillars):
     fields = paths.fields(np.stack([GOAL, [1.0, 9.0]]))
     points = paths.points[np.random.default_rng(3).integers(len(paths.points), size=60)]
     goals = np.arange(60) % 2
@@ -101,7 +101,7 @@ def test_waypoints_are_on_the_way_in_sight_and_within_reach(paths, pillars):
         assert np.allclose(waypoints[i], fields.goals[goals[i]])
 
 
-def test_a_goal_near_a_wall_counts_its_whole_way(box):
+def test_a_goal_near_a_wall_counts_its_whole_path(box):
     fields = GridPaths(box.clearance).fields([9.9, 5.0], shortest=True)
     assert fields.distance([[5.0, 5.0]])[0] == pytest.approx(4.9, abs=0.15)
 

@@ -19,7 +19,7 @@ def line(points, step=0.05):
 LOOP = [[0, 0], [6, 0], [6, 4], [3, 4], [3, -4]]  # crosses itself at (3, 0)
 
 
-def test_who_follows_to_the_end_has_covered_all():
+def test_a_robot_that_follows_to_the_end_has_covered_all():
     path = line(LOOP)
     assert covered(path, path) == pytest.approx(6 + 4 + 3 + 8)
     assert covered(LOOP, path) == pytest.approx(21.0)
@@ -39,7 +39,7 @@ def test_beside_the_path_is_on_it(aside):
     assert covered([[0, 0], [9, 0]], track) == pytest.approx(5.0, abs=0.03)
 
 
-def test_who_strays_has_covered_what_was_before():
+def test_a_robot_that_strays_has_covered_what_was_before():
     track = line([[0, 0], [4, 0], [4, STRAYED + 0.1], [4, 0], [9, 0]])
     assert covered([[0, 0], [9, 0]], track) == pytest.approx(4.0, abs=0.05)
 
@@ -54,7 +54,7 @@ def test_a_short_cut_at_a_crossing_gets_no_farther():
     # Straight on where the path comes back to, and then along its end.
     track = line([[0, 0], [3, 0], [3, -4]])
     assert covered(LOOP, track) == pytest.approx(3.0, abs=STRAYED + 0.1)
-    # Who takes the loop crosses its own way unharmed.
+    # A robot that takes the loop crosses its own path unharmed.
     assert covered(LOOP, line(LOOP)) == pytest.approx(21.0)
 
 
@@ -80,11 +80,11 @@ def test_driving_back_loses_nothing_and_gains_nothing():
     assert covered([[0, 0], [9, 0]], on) == pytest.approx(6.0, abs=0.03)
 
 
-def test_who_stands_at_the_start_has_covered_nothing():
+def test_a_robot_at_the_start_has_covered_nothing():
     assert covered([[0, 0], [9, 0]], [[0, 0]] * 20) == 0.0
 
 
-def test_who_starts_elsewhere_never_followed():
+def test_a_robot_that_starts_elsewhere_never_followed():
     assert covered([[0, 0], [9, 0]], line([[0, 3], [9, 3]])) == 0.0
 
 

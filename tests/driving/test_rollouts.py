@@ -152,7 +152,7 @@ def test_observing_some_is_observing_all_and_choosing(pillars, sensors):
     for _ in range(3):
         simulation.step(rng.uniform(-0.1, 0.2, (5, 2)))
     everybody = simulation.observe()
-    # Without the right viewers, robot 3's obstacle would be seen by nobody or by another.
+    # Without the right viewers, robot 3's obstacle would be seen by no robot or by another.
     alone = Simulation(pillars, simulation.poses, sensors=sensors).observe()
     assert (everybody.laser[[1, 3]] != alone.laser[[1, 3]]).any(axis=1).all()
     for robots in ([3, 1], [3], [0, 2, 4], [], [4, 3, 2, 1, 0]):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tests.conftest import make_box, make_drive
+from tests.conftest import make_box, make_trajectory
 from tests.world.test_visibility import brute_share
 from tutorial_lib.driving.data.perturbation import (
     PAPER_PERTURBATION,
@@ -24,7 +24,7 @@ from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.visibility import FIELD_OF_VIEW, RAYS, mutual_overlap
 
 BLOCK = Scene(make_box(pillars=[(5.0, 5.0, 2.0)]))  # a block from (3, 3) to (7, 7)
-AROUND = make_drive([(2.0, 2.0), (8.0, 2.0), (8.0, 7.0)]).poses  # 6 m ahead, 5 m to the left
+AROUND = make_trajectory([(2.0, 2.0), (8.0, 2.0), (8.0, 7.0)]).poses  # 6 m ahead, 5 m to the left
 
 
 def gap_of_line(walls, start, end):
@@ -105,7 +105,7 @@ def test_a_target_behind_is_its_own_waypoint_even_out_of_sight():
 
 
 def test_along_a_corridor_the_target_itself_is_the_waypoint():
-    corridor, track = Scene(make_box(12.0, 2.0)), make_drive([(0.5, 1.0), (11.5, 1.0)]).poses
+    corridor, track = Scene(make_box(12.0, 2.0)), make_trajectory([(0.5, 1.0), (11.5, 1.0)]).poses
     rng = np.random.default_rng(0)
     sources = rng.integers(0, 150, 40)
     targets = sources + rng.integers(1, 60, 40)

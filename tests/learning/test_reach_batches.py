@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from tests.conftest import make_drive
+from tests.conftest import make_trajectory
 from tests.learning.test_training import PoseView
 from tutorial_lib.driving.data.reachability_pairs import STARTS, draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
@@ -45,7 +45,7 @@ def made_up(world, targets, seed):
 @pytest.fixture(scope="module")
 def worlds(recorded, pillars):
     """An office and a room with pillars."""
-    drive = make_drive([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
+    drive = make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
     return [recorded, RecordedWorld(pillars, [drive])]
 
 
@@ -230,8 +230,8 @@ def test_sooner_or_later_every_row_is_drawn_and_targets_as_often_as_each_other()
 def proximity(pillars, box, monkeypatch):
     monkeypatch.setitem(VIEWS, "poses", PoseView())
     ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 9.0)], [(1.0, 9.0), (1.0, 2.0), (8.0, 2.0)]
-    drives = [RecordedWorld(box, [make_drive(way) for way in ways])]
-    drives.append(RecordedWorld(pillars, [make_drive([(1.5, 1.5), (8.5, 1.5), (8.5, 8.5)])]))
+    drives = [RecordedWorld(box, [make_trajectory(way) for way in ways])]
+    drives.append(RecordedWorld(pillars, [make_trajectory([(1.5, 1.5), (8.5, 1.5), (8.5, 8.5)])]))
     return ProximitySource(drives, Architecture(0, "pair", "poses", "reachability"), 8, 16)
 
 

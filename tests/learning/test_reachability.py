@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import torch
 
-from tests.conftest import make_box, make_drive
+from tests.conftest import make_box, make_trajectory
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
@@ -240,7 +240,7 @@ def test_each_view_and_each_target_is_encoded_once_for_all_pairs(recorded, monke
 @pytest.fixture(scope="module")
 def two_drives():
     ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 9.0)], [(1.0, 9.0), (8.0, 9.0), (8.0, 2.0)]
-    return RecordedWorld(Scene(make_box()), [make_drive(way) for way in ways])
+    return RecordedWorld(Scene(make_box()), [make_trajectory(way) for way in ways])
 
 
 @pytest.fixture

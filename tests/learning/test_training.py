@@ -7,7 +7,7 @@ import pytest
 import torch
 from scipy.spatial import cKDTree
 
-from tests.conftest import make_drive
+from tests.conftest import make_trajectory
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import relative, to_local, to_world
@@ -28,7 +28,7 @@ SETTINGS = Settings(max_steps=20, targets=4, warmup_steps=5, eval_interval=4)
 @pytest.fixture(scope="module")
 def worlds(recorded, pillars):
     """An office and a room with pillars."""
-    drive = make_drive([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
+    drive = make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
     return [recorded, RecordedWorld(pillars, [drive])]
 
 

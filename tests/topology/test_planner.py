@@ -18,7 +18,7 @@ NO = 0.01
 
 
 def goals_of(numbers):
-    """Goal pictures of those numbers, for a `Table`."""
+    """Goal images of those numbers, for a `Table`."""
     numbers = np.asarray(numbers)
     return Goals(numbered(numbers), numbers[:, None])
 
@@ -47,22 +47,22 @@ def questions(draw):
     return topomap, count, list(range(count + 1, size)), planner, excluded
 
 
-def ways(topomap, here, goals, p_query, p_goal, excluded):
-    """All ways without a circle: vertices, number of the goal, probability."""
+def simple_paths(topomap, here, goals, p_query, p_goal, excluded):
+    """All simple paths: vertices, index of the goal, probability."""
     re, graph = topomap.vertices.reachability.table, topomap.graph
     found = []
 
-    def go_on(way, probability):
+    def go_on(path, probability):
         for number, goal in enumerate(goals):
-            last = re[way[-1] if way else here, goal]
+            last = re[path[-1] if path else here, goal]
             if last > p_goal:
-                found.append((tuple(way), number, probability * last))
+                found.append((tuple(path), number, probability * last))
         for v in graph:
-            if v in way or v in excluded:
+            if v in path or v in excluded:
                 continue
-            if way and graph.has_edge(way[-1], v):
-                go_on([*way, v], probability * graph.edges[way[-1], v]["probability"])
-            elif not way and re[here, v] > p_query:
+            if path and graph.has_edge(path[-1], v):
+                go_on([*path, v], probability * graph.edges[path[-1], v]["probability"])
+            elif not path and re[here, v] > p_query:
                 go_on([v], re[here, v])
 
     go_on([], 1.0)
@@ -71,17 +71,17 @@ def ways(topomap, here, goals, p_query, p_goal, excluded):
 
 @settings(max_examples=250)
 @given(questions())
-def test_a_plan_is_the_most_probable_way_there_is(drawn):
+def test_a_plan_is_the_most_probable_path_there_is(drawn):
     topomap, here, goals, planner, excluded = drawn
     before = nx.to_dict_of_dicts(topomap.graph.copy())
     plan = planner.plan(numbered([here]), goals_of(goals), topomap, excluded)
     assert nx.to_dict_of_dicts(topomap.graph) == before
-    sure = ways(topomap, here, goals, planner.p_query, planner.p_goal, excluded)
-    some = ways(topomap, here, goals, planner.p_query, planner.p_query, excluded)
+    sure = simple_paths(topomap, here, goals, planner.p_query, planner.p_goal, excluded)
+    some = simple_paths(topomap, here, goals, planner.p_query, planner.p_query, excluded)
     if sure or some:
-        most = max(way[2] for way in sure or some)
+        most = max(path[2] for path in sure or some)
         assert plan.probability == pytest.approx(most, rel=1e-9)
-        fits = [way for way in sure or some if way[:2] == (plan.vertices, plan.goal)]
+        fits = [path for path in sure or some if path[:2] == (plan.vertices, plan.goal)]
         assert fits[0][2] == pytest.approx(most, rel=1e-9)
         assert len(plan.probabilities) == len(plan.vertices) + 1
         assert bool(plan.refusal) == (not sure or most < planner.least)
@@ -93,7 +93,7 @@ def test_a_plan_is_the_most_probable_way_there_is(drawn):
 
 
 def line(count=4, here=1.0, goal=1.0, edge=0.9):
-    """A map of vertices in a row; who is "here", number `count`, reaches the first of them."""
+    """A map of vertices in a row; a robot "here", at `count`, reaches the first of them."""
     table = np.full((count + 3, count + 3), NO)
     table[count, 0], table[count - 1, count + 1] = here, goal
     topomap = table_map(table, count)
@@ -109,7 +109,7 @@ def test_an_edge_at_either_end_needs_more_than_its_threshold():
         assert bool(planner.plan(start, goals, topomap).refusal) == refused
 
 
-def test_steps_are_told_one_by_one_and_multiply():
+def test_probabilities_of_steps_are_listed_and_multiply():
     topomap, here, goals = line(4, here=0.8, goal=0.99, edge=0.95)
     plan = DijkstraPlanner().plan(here, goals, topomap)
     assert plan.vertices == (0, 1, 2, 3)
@@ -119,7 +119,7 @@ def test_steps_are_told_one_by_one_and_multiply():
     assert plan.goal == 0
 
 
-def test_a_way_that_is_too_improbable_is_refused_and_told():
+def test_a_path_that_is_too_improbable_is_refused_and_reported():
     topomap, here, goals = line(5, edge=0.8)
     for least, words in ((0.5, r"probability 0.410, below 0.5"), (0.4, "")):
         plan = DijkstraPlanner(least=least).plan(here, goals, topomap)
@@ -150,7 +150,7 @@ def test_of_two_goals_the_one_that_is_sure_counts():
     assert (plan.goal, plan.vertices) == (0, (0,))
 
 
-def test_who_is_at_the_goal_needs_no_vertices():
+def test_a_robot_at_the_goal_needs_no_vertices():
     topomap, here, goals = line(4)
     topomap.vertices.reachability.table[4, 5] = 0.999
     plan = DijkstraPlanner().plan(here, goals, topomap)
@@ -171,7 +171,7 @@ def test_an_empty_map_leads_to_what_is_in_sight_only():
     assert (plan.vertices, plan.probability) == ((), 0.0)
 
 
-def test_a_shunned_vertex_is_gone_round_or_ends_the_way():
+def test_an_excluded_vertex_is_gone_round_or_leaves_no_path():
     topomap, here, goals = line(4)
     topomap.connect(0, 2, 0.7)
     planner = DijkstraPlanner()
@@ -194,16 +194,16 @@ def test_a_vertex_that_was_removed_is_not_planned_over():
 
 
 class Here:
-    """A `Localizer` that tells what it was told."""
+    """A `Localizer` that returns what it was given."""
 
-    def __init__(self, told):
-        self.told = np.asarray(told, dtype=float)
+    def __init__(self, belief):
+        self.belief = np.asarray(belief, dtype=float)
 
     def localize(self, observations, topomap):
-        return self.told
+        return self.belief
 
 
-def test_a_localizer_tells_where_the_way_begins():
+def test_a_localizer_decides_where_the_path_begins():
     topomap, here, goals = line(4, here=NO)
     topomap.remove([0])
     assert "no path" in DijkstraPlanner().plan(here, goals, topomap).refusal
@@ -215,15 +215,15 @@ def test_a_localizer_tells_where_the_way_begins():
 
 
 @pytest.mark.parametrize(
-    "told", [[1.0] * 4, [[1.0] * 3], [[2.0, 0, 0, 0]], [[np.nan] * 4], [[-1.0] * 4]]
+    "belief", [[1.0] * 4, [[1.0] * 3], [[2.0, 0, 0, 0]], [[np.nan] * 4], [[-1.0] * 4]]
 )
-def test_a_localizer_that_tells_no_probabilities_is_named(told):
+def test_a_localizer_that_returns_no_probabilities_is_named(belief):
     topomap, here, goals = line(4)
     with pytest.raises(InputError, match=r"localizer: returned .* probabilities \(1, 4\)"):
-        DijkstraPlanner(localizer=Here(told)).plan(here, goals, topomap)
+        DijkstraPlanner(localizer=Here(belief)).plan(here, goals, topomap)
 
 
-def test_only_candidates_are_asked_about():
+def test_only_candidates_are_queried():
     class Alike(Streets):
         def embed(self, observations):
             x = observations.odometry[:, 0] / 40
@@ -241,7 +241,7 @@ def test_only_candidates_are_asked_about():
     planner = DijkstraPlanner(candidates=6)
     plan = planner.plan(here, Goals(sensed(goal), goal[:, None]), topomap)
     assert plan.vertices == tuple(range(11, 30))  # 1.4 m ahead, and 1.5 m before the goal
-    assert topomap.vertices.reachability.asked == topomap.vertices.queries == 6 + 6 + 1
+    assert topomap.vertices.reachability.queries == topomap.vertices.queries == 6 + 6 + 1
 
 
 @pytest.mark.parametrize("count", [0, 2])

@@ -17,7 +17,7 @@ from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
 
 
-def drive(scene, starts, goals, people=()):
+def roll_out(scene, starts, goals, people=()):
     paths = GridPaths(scene.clearance)
     simulation = Simulation(scene, starts, people=people)
     ends = ReachGoals(goals, geodesic_limit(paths, starts, goals))
@@ -28,37 +28,37 @@ def drive(scene, starts, goals, people=()):
 def test_it_drives_through_every_family(family):
     scene = Scene(generate(family, 10_100))
     paths = GridPaths(scene.clearance)
-    drives = drive_about(scene, paths, 20, np.random.default_rng(0))
-    assert drives.reached.sum() >= 18
-    assert drives.collided.sum() == 0
-    assert walls_crossed(scene.caster, drives.poses) == 0
+    rollouts = drive_about(scene, paths, 20, np.random.default_rng(0))
+    assert rollouts.reached.sum() >= 18
+    assert rollouts.collided.sum() == 0
+    assert walls_crossed(scene.caster, rollouts.poses) == 0
 
 
 def test_it_reverses_to_what_is_just_behind_it(box):
-    drives = drive(box, [[5.0, 5.0, 0.0]], [[4.2, 5.0]])
-    assert drives.reached[0]
-    track = drives.poses[:, 0]
+    rollouts = roll_out(box, [[5.0, 5.0, 0.0]], [[4.2, 5.0]])
+    assert rollouts.reached[0]
+    track = rollouts.poses[:, 0]
     assert np.abs(track[:, 2]).max() < 0.6
     assert track[:, 0].max() < 5.1
 
 
 def test_it_turns_around_for_what_is_far_behind_it(box):
-    drives = drive(box, [[6.0, 5.0, 0.0]], [[1.0, 5.0]])
-    assert drives.reached[0]
-    assert abs(drives.poses[-1, 0, 2]) > 2.0
+    rollouts = roll_out(box, [[6.0, 5.0, 0.0]], [[1.0, 5.0]])
+    assert rollouts.reached[0]
+    assert abs(rollouts.poses[-1, 0, 2]) > 2.0
 
 
 def test_it_backs_out_of_a_dead_end():
     # A lane 0.9 m wide between two blocks, with the wall ahead: no room to turn.
     scene = Scene(make_box(pillars=[(8.2, 6.95, 1.5), (8.2, 3.05, 1.5)]))
-    drives = drive(scene, [[9.2, 5.0, 0.0]], [[3.0, 5.0]])
-    assert drives.reached[0]
+    rollouts = roll_out(scene, [[9.2, 5.0, 0.0]], [[3.0, 5.0]])
+    assert rollouts.reached[0]
 
 
-def test_it_drives_around_somebody_who_stands_in_the_way(box):
-    drives = drive(box, [[1.5, 5.0, 0.0]], [[8.5, 5.0]], people=[Person([[5.0, 5.0]])])
-    assert drives.reached[0]
-    assert np.linalg.norm(drives.poses[:, 0, :2] - [5.0, 5.0], axis=1).min() > 0.18 + 0.12
+def test_it_drives_around_a_person_in_its_path(box):
+    rollouts = roll_out(box, [[1.5, 5.0, 0.0]], [[8.5, 5.0]], people=[Person([[5.0, 5.0]])])
+    assert rollouts.reached[0]
+    assert np.linalg.norm(rollouts.poses[:, 0, :2] - [5.0, 5.0], axis=1).min() > 0.18 + 0.12
 
 
 def test_it_stops_at_the_goal_and_does_not_circle(box):
@@ -74,7 +74,7 @@ def test_the_time_limit_is_that_of_the_paper():
     assert time_limit([0.0, 3.0]).tolist() == [5.0, 15.0]
 
 
-def test_goals_that_cannot_be_reached_are_told_at_once(box):
+def test_goals_that_cannot_be_reached_are_refused_at_once(box):
     paths = GridPaths(box.clearance)
     with pytest.raises(InputError, match="give as many"):
         OraclePolicy(Simulation(box, [[3, 3, 0], [6, 6, 0]]), paths, [[5.0, 5.0]])
@@ -92,4 +92,4 @@ def test_goals_that_cannot_be_reached_are_told_at_once(box):
         )
     )
     with pytest.raises(InputError, match="no path leads"):
-        drive(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
+        roll_out(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])

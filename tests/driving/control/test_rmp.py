@@ -36,7 +36,7 @@ OBSTACLE = {"push": 0.1, "brake": 0.2, "weight": 0.3, "fade": 0.1}
 each_body = pytest.mark.parametrize("body", BODIES, ids=lambda body: type(body).__name__)
 
 
-def drive(scene, starts, goals, body=None, people=()):
+def roll_out(scene, starts, goals, body=None, people=()):
     body = BicycleCar() if body is None else body
     paths, simulation = (
         GridPaths(scene.clearance),
@@ -150,9 +150,9 @@ def test_the_car_reverses_to_what_is_just_behind_it(box):
     assert isinstance(RMPController(), Controller)
     observation = Simulation(box, [[5.0, 5.0, 0.0]]).observe()
     assert RMPController().act(observation, [[-0.5, 0.0]])[0, 0] < -0.05
-    drives = drive(box, [[5.0, 5.0, 0.0]], [[4.5, 5.0]])
-    assert drives.reached[0]
-    assert np.abs(drives.poses[:, 0, 2]).max() < 0.2
+    rollouts = roll_out(box, [[5.0, 5.0, 0.0]], [[4.5, 5.0]])
+    assert rollouts.reached[0]
+    assert np.abs(rollouts.poses[:, 0, 2]).max() < 0.2
 
 
 @each_body
@@ -161,7 +161,7 @@ def test_it_reaches_what_lies_all_around_it(box, body):
     goals = [5.0, 5.0] + np.repeat([0.5, 1.0], 12)[:, None] * np.column_stack(
         [np.cos(angles), np.sin(angles)]
     )
-    assert drive(box, np.tile([5.0, 5.0, 0.0], (24, 1)), goals, body).reached.all()
+    assert roll_out(box, np.tile([5.0, 5.0, 0.0], (24, 1)), goals, body).reached.all()
 
 
 def test_it_stops_before_a_wall_and_when_boxed_in(box):
@@ -173,10 +173,10 @@ def test_it_stops_before_a_wall_and_when_boxed_in(box):
 
 
 @each_body
-def test_it_drives_around_somebody_who_stands_in_the_way(body):
+def test_it_drives_around_a_person_in_its_path(body):
     scene = Scene(make_box())
-    drives = drive(scene, [[2.0, 5.0, 0.0]], [[8.0, 5.0]], body, [Person([[5.0, 5.0]])])
-    assert drives.reached[0]
+    rollouts = roll_out(scene, [[2.0, 5.0, 0.0]], [[8.0, 5.0]], body, [Person([[5.0, 5.0]])])
+    assert rollouts.reached[0]
 
 
 @each_body
@@ -186,9 +186,9 @@ def test_it_drives_through_a_plan(family, body):
     paths = GridPaths(scene.clearance)
     places = paths.points[paths.largest]
     starts = random_free_poses(scene, body, places, 20, rng)
-    drives = drive(scene, starts, places[rng.integers(len(places), size=20)], body)
-    assert drives.reached.mean() >= 0.95
-    assert drives.collided.sum() == 0
+    rollouts = roll_out(scene, starts, places[rng.integers(len(places), size=20)], body)
+    assert rollouts.reached.mean() >= 0.95
+    assert rollouts.collided.sum() == 0
 
 
 @pytest.mark.parametrize("waypoints", [[[1.0, 0.0]], [[np.nan, 0.0], [1.0, 1.0]]])

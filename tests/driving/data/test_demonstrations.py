@@ -63,7 +63,7 @@ class Noting:
         return PARKING.act(observations, waypoints)
 
 
-def test_most_drives_arrive_and_say_where_they_were_made(shown):
+def test_most_trajectories_arrive_and_name_their_world(shown):
     assert len(shown) >= 10
     assert {(t.world, t.seed) for t in shown} == {(WORLD, 3)}
     for t in shown:
@@ -115,7 +115,7 @@ def test_exact_odometry_is_the_pose_since_the_start(shown):
         assert t.speed[1:] == pytest.approx(moved[:, 0] / 0.1, abs=1e-9)
 
 
-def test_replaying_the_actions_gives_the_drive_again(scene, shown):
+def test_replaying_the_actions_gives_the_trajectory_again(scene, shown):
     for t in shown[:3]:
         simulation = Simulation(scene, t.poses[:1])
         for row in range(len(t)):
@@ -140,7 +140,7 @@ def test_a_row_holds_what_was_sensed_before_its_action(scene, shown):
         assert t.actions[0].any()
 
 
-def test_those_who_collide_are_dropped(scene):
+def test_trajectories_with_collisions_are_dropped(scene):
     kept = demonstrate(WORLD, scene, 40, 0, Blind())
     assert len(kept) < 10
     for t in kept:
@@ -227,7 +227,7 @@ def test_a_file_of_another_world_is_not_taken(recorded, tmp_path):
     assert mine.read_bytes() == recorded[0].read_bytes()
 
 
-def test_a_wrong_name_is_told_before_anything_is_recorded(tmp_path):
+def test_a_wrong_name_is_refused_before_anything_is_recorded(tmp_path):
     with pytest.raises(InputError, match="castle"):
         record_demonstrations([WORLDS[0], "castle/1/standard"], 4, 7, tmp_path, jobs=1)
     assert list(tmp_path.iterdir()) == []
@@ -237,45 +237,45 @@ def test_a_wrong_name_is_told_before_anything_is_recorded(tmp_path):
 
 
 @pytest.fixture(scope="module")
-def asked(shown):
-    """Starts and goals of recorded drives, and one start from which a car cannot arrive."""
-    starts = np.array([drive.poses[0] for drive in shown[:4]])
-    goals = np.array([drive.poses[-1, :2] for drive in shown[:4]])
+def trials(shown):
+    """Starts and goals of recorded trajectories, and one start from which a car cannot arrive."""
+    starts = np.array([trajectory.poses[0] for trajectory in shown[:4]])
+    goals = np.array([trajectory.poses[-1, :2] for trajectory in shown[:4]])
     return starts, goals
 
 
-def test_drives_lead_from_where_to_where_they_are_asked(scene, shown, asked):
-    starts, goals = asked
+def test_trajectories_lead_from_given_starts_to_given_goals(scene, shown, trials):
+    starts, goals = trials
     paths = GridPaths(scene.clearance)
     found = demonstrate_between(WORLD, scene, paths, starts, goals, 77)
     assert len(found) == 4
-    for drive, start, goal in zip(found, starts, goals, strict=True):
-        assert (drive.world, drive.seed) == (WORLD, 77)
-        assert (drive.poses[0] == start).all()
-        gap = np.linalg.norm(drive.poses[-1, :2] - goal)
+    for trajectory, start, goal in zip(found, starts, goals, strict=True):
+        assert (trajectory.world, trajectory.seed) == (WORLD, 77)
+        assert (trajectory.poses[0] == start).all()
+        gap = np.linalg.norm(trajectory.poses[-1, :2] - goal)
         assert REACHED <= gap < REACHED + 0.1  # a step before it is reached
-        assert is_free(scene, BicycleCar(), drive.poses).all()
-    assert {drive.seed for drive in found} == {77}
+        assert is_free(scene, BicycleCar(), trajectory.poses).all()
+    assert {trajectory.seed for trajectory in found} == {77}
 
 
-def test_nothing_about_them_is_random(scene, asked):
+def test_nothing_about_them_is_random(scene, trials):
     paths = GridPaths(scene.clearance)
-    one, two = (demonstrate_between(WORLD, scene, paths, *asked, seed) for seed in (1, 2))
+    one, two = (demonstrate_between(WORLD, scene, paths, *trials, seed) for seed in (1, 2))
     assert content(one) == content(two)
     for robot in range(2):
-        starts, goals = (column[[robot]] for column in asked)
+        starts, goals = (column[[robot]] for column in trials)
         (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1)
         assert content([alone]) == content([one[robot]])
 
 
-def test_who_does_not_arrive_leaves_a_gap(monkeypatch):
+def test_a_robot_that_does_not_arrive_leaves_a_gap(monkeypatch):
     scene = Scene(make_box())
     starts = np.array([[2.0, 2.0, 0.0], [2.0, 8.0, 0.0], [5.0, 5.0, 0.0]])
     goals = np.array([[8.0, 2.0], [8.0, 5.0], [5.1, 5.0]])
     paths = GridPaths(scene.clearance)
 
     class Half:
-        """The usual driver, but for those in the upper half, who drive straight at a wall."""
+        """The usual policy, but robots in the upper half drive straight at a wall."""
 
         def act(self, observations, waypoints):
             actions = PARKING.act(observations, waypoints)
@@ -286,12 +286,12 @@ def test_who_does_not_arrive_leaves_a_gap(monkeypatch):
     found = demonstrate_between("box", scene, paths, starts, goals, 0)
     assert found[0] is not None
     assert found[1] is None
-    # Who was there before the first step has not driven.
+    # A robot that was there before the first step has not driven.
     assert found[2] is None or len(found[2]) <= 1
 
 
-def test_a_goal_beyond_all_ways_is_refused(scene, asked):
-    starts, goals = asked
+def test_a_goal_that_no_path_reaches_is_refused(scene, trials):
+    starts, goals = trials
     paths = GridPaths(scene.clearance)
     with pytest.raises(InputError, match="goal"):
         demonstrate_between(WORLD, scene, paths, starts, goals + 1_000.0, 0)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.conftest import drive_of, make_box, make_drive
+from tests.conftest import make_box, make_trajectory, trajectory_of
 from tutorial_lib.driving import geodesics
 from tutorial_lib.driving.data import episodes as module
 from tutorial_lib.driving.data.episodes import RADIUS, Episodes, draw_episodes, with_obstacles
@@ -39,10 +39,10 @@ def halves():
     )
 
 
-# How far from a drive.
+# How far from a trajectory.
 
 
-def test_jitter_shifts_to_the_side_and_turns():
+def test_a_perturbation_shifts_to_the_side_and_turns():
     poses = np.random.default_rng(0).uniform(-3, 3, (4000, 3))
     moved = relative(poses, PAPER_PERTURBATION.apply(poses, np.random.default_rng(1)))
     assert moved[:, 0] == pytest.approx(0.0, abs=1e-12)
@@ -67,7 +67,7 @@ def test_a_share_of_the_turns_is_wide(share):
     assert (np.abs(turn) > 0.05).mean() == pytest.approx(0.96 * share, abs=0.03)
 
 
-def test_jittered_poses_are_free_and_see_where_they_come_from(pillars):
+def test_perturbed_poses_are_free_and_see_where_they_come_from(pillars):
     rng = np.random.default_rng(0)
     poses = np.column_stack([rng.uniform(0.3, 9.7, (400, 2)), rng.uniform(-3, 3, 400)])
     poses = poses[is_free(pillars, CAR, poses)]
@@ -87,7 +87,7 @@ def test_nobody_is_put_behind_a_thin_wall():
     assert (WIDE.apply(poses, np.random.default_rng(0))[:, 0] > 5.2).any()
 
 
-def test_who_finds_no_place_stays_and_is_told():
+def test_a_pose_without_a_free_place_stays_and_is_reported():
     corridor = Scene(make_box(10.0, 0.3))  # the car is 0.24 m wide and as good as never fits
     poses = np.tile([[5.0, 0.15, np.pi / 2]], (20, 1))
     kept = poses.copy()
@@ -109,7 +109,7 @@ def test_a_wider_body_needs_more_room():
     assert not is_free(corridor, broad, slim).all()
 
 
-def test_the_same_seed_jitters_alike(pillars):
+def test_the_same_seed_perturbs_alike(pillars):
     poses = np.tile([1.0, 1.0, 0.5], (30, 1))
     one, two, other = (
         perturbed(pillars, poses, WIDE, np.random.default_rng(seed))[0] for seed in (3, 3, 4)
@@ -118,34 +118,34 @@ def test_the_same_seed_jitters_alike(pillars):
     assert (one != other).any()
 
 
-# Rollouts laid end to end.
+# Trajectories laid end to end.
 
 
 @pytest.fixture(scope="module")
-def drives():
-    """Two drives along lines, one that stands still for a while, and one with a single frame."""
-    still = np.repeat(make_drive([(1.0, 9.0), (2.0, 9.0)]).poses, [1] * 20 + [30], axis=0)
+def trajectories():
+    """Two along lines, one that stands still for a while, and one with a single frame."""
+    still = np.repeat(make_trajectory([(1.0, 9.0), (2.0, 9.0)]).poses, [1] * 20 + [30], axis=0)
     return [
-        make_drive([(1.0, 1.0), (7.0, 1.0), (7.0, 4.0)]),
-        make_drive([(1.0, 6.0), (4.5, 6.0)], step=0.07),
-        drive_of(still),
-        drive_of([[5.0, 5.0, 0.0]]),
+        make_trajectory([(1.0, 1.0), (7.0, 1.0), (7.0, 4.0)]),
+        make_trajectory([(1.0, 6.0), (4.5, 6.0)], step=0.07),
+        trajectory_of(still),
+        trajectory_of([[5.0, 5.0, 0.0]]),
     ]
 
 
 @pytest.fixture
-def laid(box, drives):
-    return RecordedWorld(box, drives)
+def laid(box, trajectories):
+    return RecordedWorld(box, trajectories)
 
 
-def test_drives_lie_end_to_end(laid, drives):
-    bounds = np.cumsum([0, *map(len, drives)])
-    for number, drive in enumerate(drives):
+def test_trajectories_lie_end_to_end(laid, trajectories):
+    bounds = np.cumsum([0, *map(len, trajectories)])
+    for number, trajectory in enumerate(trajectories):
         some = slice(bounds[number], bounds[number + 1])
-        assert (laid.poses[some] == drive.poses).all()
+        assert (laid.poses[some] == trajectory.poses).all()
         assert (laid.first[some] == bounds[number]).all()
         assert (laid.last[some] == bounds[number + 1] - 1).all()
-        assert laid.arc[some] - laid.arc[some][0] == pytest.approx(drive.arc_length)
+        assert laid.arc[some] - laid.arc[some][0] == pytest.approx(trajectory.arc_length)
         assert laid.frames_of(number).tolist() == [*range(bounds[number], bounds[number + 1])]
     assert laid.first_frames.tolist() == bounds[:-1].tolist() == np.unique(laid.first).tolist()
     assert (np.diff(laid.arc) >= 0).all()
@@ -154,7 +154,7 @@ def test_drives_lie_end_to_end(laid, drives):
 
 @given(st.integers(0, 10**6), st.floats(-12.0, 12.0))
 @settings(deadline=None)
-def test_the_frame_ahead_is_the_first_so_far_along_its_own_drive(recorded, number, ahead):
+def test_the_frame_ahead_is_the_first_so_far_along_its_own_trajectory(recorded, number, ahead):
     frame = number % len(recorded.poses)
     found = recorded.frame_at(np.array([frame]), np.array([ahead]))[0]
     first, last = recorded.first[frame], recorded.last[frame]
@@ -163,20 +163,20 @@ def test_the_frame_ahead_is_the_first_so_far_along_its_own_drive(recorded, numbe
     assert found == (beyond[0] if beyond else last)
 
 
-def test_frames_ahead_of_all_frames_stay_within_their_drives(laid):
+def test_frames_ahead_of_all_frames_stay_within_their_trajectories(laid):
     frames = np.arange(len(laid.poses))
     for ahead, wanted in ((-50.0, laid.first), (50.0, laid.last)):
         assert (laid.frame_at(frames, np.full(len(frames), ahead)) == wanted).all()
 
 
-def test_drawn_targets_are_1_m_behind_to_3_m_ahead_on_the_same_drive(recorded):
+def test_drawn_targets_are_1_m_behind_to_3_m_ahead_on_the_same_trajectory(recorded):
     starts, targets = recorded.draw(500, 3, np.random.default_rng(0))
     assert starts.shape == (1500,)
     assert targets.shape == (500,)
     goals = np.repeat(targets, 3)
     assert (recorded.first[starts] == recorded.first[goals]).all()
     ahead = recorded.arc[goals] - recorded.arc[starts]
-    frame = max(np.diff(drive.arc_length).max() for drive in recorded.trajectories)
+    frame = max(np.diff(trajectory.arc_length).max() for trajectory in recorded.trajectories)
     assert -1.0 - frame <= ahead.min() < -0.9
     assert 2.9 < ahead.max() <= 3.0 + 1e-9
     middle = (recorded.first[goals] + 60 < goals) & (goals < recorded.last[goals] - 30)
@@ -188,7 +188,7 @@ def test_drawn_targets_are_1_m_behind_to_3_m_ahead_on_the_same_drive(recorded):
 def test_a_share_of_the_pairs_is_close(recorded, share):
     starts, targets = recorded.draw(800, 1, np.random.default_rng(0), close=share)
     ahead = recorded.arc[targets] - recorded.arc[starts]
-    frame = max(np.diff(drive.arc_length).max() for drive in recorded.trajectories)
+    frame = max(np.diff(trajectory.arc_length).max() for trajectory in recorded.trajectories)
     near = (ahead >= -CLOSE - frame) & (ahead <= CLOSE)
     assert near.mean() == pytest.approx(share + (1 - share) * 2 * CLOSE / 4.0, abs=0.07)
     assert (recorded.first[starts] == recorded.first[targets]).all()
@@ -202,7 +202,7 @@ def test_the_same_seed_draws_the_same_frames(recorded):
 
 
 @pytest.mark.parametrize("k", [0, 1, 2, 5])
-def test_a_context_is_that_of_its_own_drive(recorded, k):
+def test_a_context_is_that_of_its_own_trajectory(recorded, k):
     frames = np.arange(len(recorded.poses))
     found = recorded.context(frames, k)
     assert found.shape == (len(frames), 2 * k + 1)
@@ -227,7 +227,7 @@ def test_no_context_of_what_was_not_recorded(recorded, frames, k, words):
         recorded.context(np.array(frames), k)
 
 
-def test_without_a_drive_there_is_nothing_to_draw(box):
+def test_without_a_trajectory_there_is_nothing_to_draw(box):
     with pytest.raises(InputError, match="no trajectories"):
         RecordedWorld(box, [])
 
@@ -256,7 +256,7 @@ def test_episodes_start_where_a_car_can_and_not_at_their_target(recorded, episod
 def test_episodes_know_how_far_ahead_their_targets_are(recorded, episodes):
     assert -1.1 <= episodes.ahead.min() < -0.5
     assert 2.5 < episodes.ahead.max() <= 3.0 + 1e-9
-    # The source lies abeam of the start, `ahead` metres of the drive before the target.
+    # The source lies abeam of the start, `ahead` metres of the trajectory before the target.
     sources = recorded.frame_at(episodes.targets, -episodes.ahead - 1e-9)
     local = relative(recorded.poses[sources], episodes.starts)
     assert local[:, 0] == pytest.approx(0.0, abs=1e-6)
@@ -292,7 +292,7 @@ def test_episodes_can_be_long_ones_only(recorded, paths):
 def test_where_nobody_can_start_there_are_no_episodes():
     # Shifted by 0.23 m at most, all starts are nearer than 0.30 m to the only place.
     corridor = Scene(make_box(10.0, 0.7))
-    standing = drive_of(np.tile([5.0, 0.35, 0.0], (40, 1)))
+    standing = trajectory_of(np.tile([5.0, 0.35, 0.0], (40, 1)))
     recorded = RecordedWorld(corridor, [standing])
     with pytest.raises(InputError, match="only 0 of 5"):
         draw_episodes(recorded, GridPaths(corridor.clearance), 5, np.random.default_rng(0))
@@ -347,15 +347,15 @@ def test_each_robot_has_its_obstacles(far, course):
     assert (blocked.targets == far.targets[rows]).all()
 
 
-def test_obstacles_stand_in_the_way_and_keep_their_distances(course):
+def test_obstacles_block_the_path_and_keep_their_distances(course):
     blocked, obstacles = course
     for robot, (start, goal) in enumerate(zip(blocked.starts, blocked.goals, strict=True)):
         places = places_of(obstacles, robot)
         assert np.hypot(*(places - start[:2]).T).min() >= 0.75
         assert np.hypot(*(places - goal[:2]).T).min() >= 0.6
         assert np.hypot(*(places[0] - places[1])) >= 2 * RADIUS
-        way = distance_to_segments(places, [[*start[:2], *goal[:2]]])
-        assert way.max() <= 0.3 + 1e-9
+        apart = distance_to_segments(places, [[*start[:2], *goal[:2]]])
+        assert apart.max() <= 0.3 + 1e-9
 
 
 def room_beside(walls, place, aside):
@@ -394,7 +394,7 @@ def test_an_obstacle_exists_for_its_robot_alone(recorded, course):
 def corridor_episodes(width, count=10):
     """Episodes along a corridor, 3 m each."""
     recorded = RecordedWorld(
-        Scene(make_box(12.0, width)), [make_drive([(1.0, width / 2), (11.0, width / 2)])]
+        Scene(make_box(12.0, width)), [make_trajectory([(1.0, width / 2), (11.0, width / 2)])]
     )
     starts = recorded.poses[np.arange(count) * 10]
     targets = np.arange(count) * 10 + 60

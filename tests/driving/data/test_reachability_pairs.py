@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from tests.conftest import make_box, make_drive
+from tests.conftest import make_box, make_trajectory
 from tutorial_lib.driving import geodesics
 from tutorial_lib.driving.data import reachability_pairs as module
 from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION
@@ -40,7 +40,7 @@ def paths(recorded):
 
 
 @pytest.fixture(scope="module")
-def errands(recorded, paths):
+def pairs(recorded, paths):
     return draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(0))
 
 
@@ -55,11 +55,11 @@ def two_rooms():
         wall_offsets=np.zeros(8),
         rooms=(one.rooms[0], Room("office", corners)),
     )
-    drives = [
-        make_drive([(1.0, 1.0), (3.0, 1.0), (3.0, 3.0)]),
-        make_drive([(5.0, 5.0), (9.0, 9.0)]),
+    trajectories = [
+        make_trajectory([(1.0, 1.0), (3.0, 1.0), (3.0, 3.0)]),
+        make_trajectory([(5.0, 5.0), (9.0, 9.0)]),
     ]
-    return RecordedWorld(Scene(plan), drives)
+    return RecordedWorld(Scene(plan), trajectories)
 
 
 def equal(one, two):
@@ -69,18 +69,18 @@ def equal(one, two):
 # What is measured.
 
 
-def test_every_errand_is_measured_for_itself(recorded, paths, errands):
-    goals = recorded.poses[errands.targets]
-    overlap = mutual_overlap(recorded.scene.caster, errands.starts, goals)
-    assert (errands.overlap == overlap).all()
-    assert errands.geodesic == pytest.approx(paths.between(errands.starts[:, :2], goals[:, :2]))
-    straight = np.hypot(*(errands.starts - goals)[:, :2].T)
-    assert (errands.geodesic >= straight - 1e-9).all()
+def test_every_pair_is_measured_for_itself(recorded, paths, pairs):
+    goals = recorded.poses[pairs.targets]
+    overlap = mutual_overlap(recorded.scene.caster, pairs.starts, goals)
+    assert (pairs.overlap == overlap).all()
+    assert pairs.geodesic == pytest.approx(paths.between(pairs.starts[:, :2], goals[:, :2]))
+    straight = np.hypot(*(pairs.starts - goals)[:, :2].T)
+    assert (pairs.geodesic >= straight - 1e-9).all()
     for name, shape in zip(COLUMNS, ((3,), (), (2,), ()), strict=True):
-        assert getattr(errands, name).shape == (len(errands), *shape)
+        assert getattr(pairs, name).shape == (len(pairs), *shape)
 
 
-def test_the_way_back_is_as_long_and_sees_the_same_in_reverse(recorded, paths):
+def test_the_path_back_is_as_long_and_sees_the_same_in_reverse(recorded, paths):
     here, there = np.random.default_rng(1).integers(len(recorded.poses), size=(2, 60))
     out = reachability_pairs(recorded, paths, recorded.poses[here], there)
     back = reachability_pairs(recorded, paths, recorded.poses[there], here)
@@ -89,7 +89,7 @@ def test_the_way_back_is_as_long_and_sees_the_same_in_reverse(recorded, paths):
     assert (out.overlap[:, 0] != out.overlap[:, 1]).mean() > 0.1
 
 
-def test_who_is_there_already_has_no_way_to_go_and_sees_all(recorded, paths):
+def test_a_robot_at_its_target_has_no_distance_to_go_and_sees_all(recorded, paths):
     frames = np.arange(5, 900, 100)
     there = reachability_pairs(recorded, paths, recorded.poses[frames], frames)
     assert there.geodesic == pytest.approx(0.0)
@@ -97,7 +97,7 @@ def test_who_is_there_already_has_no_way_to_go_and_sees_all(recorded, paths):
     assert there.limit == pytest.approx(5.0)
 
 
-def test_errands_without_a_way_are_left_out():
+def test_pairs_without_a_path_are_left_out():
     recorded = two_rooms()
     paths, frames = GridPaths(recorded.scene.clearance), np.array([0, 100, 40, 150, 3])
     starts = recorded.poses[[20, 20, 120, 160, 60]]
@@ -109,7 +109,7 @@ def test_errands_without_a_way_are_left_out():
     )).all()  # fmt: skip
     drawn = draw_reachability_pairs(recorded, paths, 40, np.random.default_rng(0))
     assert np.isfinite(drawn.geodesic).all()
-    assert len(drawn) == pytest.approx(40 * SAME, abs=8)  # other drives are in the other room
+    assert len(drawn) == pytest.approx(40 * SAME, abs=8)  # other trajectories are in the other room
 
 
 # What follows from it.
@@ -118,7 +118,7 @@ shares = st.floats(0.0, 1.0)
 
 
 @given(st.lists(st.tuples(shares, shares, st.floats(0.0, 40.0)), min_size=1, max_size=20))
-def test_an_errand_is_never_both_seen_and_hopeless(rows):
+def test_a_pair_is_never_both_seen_and_far_and_occluded(rows):
     first, second, geodesic = np.array(rows).T
     nothing = np.zeros(len(rows))
     some = ReachabilityPairs(
@@ -135,7 +135,7 @@ def test_an_errand_is_never_both_seen_and_hopeless(rows):
 
 
 @pytest.mark.parametrize(
-    ("overlap", "metres", "seen", "hopeless"),
+    ("overlap", "metres", "seen", "far_and_occluded"),
     [
         ((0.1, 0.1), 9.0, True, False),
         ((0.1, 0.09), 9.0, False, False),
@@ -146,58 +146,56 @@ def test_an_errand_is_never_both_seen_and_hopeless(rows):
         ((0.9, 0.9), 40.0, True, False),
     ],
 )
-def test_what_is_seen_and_what_is_hopeless(overlap, metres, seen, hopeless):
+def test_what_is_seen_and_what_is_far_and_occluded(overlap, metres, seen, far_and_occluded):
     one = ReachabilityPairs(
         np.zeros((1, 3)), np.zeros(1, int), np.array([overlap]), np.array([metres])
     )
     assert one.seen.tolist() == [seen]
-    assert one.far_and_occluded.tolist() == [hopeless]
+    assert one.far_and_occluded.tolist() == [far_and_occluded]
 
 
 @pytest.mark.parametrize("numbers", [np.array([7, 3, 3]), slice(4, 9), np.arange(900) % 9 == 1])
-def test_some_errands_keep_what_is_theirs(errands, numbers):
-    errands = errands.subset(np.arange(900))
-    some = errands.subset(numbers)
+def test_a_subset_of_pairs_keeps_its_rows(pairs, numbers):
+    pairs = pairs.subset(np.arange(900))
+    some = pairs.subset(numbers)
     for name in COLUMNS:
-        assert (getattr(some, name) == getattr(errands, name)[numbers]).all()
+        assert (getattr(some, name) == getattr(pairs, name)[numbers]).all()
     assert len(some) == len(some.targets)
 
 
 # How they are drawn.
 
 
-def test_the_same_seed_draws_the_same_errands(recorded, paths, errands):
-    assert equal(draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(0)), errands)
-    assert not equal(
-        draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(1)), errands
-    )
+def test_the_same_seed_draws_the_same_pairs(recorded, paths, pairs):
+    assert equal(draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(0)), pairs)
+    assert not equal(draw_reachability_pairs(recorded, paths, 200, np.random.default_rng(1)), pairs)
 
 
-def test_starts_of_one_target_come_in_a_row(errands):
-    changes = np.flatnonzero(np.diff(errands.targets, prepend=-1))
-    sizes = np.diff(np.append(changes, len(errands)))
+def test_starts_of_one_target_come_in_a_row(pairs):
+    changes = np.flatnonzero(np.diff(pairs.targets, prepend=-1))
+    sizes = np.diff(np.append(changes, len(pairs)))
     assert STARTS == SAME + OTHER == 5
     assert len(sizes) == pytest.approx(200, abs=5)  # now and then a frame is drawn twice in a row
-    assert len(errands) <= 1000
+    assert len(pairs) <= 1000
     assert np.median(sizes) == STARTS
 
 
-def test_a_robot_can_stand_at_every_start(recorded, errands):
-    free = is_free(recorded.scene, BicycleCar(), errands.starts)
-    recorded_too = cKDTree(recorded.poses).query(errands.starts)[0] < 1e-9
+def test_a_robot_can_stand_at_every_start(recorded, pairs):
+    free = is_free(recorded.scene, BicycleCar(), pairs.starts)
+    recorded_too = cKDTree(recorded.poses).query(pairs.starts)[0] < 1e-9
     assert (free | recorded_too).all()
     assert free.mean() > 0.99
 
 
-def test_a_third_of_the_starts_lies_on_a_drive_and_the_others_beside_one(recorded, errands):
-    on_it = cKDTree(recorded.poses).query(errands.starts)[0] < 1e-9
+def test_a_third_of_the_starts_lies_on_a_trajectory_and_the_others_beside_one(recorded, pairs):
+    on_it = cKDTree(recorded.poses).query(pairs.starts)[0] < 1e-9
     assert on_it.mean() == pytest.approx(0.35, abs=0.05)
-    beside = cKDTree(recorded.poses[:, :2]).query(errands.starts[~on_it, :2])[0]
+    beside = cKDTree(recorded.poses[:, :2]).query(pairs.starts[~on_it, :2])[0]
     assert 0.03 < np.median(beside) < 0.4
     assert beside.max() <= TRAINING_PERTURBATION.most + 1e-9
 
 
-def test_where_nobody_can_start_beside_a_drive_only_starts_on_it_remain(
+def test_where_no_start_beside_a_trajectory_is_free_only_starts_on_it_remain(
     recorded, paths, monkeypatch
 ):
     def nowhere(scene, poses, perturbation, rng):
@@ -224,28 +222,28 @@ def unshifted(recorded, paths, monkeypatch):
     return sources.reshape(400, STARTS), found.targets.reshape(400, STARTS)[:, :1]
 
 
-def test_three_starts_are_on_the_target_s_drive_and_two_on_others(recorded, unshifted):
+def test_three_starts_are_on_the_target_s_trajectory_and_two_on_others(recorded, unshifted):
     sources, targets = unshifted
     own = recorded.first[sources] == recorded.first[targets]
     assert own[:, :SAME].all()
     assert not own[:, SAME:].any()
 
 
-def test_on_its_own_drive_a_target_is_mostly_near_and_ahead(recorded, unshifted):
+def test_on_its_own_trajectory_a_target_is_mostly_near_and_ahead(recorded, unshifted):
     sources, targets = (part[:, :SAME] for part in np.broadcast_arrays(*unshifted))
     ahead = recorded.arc[targets] - recorded.arc[sources]
     frame = 0.09  # metres between two frames at most
     assert -6.0 - frame <= ahead.min() < -3.0
     assert 12.0 < ahead.max() <= 20.0 + frame
     near = (ahead > -1.0 - frame) & (ahead < 4.0 + frame)
-    # 65 % of all, those of the others that fall there, and where a drive ends earlier.
+    # 65 % of all, those of the others that fall there, and where a trajectory ends earlier.
     assert 0.7 < near.mean() < 0.92
     assert (ahead > 0.5).mean() > 0.6
     assert (ahead > 5.0).mean() > 0.04
     assert (ahead < -0.1).mean() > 0.1
 
 
-def test_one_start_on_another_drive_is_near_and_one_is_anywhere(recorded, unshifted):
+def test_one_start_on_another_trajectory_is_near_and_one_is_anywhere(recorded, unshifted):
     sources, targets = unshifted
     gap = np.hypot(*np.moveaxis(recorded.poses[sources] - recorded.poses[targets], -1, 0)[:2])
     every = recorded.poses[:, :2]
@@ -274,8 +272,8 @@ def test_half_of_those_anywhere_start_in_a_room_of_the_same_type(recorded, unshi
     assert alike == pytest.approx(0.5 + 0.5 * chance[often].mean(), abs=0.1)
 
 
-def test_where_there_is_only_one_drive_all_starts_are_on_it(box):
-    recorded = RecordedWorld(box, [make_drive([(1.0, 1.0), (9.0, 1.0), (9.0, 8.0)])])
+def test_where_there_is_only_one_trajectory_all_starts_are_on_it(box):
+    recorded = RecordedWorld(box, [make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 8.0)])])
     found = draw_reachability_pairs(
         recorded, GridPaths(box.clearance), 30, np.random.default_rng(0)
     )
@@ -307,7 +305,7 @@ def test_geodesics_between_places_are_those_of_each_goal_s_field(
     assert (paths.between(starts[order], goals[order]) == found[order]).all()
 
 
-def test_where_no_way_leads_it_is_infinitely_far():
+def test_where_no_path_leads_it_is_infinitely_far():
     paths = GridPaths(two_rooms().scene.clearance)
     starts = [[1.0, 1.0], [5.0, 5.0], [1.0, 1.0], [-3.0, 0.0]]
     goals = [[3.0, 1.0], [9.0, 5.0], [5.0, 5.0], [3.0, 1.0]]

@@ -1,4 +1,4 @@
-"""Outcomes: robots are sent on errands, each ends as it would alone, and that is kept on disk."""
+"""Rollout outcomes: each pair's rollout ends as it would alone, and outcomes are kept on disk."""
 
 from dataclasses import fields
 
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.conftest import make_drive
+from tests.conftest import make_trajectory
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.data import rollout_outcomes as module
 from tutorial_lib.driving.data.reachability_pairs import (
@@ -29,12 +29,12 @@ from tutorial_lib.geometry import to_local
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
 
-ERRANDS = [field.name for field in fields(ReachabilityPairs)]
+COLUMNS = [field.name for field in fields(ReachabilityPairs)]
 ENDS = [field.name for field in fields(RolloutOutcomes)][1:]
 
 
 class Homing:
-    """Straight for the target, whatever is in the way; it knows where the robots are."""
+    """Straight to the target, whatever is in between; it knows where the robots are."""
 
     def __init__(self, simulation, recorded, frames):
         self.simulation, self.goals = simulation, recorded.poses[frames]
@@ -57,13 +57,13 @@ class Asleep:
 
 @pytest.fixture(scope="module")
 def world(pillars):
-    """Rollouts around pillars."""
-    ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)], [(1.0, 9.0), (9.0, 9.0)]
-    return RecordedWorld(pillars, [make_drive(way) for way in ways])
+    """Trajectories around pillars."""
+    lines = [(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)], [(1.0, 9.0), (9.0, 9.0)]
+    return RecordedWorld(pillars, [make_trajectory(line) for line in lines])
 
 
 @pytest.fixture(scope="module")
-def errands(world):
+def pairs(world):
     drawn = draw_reachability_pairs(
         world, GridPaths(world.scene.clearance), 13, np.random.default_rng(0)
     )
@@ -71,13 +71,13 @@ def errands(world):
 
 
 @pytest.fixture(scope="module")
-def outcomes(world, errands):
-    return roll_out_pairs(world, errands, Homing)
+def outcomes(world, pairs):
+    return roll_out_pairs(world, pairs, Homing)
 
 
 @pytest.fixture(scope="module")
 def hidden(recorded):
-    """ReachabilityPairs in an office, of which some are hopeless."""
+    """`ReachabilityPairs` in an office, of which some are far and occluded."""
     paths = GridPaths(recorded.scene.clearance)
     drawn = draw_reachability_pairs(recorded, paths, 40, np.random.default_rng(1))
     some = np.concatenate(
@@ -87,7 +87,7 @@ def hidden(recorded):
 
 
 def same(one, two):
-    columns = [(one.pairs, two.pairs, name) for name in ERRANDS]
+    columns = [(one.pairs, two.pairs, name) for name in COLUMNS]
     columns += [(one, two, name) for name in ENDS]
     for mine, theirs, name in columns:
         mine, theirs = getattr(mine, name), getattr(theirs, name)
@@ -95,27 +95,27 @@ def same(one, two):
         assert np.array_equal(mine, theirs), name
 
 
-# How errands end.
+# How rollouts end.
 
 
-def test_each_errand_ends_as_if_its_robot_were_alone(world, errands, outcomes):
+def test_each_rollout_ends_as_if_its_robot_were_alone(world, pairs, outcomes):
     ends = np.array([outcomes.reached, outcomes.collided]).T
     assert len(np.unique(ends, axis=0)) == 3  # reached, touched, and neither
-    goals = world.poses[errands.targets, :2]
-    for number in range(len(errands)):
-        simulation = Simulation(world.scene, errands.starts[[number]])
-        policy = Homing(simulation, world, errands.targets[[number]])
-        limit = errands.geodesic[number] / 0.3 + 5.0
+    goals = world.poses[pairs.targets, :2]
+    for number in range(len(pairs)):
+        simulation = Simulation(world.scene, pairs.starts[[number]])
+        policy = Homing(simulation, world, pairs.targets[[number]])
+        limit = pairs.geodesic[number] / 0.3 + 5.0
         alone = rollout(simulation, policy, ReachGoals(goals[[number]], limit, settle=True))
         assert outcomes.reached[number] == alone.reached[0]
         assert outcomes.collided[number] == alone.collided[0]
         assert outcomes.seconds[number] == alone.seconds[0]
     assert outcomes.driven.all()
-    assert outcomes.pairs is errands
+    assert outcomes.pairs is pairs
 
 
 @pytest.mark.parametrize("fleet", [1, 7, 60])
-def test_the_size_of_the_fleet_changes_nothing(world, errands, outcomes, monkeypatch, fleet):
+def test_the_size_of_the_fleet_changes_nothing(world, pairs, outcomes, monkeypatch, fleet):
     sent = []
 
     def make_policy(simulation, recorded, frames):
@@ -123,12 +123,12 @@ def test_the_size_of_the_fleet_changes_nothing(world, errands, outcomes, monkeyp
         return Homing(simulation, recorded, frames)
 
     monkeypatch.setattr(module, "FLEET", fleet)
-    same(roll_out_pairs(world, errands, make_policy), outcomes)
+    same(roll_out_pairs(world, pairs, make_policy), outcomes)
     assert max(sent) <= fleet
-    assert sum(sent) == len(errands)
+    assert sum(sent) == len(pairs)
 
 
-def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
+def test_far_occluded_pairs_are_driven_on_request_only(recorded, hidden):
     sent = []
 
     def make_policy(simulation, recorded, frames):
@@ -150,7 +150,7 @@ def test_nobody_is_sent_on_a_hopeless_errand_unless_asked(recorded, hidden):
         assert (getattr(every, name)[some.driven] == getattr(some, name)[some.driven]).all()
 
 
-def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, hidden):
+def test_a_robot_at_rest_is_soon_given_up_and_has_reached_only_where_it_is(recorded, hidden):
     found = roll_out_pairs(recorded, hidden, Asleep, all_of_them=True)
     gap = np.hypot(*(hidden.starts - recorded.poses[hidden.targets])[:, :2].T)
     assert (found.reached == (gap < 0.3)).all()
@@ -158,7 +158,7 @@ def test_who_sleeps_is_soon_given_up_and_has_reached_only_where_it_is(recorded, 
     assert not found.collided.any()
 
 
-def test_who_knows_the_way_arrives(recorded, hidden):
+def test_an_oracle_arrives(recorded, hidden):
     def make_policy(simulation, recorded, frames):
         paths = GridPaths(recorded.scene.clearance)
         return OraclePolicy(simulation, paths, recorded.poses[frames, :2])
@@ -168,7 +168,7 @@ def test_who_knows_the_way_arrives(recorded, hidden):
     assert (found.seconds <= hidden.limit + 0.1).all()
 
 
-def test_robots_carry_the_camera_that_they_are_given(world, errands):
+def test_robots_carry_the_camera_that_they_are_given(world, pairs):
     seen = []
 
     class Looking(Asleep):
@@ -176,7 +176,7 @@ def test_robots_carry_the_camera_that_they_are_given(world, errands):
             seen.append(observations.image.shape[1:])
             return super().act(observations, robots)
 
-    two = errands.subset(np.array([0, 1]))
+    two = pairs.subset(np.array([0, 1]))
     roll_out_pairs(world, two, Looking)
     usual = set(seen)
     seen.clear()
@@ -184,18 +184,18 @@ def test_robots_carry_the_camera_that_they_are_given(world, errands):
     assert usual == {(Sensors().camera.rows, 64, 3)} != set(seen) == {(64, 64, 3)}
 
 
-def test_no_errands_have_no_outcomes(world, errands):
-    none = errands.subset(np.array([], dtype=int))
+def test_no_pairs_have_no_outcomes(world, pairs):
+    none = pairs.subset(np.array([], dtype=int))
     found = roll_out_pairs(world, none, Asleep)
     assert len(found) == 0
     assert found.seconds.shape == (0,)
 
 
 @pytest.mark.parametrize("numbers", [np.array([5, 2, 2]), np.arange(60) % 7 == 0])
-def test_some_outcomes_keep_their_errands(outcomes, numbers):
+def test_a_subset_of_outcomes_keeps_its_pairs(outcomes, numbers):
     numbers = numbers[: len(outcomes)]
     some = outcomes.subset(numbers)
-    for name in ERRANDS:
+    for name in COLUMNS:
         wanted = getattr(outcomes.pairs, name)[numbers]
         assert np.array_equal(getattr(some.pairs, name), wanted)
     for name in ENDS:
@@ -208,7 +208,7 @@ def test_some_outcomes_keep_their_errands(outcomes, numbers):
 def made_up(count, seed=0):
     """Outcomes that anything may have led to."""
     rng = np.random.default_rng(seed)
-    errands = ReachabilityPairs(
+    pairs = ReachabilityPairs(
         rng.normal(size=(count, 3)),
         np.sort(rng.integers(9, size=count)),
         rng.random((count, 2)),
@@ -217,7 +217,7 @@ def made_up(count, seed=0):
     reached = rng.random(count) < 0.5
     collided = ~reached & (rng.random(count) < 0.3)
     return RolloutOutcomes(
-        errands, rng.random(count) < 0.6, reached, collided, rng.uniform(0, 9, count)
+        pairs, rng.random(count) < 0.6, reached, collided, rng.uniform(0, 9, count)
     )
 
 
@@ -258,7 +258,7 @@ def test_a_file_cut_off_anywhere_is_refused(saved):
             load_outcomes(saved, "recipe")
 
 
-def test_a_byte_that_flipped_is_told_or_harmless(saved):
+def test_a_flipped_byte_is_reported_or_harmless(saved):
     whole, refused = saved.read_bytes(), 0
     places = range(0, len(whole), 9)
     for place in places:
@@ -271,7 +271,7 @@ def test_a_byte_that_flipped_is_told_or_harmless(saved):
 
 
 # None means that the column is missing.
-MISSING = [({name: None}, rf"damaged \('{name}.*record") for name in (*ERRANDS, *ENDS)]
+MISSING = [({name: None}, rf"damaged \('{name}.*record") for name in (*COLUMNS, *ENDS)]
 LENGTHS = [
     ({name: np.zeros((21, *shape))}, "columns differ in length")
     for name, shape in (("starts", (3,)), ("targets", ()), ("reached", ()), ("seconds", ()))
@@ -308,7 +308,7 @@ def test_what_is_no_file_of_ours_is_refused(saved, content):
         load_outcomes(saved, "recipe")
 
 
-def test_a_missing_file_and_one_of_objects_are_told(tmp_path):
+def test_a_missing_file_and_one_of_objects_are_refused(tmp_path):
     for path in (tmp_path / "none.npz", tmp_path):
         with pytest.raises(InputError, match="no such file; record it"):
             load_outcomes(path, "recipe")
@@ -335,8 +335,8 @@ def test_a_whole_world_is_kept_and_found_again(tmp_path, world, outcomes):
     save_outcomes(tmp_path / "world.npz", outcomes, "k2 and so on")
     kept = load_outcomes(tmp_path / "world.npz", "k2 and so on")
     same(kept, outcomes)
-    errands = reachability_pairs(
+    pairs = reachability_pairs(
         world, GridPaths(world.scene.clearance), kept.pairs.starts, kept.pairs.targets
     )
-    assert errands.overlap == pytest.approx(kept.pairs.overlap)
-    assert errands.geodesic == pytest.approx(kept.pairs.geodesic)
+    assert pairs.overlap == pytest.approx(kept.pairs.overlap)
+    assert pairs.geodesic == pytest.approx(kept.pairs.geodesic)

@@ -78,14 +78,14 @@ def test_arc_length_counts_reversing_too():
 
 
 @pytest.mark.parametrize(("metres", "first"), [(0, 0), (4.9, 1), (5.0, 1), (5.1, 2), (10.0, 2)])
-def test_the_rest_of_a_drive_begins_where_so_much_was_driven(metres, first):
+def test_the_rest_of_a_trajectory_begins_where_so_much_was_driven(metres, first):
     poses = np.array([[0, 0, 0], [3, 4, 1], [0, 0, 2.0], [0, 0, 3]])
     whole = replace(make(4), poses=poses)
     same(whole.since(metres), replace(whole, **{n: getattr(whole, n)[first:] for n in ARRAYS}))
 
 
 @pytest.mark.parametrize("metres", [-0.1, 10.1, np.nan])
-def test_there_is_no_rest_of_a_drive_that_is_too_short(metres):
+def test_there_is_no_rest_of_a_trajectory_that_is_too_short(metres):
     poses = np.array([[0, 0, 0], [3, 4, 1], [0, 0, 2.0], [0, 0, 3]])
     with pytest.raises(InputError, match=r"nothing since .* m; give 0 to its 10\.0 m"):
         replace(make(4), poses=poses).since(metres)
@@ -166,7 +166,7 @@ def test_a_file_cut_off_anywhere_is_refused(tmp_path):
             load_trajectories(path)
 
 
-def test_a_byte_that_flipped_is_told_or_harmless(tmp_path):
+def test_a_flipped_byte_is_reported_or_harmless(tmp_path):
     path = tmp_path / "some.npz"
     some = [make(5), make(9, 1)]
     save_trajectories(path, some)
@@ -201,7 +201,7 @@ def test_an_array_of_objects_is_never_unpickled(tmp_path):
         load_trajectories(tmp_path / "one.npy")
 
 
-def test_a_missing_file_is_told(tmp_path):
+def test_a_missing_file_is_refused(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         load_trajectories(tmp_path / "none.npz")
     with pytest.raises(InputError, match="no such file"):

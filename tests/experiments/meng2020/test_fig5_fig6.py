@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
-from tests.conftest import make_drive, needs
+from tests.conftest import make_trajectory, needs
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import fig5, fig6
 from tutorial_lib.experiments.protocols import following
@@ -31,7 +31,7 @@ def drives(box, monkeypatch):
     """Lets the cars of a world drive so many metres each, once along a line."""
 
     def start(*lengths):
-        made = [make_drive([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in lengths]
+        made = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in lengths]
         monkeypatch.setattr(following, "scene_of", lambda name: box)
         monkeypatch.setattr(following, "demonstrate", lambda *arguments: made)
 
@@ -240,7 +240,7 @@ def test_correlations_are_of_ranks(monkeypatch):
 
 
 def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
-    ways = [make_drive([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in (7.0, 22.0, 40.0)]
+    ways = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in (7.0, 22.0, 40.0)]
     steps, chosen = 60, []
 
     class Planted:

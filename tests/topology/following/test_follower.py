@@ -23,7 +23,7 @@ SEARCH, FOLLOW, RECKON, LOST, DONE = State
 
 
 class Corridor:
-    """Robots on a line. Each feels where it is, which is told as depth, and sees nothing else."""
+    """Robots on a line. Each knows where it is, which its depth holds, and sees nothing else."""
 
     def __init__(self, starts):
         self.x = np.array(starts, dtype=float)
@@ -44,18 +44,18 @@ class Corridor:
 
 
 class CorridorPredictor:
-    """Tells the way to an anchor, a place in the corridor, and an overlap that fades over 3 m."""
+    """Predicts the waypoint at an anchor, a place in the corridor; its overlap fades over 3 m."""
 
     view, k = None, 0
 
     def __init__(self):
-        self.asked = 0
+        self.queries = 0
 
     def prepare(self, contexts):
         return contexts
 
     def predict(self, observations, targets):
-        self.asked += len(targets)
+        self.queries += len(targets)
         gap = targets - observations.depth[:, 0]
         overlap = np.clip(1 - np.abs(gap) / 3, 0, 1)
         return np.column_stack([gap, 0 * gap]), np.column_stack([overlap, overlap])
@@ -65,13 +65,13 @@ class CorridorReachability:
     """Sure within `far` metres, unless something else is arranged."""
 
     def __init__(self, far=2.0):
-        self.far, self.asked, self.arranged = far, 0, lambda probabilities, targets: probabilities
+        self.far, self.queries, self.arranged = far, 0, lambda probabilities, targets: probabilities
 
     def prepare(self, targets):
         return targets
 
     def probability(self, observations, prepared):
-        self.asked += len(prepared)
+        self.queries += len(prepared)
         gap = np.abs(prepared - observations.depth[:, 0])
         return self.arranged(np.where(gap < self.far, 0.99, 0.01), prepared)
 
@@ -172,7 +172,7 @@ def test_it_follows_to_the_end_and_says_so():
     assert record.visited[-1, 0] == 8
 
 
-def test_who_has_arrived_stands_still():
+def test_a_robot_that_has_arrived_stands_still():
     corridor, follower = make()
     go(corridor, follower, 200)
     there = corridor.x[0]
@@ -188,7 +188,7 @@ def test_a_moment_at_the_goal_is_not_yet_an_arrival():
     assert follower.memory.done[0]
 
 
-def test_one_anchor_is_a_trail():
+def test_one_anchor_is_a_path():
     corridor, follower = make(anchors=[1.5])
     go(corridor, follower, 80)
     assert follower.memory.done[0]
@@ -219,7 +219,7 @@ def test_a_waypoint_that_is_followed_is_kept_in_the_odometer_s_frame():
 
 
 def blind(reachability, targets=None):
-    """Let RE tell nothing good any more about any anchor, or about those given."""
+    """Let RE predict low probabilities for all anchors, or for those given."""
     reachability.arranged = lambda p, t: np.where(
         np.isin(t, targets) if targets is not None else True, 0.05, p
     )
@@ -320,20 +320,20 @@ def test_the_lookout_widens_by_an_anchor_a_step_and_leaves_out_what_was_visited(
     follower.memory.active[:], follower.memory.visited[:] = 5, 2
     corridor.x[:] = 1.75
     go(corridor, follower, 1)
-    asked = []
+    queried = []
 
     def watch(p, targets):
-        asked.append(sorted((2 * targets).astype(int).tolist()))
+        queried.append(sorted((2 * targets).astype(int).tolist()))
         return np.full(len(p), 0.05)
 
     reachability.arranged = watch
     before = int(follower.memory.active[0])
     go(corridor, follower, 1)
-    assert asked.pop() == [before, before + 1]
+    assert queried.pop() == [before, before + 1]
     active, visited = int(follower.memory.active[0]), int(follower.memory.visited[0])
     assert visited < active - 1
     go(corridor, follower, 5)
-    for width, anchors in zip([0, 1, 2, 3, 3], asked, strict=True):
+    for width, anchors in zip([0, 1, 2, 3, 3], queried, strict=True):
         first = max(visited + 1, active - width)
         wanted = range(first, active + max(width, 1) + 1)
         assert anchors == list(wanted)
@@ -427,7 +427,7 @@ def test_an_anchor_that_comes_no_nearer_is_left_as_it_is():
     assert follower.memory.active[0] == 1
 
 
-def test_who_is_stuck_is_lost_in_the_end():
+def test_a_robot_that_is_stuck_is_lost_in_the_end():
     corridor, follower = make(anchors=[1.0], effort=2.0, timeout=3.0)
     follower.controller = Stuck()
     go(corridor, follower, 48)
@@ -440,14 +440,14 @@ def test_who_is_stuck_is_lost_in_the_end():
 
 
 class Turntable(Corridor):
-    """Robots that stand and only turn, at half a rad a second; headings are told as depth."""
+    """Robots that stand and only turn, at half a rad a second; depth holds their headings."""
 
     def step(self, actions, robots):
         self.x[robots] += 0.05 * np.sign(actions[:, 1])
 
 
 class TurntablePredictor:
-    """All anchors are about here, and are seen the less, the more they look another way."""
+    """All anchors are about here, and are seen the less, the more they look elsewhere."""
 
     def predict(self, observations, targets):
         off = targets - observations.depth[:, 0]
@@ -500,7 +500,7 @@ def test_whoever_sees_the_next_anchor_need_not_turn():
     assert table.x[0] == 0.0
 
 
-def test_at_the_goal_it_turns_to_look_the_right_way():
+def test_at_the_goal_it_turns_to_the_heading_of_the_goal():
     table, follower = make_turntable([0.0, 1.4], hidden=[])
     go(table, follower, 60)
     assert follower.memory.done[0]
@@ -551,7 +551,7 @@ def test_only_coming_nearer_is_getting_on():
     assert turning.tried[0] == 0.0
 
 
-def test_who_turns_gets_a_waypoint_beside_it():
+def test_a_robot_that_turns_gets_a_waypoint_beside_it():
     turning = HeadingSearch(3)
     turning.side[:] = [0, 1, -1]
     waypoints = turning.waypoints(np.array([2, 0, 1]), np.full((3, 2), 7.0))
@@ -562,7 +562,7 @@ def test_who_turns_gets_a_waypoint_beside_it():
 
 
 def flickering(probabilities, targets):
-    """RE that some anchors cannot be trusted in, in a way that depends on nothing but the pair."""
+    """RE with wrong predictions for some anchors, which depend on the pair alone."""
     return np.where(np.sin(91.0 * targets + 1e3 * probabilities) > 0.9, 0.1, probabilities)
 
 
@@ -604,7 +604,7 @@ def test_the_same_run_twice_is_the_same():
     )
 
 
-def test_only_those_asked_about_go_on():
+def test_only_given_robots_go_on():
     corridor, follower = make(starts=[0.0, 0.0, 0.0])
     go(corridor, follower, 10, robots=[0, 2])
     assert corridor.x[1] == 0.0
@@ -615,7 +615,7 @@ def test_only_those_asked_about_go_on():
     assert follower.memory.done.tolist() == [False, True, False]
 
 
-def test_nobody_under_way_is_no_trouble():
+def test_no_robot_under_way_is_no_trouble():
     corridor, follower = make()
     assert follower.act(
         corridor.observe(np.array([], dtype=int)), np.array([], dtype=int)
@@ -629,11 +629,11 @@ def test_nobody_under_way_is_no_trouble():
 def test_a_step_takes_few_questions():
     corridor, follower = make(starts=np.zeros(5), anchors=range(40))
     go(corridor, follower, 10)
-    before = follower.predictor.asked, follower.reachability.asked
+    before = follower.predictor.queries, follower.reachability.queries
     go(corridor, follower, 100)
     assert (follower.memory.state == FOLLOW).all()
-    assert (follower.predictor.asked - before[0]) / 500 <= 3
-    assert (follower.reachability.asked - before[1]) / 500 <= 2
+    assert (follower.predictor.queries - before[0]) / 500 <= 3
+    assert (follower.reachability.queries - before[1]) / 500 <= 2
 
 
 def test_robots_may_share_anchors_and_visit_them_in_any_order():
@@ -644,17 +644,17 @@ def test_robots_may_share_anchors_and_visit_them_in_any_order():
     assert corridor.x == pytest.approx([4.0, 0.0, 2.0, 3.0], abs=0.25)
 
 
-def test_trails_lie_end_to_end():
-    trails = AnchorPaths.end_to_end(np.zeros(7), np.zeros(7), [2, 4, 1])
-    assert [list(path) for path in trails.paths] == [[0, 1], [2, 3, 4, 5], [6]]
-    assert trails.lengths.tolist() == [2, 4, 1]
-    assert len(trails) == 3
+def test_paths_lie_end_to_end():
+    paths = AnchorPaths.end_to_end(np.zeros(7), np.zeros(7), [2, 4, 1])
+    assert [list(path) for path in paths.paths] == [[0, 1], [2, 3, 4, 5], [6]]
+    assert paths.lengths.tolist() == [2, 4, 1]
+    assert len(paths) == 3
 
 
 # Setting out anew.
 
 
-def test_who_was_lost_sets_out_on_another_trail():
+def test_a_robot_that_was_lost_starts_on_another_path():
     reachability = CorridorReachability()
     corridor, follower = make(reachability=reachability, timeout=2.0)
     go(corridor, follower, 15)
@@ -674,7 +674,7 @@ def test_who_was_lost_sets_out_on_another_trail():
     assert states(follower) == [FOLLOW, RECKON, LOST, FOLLOW, DONE]
 
 
-def test_who_has_arrived_sets_out_again():
+def test_a_robot_that_has_arrived_starts_again():
     corridor, follower = make(anchors=range(5), paths=[[1, 2]])
     go(corridor, follower, 60)
     assert follower.memory.done[0]
@@ -716,7 +716,7 @@ def test_doubts_are_left_behind_when_one_sets_out_anew():
 
 
 def test_the_old_waypoint_is_forgotten():
-    # Dead reckoning begins at once; what it drives to must belong to the new trail.
+    # Dead reckoning begins at once; what it drives to must belong to the new path.
     reachability = CorridorReachability()
     corridor, follower = make(anchors=[0.0, 1.5, -1.5], paths=[[1]], reachability=reachability)
     go(corridor, follower, 8)
@@ -729,7 +729,7 @@ def test_the_old_waypoint_is_forgotten():
 
 
 @pytest.mark.parametrize("path", [[9], [-1], [], [0.5], [[0]]])
-def test_a_trail_beyond_the_anchors_is_refused_and_changes_nothing(path):
+def test_a_path_beyond_the_anchors_is_refused_and_changes_nothing(path):
     corridor, follower = make(starts=[0.0, 0.0])
     go(corridor, follower, 10)
     before = follower.memory.active.copy(), follower.paths
@@ -752,7 +752,7 @@ def test_what_was_visited_never_goes_back():
     assert last_visited(np.array([9]), np.array([4]), overlaps[1:2], at[:1], 0.8).tolist() == [9]
 
 
-def test_nobody_goes_beyond_the_last_anchor():
+def test_no_robot_goes_beyond_the_last_anchor():
     settings = FollowerSettings()
     assert next_active([4], [4], [np.nan], [np.nan], settings).tolist() == [4]
     assert next_active([4], [4], [0.0], [0.0], settings).tolist() == [5]
@@ -799,13 +799,13 @@ def test_settings_that_make_no_sense_are_refused(values, words):
         (np.zeros(3), np.zeros(3), [[[0]]], "give .L,. indices"),
     ],
 )
-def test_trails_that_lead_nowhere_are_refused(targets, prepared, paths, words):
+def test_paths_that_lead_nowhere_are_refused(targets, prepared, paths, words):
     with pytest.raises(InputError, match=f"paths: .*{words}"):
         AnchorPaths(targets, prepared, paths)
 
 
 @pytest.mark.parametrize("starts", [[9], [-2], [0, 0], [0.5], [[0]]])
-def test_starts_beyond_the_trail_are_refused(starts):
+def test_starts_beyond_the_path_are_refused(starts):
     parts = CorridorPredictor(), CorridorController(), CorridorReachability()
     with pytest.raises(InputError, match=r"starts: .*give .N,. anchors of 1 paths"):
         Follower(AnchorPaths(np.zeros(9), np.zeros(9), [range(9)]), *parts, None, starts)
@@ -847,10 +847,10 @@ def test_a_predictor_that_tells_nonsense_is_found_out(predictor, words):
         go(corridor, follower, 1)
 
 
-@pytest.mark.parametrize("told", [np.nan, 1.5, -0.5])
-def test_a_reachability_that_tells_nonsense_is_found_out(told):
+@pytest.mark.parametrize("returned", [np.nan, 1.5, -0.5])
+def test_a_reachability_that_returns_nonsense_is_found_out(returned):
     reachability = CorridorReachability()
-    reachability.arranged = lambda p, t: np.full(len(p), told)
+    reachability.arranged = lambda p, t: np.full(len(p), returned)
     for first in (0, None):
         corridor, follower = make(reachability=reachability, first=first)
         with pytest.raises(InputError, match="reachability: returned"):

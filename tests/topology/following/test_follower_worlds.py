@@ -58,12 +58,12 @@ class OraclePredictor:
 
 
 def with_poses(simulation, robots):
-    """Observations in which the oracles find the poses: as depth, which nobody else asks for."""
+    """Observations in which the oracles find the poses: as depth, which nothing else uses."""
     return replace(simulation.observe(robots), depth=simulation.poses[robots])
 
 
 class Trial:
-    """A fleet on recorded drives, each robot on its own, with oracles or the given predictor."""
+    """A fleet, each robot on its own trajectory, with oracles or the given predictor."""
 
     def __init__(self, recorded, seed=0):
         self.recorded, self.scene = recorded, recorded.scene
@@ -81,7 +81,7 @@ class Trial:
         self.frames = frames
 
     def sparsified(self, first):
-        """Frames of a drive's anchors."""
+        """Frames of a trajectory's anchors."""
         frames = np.arange(first, self.recorded.last[first] + 1)
         poses = self.recorded.poses[frames]
         seen = replace(self.recorded.observe(frames), depth=poses)
@@ -117,31 +117,33 @@ class Trial:
 @pytest.fixture(scope="module")
 def under_way(recorded):
     """Rollouts without their first metres, in which cars turn round."""
-    return RecordedWorld(recorded.scene, [drive.since(2.0) for drive in recorded.trajectories])
+    return RecordedWorld(
+        recorded.scene, [trajectory.since(2.0) for trajectory in recorded.trajectories]
+    )
 
 
 @pytest.fixture(scope="module", params=["oracle", "network"])
 def trial(request, under_way):
-    """All drives are followed to the end; whether by oracle waypoints or by those of k = 2."""
+    """All trajectories are followed to the end, by oracle waypoints or by those of k = 2."""
     predictor = WaypointNetwork("waypoint_k2") if request.param == "network" else None
     return Trial(under_way).begin(predictor).go(120)
 
 
-def test_most_follow_a_drive_by_its_anchors_to_the_end(trial):
+def test_most_follow_a_trajectory_by_its_anchors_to_the_end(trial):
     assert trial.follower.memory.over.all()
     assert trial.follower.memory.done.mean() >= 0.5
     kept = sum(map(len, trial.anchors))
     assert kept < 0.1 * len(trial.recorded.poses)
 
 
-def test_who_says_to_have_arrived_has(trial):
+def test_a_robot_that_declares_to_have_arrived_has(trial):
     goals = trial.recorded.poses[trial.recorded.last[trial.first]]
     here = relative(goals, trial.simulation.poses)[trial.follower.memory.done]
     assert np.linalg.norm(here[:, :2], axis=1).max() < 0.5
     assert np.abs(here[:, 2]).max() < TURNED
 
 
-def test_nobody_goes_back_along_the_trail(trial):
+def test_no_robot_goes_back_along_the_path(trial):
     record = trial.follower.log()
     assert (np.diff(record.visited, axis=0) >= 0).all()
     assert (record.active >= record.visited).all()

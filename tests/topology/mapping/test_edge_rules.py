@@ -40,25 +40,25 @@ def observations(numbers, depth=None):
 
 
 @given(st.lists(st.integers(0, 6), min_size=1, max_size=20), st.data())
-def test_a_shelf_selects_as_if_all_batches_were_one(lengths, data):
-    shelf, bounds = GrowingBatch(), np.cumsum([0, *lengths])
+def test_a_growing_batch_selects_as_if_all_batches_were_one(lengths, data):
+    batch, bounds = GrowingBatch(), np.cumsum([0, *lengths])
     for first, last in pairwise(bounds):
-        shelf.append(np.arange(first, last)[:, None] * [1, 10])
-    assert len(shelf) == bounds[-1]
-    if len(shelf):
-        numbers = data.draw(st.lists(st.integers(0, len(shelf) - 1), min_size=1, max_size=12))
-        assert (shelf[numbers] == np.array(numbers)[:, None] * [1, 10]).all()
+        batch.append(np.arange(first, last)[:, None] * [1, 10])
+    assert len(batch) == bounds[-1]
+    if len(batch):
+        numbers = data.draw(st.lists(st.integers(0, len(batch) - 1), min_size=1, max_size=12))
+        assert (batch[numbers] == np.array(numbers)[:, None] * [1, 10]).all()
 
 
-def test_a_shelf_selects_between_batches_too():
+def test_a_growing_batch_selects_between_batches_too():
     # What was selected before a batch came is the same after it.
-    shelf, numbers = GrowingBatch(), np.array([4, 0, 2, 2])
-    shelf.append(np.arange(5))
-    before = shelf[numbers]
+    batch, numbers = GrowingBatch(), np.array([4, 0, 2, 2])
+    batch.append(np.arange(5))
+    before = batch[numbers]
     for _ in range(9):
-        shelf.append(np.arange(100, 103))
-        assert (shelf[numbers] == before).all()
-    assert shelf[[4, 31]].tolist() == [4, 102]
+        batch.append(np.arange(100, 103))
+        assert (batch[numbers] == before).all()
+    assert batch[[4, 31]].tolist() == [4, 102]
 
 
 class Counted(list):
@@ -72,19 +72,19 @@ class Counted(list):
         return cls(x for part in parts for x in part)
 
 
-def test_a_long_shelf_is_seldom_copied():
-    shelf, Counted.copied = GrowingBatch(), 0
+def test_a_long_growing_batch_is_seldom_copied():
+    batch, Counted.copied = GrowingBatch(), 0
     for number in range(1024):
-        shelf.append(Counted([number]))
+        batch.append(Counted([number]))
     # To copy all each time would be half a million.
     assert Counted.copied <= 1024 * 11
 
 
-def test_observations_are_put_on_a_shelf():
-    shelf = GrowingBatch()
+def test_observations_are_put_into_a_growing_batch():
+    batch = GrowingBatch()
     for numbers in ([0, 1, 2], [3], [4, 5], [6, 7, 8, 9]):
-        shelf.append(observations(numbers))
-    some = shelf[[9, 0, 5, 5, 3]]
+        batch.append(observations(numbers))
+    some = batch[[9, 0, 5, 5, 3]]
     wanted = observations([9, 0, 5, 5, 3])
     for name in ("image", "laser", "odometry", "speed", "steering"):
         assert (getattr(some, name) == getattr(wanted, name)).all()
@@ -105,25 +105,25 @@ def test_observations_joined_keep_depth_only_where_all_have_it():
 def test_what_cannot_be_joined_is_named():
     with pytest.raises(InputError, match="dict has no method `joined`; let `prepare` return"):
         joined([{"a": 1}, {"a": 2}])
-    shelf = GrowingBatch()
-    shelf.append([1, 2])
+    batch = GrowingBatch()
+    batch.append([1, 2])
     with pytest.raises(InputError, match="map: list has no method"):
-        shelf.append([3, 4])
+        batch.append([3, 4])
 
 
 # Retrieval.
 
 
 def by_the_book(seen, shown):
-    """Likeness, picture by picture."""
+    """Likeness, image by image."""
     found = np.empty((len(seen), len(shown)))
     for n, mine in enumerate(seen):
-        for m, pictures in enumerate(shown):
-            told = []
-            for picture in pictures:
-                cosines = mine @ picture.T
-                told.append(cosines.max(axis=1).mean() + cosines.max(axis=0).mean())
-            found[n, m] = max(told)
+        for m, images in enumerate(shown):
+            alike = []
+            for image in images:
+                cosines = mine @ image.T
+                alike.append(cosines.max(axis=1).mean() + cosines.max(axis=0).mean())
+            found[n, m] = max(alike)
     return found
 
 
@@ -137,24 +137,24 @@ def directions(rng, *shape):
     st.integers(1, 20), st.integers(1, 6), st.integers(1, 3), st.integers(1, 4), st.integers(1, 5),
     seeds,
 )  # fmt: skip
-def test_likeness_is_late_interaction(count, targets, pictures, parts, size, seed):
+def test_likeness_is_late_interaction(count, targets, images, parts, size, seed):
     rng = np.random.default_rng(seed)
     seen = directions(rng, count, parts, size)
-    shown = directions(rng, targets, pictures, parts, size)
-    told = likeness(seen, shown)
-    assert told == pytest.approx(by_the_book(seen, shown), abs=1e-5)
-    assert (np.abs(told) <= 2 + 1e-5).all()
+    shown = directions(rng, targets, images, parts, size)
+    alike = likeness(seen, shown)
+    assert alike == pytest.approx(by_the_book(seen, shown), abs=1e-5)
+    assert (np.abs(alike) <= 2 + 1e-5).all()
 
 
 def test_what_looks_the_same_is_most_alike_wherever_its_parts_are():
     seen = directions(np.random.default_rng(0), 5, 8, 6)
     turned = np.roll(seen, 3, axis=1)[:, None]
-    told = likeness(seen, turned)
-    assert np.diag(told) == pytest.approx(2.0, abs=1e-5)
-    assert (told.argmax(axis=1) == np.arange(5)).all()
+    alike = likeness(seen, turned)
+    assert np.diag(alike) == pytest.approx(2.0, abs=1e-5)
+    assert (alike.argmax(axis=1) == np.arange(5)).all()
 
 
-def test_a_small_part_of_a_picture_is_not_the_picture():
+def test_a_small_part_of_an_image_is_not_the_image():
     # Each part of one has its like in the other, but not the other way round.
     one = np.tile([1.0, 0.0, 0.0], (4, 1))
     other = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [0, -1, 0]])
@@ -204,9 +204,9 @@ def test_an_index_is_what_was_put_into_it():
 def chains(lengths, reach=1):
     """The columns around each, for trajectories of those lengths end to end."""
     bounds = np.cumsum([0, *lengths])
-    trails = [list(range(*ends)) for ends in pairwise(bounds.tolist())]
+    paths = [list(range(*ends)) for ends in pairwise(bounds.tolist())]
     owner = np.repeat(np.arange(len(lengths)), lengths)
-    return along_trajectories(trails, owner, np.arange(bounds[-1]) - bounds[owner], reach)
+    return along_trajectories(paths, owner, np.arange(bounds[-1]) - bounds[owner], reach)
 
 
 def ends_of(lengths):
@@ -225,24 +225,24 @@ def comparisons(draw):
 
 @given(st.lists(st.integers(0, 6), max_size=4), st.integers(0, 4), seeds)
 def test_vertices_are_laid_out_along_the_trajectories_they_were_made_for(lengths, reach, seed):
-    # Of each trail, some vertices are its own and some are reused.
-    rng, trails, made = np.random.default_rng(seed), [], []
+    # Of each path, some vertices are its own and some are reused.
+    rng, paths, made = np.random.default_rng(seed), [], []
     for number, length in enumerate(lengths):
-        trail = []
+        path = []
         for place in range(length):
             if made and rng.random() < 0.4:
-                trail.append(int(rng.integers(len(made))))
+                path.append(int(rng.integers(len(made))))
             else:
-                trail.append(len(made))
+                path.append(len(made))
                 made.append((number, place))
-        trails.append(trail)
+        paths.append(path)
     trajectory, place = np.array(made, dtype=int).reshape(-1, 2).T
-    found = along_trajectories(trails, trajectory, place, reach)
+    found = along_trajectories(paths, trajectory, place, reach)
     assert found.shape == (len(made), 2 * reach + 1)
     for v, (number, at) in enumerate(made):
         for step in range(-reach, reach + 1):
-            exists = 0 <= at + step < len(trails[number])
-            wanted = trails[number][at + step] if exists else -1
+            exists = 0 <= at + step < len(paths[number])
+            wanted = paths[number][at + step] if exists else -1
             assert found[v, reach + step] == wanted
     assert (found[:, reach] == np.arange(len(made))).all()
 
@@ -262,8 +262,8 @@ def aligned(table, along, row, column, reach):
     ]
 
 
-class Asked:
-    """Tells RE from a table, and nothing twice."""
+class Queries:
+    """RE from a table, each pair once at most."""
 
     def __init__(self, table):
         self.table, self.pairs = table, set()
@@ -281,9 +281,9 @@ def test_the_weakest_of_aligned_pairs_counts(drawn, data, known, seed):
     table, _, along = drawn
     reach = data.draw(st.integers(0, along.shape[1] // 2))
     least = data.draw(st.sampled_from([0.2, 0.8]))
-    told = np.where(np.random.default_rng(seed).random(table.shape) < known, table, np.nan)
-    before, ask = told.copy(), Asked(table)
-    found = weakest_aligned(ask, told, along, reach, least)
+    probabilities = np.where(np.random.default_rng(seed).random(table.shape) < known, table, np.nan)
+    before, ask = probabilities.copy(), Queries(table)
+    found = weakest_aligned(ask, probabilities, along, reach, least)
     worth = set()
     for row, column in np.ndindex(table.shape):
         pairs = aligned(table, along, row, column, reach)
@@ -297,44 +297,44 @@ def test_the_weakest_of_aligned_pairs_counts(drawn, data, known, seed):
         if before[row, column] > least:
             worth.update(pairs)
             if most > least:
-                assert not np.isnan([told[pair] for pair in pairs]).any()
-    # What is missing around what is good enough is asked, and put in; all else stays.
+                assert not np.isnan([probabilities[pair] for pair in pairs]).any()
+    # What is missing around what is good enough is queried, and filled in; all else stays.
     assert {pair for pair in ask.pairs if not np.isnan(before[pair])} == set()
     assert ask.pairs <= worth
     wanted = before.copy()
     for pair in ask.pairs:
         wanted[pair] = table[pair]
-    assert np.array_equal(told, wanted, equal_nan=True)
+    assert np.array_equal(probabilities, wanted, equal_nan=True)
 
 
-def test_aligned_pairs_that_nobody_asked_about_are_asked():
-    told, ask = np.full((3, 3), np.nan), Asked(np.full((3, 3), 0.8))
-    told[1, 1] = 0.9
-    weakest = weakest_aligned(ask, told, chains([3]), 1, 0.7)
+def test_aligned_pairs_that_are_unknown_are_queried():
+    probabilities, ask = np.full((3, 3), np.nan), Queries(np.full((3, 3), 0.8))
+    probabilities[1, 1] = 0.9
+    weakest = weakest_aligned(ask, probabilities, chains([3]), 1, 0.7)
     assert ask.pairs == {(0, 0), (2, 2)}
-    assert told[0, 0] == told[2, 2] == weakest[1, 1] == 0.8
+    assert probabilities[0, 0] == probabilities[2, 2] == weakest[1, 1] == 0.8
     # These were no pairs to begin with.
     assert weakest[0, 0] == weakest[2, 2] == 0.0
-    assert np.isnan(told).sum() == 6
+    assert np.isnan(probabilities).sum() == 6
 
 
-def test_a_sequence_that_is_broken_already_is_not_asked_about():
-    told, ask = np.full((5, 5), np.nan), Asked(np.full((5, 5), 0.1))
-    told[2, 2] = 0.9
-    assert weakest_aligned(ask, told, chains([5], 2), 2, 0.7)[2, 2] == pytest.approx(0.1)
+def test_a_sequence_that_is_broken_already_is_not_queried():
+    probabilities, ask = np.full((5, 5), np.nan), Queries(np.full((5, 5), 0.1))
+    probabilities[2, 2] = 0.9
+    assert weakest_aligned(ask, probabilities, chains([5], 2), 2, 0.7)[2, 2] == pytest.approx(0.1)
     assert len(ask.pairs) == 1
     assert max(abs(row - 2) for row, _ in ask.pairs) == 1
-    told = np.full((5, 5), 0.7)  # not more
-    assert (weakest_aligned(None, told, chains([5], 2), 0, 0.7) == 0.7).all()
+    probabilities = np.full((5, 5), 0.7)  # not more
+    assert (weakest_aligned(None, probabilities, chains([5], 2), 0, 0.7) == 0.7).all()
 
 
 @given(comparisons(), seeds)
-def test_a_search_asks_about_what_is_beside_a_yes_and_nothing_else(drawn, seed):
+def test_a_search_queries_what_is_beside_an_edge_and_nothing_else(drawn, seed):
     table, _, along = drawn
     rng = np.random.default_rng(seed)
     begin, worth = rng.random(table.shape) < 0.3, rng.random(table.shape) < 0.8
-    ask = Asked(table)
-    told = search_edges(ask, begin.copy(), worth, along, 0.8)
+    ask = Queries(table)
+    probabilities = search_edges(ask, begin.copy(), worth, along, 0.8)
     wanted, todo = set(), list(zip(*np.nonzero(begin), strict=True))
     while todo:
         row, column = todo.pop()
@@ -347,17 +347,19 @@ def test_a_search_asks_about_what_is_beside_a_yes_and_nothing_else(drawn, seed):
                 if other is not None and 0 <= row + step < len(table):
                     todo.append((row + step, other))
     assert ask.pairs == {(int(row), int(column)) for row, column in wanted}
-    known = ~np.isnan(told)
+    known = ~np.isnan(probabilities)
     assert known.sum() == len(wanted)
-    assert (told[known] == table[known]).all()
+    assert (probabilities[known] == table[known]).all()
 
 
 def test_a_search_does_not_cross_the_end_of_a_trajectory():
     begin, worth = np.zeros((4, 4), dtype=bool), np.ones((4, 4), dtype=bool)
     begin[1, 1] = True
-    told = search_edges(lambda rows, columns: np.ones(len(rows)), begin, worth, chains([2, 2]), 0.5)
-    assert np.isnan(told[:, 2:]).all()
-    assert not np.isnan(told[:3, :2]).all()
+    probabilities = search_edges(
+        lambda rows, columns: np.ones(len(rows)), begin, worth, chains([2, 2]), 0.5
+    )
+    assert np.isnan(probabilities[:, 2:]).all()
+    assert not np.isnan(probabilities[:3, :2]).all()
 
 
 def test_a_search_without_seeds_asks_nothing():

@@ -6,7 +6,7 @@ import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.conftest import drive_of
+from tests.conftest import trajectory_of
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
@@ -16,7 +16,7 @@ from tutorial_lib.world.sensors import Camera
 
 
 class Table:
-    """RE read from a table (T, T): from frame i, which the odometer tells, to frame j."""
+    """RE read from a table (T, T): from frame i, which the odometer holds, to frame j."""
 
     def __init__(self, table):
         self.table, self.calls = np.asarray(table, dtype=float), []
@@ -29,22 +29,22 @@ class Table:
         return self.table[observations.odometry[:, 0].astype(int), prepared]
 
 
-class Says:
-    """RE that always tells the same thing."""
+class Returns:
+    """RE that always returns the same."""
 
-    def __init__(self, told):
-        self.told = told
+    def __init__(self, returned):
+        self.returned = returned
 
     def prepare(self, targets):
         return targets
 
     def probability(self, observations, prepared):
         del observations, prepared
-        return self.told
+        return self.returned
 
 
 def frames(count):
-    """Observations of so many frames; the odometer tells which."""
+    """Observations of so many frames; the odometer holds which."""
     nothing, odometry = np.zeros(count), np.zeros((count, 3))
     odometry[:, 0] = np.arange(count)
     image = np.zeros((count, 1, 1, 3), np.uint8)
@@ -88,7 +88,7 @@ def test_it_is_the_greedy_rule_whatever_the_window(drawn, window):
     assert anchors[0] == 0
     assert anchors[-1] == len(table) - 1
     for i, j in pairwise(anchors):
-        # Each gap holds all the way, or is a single step; and it could not be longer.
+        # Each gap holds throughout, or is a single step; and it could not be longer.
         assert (table[i, i + 1 : j + 1] > threshold).all() or j == i + 1
         assert j == len(table) - 1 or j == i + 1 or not table[i, j + 1] > threshold
 
@@ -160,7 +160,7 @@ def test_bad_input_is_named(make, words):
 
 
 @pytest.mark.parametrize(
-    ("told", "words"),
+    ("returned", "words"),
     [
         (np.array([0.5, np.nan, 0.5]), "returned nan for pair 1; give probabilities from 0 to 1"),
         (np.array([0.5, 0.5, 3.2]), "returned 3.2 for pair 2; .* of a logit the sigmoid"),
@@ -173,20 +173,20 @@ def test_bad_input_is_named(make, words):
         ([[0.5], [0.5, 0.5], 0.5], "returned a list, no array of numbers"),
     ],
 )
-def test_what_is_no_probability_is_refused(told, words):
+def test_what_is_no_probability_is_refused(returned, words):
     with pytest.raises(InputError, match=f"reachability: .*{words}"):
-        query(Says(told), frames(3), np.arange(3))
+        query(Returns(returned), frames(3), np.arange(3))
     with pytest.raises(InputError, match="reachability"):
-        sparsify(Says(told), frames(4), np.arange(4), 0.5, window=3)
+        sparsify(Returns(returned), frames(4), np.arange(4), 0.5, window=3)
 
 
-def test_nobody_is_asked_about_nothing():
-    assert query(Says("nonsense"), frames(0), np.arange(0)).shape == (0,)
+def test_without_pairs_re_is_not_queried():
+    assert query(Returns("nonsense"), frames(0), np.arange(0)).shape == (0,)
 
 
 def test_lists_and_tensors_are_probabilities_too():
-    for told in ([0.0, 0.5, 1.0], torch.tensor([0.0, 0.5, 1.0])):
-        assert query(Says(told), frames(3), np.arange(3)).tolist() == [0.0, 0.5, 1.0]
+    for returned in ([0.0, 0.5, 1.0], torch.tensor([0.0, 0.5, 1.0])):
+        assert query(Returns(returned), frames(3), np.arange(3)).tolist() == [0.0, 0.5, 1.0]
 
 
 # Frames and their contexts.
@@ -202,18 +202,18 @@ def test_every_nth_frame_and_the_last(count, n):
 
 @settings(deadline=None)
 @given(st.integers(1, 60), st.integers(0, 5), st.integers(0, 2**32 - 1))
-def test_a_target_is_a_picture_in_its_context(count, k, seed):
-    pictures = np.random.default_rng(seed).integers(0, 256, (count, 2, 3))
-    targets = contextified(pictures, k)
+def test_a_target_is_an_image_in_its_context(count, k, seed):
+    images = np.random.default_rng(seed).integers(0, 256, (count, 2, 3))
+    targets = contextified(images, k)
     assert targets.shape == (count, 2 * k + 1, 2, 3)
     for i in range(count):
         for j in range(-k, k + 1):
-            assert (targets[i, k + j] == pictures[min(max(i + 3 * j, 0), count - 1)]).all()
+            assert (targets[i, k + j] == images[min(max(i + 3 * j, 0), count - 1)]).all()
 
 
 def test_it_is_the_context_that_networks_learn_from(recorded):
-    drive = recorded.frames_of(1)
-    assert (contextified(drive, 2) == recorded.context(drive, 2)).all()
+    numbers = recorded.frames_of(1)
+    assert (contextified(numbers, 2) == recorded.context(numbers, 2)).all()
 
 
 @settings(deadline=None)
@@ -235,21 +235,21 @@ def test_recorded_frames_are_observed_as_they_were_sensed(recorded):
     assert seen.depth is None
     assert (seen.image == Camera().look(recorded.scene, recorded.poses[rows])[0]).all()
     assert recorded.observe(rows, Camera(rows=64)).image.shape == (4, 64, 64, 3)
-    starts = np.cumsum([0] + [len(drive) for drive in recorded.trajectories])
+    starts = np.cumsum([0] + [len(trajectory) for trajectory in recorded.trajectories])
     for row, frame in enumerate(rows):
         number = np.searchsorted(starts, frame, side="right") - 1
-        drive, i = recorded.trajectories[number], frame - starts[number]
-        assert (seen.laser[row] == drive.laser[i]).all()
-        assert (seen.odometry[row] == drive.odometry[i]).all()
-        assert seen.speed[row] == drive.speed[i]
-        assert seen.steering[row] == drive.steering[i]
+        trajectory, i = recorded.trajectories[number], frame - starts[number]
+        assert (seen.laser[row] == trajectory.laser[i]).all()
+        assert (seen.odometry[row] == trajectory.odometry[i]).all()
+        assert seen.speed[row] == trajectory.speed[i]
+        assert seen.steering[row] == trajectory.steering[i]
 
 
 def test_what_was_not_recorded_cannot_be_observed(recorded, box):
     for frames_wanted in ([len(recorded.poses)], [-1], [0.5], [[0]]):
         with pytest.raises(InputError, match="frames"):
             recorded.observe(np.array(frames_wanted))
-    drives = [drive_of(np.tile([2.0, 2.0, 0.0], (40, 1))) for _ in range(2)]
-    object.__setattr__(drives[1], "laser", np.zeros((40, 64), np.float32))
+    trajectories = [trajectory_of(np.tile([2.0, 2.0, 0.0], (40, 1))) for _ in range(2)]
+    object.__setattr__(trajectories[1], "laser", np.zeros((40, 64), np.float32))
     with pytest.raises(InputError, match="different numbers of beams"):
-        RecordedWorld(box, drives).observe(np.array([0]))
+        RecordedWorld(box, trajectories).observe(np.array([0]))

@@ -30,7 +30,7 @@ from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 SEEN = ("image", "laser", "odometry", "speed", "steering")
-WAYS = [
+PATHS = [
     street((0, 0), (6, 0), (6, 4)),
     street((6, 4), (6, 0), (0, 0)),
     street((0, 0), (6, 0), (6, 4), aside=0.1),
@@ -38,12 +38,12 @@ WAYS = [
 ]
 
 
-def grown(drives=2, reachability=None, hidden=(), settings=None):
-    """A map of some drives; `hidden` poses look different from the third on."""
+def grown(trajectories=2, reachability=None, hidden=(), settings=None):
+    """A map of some trajectories; `hidden` poses look different from the third on."""
     reachability = Streets() if reachability is None else reachability
     topomap = TopoMap(reachability, settings)
-    for number, poses in enumerate(WAYS[:drives]):
-        reachability.hidden = [WAYS[0][place] for place in hidden] if number >= 2 else []
+    for number, poses in enumerate(PATHS[:trajectories]):
+        reachability.hidden = [PATHS[0][place] for place in hidden] if number >= 2 else []
         add_trajectory(topomap, anchors_at(poses, 100.0 * number))
     return topomap
 
@@ -75,13 +75,13 @@ def path(tmp_path):
 
 
 @pytest.mark.parametrize("kind", [Streets, StreetsAlike])
-def test_a_map_is_read_as_it_was_saved_and_grows_the_same_way(path, kind):
+def test_a_map_is_read_as_it_was_saved_and_grows_alike(path, kind):
     settings = MapSettings(p_edge=0.99, sequence=1, candidates=7)
     topomap = grown(2, kind(), settings=settings)
     save_map(path, topomap)
     again = load_map(path, kind())
     assert same(topomap, again)
-    for poses in WAYS[2:]:
+    for poses in PATHS[2:]:
         one, other = (add_trajectory(m, anchors_at(poses, 500.0)) for m in (topomap, again))
         assert one.path.tolist() == other.path.tolist()
         assert one.queries == other.queries
@@ -96,33 +96,33 @@ def test_a_removed_vertex_leaves_no_gap(path):
     again = load_map(path, Streets())
     assert list(again.graph) == list(range(len(topomap)))
     number = {int(old): new for new, old in enumerate(topomap.alive)}
-    wanted = {(number[a], number[b]): told for (a, b), told in edges_of(topomap).items()}
+    wanted = {(number[a], number[b]): p for (a, b), p in edges_of(topomap).items()}
     assert edges_of(again) == wanted
-    assert again.paths == [[number[v] for v in trail] for trail in topomap.paths]
+    assert again.paths == [[number[v] for v in vertices] for vertices in topomap.paths]
     for old, new in number.items():
         assert again.vertices.observations[[new]].odometry.tolist() == (
             topomap.vertices.observations[[old]].odometry.tolist()
         )
-        trail, place = again.path_of(new)
-        assert trail[place] == new
-    here = sensed(WAYS[0][:1])
-    goals = Goals(sensed(WAYS[0][-1:]), WAYS[0][-1:, None])
+        vertices, place = again.path_of(new)
+        assert vertices[place] == new
+    here = sensed(PATHS[0][:1])
+    goals = Goals(sensed(PATHS[0][-1:]), PATHS[0][-1:, None])
     plans = [DijkstraPlanner().plan(here, goals, some) for some in (topomap, again)]
     assert tuple(number[v] for v in plans[0].vertices) == plans[1].vertices != ()
     assert plans[0].probability == plans[1].probability
     for some in (topomap, again):
         some.vertices.reachability.hidden = []
-        add_trajectory(some, anchors_at(WAYS[3], 500.0))
+        add_trajectory(some, anchors_at(PATHS[3], 500.0))
     number |= {int(old): new for new, old in enumerate(topomap.alive)}
-    wanted = {(number[a], number[b]): told for (a, b), told in edges_of(topomap).items()}
+    wanted = {(number[a], number[b]): p for (a, b), p in edges_of(topomap).items()}
     assert edges_of(again) == wanted
 
 
 def test_saving_again_leaves_two_files(path, tmp_path):
     other = tmp_path / "flat-2.json"
     save_map(other, grown(1))
-    for drives in (1, 2, 2, 3):
-        topomap = grown(drives)
+    for trajectories in (1, 2, 2, 3):
+        topomap = grown(trajectories)
         save_map(path, topomap)
         assert same(load_map(path, Streets()), topomap)
     assert same(load_map(other, Streets()), grown(1))
@@ -183,10 +183,10 @@ def outcome(path):
 def refused(path, words):
     with pytest.raises(InputError) as error:
         load_map(path, Streets())
-    told = str(error.value)
-    assert told.startswith(f"{path}: ")
-    assert told.endswith("; build the map again and save it")
-    assert words in told
+    message = str(error.value)
+    assert message.startswith(f"{path}: ")
+    assert message.endswith("; build the map again and save it")
+    assert words in message
     return True
 
 
@@ -240,9 +240,9 @@ def test_arrays_in_which_a_bit_fell_over_are_named(path):
     for place in range(40, len(whole), len(whole) // 23):
         whole[place] ^= 16
         arrays.write_bytes(whole)
-        told = outcome(path)
-        # Or it was in a part of the archive that nobody reads.
-        assert same(told, grown(2)) if isinstance(told, TopoMap) else arrays.name in told
+        found = outcome(path)
+        # Or it was in a part of the archive that is not read.
+        assert same(found, grown(2)) if isinstance(found, TopoMap) else arrays.name in found
         whole[place] ^= 16
 
 
@@ -317,14 +317,14 @@ def test_a_graph_that_does_not_fit_its_arrays_is_named(path, name, value, words)
 
 
 @pytest.mark.parametrize("turned", [0, 1])
-def test_a_trail_in_another_order_is_named(path, turned):
+def test_a_path_in_another_order_is_named(path, turned):
     graph, _ = saved(path)
     graph["trails"][turned].reverse()
     path.write_text(json.dumps(graph))
     assert refused(path, "is not where its trajectory has it")
 
 
-def test_a_trail_of_reused_vertices_only_is_checked_too(path):
+def test_a_path_of_reused_vertices_only_is_checked_too(path):
     graph, _ = saved(path)
     path.write_text(json.dumps({**graph, "trails": [*graph["trails"], [99]]}))
     assert refused(path, "99")
@@ -344,7 +344,7 @@ def test_a_name_of_no_arrays_is_named(path, name):
     assert refused(path, "missing or damaged")
 
 
-def test_a_reachability_that_cannot_prepare_the_pictures_is_no_damage(path):
+def test_a_reachability_that_cannot_prepare_the_images_is_no_damage(path):
     class Broken(Streets):
         def prepare(self, contexts):
             raise RuntimeError("no such network")
@@ -389,9 +389,7 @@ def interrupt(monkeypatch, owner, name, call):
         (json, "dumps", 1),
     ],
 )
-def test_who_is_interrupted_while_saving_still_has_the_old_map(
-    path, monkeypatch, owner, name, call
-):
+def test_an_interrupted_save_keeps_the_old_map(path, monkeypatch, owner, name, call):
     old = grown(1)
     save_map(path, old)
     with monkeypatch.context() as patch:
@@ -407,7 +405,7 @@ def test_who_is_interrupted_while_saving_still_has_the_old_map(
     assert len(list(path.parent.iterdir())) == 2
 
 
-def test_who_is_interrupted_while_tidying_up_has_the_new_map(path, monkeypatch):
+def test_an_interruption_while_tidying_up_leaves_the_new_map(path, monkeypatch):
     save_map(path, grown(1))
     with monkeypatch.context() as patch:
         # Once for each temporary file, and then for what is stale.
@@ -426,7 +424,7 @@ def save_for_ever(path, maps, saved):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing is forked there")
-def test_who_is_killed_while_saving_leaves_a_map_that_can_be_read(path):
+def test_a_process_killed_while_saving_leaves_a_map_that_can_be_read(path):
     maps, found = [grown(1), grown(2), grown(3)], []
     fork = multiprocessing.get_context("fork")
     for kill in range(15):
@@ -464,10 +462,10 @@ def test_graphml_is_read_by_networkx(tmp_path):
     for a, b, edge in graph.edges(data=True):
         assert edge["weight"] == topomap.graph.edges[a, b]["weight"]
         assert isinstance(edge["driven"], int)
-    for vertex, told in graph.nodes(data=True):
-        assert told["trajectory"] == topomap.trajectory[vertex]
-        assert told["place"] == topomap.place[vertex]
-        assert told["timestamp"] == topomap.vertices.timestamps[vertex]
+    for vertex, data in graph.nodes(data=True):
+        assert data["trajectory"] == topomap.trajectory[vertex]
+        assert data["place"] == topomap.place[vertex]
+        assert data["timestamp"] == topomap.vertices.timestamps[vertex]
 
 
 def test_a_map_without_edges_is_graphml_too(tmp_path):

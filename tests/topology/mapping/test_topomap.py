@@ -41,11 +41,11 @@ class ByTheBook:
         self.re, self.settings = table, settings
         self.made_for, self.paths, self.edges = {}, [], {}
 
-    def aligned(self, trail, place):
-        """What is around a place of a trail, by the distance to it."""
+    def aligned(self, path, place):
+        """What is around a place of a path, by the distance to it."""
         reach = self.settings.sequence
         steps = range(-reach, reach + 1)
-        return {s: trail[place + s] for s in steps if 0 <= place + s < len(trail)}
+        return {s: path[place + s] for s in steps if 0 <= place + s < len(path)}
 
     def connect(self, source, target, probability, driven=0):
         old, often = self.edges.get((source, target), (0.0, 0))
@@ -54,7 +54,7 @@ class ByTheBook:
     def best(self, new, a, taken):
         """The vertex that takes the place of an anchor, if there is one."""
         before, after = new[max(a - 1, 0)], new[min(a + 1, len(new) - 1)]
-        # Who comes from a vertex that was reused cannot tell what the anchor there could reach.
+        # From a vertex that was reused, RE of the anchor there says nothing.
         now = taken.get(a - 1, before)
         reused, most = None, 0.0
         for v, (owner, place) in sorted(self.made_for.items()):
@@ -72,7 +72,7 @@ class ByTheBook:
             reused = self.best(new, a, taken)
             if reused is not None:
                 taken[a] = reused
-        trail = [taken.get(a, number) for a, number in enumerate(new)]
+        path = [taken.get(a, number) for a, number in enumerate(new)]
         fresh = [a for a in range(len(new)) if a not in taken]
         others = [
             (v, self.aligned(self.paths[owner], place))
@@ -93,48 +93,50 @@ class ByTheBook:
                     self.connect(v, new[a], back)
         for a in fresh:
             self.made_for[new[a]] = (len(self.paths), a)
-        self.paths.append(trail)
-        for source, target in pairwise(trail):
+        self.paths.append(path)
+        for source, target in pairwise(path):
             self.connect(source, target, self.re[source, target], driven=1)
-        return trail
+        return path
 
 
 @st.composite
 def cities(draw):
-    """RE among anchors of a few drives; some pairs of drives run side by side for a while."""
+    """RE among anchors of a few trajectories; some pairs of them run side by side for a while."""
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     lengths = draw(st.lists(st.integers(2, 6), min_size=1, max_size=4))
-    drives = np.split(np.arange(sum(lengths)), np.cumsum(lengths)[:-1])
+    trajectories = np.split(np.arange(sum(lengths)), np.cumsum(lengths)[:-1])
     share = draw(st.sampled_from([0.1, 0.4, 0.8]))
     good = rng.random((sum(lengths),) * 2) < share
-    for one in drives:
-        for other in drives:
+    for one in trajectories:
+        for other in trajectories:
             for step in rng.integers(-4, 5, size=2):
                 for a, b in ((a, a + step) for a in range(len(one))):
                     if 0 <= b < len(other):
                         good[one[a], other[b]] = True
     table = np.where(good, rng.uniform(0.9, 1.0, good.shape), rng.uniform(0.0, 0.8, good.shape))
-    return table, [drive.tolist() for drive in drives]
+    return table, [trajectory.tolist() for trajectory in trajectories]
 
 
 def check_by_the_book(drawn, settings):
-    """Both ways make the same map; returns whether anything was reused."""
-    table, drives = drawn
+    """Both make the same map; returns whether anything was reused."""
+    table, trajectories = drawn
     topomap, book = TopoMap(Table(table), settings), ByTheBook(table, settings)
     number = {}  # of the vertex that an anchor became
-    for drive in drives:
-        added = add_trajectory(topomap, anchors(drive))
-        wanted = book.add(drive)
-        fresh = [anchor for anchor, vertex in zip(drive, wanted, strict=True) if anchor == vertex]
+    for trajectory in trajectories:
+        added = add_trajectory(topomap, anchors(trajectory))
+        wanted = book.add(trajectory)
+        fresh = [
+            anchor for anchor, vertex in zip(trajectory, wanted, strict=True) if anchor == vertex
+        ]
         number |= zip(fresh, added.path[~added.reused].tolist(), strict=True)
         assert added.path.tolist() == [number[anchor] for anchor in wanted]
-        assert added.reused.tolist() == [anchor not in fresh for anchor in drive]
+        assert added.reused.tolist() == [anchor not in fresh for anchor in trajectory]
         assert not len(added.outdated)
     found = edges_of(topomap)
-    wanted = {(number[a], number[b]): told for (a, b), told in book.edges.items()}
+    wanted = {(number[a], number[b]): p for (a, b), p in book.edges.items()}
     assert found == wanted
     assert all(a != b for a, b in found)
-    assert topomap.paths == [[number[anchor] for anchor in trail] for trail in book.paths]
+    assert topomap.paths == [[number[anchor] for anchor in path] for path in book.paths]
     assert topomap.vertices.observations[topomap.alive].odometry[:, 0].tolist() == list(number)
 
 
@@ -157,31 +159,31 @@ class TableAlike(Table):
 
 @settings(max_examples=40)
 @given(cities(), st.sampled_from([0.85, 0.93]), st.integers(0, 3), st.integers(1, 4))
-def test_who_asks_about_some_pairs_finds_some_edges_and_no_others(drawn, p_edge, sequence, count):
-    table, drives = drawn
+def test_of_some_pairs_alone_some_edges_are_found_and_no_others(drawn, p_edge, sequence, count):
+    table, trajectories = drawn
     found = []
     for reachability in (Table(table), TableAlike(table)):
         topomap = TopoMap(reachability, MapSettings(p_edge, 1.0, sequence, count, p_outdated=0.0))
-        for drive in drives:
-            add_trajectory(topomap, anchors(drive))
-        # Nothing twice, but once more along the way.
-        driven = Counter(pair for drive in drives for pair in pairwise(drive))
-        assert max((Counter(reachability.asked) - driven).values(), default=1) == 1
-        assert all(a != b for a, b in reachability.asked)
+        for trajectory in trajectories:
+            add_trajectory(topomap, anchors(trajectory))
+        # No pair twice, but once more along the path.
+        driven = Counter(pair for trajectory in trajectories for pair in pairwise(trajectory))
+        assert max((Counter(reachability.queried) - driven).values(), default=1) == 1
+        assert all(a != b for a, b in reachability.queried)
         found.append(edges_of(topomap))
     every, some = found
     assert some.items() <= every.items()
 
 
 def crossing():
-    """RE of two drives of five, the second through the first's middle, and of one that repeats it.
+    """RE of two trajectories of five, the second through the first's middle, and of a third.
 
-    The third drive is beside the second all along, and cannot reach the first but in its middle.
+    The third repeats the second beside it, and cannot reach the first but in its middle.
     """
     table = np.full((15, 15), NO)
     for a, b in pairwise(range(5)):
-        for drive in (0, 5, 10):
-            table[drive + a, drive + b] = YES
+        for trajectory in (0, 5, 10):
+            table[trajectory + a, trajectory + b] = YES
     table[6, 2] = table[2, 8] = YES  # vertex 2 will do for anchor 7
     for a in range(5):
         table[10 + a, 5 + a] = YES - 0.0001 * a
@@ -241,12 +243,12 @@ def test_an_anchor_that_is_reached_backwards_from_the_next_is_joined_to_it():
     assert all(topomap.graph.has_edge(b, a) for a, b in pairwise(range(4)))
 
 
-def test_all_anchors_but_the_next_are_asked_about_once_each():
+def test_all_anchors_but_the_next_are_queried_once_each():
     topomap = TopoMap(Table(np.full((5, 5), NO)))
     add_trajectory(topomap, anchors(range(5)))
-    asked = topomap.vertices.reachability.asked
-    wanted = [(a, b) for a in range(5) for b in range(5) if a != b]  # a, a + 1 along the way
-    assert sorted(asked) == wanted
+    queried = topomap.vertices.reachability.queried
+    wanted = [(a, b) for a in range(5) for b in range(5) if a != b]  # a, a + 1 along the path
+    assert sorted(queried) == wanted
 
 
 def beside(known, *good):
@@ -269,7 +271,7 @@ def test_the_first_and_the_last_anchor_are_reused_too():
 
 
 @pytest.mark.parametrize(
-    ("good", "trail"),
+    ("good", "path"),
     [
         # The first anchor comes before itself, and the last after itself.
         (((6, 1), (1, 7)), [1, -1, -1]),
@@ -280,9 +282,9 @@ def test_the_first_and_the_last_anchor_are_reused_too():
         (((1, 8),), [-1, -1, -1]),
     ],
 )
-def test_one_end_alone_is_reused_if_it_is_met_both_ways(good, trail):
+def test_one_end_alone_is_reused_if_it_is_met_in_both_directions(good, path):
     added = add_trajectory(beside(5, *good), anchors([6, 7, 8]))
-    assert np.where(added.reused, added.path, -1).tolist() == trail
+    assert np.where(added.reused, added.path, -1).tolist() == path
 
 
 def test_what_was_reused_before_counts_and_not_what_the_anchor_could_reach():
@@ -313,7 +315,7 @@ def test_an_edge_that_is_driven_again_is_counted_and_never_gets_less_probable():
     assert topomap.graph.edges[0, 1]["weight"] == pytest.approx(-np.log(0.9))
 
 
-def test_a_drive_along_the_same_way_makes_no_new_vertices():
+def test_a_trajectory_along_the_same_path_makes_no_new_vertices():
     poses = street((0, 0), (9, 0))
     topomap = TopoMap(Streets())
     add_trajectory(topomap, anchors_at(poses))
@@ -328,7 +330,7 @@ def test_a_drive_along_the_same_way_makes_no_new_vertices():
     assert topomap.paths[1] == added.path.tolist()
 
 
-def test_a_drive_the_other_way_round_reuses_nothing():
+def test_a_trajectory_in_the_other_direction_reuses_nothing():
     topomap = TopoMap(Streets())
     add_trajectory(topomap, anchors_at(street((0, 0), (9, 0))))
     added = add_trajectory(topomap, anchors_at(street((9, 0), (0, 0)), 100.0))
@@ -336,35 +338,35 @@ def test_a_drive_the_other_way_round_reuses_nothing():
     assert len(topomap) == 20
 
 
-def test_who_may_not_reuse_makes_vertices_beside_those_that_are_there():
+def test_without_reuse_vertices_are_made_beside_those_that_are_there():
     topomap = TopoMap(Streets(), MapSettings(p_reuse=1.0))
     for begin in (0.0, 100.0):
         added = add_trajectory(topomap, anchors_at(street((0, 0), (9, 0)), begin))
         assert not added.reused.any()
     assert len(topomap) == 20
-    # Joined both ways round between the drives.
+    # Joined in both directions between the trajectories.
     assert topomap.graph.has_edge(4, 15)
     assert topomap.graph.has_edge(14, 5)
     assert topomap.vertices.timestamps.tolist() == [*range(10), *range(100, 110)]
 
 
-def test_a_way_back_to_the_beginning_is_joined_to_it():
+def test_a_path_back_to_the_beginning_is_joined_to_it():
     poses = street((0, 0), (4, 0), (4, 4), (0, 4), (0, 0), (3, 0))
     topomap = TopoMap(Streets(), MapSettings(sequence=1))
-    trail = add_trajectory(topomap, anchors_at(poses)).path
+    path = add_trajectory(topomap, anchors_at(poses)).path
     # The second time round it comes by the same places as in the beginning.
     again = len(poses) - 3
-    assert topomap.graph.has_edge(trail[again], trail[2])
+    assert topomap.graph.has_edge(path[again], path[2])
 
 
-def test_what_was_asked_is_counted():
+def test_queries_are_counted():
     reachability = Streets()
     topomap = TopoMap(reachability)
     for aside in (0.0, 0.2, 5.0):
-        before = reachability.asked
+        before = reachability.queries
         added = add_trajectory(topomap, anchors_at(street((0, 0), (9, 0), aside=aside)))
-        assert added.queries == reachability.asked - before > 0
-    assert topomap.vertices.queries == reachability.asked
+        assert added.queries == reachability.queries - before > 0
+    assert topomap.vertices.queries == reachability.queries
 
 
 def test_a_trajectory_that_is_known_altogether_makes_no_vertices():
@@ -383,27 +385,27 @@ def test_a_trajectory_that_is_known_altogether_makes_no_vertices():
 
 
 def city():
-    """Rollouts along the streets of a small city, some of them twice."""
+    """Trajectories along the streets of a small city, some of them twice."""
     corners = [(0, 0), (8, 0), (8, 8), (0, 8)]
-    drives = [street(*corners, (0, 0)), street((0, 4), (8, 4)), street((4, 8), (4, 0))]
-    drives += [street((0, 0), (8, 0), (8, 4), aside=0.15), street(*corners[::-1], aside=-0.1)]
-    drives += [street((8, 4), (0, 4)), street((0, 4), (4, 4), (4, 0), aside=0.05)]
-    return [anchors_at(poses, 100.0 * number) for number, poses in enumerate(drives)]
+    trajectories = [street(*corners, (0, 0)), street((0, 4), (8, 4)), street((4, 8), (4, 0))]
+    trajectories += [street((0, 0), (8, 0), (8, 4), aside=0.15), street(*corners[::-1], aside=-0.1)]
+    trajectories += [street((8, 4), (0, 4)), street((0, 4), (4, 4), (4, 0), aside=0.05)]
+    return [anchors_at(poses, 100.0 * number) for number, poses in enumerate(trajectories)]
 
 
 def grown(reachability, **settings):
     topomap = TopoMap(reachability, MapSettings(**settings))
-    added = [add_trajectory(topomap, drive) for drive in city()]
+    added = [add_trajectory(topomap, trajectory) for trajectory in city()]
     return topomap, added
 
 
 @pytest.fixture(scope="module")
 def cities_twice():
-    """The same map by asking about every pair and by asking about what looks alike."""
+    """The same map by querying every pair and by querying what looks alike."""
     return grown(Streets()), grown(StreetsAlike(), candidates=8)
 
 
-def test_retrieval_makes_the_same_map_with_fewer_questions(cities_twice):
+def test_retrieval_makes_the_same_map_with_fewer_queries(cities_twice):
     (every, added), (some, also) = cities_twice
     assert edges_of(every) == edges_of(some)
     assert every.paths == some.paths
@@ -412,16 +414,16 @@ def test_retrieval_makes_the_same_map_with_fewer_questions(cities_twice):
         assert one.reused.tolist() == other.reused.tolist()
     assert sum(a.reused.sum() for a in added) > 15
     assert some.vertices.queries < 0.5 * every.vertices.queries
-    assert some.vertices.reachability.asked == some.vertices.queries
+    assert some.vertices.reachability.queries == some.vertices.queries
 
 
-def test_retrieval_asks_less_and_less_of_all_pairs(cities_twice):
+def test_retrieval_queries_less_and_less_of_all_pairs(cities_twice):
     (_, added), (_, also) = cities_twice
     shares = [b.queries / a.queries for a, b in zip(added, also, strict=True)]
     assert max(shares[4:]) < 0.5
 
 
-def test_who_shows_what_is_seen_needs_no_embedding_of_targets(cities_twice):
+def test_where_observations_are_shown_no_embedding_of_targets_is_needed(cities_twice):
     class Seen(Streets):
         embed = StreetsAlike.embed
         _directions = StreetsAlike._directions
@@ -453,14 +455,14 @@ def test_the_nearest_look_alike(cities_twice):
 
 # What looks different by now.
 
-WAY = street((0, 0), (7, 0))
+PATH = street((0, 0), (7, 0))
 
 
 def again(reachability, hidden=(), aside=0.1, **settings):
-    """A way, driven and then driven again, when some poses cannot be seen again."""
+    """A path, driven and then driven again, when some poses cannot be seen again."""
     topomap = TopoMap(reachability, MapSettings(**settings))
-    add_trajectory(topomap, anchors_at(WAY))
-    reachability.hidden = [WAY[number] for number in hidden]
+    add_trajectory(topomap, anchors_at(PATH))
+    reachability.hidden = [PATH[number] for number in hidden]
     return topomap, add_trajectory(topomap, anchors_at(street((0, 0), (7, 0), aside=aside), 50.0))
 
 
@@ -471,12 +473,12 @@ def test_a_vertex_that_looks_different_by_now_is_removed(kind, hidden):
     assert added.outdated.tolist() == hidden
     assert not set(hidden) & set(topomap.graph)
     assert set(hidden) & set(added.path.tolist()) == set()
-    for number, trail in enumerate(topomap.paths):
-        assert not set(hidden) & set(trail)
-        for place, vertex in enumerate(trail):
+    for number, path in enumerate(topomap.paths):
+        assert not set(hidden) & set(path)
+        for place, vertex in enumerate(path):
             if topomap.trajectory[vertex] == number:
                 assert topomap.place[vertex] == place
-                assert topomap.path_of(vertex) == (trail, place)
+                assert topomap.path_of(vertex) == (path, place)
 
 
 @pytest.mark.parametrize("kind", [Streets, StreetsAlike])
@@ -484,21 +486,21 @@ def test_a_vertex_that_looks_different_by_now_is_removed(kind, hidden):
 def test_nothing_is_removed_where_nothing_changes(kind, p_reuse):
     reachability = kind()
     topomap = TopoMap(reachability, MapSettings(p_reuse=p_reuse, candidates=3))
-    for drive in city():
-        assert add_trajectory(topomap, drive).outdated.tolist() == []
+    for trajectory in city():
+        assert add_trajectory(topomap, trajectory).outdated.tolist() == []
     assert len(topomap) == len(topomap.vertices)
 
 
-def test_what_is_hard_to_tell_is_kept():
+def test_what_is_doubtful_is_kept():
     # RE of what is hidden is 0.01: not below this.
     _, added = again(Streets(), [3], p_outdated=0.005)
     assert added.outdated.tolist() == []
 
 
-def test_what_another_way_does_not_pass_is_kept():
+def test_what_another_path_does_not_pass_is_kept():
     topomap = TopoMap(Streets())
-    add_trajectory(topomap, anchors_at(WAY))
-    topomap.vertices.reachability.hidden = [WAY[3]]
+    add_trajectory(topomap, anchors_at(PATH))
+    topomap.vertices.reachability.hidden = [PATH[3]]
     # Round it, and across it.
     for poses in (street((0, 0), (2, 0), (2, 5), (4, 5), (4, 0), (7, 0)), street((3, -4), (3, 4))):
         assert add_trajectory(topomap, anchors_at(poses, 50.0)).outdated.tolist() == []
@@ -508,10 +510,10 @@ def test_what_was_removed_is_never_met_again():
     for kind in (Streets, StreetsAlike):
         topomap, _ = again(kind(), [3], candidates=3)
         topomap.vertices.reachability.hidden = []  # it could be seen again, had it not been removed
-        here = sensed(WAY[3:4])
+        here = sensed(PATH[3:4])
         for count in (4, 1_000):
             assert 3 not in topomap.nearby(here, count)
-            prepared = topomap.vertices.reachability.prepare(WAY[3:4, None])
+            prepared = topomap.vertices.reachability.prepare(PATH[3:4, None])
             assert 3 not in topomap.around(here, prepared, count)
         for aside in (0.0, 0.05, 3.0):
             added = add_trajectory(topomap, anchors_at(street((0, 0), (7, 0), aside=aside), 99.0))
@@ -519,7 +521,7 @@ def test_what_was_removed_is_never_met_again():
             assert 3 not in added.outdated
         assert 3 not in topomap.graph
         plan = DijkstraPlanner().plan(
-            sensed([[0, 0.05, 0.0]]), Goals(sensed(WAY[6:7]), WAY[6:7, None]), topomap
+            sensed([[0, 0.05, 0.0]]), Goals(sensed(PATH[6:7]), PATH[6:7, None]), topomap
         )
         assert not plan.refusal
         assert len(plan.vertices) >= 3
@@ -527,7 +529,7 @@ def test_what_was_removed_is_never_met_again():
 
 
 def test_the_others_keep_their_numbers():
-    topomap = table_map(np.eye(6), 6, trails=[[0, 1, 2], [3, 4, 5]])
+    topomap = table_map(np.eye(6), 6, paths=[[0, 1, 2], [3, 4, 5]])
     topomap.paths[1] = [3, 1, 4, 5]
     topomap.place[4:] += 1
     topomap.connect(0, 1, 0.9)
@@ -552,18 +554,18 @@ def test_the_others_keep_their_numbers():
 # Vertices and anchors.
 
 
-def test_pairs_are_asked_source_by_source_and_told_in_order():
+def test_pairs_are_queried_source_by_source_and_returned_in_order():
     rng = np.random.default_rng(0)
     reachability = Table(rng.random((40, 40)))
     vertices = Vertices(reachability)
     for numbers in (np.arange(25), np.arange(25, 40)):
-        told = vertices.append(numbered(numbers), numbers[:, None], numbers * 1.0, numbers)
-        assert told.tolist() == numbers.tolist()
+        added = vertices.append(numbered(numbers), numbers[:, None], numbers * 1.0, numbers)
+        assert added.tolist() == numbers.tolist()
     sources, targets = rng.integers(40, size=(2, 5000))
     assert (vertices.between(sources, targets) == reachability.table[sources, targets]).all()
-    asked = np.array(reachability.asked)
-    assert len(asked) == vertices.queries == 5000
-    assert (np.diff(asked[:, 0]) >= 0).all()
+    queried = np.array(reachability.queried)
+    assert len(queried) == vertices.queries == 5000
+    assert (np.diff(queried[:, 0]) >= 0).all()
     rows = rng.integers(3, size=20)
     seen = numbered([7, 5, 9])
     into = vertices.into(seen, rows, targets[:20])
@@ -668,11 +670,11 @@ def test_anchors_come_with_all_that_is_needed(count, contexts, times):
 
 
 class Wrong(Streets):
-    """Tells or prepares something else."""
+    """Returns or prepares something else."""
 
-    def __init__(self, told=None, prepared=None):
+    def __init__(self, returned=None, prepared=None):
         super().__init__()
-        self.told, self.prepared = told, prepared
+        self.returned, self.prepared = returned, prepared
 
     def prepare(self, contexts):
         found = super().prepare(contexts)
@@ -680,15 +682,15 @@ class Wrong(Streets):
 
     def probability(self, observations, prepared):
         found = super().probability(observations, prepared)
-        return found if self.told is None else self.told(found)
+        return found if self.returned is None else self.returned(found)
 
 
 @pytest.mark.parametrize(
     ("reachability", "words"),
     [
-        (Wrong(told=lambda p: p + 1), "reachability: returned .* probabilities from 0 to 1"),
-        (Wrong(told=lambda p: p[:-1]), "reachability: returned shape"),
-        (Wrong(told=lambda p: p * np.nan), "reachability: returned nan"),
+        (Wrong(returned=lambda p: p + 1), "reachability: returned .* probabilities from 0 to 1"),
+        (Wrong(returned=lambda p: p[:-1]), "reachability: returned shape"),
+        (Wrong(returned=lambda p: p * np.nan), "reachability: returned nan"),
         (
             Wrong(prepared=lambda x: np.concatenate([x, x])),
             "reachability: prepared 16 of 8 targets; give all",
@@ -715,4 +717,4 @@ class Wrong(Streets):
 def test_an_estimator_that_does_not_fit_is_named(reachability, words):
     topomap = TopoMap(reachability)
     with pytest.raises(InputError, match=words):
-        _ = [add_trajectory(topomap, anchors_at(WAY, begin)) for begin in (0.0, 50.0)]
+        _ = [add_trajectory(topomap, anchors_at(PATH, begin)) for begin in (0.0, 50.0)]
