@@ -28,7 +28,7 @@ use_threads(1)
 
 @pytest.fixture
 def drives(box, monkeypatch):
-    """Lets the cars of a world drive so many metres each, once along a line."""
+    """Makes the cars of a world drive the given metres, each along a line."""
 
     def start(*lengths):
         made = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in lengths]
@@ -71,7 +71,7 @@ def test_every_frame_belongs_to_one_trajectory(recorded):
 
 
 class Sure:
-    """A `Reachability` that believes in everything."""
+    """A `Reachability` that is always sure."""
 
     def prepare(self, pictures):
         return np.zeros(len(pictures))
@@ -113,7 +113,7 @@ def test_pictures_of_anchors_have_their_context(recorded):
 
 @pytest.fixture(scope="module")
 def followed(recorded):
-    """Two trajectories with an anchor in every 10 frames, followed by who believes in all."""
+    """Two trajectories, each 10th frame an anchor, followed with an RE that is always sure."""
     guide = guide_of(recorded, "k2", Sure())
     shortest = np.argsort([len(drive) for drive in recorded.trajectories])[:2]
     trails = [recorded.frames_of(number)[::10] for number in sorted(shortest)]
@@ -154,7 +154,7 @@ def test_noise_is_drawn_by_its_seed(recorded, followed):
 
 @pytest.fixture
 def planted(recorded, monkeypatch):
-    """Guides that keep what they are told of each trajectory, in the office."""
+    """Guides that keep given frames of each trajectory, in the office."""
 
     def plant(kept):
         class Planted:

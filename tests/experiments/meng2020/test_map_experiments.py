@@ -37,16 +37,16 @@ MODULES = (fig4, fig8, fig9, fig10, fig11, fig13, faults, table2_thresholds)
 
 
 @pytest.fixture(scope="module")
-def house():
+def building():
     scene = Scene(make_box(15.0, 9.0, [(4.5, 4.5, 2.2), (10.5, 4.5, 2.2)]))
     return navigation_tasks.explored("room", scene, np.random.default_rng(3), 4)
 
 
 @pytest.fixture(autouse=True)
-def one_house(house, monkeypatch):
-    """Whichever world is asked for, it is this room."""
+def one_building(building, monkeypatch):
+    """Every world is this room."""
     for module in (*MODULES, map_building):
-        monkeypatch.setattr(module, "make_building", lambda *_, **__: house)
+        monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
         if hasattr(module, "for_each"):
             monkeypatch.setattr(module, "for_each", in_turn)
 
@@ -59,12 +59,12 @@ def saved(report):
 # Figures.
 
 
-def test_the_two_drives_of_fig_4_run_together_farthest(house):
-    first, last = fig4.most_in_common(house)
+def test_the_two_trajectories_of_fig_4_run_side_by_side_farthest(building):
+    first, last = fig4.most_in_common(building)
     assert first != last
 
     def common(one, other):
-        one, other = (house.recorded.poses[house.recorded.frames_of(n)] for n in (one, other))
+        one, other = (building.recorded.poses[building.recorded.frames_of(n)] for n in (one, other))
         beside = [
             np.any(
                 (np.hypot(*(other[::5, :2] - pose[:2]).T) < 0.5)
@@ -76,9 +76,11 @@ def test_the_two_drives_of_fig_4_run_together_farthest(house):
 
     apart = [
         (one, other)
-        for one in range(len(house.pairs))
-        for other in range(one + 1, len(house.pairs))
-        if (house.pairs[one] != house.pairs[other]).all()  # neither from nor to the same place
+        for one in range(len(building.pairs))
+        for other in range(one + 1, len(building.pairs))
+        if (
+            building.pairs[one] != building.pairs[other]
+        ).all()  # neither from nor to the same place
     ]
     most = max(common(one, other) for one, other in apart)
     assert (first, last) in apart
@@ -86,7 +88,7 @@ def test_the_two_drives_of_fig_4_run_together_farthest(house):
 
 
 @networks
-def test_each_stage_of_fig_4_leaves_less_of_the_map(house):
+def test_each_stage_of_fig_4_leaves_less_of_the_map(building):
     rows = fig4.EXPERIMENT.report(QUICK).rows
     assert [row["stage"] for row in rows] == ["dense", "pruned", "reused"]
     dense, pruned, reused = rows
@@ -97,14 +99,14 @@ def test_each_stage_of_fig_4_leaves_less_of_the_map(house):
 
 
 @networks
-def test_fig_8_tells_where_every_vertex_was_seen(house):
+def test_fig_8_has_the_pose_of_every_vertex(building):
     (row,) = saved(fig8.EXPERIMENT.report(QUICK))["rows"]
     assert (row["world"], row["family"], row["area"]) == (20_000, "box", 135)
-    assert row["images"] == len(house.recorded.poses)
+    assert row["images"] == len(building.recorded.poses)
     assert len(row["poses"]) == len(row["trajectories"]) == row["vertices"]
     assert len(row["pairs"]) == row["edges"]
     for pose, trajectory in zip(row["poses"], row["trajectories"], strict=True):
-        drive = house.recorded.poses[house.recorded.frames_of(trajectory)]
+        drive = building.recorded.poses[building.recorded.frames_of(trajectory)]
         assert np.abs(drive - pose).max(axis=1).min() < 1e-3
 
 
@@ -152,7 +154,7 @@ def test_fig_9_notes_how_far_predicted_and_measured_are_apart(monkeypatch):
 
 
 @networks
-def test_plans_of_fig_9_are_driven_whatever_their_probability(house, monkeypatch):
+def test_plans_of_fig_9_are_driven_whatever_their_probability(building, monkeypatch):
     sent = []
     navigate = fig9.navigate
     monkeypatch.setattr(fig9, "navigate", lambda *a: sent.append(navigate(*a)) or sent[-1])
@@ -164,17 +166,19 @@ def test_plans_of_fig_9_are_driven_whatever_their_probability(house, monkeypatch
 
 
 @networks
-def test_fig_10_learns_nested_shares_of_the_drives(house, monkeypatch):
+def test_fig_10_learns_nested_shares_of_the_trajectories(building, monkeypatch):
     few = replace(fig10.EXPERIMENT, quick_settings=fig10.Settings(trials=6))
     learned = []
     monkeypatch.setattr(
         fig10,
         "experiences",
-        lambda house, numbers: learned.append(numbers) or buildings_experiences(house, numbers),
+        lambda building, numbers: (
+            learned.append(numbers) or buildings_experiences(building, numbers)
+        ),
     )
     report = few.report(QUICK)
     assert [len(numbers) for numbers in learned] == [
-        round(share * len(house.pairs)) for share in fig10.SHARES
+        round(share * len(building.pairs)) for share in fig10.SHARES
     ]
     for fewer, more in pairwise(learned):
         assert set(fewer) < set(more)
@@ -192,18 +196,18 @@ buildings_experiences = fig10.experiences
 
 
 @networks
-def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(house):
+def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(building):
     few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=24, share=0.6))
     report = few.report(QUICK)
     rows = report.rows
     assert len({row["trajectory"] for row in rows}) >= 2
     rng = np.random.default_rng([0, 20_000, 7])
-    kept = np.sort(rng.permutation(len(house.pairs))[: round(0.6 * len(house.pairs))])
+    kept = np.sort(rng.permutation(len(building.pairs))[: round(0.6 * len(building.pairs))])
     assert {row["trajectory"] for row in rows} <= set(kept.tolist())
     pair = [rows[0]["from_place"], rows[0]["to_place"]]
-    assert pair not in house.pairs[kept].tolist()
+    assert pair not in building.pairs[kept].tolist()
     for row in rows:
-        drive = house.recorded.poses[house.recorded.frames_of(row["trajectory"])]
+        drive = building.recorded.poses[building.recorded.frames_of(row["trajectory"])]
         assert np.abs(drive - [row["x"], row["y"], row["heading"]]).max(axis=1).min() < 1e-9
     assert f"from place {pair[0]} to {pair[1]}" in report.notes[0]
 
@@ -228,13 +232,13 @@ def test_fig_13_counts_vertices_at_even_numbers_of_frames():
     assert report.notes[0].startswith(f"from 1,000 to 2,000 frames {grown:.1%} more vertices")
 
 
-def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(house):
-    more = fig13.more_trajectories(house, 45, np.random.default_rng(0))
-    first = house.recorded.poses[house.recorded.first_frames, :2]
+def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(building):
+    more = fig13.more_trajectories(building, 45, np.random.default_rng(0))
+    first = building.recorded.poses[building.recorded.first_frames, :2]
     for drive in more.trajectories:
         gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()
         assert 0 < gap < 1.0
-        assert np.linalg.norm(house.places - drive.poses[-1, :2], axis=1).min() < 0.5
+        assert np.linalg.norm(building.places - drive.poses[-1, :2], axis=1).min() < 0.5
 
 
 # Thresholds.
@@ -276,7 +280,7 @@ def test_thresholds_are_chosen_on_validation_worlds():
 def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkeypatch):
     calls = []
 
-    def measured(house, trials, agent):
+    def measured(building, trials, agent):
         calls.append((trials, agent.replans, agent.topomap.graph.number_of_edges()))
         return result([1, 1, 1], len(agent.topomap))
 
@@ -284,8 +288,8 @@ def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkey
     monkeypatch.setattr(
         table2_thresholds,
         "attempt",
-        lambda house, trials, agent: (
-            agent.learn(list(buildings_experiences(house))) or measured(house, trials, agent)
+        lambda building, trials, agent: (
+            agent.learn(list(buildings_experiences(building))) or measured(building, trials, agent)
         ),
     )
     few = table2_thresholds.Settings(trials=3, re=(0.9, 0.99), similarity=(0.9, 0.99))
@@ -308,9 +312,9 @@ def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkey
 # Faults.
 
 
-def test_a_blocked_path_can_be_driven_around_but_not_through(house):
-    trials = navigation_tasks.draw_trials(house, 12, np.random.default_rng(0))
-    people, kept, seconds = faults.blockades(house, trials, 4)
+def test_a_blocked_path_can_be_driven_around_but_not_through(building):
+    trials = navigation_tasks.draw_trials(building, 12, np.random.default_rng(0))
+    people, kept, seconds = faults.blockades(building, trials, 4)
     assert 0 < len(kept) <= 4
     assert len(seconds) == len(kept)
     assert (seconds > trials.seconds[kept]).all()
@@ -327,9 +331,9 @@ def test_a_blocked_path_can_be_driven_around_but_not_through(house):
 
 def test_a_path_without_a_detour_is_not_blocked(monkeypatch):
     corridor = Scene(make_box(14.0, 1.6))
-    house = navigation_tasks.explored("corridor", corridor, np.random.default_rng(0), 2)
-    trials = navigation_tasks.draw_trials(house, 4, np.random.default_rng(0))
-    people, kept, seconds = faults.blockades(house, trials, 4)
+    building = navigation_tasks.explored("corridor", corridor, np.random.default_rng(0), 2)
+    trials = navigation_tasks.draw_trials(building, 4, np.random.default_rng(0))
+    people, kept, seconds = faults.blockades(building, trials, 4)
     assert (people, len(kept), len(seconds)) == ([], 0, 0)
 
 
@@ -358,7 +362,7 @@ def test_faults_without_a_path_to_block_have_an_empty_row():
 
 
 @networks
-def test_the_bench_compares_the_index_with_all_queries(house):
+def test_the_bench_compares_the_index_with_all_queries(building):
     few = map_building.Settings(places=5, sizes=(20, 40))
     report = replace(map_building.EXPERIMENT, quick_settings=few).report(QUICK)
     kinds = list(dict.fromkeys(row["map"] for row in report.rows))
@@ -376,14 +380,14 @@ def test_the_bench_compares_the_index_with_all_queries(house):
         row["vertices"] >= size for row, size in zip(report.rows[4:], (20, 20, 40, 40), strict=True)
     ]
     words = "\n".join(report.notes)
-    assert f"{len(house.recorded.poses):,} frames mapped in" in words
+    assert f"{len(building.recorded.poses):,} frames mapped in" in words
     saved(report)
 
 
 @networks
-def test_comparing_with_every_vertex_leaves_the_map_as_it_is(house):
+def test_comparing_with_every_vertex_leaves_the_map_as_it_is(building):
     agent = agents.meng()
-    drives = list(map_building.sparsified(house))
+    drives = list(map_building.sparsified(building))
     agent.learn([])
     topomap = map_building.TopoMap(agent.reachability, map_building.MapSettings(p_reuse=1.0))
     for anchors in drives[:3]:

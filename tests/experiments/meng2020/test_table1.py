@@ -1,4 +1,4 @@
-"""Table I: the same episodes for everybody, and a report that can be read."""
+"""Table I: the same episodes for all controllers, and a readable report."""
 
 import json
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Table II: buildings, trials, how they end, agents of one's own, and the race."""
+"""Table II: buildings, trials, how they end, agents of the user, and the comparison."""
 
 import json
 from dataclasses import replace
@@ -63,26 +63,26 @@ def plan(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def house(plan):
+def building(plan):
     return make_building(plan, seed=0, count=3)
 
 
 @pytest.fixture(scope="module")
-def asked(house):
-    return draw_trials(house, 10, np.random.default_rng(1))
+def trials(building):
+    return draw_trials(building, 10, np.random.default_rng(1))
 
 
 # Buildings.
 
 
-def test_a_building_has_a_drive_for_every_ordered_pair_of_places(house):
-    assert house.name == "room.json"
+def test_a_building_has_a_trajectory_for_every_ordered_pair_of_places(building):
+    assert building.name == "room.json"
     pairs = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)]
-    assert [tuple(pair) for pair in house.pairs.tolist()] == pairs
-    for (start, goal), drive in zip(house.pairs, house.recorded.trajectories, strict=True):
+    assert [tuple(pair) for pair in building.pairs.tolist()] == pairs
+    for (start, goal), drive in zip(building.pairs, building.recorded.trajectories, strict=True):
         assert len(drive) >= SHORTEST
-        assert np.linalg.norm(drive.poses[0, :2] - house.places[start]) < 0.3
-        assert np.linalg.norm(drive.poses[-1, :2] - house.places[goal]) < REACHED + 0.1
+        assert np.linalg.norm(drive.poses[0, :2] - building.places[start]) < 0.3
+        assert np.linalg.norm(drive.poses[-1, :2] - building.places[goal]) < REACHED + 0.1
         # It sets out the way it goes.
         far = np.linalg.norm(drive.poses[:, :2] - drive.poses[0, :2], axis=1)
         ahead = drive.poses[np.argmax(far > 1.0), :2] - drive.poses[0, :2]
@@ -90,13 +90,13 @@ def test_a_building_has_a_drive_for_every_ordered_pair_of_places(house):
         assert np.array([np.cos(heading), np.sin(heading)]) @ ahead > 0.8
 
 
-def test_the_same_seed_gives_the_same_building(house, plan):
+def test_the_same_seed_gives_the_same_building(building, plan):
     again, other = make_building(plan, seed=0, count=3), make_building(plan, seed=5, count=3)
-    assert (again.places == house.places).all()
-    assert (again.recorded.poses == house.recorded.poses).all()
+    assert (again.places == building.places).all()
+    assert (again.recorded.poses == building.recorded.poses).all()
     assert (
-        other.recorded.poses.shape != house.recorded.poses.shape
-        or (other.recorded.poses != house.recorded.poses).any()
+        other.recorded.poses.shape != building.recorded.poses.shape
+        or (other.recorded.poses != building.recorded.poses).any()
     )
 
 
@@ -150,39 +150,41 @@ def test_a_car_looks_aside_where_it_would_stand_in_a_pillar():
 # Trials.
 
 
-def test_trials_start_beside_a_recorded_drive_and_end_where_it_leads(house, asked):
-    assert len(asked) == 10
-    first = house.recorded.first_frames
-    number = {tuple(pair): n for n, pair in enumerate(house.pairs.tolist())}
-    for trial, pair in enumerate(asked.pairs.tolist()):
-        recorded = house.recorded.poses[first[number[tuple(pair)]]]
-        gap = np.linalg.norm(asked.starts[trial, :2] - recorded[:2])
+def test_trials_start_near_a_recorded_trajectory_and_end_at_its_goal(building, trials):
+    assert len(trials) == 10
+    first = building.recorded.first_frames
+    number = {tuple(pair): n for n, pair in enumerate(building.pairs.tolist())}
+    for trial, pair in enumerate(trials.pairs.tolist()):
+        recorded = building.recorded.poses[first[number[tuple(pair)]]]
+        gap = np.linalg.norm(trials.starts[trial, :2] - recorded[:2])
         assert 0 < gap <= 1.0
-        assert np.linalg.norm(asked.goal_poses[trial, :2] - house.places[pair[1]]) < REACHED + 0.1
-        drive = asked.recorded.trajectories[trial]
-        assert (drive.poses[0] == asked.starts[trial]).all()
-        assert (drive.poses[-1] == asked.goal_poses[trial]).all()
-        assert asked.seconds[trial] == pytest.approx(0.1 * (len(drive) - 1))
-    counts = np.bincount([number[tuple(pair)] for pair in asked.pairs.tolist()], minlength=6)
+        assert (
+            np.linalg.norm(trials.goal_poses[trial, :2] - building.places[pair[1]]) < REACHED + 0.1
+        )
+        drive = trials.recorded.trajectories[trial]
+        assert (drive.poses[0] == trials.starts[trial]).all()
+        assert (drive.poses[-1] == trials.goal_poses[trial]).all()
+        assert trials.seconds[trial] == pytest.approx(0.1 * (len(drive) - 1))
+    counts = np.bincount([number[tuple(pair)] for pair in trials.pairs.tolist()], minlength=6)
     assert counts.max() - counts.min() <= 2
     assert counts.min() >= 1
 
 
-def test_trials_are_drawn_by_their_seed(house, asked):
-    again = draw_trials(house, 10, np.random.default_rng(1))
-    assert (again.starts == asked.starts).all()
-    assert (again.pairs == asked.pairs).all()
-    other = draw_trials(house, 10, np.random.default_rng(2))
-    assert not np.array_equal(other.starts, asked.starts)
+def test_trials_are_drawn_by_their_seed(building, trials):
+    again = draw_trials(building, 10, np.random.default_rng(1))
+    assert (again.starts == trials.starts).all()
+    assert (again.pairs == trials.pairs).all()
+    other = draw_trials(building, 10, np.random.default_rng(2))
+    assert not np.array_equal(other.starts, trials.starts)
 
 
-def test_goals_are_shown_in_their_context_as_seen_from_there(asked):
+def test_goals_are_shown_in_their_context_as_seen_from_there(trials):
     view = VIEWS["camera16"]
-    goals = goals_of(asked, view, 5)
+    goals = goals_of(trials, view, 5)
     assert len(goals) == 10
     for trial, goal in enumerate(goals):
         assert goal.contexts.shape == (1, 11, 16, 64, 3)
-        there = view.render(asked.recorded.scene, asked.goal_poses[[trial]])
+        there = view.render(trials.recorded.scene, trials.goal_poses[[trial]])
         assert (goal.observations.image == there).all()
         assert (goal.contexts[0, 5] == there[0]).all()
         # Nothing comes after the end of a drive.
@@ -193,26 +195,26 @@ def test_goals_are_shown_in_their_context_as_seen_from_there(asked):
 # What was sensed, and where that was.
 
 
-def test_experiences_are_the_drives_one_after_the_other(house):
-    found = list(experiences(house))
-    begins = start_times(house)
+def test_experiences_are_the_trajectories_one_after_the_other(building):
+    found = list(experiences(building))
+    begins = start_times(building)
     assert len(found) == len(begins) == 6
     assert begins[0] == 0.0
     last = -np.inf
-    for number, (one, drive) in enumerate(zip(found, house.recorded.trajectories, strict=True)):
+    for number, (one, drive) in enumerate(zip(found, building.recorded.trajectories, strict=True)):
         assert len(one.observations) == len(one.timestamps) == len(drive)
         assert one.timestamps[0] == begins[number] > last
         last = one.timestamps[-1]
         assert one.observations.odometry == pytest.approx(drive.odometry)
         assert (one.observations.laser == drive.laser).all()
         assert one.observations.depth is None
-    (some,) = experiences(house, [4])
+    (some,) = experiences(building, [4])
     assert (some.timestamps == found[4].timestamps).all()
     assert (some.observations.image == found[4].observations.image).all()
 
 
-def test_an_experience_needs_a_time_for_each_frame(house):
-    seen = next(experiences(house)).observations
+def test_an_experience_needs_a_time_for_each_frame(building):
+    seen = next(experiences(building)).observations
     for count, times in ((3, 2), (1, 1), (0, 0)):
         with pytest.raises(InputError, match=f"experience: {count} observations, {times} timest"):
             Experience(seen[np.arange(count)], np.arange(times) * 0.1)
@@ -228,10 +230,10 @@ class Anything:
         return np.ones(len(prepared))
 
 
-def test_edges_are_as_long_as_the_way_between_their_vertices(house):
+def test_edges_are_as_long_as_the_path_between_their_vertices(building):
     topomap, frames = TopoMap(Anything()), []
-    first = house.recorded.first_frames
-    for number, one in enumerate(experiences(house)):
+    first = building.recorded.first_frames
+    for number, one in enumerate(experiences(building)):
         if number not in (1, 4):
             continue
         kept = np.array([0, 37, 80, len(one.timestamps) - 1])
@@ -243,95 +245,99 @@ def test_edges_are_as_long_as_the_way_between_their_vertices(house):
             np.full(4, number),
             np.arange(4),
         )
-    poses = house.recorded.poses[frames]
-    assert vertex_poses(house, topomap) == pytest.approx(poses)
-    assert edge_lengths(house, topomap).shape == (0,)
+    poses = building.recorded.poses[frames]
+    assert vertex_poses(building, topomap) == pytest.approx(poses)
+    assert edge_lengths(building, topomap).shape == (0,)
     for source, target in ((0, 3), (7, 4), (2, 6), (1, 0), (5, 2)):
         topomap.connect(source, target, 0.5)
-    lengths = edge_lengths(house, topomap)
+    lengths = edge_lengths(building, topomap)
     for (source, target), length in zip(topomap.graph.edges, lengths, strict=True):
-        way = house.paths.fields(poses[[target], :2], shortest=True)
-        assert length == pytest.approx(way.distance(poses[[source], :2])[0])
+        path = building.paths.fields(poses[[target], :2], shortest=True)
+        assert length == pytest.approx(path.distance(poses[[source], :2])[0])
     assert lengths.max() > 5 > lengths.min()
     topomap.remove([0])
-    assert len(edge_lengths(house, topomap)) == 3
+    assert len(edge_lengths(building, topomap)) == 3
 
 
 # How trials end.
 
 
 class Scripted:
-    """A journey on which each robot does as it is told, from one step to the next."""
+    """A navigation in which all robots take one action, and arrive or give up on schedule."""
 
     def __init__(self, count, action=(0.0, 0.0), arrive=None, give_up=None):
         self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
         self.action, self.step = np.asarray(action, dtype=float), 0
-        self.arrive, self.give_up, self.asked = arrive or {}, give_up or {}, []
+        self.arrive, self.give_up, self.queried = arrive or {}, give_up or {}, []
 
     def act(self, observations, robots):
         assert len(observations) == len(robots)
         self.step += 1
-        self.asked.append(robots.tolist())
+        self.queried.append(robots.tolist())
         for robot in robots:
             self.arrived[robot] = self.step >= self.arrive.get(int(robot), np.inf)
             self.given_up[robot] = self.step >= self.give_up.get(int(robot), np.inf)
         return np.tile(self.action, (len(robots), 1))
 
 
-def at_goals(house, aside, turned, seconds=1.0):
+def at_goals(building, aside, turned, seconds=1.0):
     """Trials that start so far to the left of their goals (N,), and turned (N,) from them."""
-    frames = np.full(len(aside), house.recorded.first[0] + 60)
-    goals = house.recorded.poses[frames]
+    frames = np.full(len(aside), building.recorded.first[0] + 60)
+    goals = building.recorded.poses[frames]
     starts = goals.copy()
     starts[:, 0] -= np.sin(goals[:, 2]) * aside
     starts[:, 1] += np.cos(goals[:, 2]) * aside
     starts[:, 2] += turned
     long = np.full(len(aside), seconds)
-    return Trials(np.zeros((len(aside), 2), int), starts, house.recorded, frames, long)
+    return Trials(np.zeros((len(aside), 2), int), starts, building.recorded, frames, long)
 
 
-def test_who_says_to_have_arrived_is_judged_by_place_and_heading(house):
+def test_a_declared_arrival_is_checked_by_position_and_heading(building):
     aside = np.array([0.0, 0.45, 0.55, 0.0, 0.0, 0.0])
     turned = np.array([0.0, 0.0, 0.0, 1.0, 1.1, 2 * np.pi - 0.3])
-    asked = at_goals(house, aside, turned)
-    journey = Scripted(6, arrive=dict.fromkeys(range(6), 3))
-    outcome = navigate(house, asked, lambda _: journey)
+    trials = at_goals(building, aside, turned)
+    navigation = Scripted(6, arrive=dict.fromkeys(range(6), 3))
+    outcome = navigate(building, trials, lambda _: navigation)
     assert outcome.ending.tolist() == ["arrived"] * 6
     assert outcome.success.tolist() == [True, True, False, True, False, True]
     assert outcome.wrong.tolist() == [False, False, True, False, True, False]
     assert outcome.gap == pytest.approx(aside, abs=1e-9)
     assert outcome.seconds == pytest.approx(np.full(6, 0.3))
     assert outcome.poses.shape == (4, 6, 3)
-    assert isinstance(journey, Navigation)
+    assert isinstance(navigation, Navigation)
 
 
-def test_trials_end_one_by_one(house):
-    asked = replace(at_goals(house, np.zeros(4), np.zeros(4)), seconds=np.array([1, 1, 1, -14.0]))
-    journey = Scripted(4, arrive={0: 5}, give_up={1: 2, 0: 5})
-    outcome = navigate(house, asked, lambda _: journey)
+def test_trials_end_one_by_one(building):
+    trials = replace(
+        at_goals(building, np.zeros(4), np.zeros(4)), seconds=np.array([1, 1, 1, -14.0])
+    )
+    navigation = Scripted(4, arrive={0: 5}, give_up={1: 2, 0: 5})
+    outcome = navigate(building, trials, lambda _: navigation)
     assert outcome.ending.tolist() == ["arrived", "gave_up", "late", "late"]
     assert outcome.seconds == pytest.approx([0.5, 0.2, TIMES + GRACE, GRACE - 28.0])
     assert outcome.success.tolist() == [True, False, False, False]
     assert not outcome.wrong.any()
-    assert journey.asked[1] == [0, 1, 2, 3]
-    assert journey.asked[2] == [0, 2, 3]
-    assert journey.asked[5] == [2, 3]
-    assert journey.asked[-1] == [2]
+    assert navigation.queried[1] == [0, 1, 2, 3]
+    assert navigation.queried[2] == [0, 2, 3]
+    assert navigation.queried[5] == [2, 3]
+    assert navigation.queried[-1] == [2]
 
 
-def test_to_be_near_is_not_to_have_arrived(house):
-    outcome = navigate(house, at_goals(house, np.zeros(1), np.zeros(1)), lambda _: Scripted(1))
+def test_to_be_near_is_not_to_have_arrived(building):
+    outcome = navigate(
+        building, at_goals(building, np.zeros(1), np.zeros(1)), lambda _: Scripted(1)
+    )
     assert not outcome.success[0]
     assert outcome.gap[0] < NEAR
 
 
-def test_who_pushes_against_a_wall_is_stuck(house):
-    asked = at_goals(house, np.zeros(2), np.zeros(2), seconds=30.0)
-    outcome = navigate(house, asked, lambda _: Scripted(2, action=(0.5, 0.0), arrive={1: 4}))
+def test_a_robot_that_pushes_against_a_wall_is_stuck(building):
+    trials = at_goals(building, np.zeros(2), np.zeros(2), seconds=30.0)
+    outcome = navigate(building, trials, lambda _: Scripted(2, action=(0.5, 0.0), arrive={1: 4}))
     assert outcome.ending.tolist() == ["stuck", "arrived"]
     assert not outcome.success[0]
     # It has touched the wall for so long at a stretch, and not a step longer.
-    alone, stretch, steps = Simulation(house.scene, asked.starts[:1]), 0, 0
+    alone, stretch, steps = Simulation(building.scene, trials.starts[:1]), 0, 0
     while stretch < STUCK / STEP:
         alone.step([[0.5, 0.0]])
         stretch, steps = (stretch + 1 if alone.touching[0] else 0), steps + 1
@@ -340,7 +346,7 @@ def test_who_pushes_against_a_wall_is_stuck(house):
     # Who is done stands still while the others drive on.
     assert np.ptp(outcome.poses[20:, 1], axis=0).max() < 1e-6
     assert outcome.gap[1] == pytest.approx(
-        np.linalg.norm(outcome.poses[4, 1, :2] - asked.goal_poses[1, :2])
+        np.linalg.norm(outcome.poses[4, 1, :2] - trials.goal_poses[1, :2])
     )
 
 
@@ -354,16 +360,16 @@ class ToAndFro(Scripted):
         return gear * super().act(observations, robots)
 
 
-def test_only_touching_at_a_stretch_is_to_be_stuck(house):
-    asked = at_goals(house, np.zeros(1), np.zeros(1), seconds=30.0)
-    alone, track = Simulation(house.scene, asked.starts), [asked.starts]
+def test_only_touching_at_a_stretch_is_to_be_stuck(building):
+    trials = at_goals(building, np.zeros(1), np.zeros(1), seconds=30.0)
+    alone, track = Simulation(building.scene, trials.starts), [trials.starts]
     while not alone.touching[0]:
         track.append(alone.poses)
         alone.step([[0.5, 0.0]])
-    asked = replace(asked, starts=track[-1])
-    outcome = navigate(house, asked, lambda _: ToAndFro(1, action=(0.5, 0.0)))
+    trials = replace(trials, starts=track[-1])
+    outcome = navigate(building, trials, lambda _: ToAndFro(1, action=(0.5, 0.0)))
     # It touches the wall again and again, together for much longer than it may at a stretch.
-    alone, touched = Simulation(house.scene, asked.starts), []
+    alone, touched = Simulation(building.scene, trials.starts), []
     for step in range(400):
         alone.step([[0.5 if step // 15 % 2 == 0 else -0.5, 0.0]])
         touched.append(alone.touching[0])
@@ -391,13 +397,13 @@ class Mapped:
         return Scripted(len(goals), give_up=dict.fromkeys(range(len(goals)), 1))
 
 
-def test_edges_of_five_metres_and_more_are_wormholes(house):
-    asked, found = at_goals(house, np.zeros(1), np.zeros(1)), Mapped([])
-    found.learn(list(experiences(house)))
+def test_edges_of_five_metres_and_more_are_wormholes(building):
+    trials, found = at_goals(building, np.zeros(1), np.zeros(1)), Mapped([])
+    found.learn(list(experiences(building)))
     count = len(found.topomap)
     agent = Mapped([(0, target) for target in range(1, count)])
-    result = attempt(house, asked, agent)
-    lengths = edge_lengths(house, agent.topomap)
+    result = attempt(building, trials, agent)
+    lengths = edge_lengths(building, agent.topomap)
     assert ((lengths > 2.6) & (lengths < 4.9)).sum() > 2
     assert (lengths > 5.1).sum() > 1
     assert result.wormholes == (lengths > 5.0).sum()
@@ -405,22 +411,22 @@ def test_edges_of_five_metres_and_more_are_wormholes(house):
     assert result.outcome.ending.tolist() == ["gave_up"]
 
 
-def test_an_oracle_arrives_everywhere_in_time(house, asked):
+def test_an_oracle_arrives_everywhere_in_time(building, trials):
     made = []
 
     def start(simulation):
-        assert (simulation.poses == asked.starts).all()
-        made.append(OracleNavigation(simulation, house.paths, asked.goal_poses))
+        assert (simulation.poses == trials.starts).all()
+        made.append(OracleNavigation(simulation, building.paths, trials.goal_poses))
         return made[0]
 
-    outcome = navigate(house, asked, start)
+    outcome = navigate(building, trials, start)
     assert (outcome.ending == "arrived").all()
     assert outcome.success.mean() >= 0.9
-    assert (outcome.seconds < asked.seconds + 3).all()
+    assert (outcome.seconds < trials.seconds + 3).all()
     assert not made[0].given_up.any()
 
 
-# Agents of one's own.
+# Agents of the user's own.
 
 WHOLE = """
 import numpy as np
@@ -458,11 +464,11 @@ def own(tmp_path):
     return write
 
 
-def test_a_whole_agent_of_one_s_own_is_raced(house, asked, own):
+def test_a_whole_agent_of_the_user_is_compared(building, trials, own):
     where = own(WHOLE)
     agent = agents.custom(where)
     assert isinstance(agent, Agent)
-    found = agents.guarded(where, attempt, house, asked, agent)
+    found = agents.guarded(where, attempt, building, trials, agent)
     assert (found.outcome.ending == "gave_up").all()
     assert found.outcome.seconds == pytest.approx(np.full(10, 0.3))
     assert found.vertices is found.edges is found.wormholes is None
@@ -477,7 +483,7 @@ def test_a_whole_agent_of_one_s_own_is_raced(house, asked, own):
         ("reachability", ["prepare", "probability"]),
     ],
 )
-def test_a_piece_of_one_s_own_takes_the_place_of_ours(own, kind, methods):
+def test_a_component_of_the_user_replaces_ours(own, kind, methods):
     text = "class Mine:\n" + "".join(f"    def {name}(self, *_): ...\n" for name in methods)
     agent = agents.custom(own(text))
     assert isinstance(agent, MengAgent)
@@ -580,33 +586,33 @@ def changed(text, old, new):
         ("np.zeros((2, count), bool)", "np.zeros((2, count))", "Error: "),
     ],
 )
-def test_an_agent_that_fails_in_the_race_is_reported(house, asked, own, old, new, words):
+def test_an_agent_that_fails_in_the_comparison_is_reported(building, trials, own, old, new, words):
     where = own(changed(WHOLE, old, new))
     agent = agents.custom(where)
     with pytest.raises(InputError, match=words) as error:
-        agents.guarded(where, attempt, house, asked, agent)
+        agents.guarded(where, attempt, building, trials, agent)
     assert str(error.value).startswith(f"--agent {where}: ")
 
 
 @pytest.mark.parametrize(
     "wrong", ["0.5", "[0.5, 0.0]", "[[0.5, 0.0]]", "np.zeros((len(robots), 1))"]
 )
-def test_one_action_for_all_robots_is_reported(house, asked, own, wrong):
+def test_one_action_for_all_robots_is_reported(building, trials, own, wrong):
     where = own(changed(WHOLE, "return np.zeros((len(robots), 2))", f"return {wrong}"))
     with pytest.raises(InputError, match=r"--agent .*: actions: .* \(M, 2\) for 10 robots$"):
-        agents.guarded(where, attempt, house, asked, agents.custom(where))
+        agents.guarded(where, attempt, building, trials, agents.custom(where))
 
 
-def test_a_file_that_exits_is_reported(house, asked, own):
+def test_a_file_that_exits_is_reported(building, trials, own):
     with pytest.raises(InputError, match=r"--agent .*own\.py, line 3: SystemExit: 3$"):
         agents.custom(own("import sys\n\nsys.exit(3)\n"))
     where = own(changed(WHOLE, "return Walk(len(goals))", "raise SystemExit('enough')"))
     with pytest.raises(InputError, match=r"--agent .*own\.py, line 11: SystemExit: enough$"):
-        agents.guarded(where, attempt, house, asked, agents.custom(where))
+        agents.guarded(where, attempt, building, trials, agents.custom(where))
 
 
 @networks
-def test_a_planner_after_the_interface_is_good_enough(house, own):
+def test_a_planner_after_the_interface_is_good_enough(building, own):
     text = (
         "from tutorial_lib.topology.planner import Plan\n\n\n"
         "class Mine:\n"
@@ -614,13 +620,13 @@ def test_a_planner_after_the_interface_is_good_enough(house, own):
         "        return Plan(refusal='no way')\n"
     )
     agent = agents.custom(own(text))
-    asked = at_goals(house, np.zeros(1), np.zeros(1))
-    journey = agent.start(goals_of(asked, VIEWS["camera16"], 5))
-    seen = next(experiences(house)).observations[0]
-    assert journey.act(seen, np.array([0])).shape == (1, 2)
+    trials = at_goals(building, np.zeros(1), np.zeros(1))
+    navigation = agent.start(goals_of(trials, VIEWS["camera16"], 5))
+    seen = next(experiences(building)).observations[0]
+    assert navigation.act(seen, np.array([0])).shape == (1, 2)
 
 
-def test_what_is_guarded_is_told_and_what_works_is_returned(own):
+def test_a_guarded_error_is_reported_and_a_result_returned(own):
     where = own(WHOLE)
     assert agents.guarded(where, lambda a, b: a + b, 1, 2) == 3
 
@@ -633,7 +639,7 @@ def test_what_is_guarded_is_told_and_what_works_is_returned(own):
         agents.guarded(where, lambda: (_ for _ in ()).throw(KeyboardInterrupt))
 
 
-def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsys):
+def test_a_wrong_agent_is_reported_before_any_rollout(monkeypatch, own, capsys):
     def never(*_, **__):
         raise AssertionError("it was driven")
 
@@ -641,20 +647,20 @@ def test_a_wrong_agent_is_told_before_anything_is_driven(monkeypatch, own, capsy
     monkeypatch.setattr(table2, "for_each", never)
     for where in ("nowhere.py:Mine", own("class Mine\n")):
         assert main(["experiment", "meng_table2", "--quick", "--agent", where]) == 2
-        told = capsys.readouterr().err
-        assert f"--agent {where}: " in told
-        assert "Traceback" not in told
+        error = capsys.readouterr().err
+        assert f"--agent {where}: " in error
+        assert "Traceback" not in error
     assert main(["experiment", "plans", "--agent", own(WHOLE)]) == 2
     assert (
         "--agent: plans cannot use it; its options: --worlds A:B, --map" in capsys.readouterr().err
     )
 
 
-# The race.
+# The comparison.
 
 
 @networks
-def test_a_race_is_run_by_all_on_the_same_trials(plan, own, monkeypatch):
+def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
     few = replace(table2.EXPERIMENT, quick_settings=table2.Settings(places=3, trials=4))
     monkeypatch.setattr(navigation, "GRACE", 1.0)
     monkeypatch.setattr(table2, "for_each", in_turn)

@@ -1,4 +1,4 @@
-"""Disturbances do what they say, and are counted as they should be."""
+"""Disturbances move robots as declared, and are counted correctly."""
 
 import json
 from dataclasses import replace
@@ -51,7 +51,7 @@ def test_cars_are_moved_as_far_as_said_to_where_there_is_room(recorded, move, ga
     assert moved > 5
 
 
-def test_who_is_carried_sees_nothing_of_the_own_drive(recorded):
+def test_a_kidnapped_robot_sees_nothing_of_its_own_trajectory(recorded):
     rng = np.random.default_rng(2)
     frame = int(recorded.first[-1])
     there = carried(recorded, frame, recorded.poses[frame], rng)
@@ -60,12 +60,12 @@ def test_who_is_carried_sees_nothing_of_the_own_drive(recorded):
     assert not recorded.scene.caster.sees(np.tile(there[:2], (len(own), 1)), own).any()
 
 
-def test_where_all_is_one_drive_nobody_can_be_carried_away(recorded):
+def test_with_a_single_trajectory_no_robot_can_be_kidnapped(recorded):
     alone = RecordedWorld(recorded.scene, recorded.trajectories[:1])
     assert carried(alone, 0, alone.poses[0], np.random.default_rng(0)) is None
 
 
-def test_people_cross_the_drive_where_there_is_room(recorded):
+def test_people_cross_the_trajectory_where_there_is_room(recorded):
     rng, long = np.random.default_rng(3), 0
     for frame in range(0, len(recorded.poses), 40):
         person = in_the_way(recorded, frame, 7, rng)
@@ -78,7 +78,7 @@ def test_people_cross_the_drive_where_there_is_room(recorded):
     assert long > 5
 
 
-def test_a_robot_is_moved_once_when_it_comes_by(recorded):
+def test_a_robot_is_moved_once_when_it_passes(recorded):
     frames = np.array([recorded.first[0] + 30, recorded.last[0]])
     disturbance = Disturbance(recorded, frames, turned, np.random.default_rng(0))
     simulation = Simulation(recorded.scene, np.repeat(recorded.poses[:1], 2, axis=0))

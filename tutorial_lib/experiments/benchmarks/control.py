@@ -84,8 +84,8 @@ class Loop:
             scene, random_free_poses(scene, BicycleCar(), places, cars, rng)
         )
         around = random_free_poses(scene, BicycleCar(), places, cars, rng)
-        pictures = predictor.architecture.images
-        poses = np.repeat(around[:, None], pictures, axis=1)
+        images = predictor.architecture.images
+        poses = np.repeat(around[:, None], images, axis=1)
         self.contexts = predictor.view.render(scene, poses)
         self.predictor, self.controller = predictor, RMPController()
         self.targets = predictor.prepare(self.contexts)

@@ -135,7 +135,7 @@ def blockades(
         for place in row:
             people.append(Person(place[None], speed=0.0, owner=len(kept)))
         kept.append(trial)
-        # To the blockade, and then all the way around.
+        # To the blockade, and then all of the detour.
         seconds.append(trials.seconds[trial] * (1.0 + around / straight))
     return people, np.array(kept, dtype=np.intp), np.array(seconds)
 
