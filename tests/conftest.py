@@ -42,7 +42,7 @@ def pytest_addoption(parser):
 
 @pytest.hookimpl(tryfirst=True)  # before xdist looks at the options
 def pytest_cmdline_main(config):
-    """Run folders side by side, and files in this process, unless told otherwise (-n)."""
+    """Run folders side by side, and files in this process, unless given (-n)."""
     option = config.option
     if hasattr(config, "workerinput") or not hasattr(option, "numprocesses"):
         return  # a worker, or no xdist

@@ -171,7 +171,7 @@ def test_a_temporary_path_has_the_same_suffix(path):
     assert path.exists()
 
 
-def test_what_cannot_be_written_is_told_before(tmp_path):
+def test_what_cannot_be_written_is_refused_before(tmp_path):
     check_writable(tmp_path / "new.json")
     for path in (tmp_path, tmp_path / "none" / "new.json"):
         with pytest.raises(InputError, match="cannot be written; give a file's name"):

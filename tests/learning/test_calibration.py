@@ -42,8 +42,8 @@ distinct = st.lists(
 
 
 def columns(pairs):
-    told, true = zip(*pairs, strict=True)
-    return np.array(told) / 10_000, np.array(true, dtype=float)
+    predicted, true = zip(*pairs, strict=True)
+    return np.array(predicted) / 10_000, np.array(true, dtype=float)
 
 
 # The reliability diagram and its error.
@@ -52,12 +52,12 @@ def columns(pairs):
 @given(distinct, st.integers(1, 12))
 def test_a_diagram_is_that_of_sorting_and_dealing_out(pairs, bins):
     diagram = reliability(*columns(pairs), bins)
-    left = sorted((told / 10_000, true) for told, true in pairs)
+    left = sorted((predicted / 10_000, true) for predicted, true in pairs)
     error = 0.0
     for number in range(bins):
         size = len(pairs) // bins + (number < len(pairs) % bins)
         part, left = left[:size], left[size:]
-        predicted = sum(told for told, _ in part) / size
+        predicted = sum(p for p, _ in part) / size
         measured = sum(true for _, true in part) / size
         assert diagram.predicted[number] == pytest.approx(predicted)
         assert diagram.measured[number] == pytest.approx(measured)
@@ -68,22 +68,22 @@ def test_a_diagram_is_that_of_sorting_and_dealing_out(pairs, bins):
 
 
 @given(distinct, st.randoms(use_true_random=False))
-def test_the_order_of_what_is_told_does_not_matter(pairs, chance):
+def test_the_order_of_predictions_does_not_matter(pairs, chance):
     shuffled = chance.sample(pairs, len(pairs))
     assert reliability(*columns(pairs)).ece == pytest.approx(reliability(*columns(shuffled)).ece)
 
 
 def test_the_order_of_equal_predictions_does_not_matter():
-    came_true = np.repeat([0.0, 1.0], 50)  # one half, as was told
+    came_true = np.repeat([0.0, 1.0], 50)  # one half, as was predicted
     mixed = np.random.default_rng(0).permutation(came_true)
-    told = np.full(100, 0.5)
-    assert reliability(told, came_true).ece == pytest.approx(reliability(told, mixed).ece)
-    assert reliability(told, came_true).ece < 0.25
+    predicted = np.full(100, 0.5)
+    assert reliability(predicted, came_true).ece == pytest.approx(reliability(predicted, mixed).ece)
+    assert reliability(predicted, came_true).ece < 0.25
 
 
 def test_equal_predictions_share_the_bin_of_their_middle():
-    told = np.array([0.1, 0.2, 0.2, 0.2, 0.3, 0.4])
-    diagram = reliability(told, [0, 0, 1, 1, 0, 1], 3)
+    predicted = np.array([0.1, 0.2, 0.2, 0.2, 0.3, 0.4])
+    diagram = reliability(predicted, [0, 0, 1, 1, 0, 1], 3)
     assert diagram.count.tolist() == [1, 3, 2]
     assert diagram.predicted == pytest.approx([0.1, 0.2, 0.35])
     assert diagram.measured == pytest.approx([0.0, 2 / 3, 0.5])
@@ -91,14 +91,14 @@ def test_equal_predictions_share_the_bin_of_their_middle():
 
 @given(distinct)
 def test_an_error_of_calibration_is_at_least_that_of_the_mean(pairs):
-    told, true = columns(pairs)
-    mean = abs(told.mean() - true.mean())
-    assert reliability(told, true, 1).ece == pytest.approx(mean)
-    assert mean - 1e-9 <= reliability(told, true).ece <= 1.0
+    predicted, true = columns(pairs)
+    mean = abs(predicted.mean() - true.mean())
+    assert reliability(predicted, true, 1).ece == pytest.approx(mean)
+    assert mean - 1e-9 <= reliability(predicted, true).ece <= 1.0
 
 
 @given(st.lists(st.booleans(), min_size=10, max_size=40))
-def test_who_tells_what_happens_makes_no_error(true):
+def test_a_prediction_of_what_happens_makes_no_error(true):
     assert reliability(np.array(true, float), true).ece == pytest.approx(0.0)
     assert brier(np.array(true, float), true) == 0.0
     reverse = 1.0 - np.array(true)
@@ -106,25 +106,25 @@ def test_who_tells_what_happens_makes_no_error(true):
 
 
 def test_what_is_calibrated_has_a_small_error_and_what_is_not_has_its_own():
-    told, true = calibrated()
-    assert reliability(told, true).ece < 0.015
+    predicted, true = calibrated()
+    assert reliability(predicted, true).ece < 0.015
     for shift in (0.05, 0.2):
-        bent = told * (1 - shift)  # on average half of the shift too low
+        bent = predicted * (1 - shift)  # on average half of the shift too low
         assert reliability(bent, true).ece == pytest.approx(shift / 2, abs=0.01)
-    sure = sigmoid(3 * logit(told))
+    sure = sigmoid(3 * logit(predicted))
     assert reliability(sure, true).ece > 0.08
 
 
-def test_bins_have_equal_mass_however_told_probabilities_crowd():
-    told = np.concatenate([np.linspace(0.0, 0.01, 950), np.linspace(0.5, 1.0, 50)])
-    diagram = reliability(told, np.zeros(1000))
+def test_bins_have_equal_mass_however_predictions_crowd():
+    predicted = np.concatenate([np.linspace(0.0, 0.01, 950), np.linspace(0.5, 1.0, 50)])
+    diagram = reliability(predicted, np.zeros(1000))
     assert diagram.count.tolist() == [100] * 10
     assert (diagram.predicted[:9] < 0.011).all()
-    assert diagram.ece == pytest.approx(told.mean())
+    assert diagram.ece == pytest.approx(predicted.mean())
 
 
 @pytest.mark.parametrize(
-    ("told", "true", "bins", "words"),
+    ("predicted", "true", "bins", "words"),
     [
         ([0.1] * 9, [1] * 9, 10, "10 bins for 9"),
         ([0.1] * 9, [1] * 9, 0, "0 bins for 9"),
@@ -137,12 +137,12 @@ def test_bins_have_equal_mass_however_told_probabilities_crowd():
         ([0.1, 0.2], [1, 2], 1, "outcomes: not all"),
     ],
 )
-def test_what_is_no_probability_is_told(told, true, bins, words):
+def test_what_is_no_probability_is_refused(predicted, true, bins, words):
     with pytest.raises(InputError, match=words):
-        reliability(told, true, bins)
+        reliability(predicted, true, bins)
     if "bins for" not in words:
         with pytest.raises(InputError, match=words):
-            brier(told, true)
+            brier(predicted, true)
 
 
 # Brier's score and the area under the curve.
@@ -150,7 +150,7 @@ def test_what_is_no_probability_is_told(told, true, bins, words):
 
 @given(distinct)
 def test_brier_s_score_is_the_mean_square(pairs):
-    wanted = sum((told / 10_000 - true) ** 2 for told, true in pairs) / len(pairs)
+    wanted = sum((predicted / 10_000 - true) ** 2 for predicted, true in pairs) / len(pairs)
     assert brier(*columns(pairs)) == pytest.approx(wanted)
 
 
@@ -168,17 +168,17 @@ def test_the_area_counts_pairs_and_ties_as_half(pairs):
         if good and not bad
     )
     count = sum(true for _, true in pairs)
-    told, true = zip(*pairs, strict=True)
-    assert auc(told, true) == pytest.approx(better / (count * (len(pairs) - count)))
+    predicted, true = zip(*pairs, strict=True)
+    assert auc(predicted, true) == pytest.approx(better / (count * (len(pairs) - count)))
 
 
 @given(scores)
 def test_the_area_depends_on_the_order_of_scores_alone(pairs):
-    told, true = (np.array(column, float) for column in zip(*pairs, strict=True))
-    area = auc(told, true)
-    assert auc(np.exp(told), true) == pytest.approx(area)
-    assert auc(-told, true) == pytest.approx(1.0 - area)
-    assert auc(told, 1.0 - true) == pytest.approx(1.0 - area)
+    predicted, true = (np.array(column, float) for column in zip(*pairs, strict=True))
+    area = auc(predicted, true)
+    assert auc(np.exp(predicted), true) == pytest.approx(area)
+    assert auc(-predicted, true) == pytest.approx(1.0 - area)
+    assert auc(predicted, 1.0 - true) == pytest.approx(1.0 - area)
 
 
 @pytest.mark.parametrize("true", [[1, 1, 1], [0, 0, 0]])
@@ -260,10 +260,10 @@ def test_a_calibration_is_a_line_through_its_knots_that_goes_on_beyond_them(knot
 @given(knots)
 def test_a_calibration_rises_everywhere(knots):
     mend = Calibration(*(tuple(column) for column in knots.T))
-    told = mend(np.linspace(-13.0, knots[:, 0].max() + 3.0, 300))
-    inside = (told > 1e-12) & (told < 1 - 1e-12)
-    assert (np.diff(told[inside]) > 0).all()
-    assert (np.diff(told) >= 0).all()
+    predicted = mend(np.linspace(-13.0, knots[:, 0].max() + 3.0, 300))
+    inside = (predicted > 1e-12) & (predicted < 1 - 1e-12)
+    assert (np.diff(predicted[inside]) > 0).all()
+    assert (np.diff(predicted) >= 0).all()
 
 
 def test_without_knots_of_its_own_a_calibration_changes_nothing():
@@ -351,14 +351,14 @@ def test_knots_lie_closer_together_at_the_upper_end():
 @pytest.mark.parametrize("happened", [0.0, 1.0])
 def test_nothing_is_ever_certain(happened):
     logits = np.linspace(-3.0, 3.0, 2000)
-    told = fit_isotonic(logits, np.full(2000, happened))(logits)
-    assert ((told > 0.0) & (told < 1.0)).all()
-    assert np.abs(told - happened).max() < 0.05
-    # A bin of 117, and half an errand more that did not go as all others.
-    assert abs(told[1000] - happened) == pytest.approx(0.5 / 118, rel=0.2)
+    predicted = fit_isotonic(logits, np.full(2000, happened))(logits)
+    assert ((predicted > 0.0) & (predicted < 1.0)).all()
+    assert np.abs(predicted - happened).max() < 0.05
+    # A bin of 117, and half a pair more that did not go as all others.
+    assert abs(predicted[1000] - happened) == pytest.approx(0.5 / 118, rel=0.2)
 
 
-def test_the_order_of_the_errands_does_not_matter():
+def test_the_order_of_the_pairs_does_not_matter():
     logits, true = bent(3000)
     order = random.Random(0).sample(range(3000), 3000)
     assert fit_isotonic(logits, true) == fit_isotonic(logits[order], true[order])
@@ -382,6 +382,6 @@ def test_logits_that_hardly_differ_can_be_mended(scale):
 
 
 @pytest.mark.parametrize("logits", [np.zeros(50), np.zeros(1)])
-def test_a_network_that_always_says_the_same_cannot_be_mended(logits):
+def test_a_network_with_constant_logits_cannot_be_mended(logits):
     with pytest.raises(InputError, match="rising"):
         fit_isotonic(logits, np.ones(len(logits)))

@@ -118,7 +118,7 @@ def test_some_encoded_targets_are_as_if_encoded_alone(recorded, seen, encoder):
 
 
 @pytest.mark.parametrize("encoder", ENCODERS)
-def test_each_robot_is_asked_about_its_own_target(recorded, seen, encoder):
+def test_each_robot_has_a_prediction_for_its_own_target(recorded, seen, encoder):
     predictor = predictor_of(encoder)
     kept = predictor.prepare(targets_of(recorded, predictor))
     together = np.array(predictor.predict(seen, kept))
@@ -130,7 +130,7 @@ def test_each_robot_is_asked_about_its_own_target(recorded, seen, encoder):
         assert alone == pytest.approx(together[:, [robot]], **CLOSE)
 
 
-def test_nobody_is_asked_about_nothing(recorded, seen):
+def test_without_robots_predictions_are_empty(recorded, seen):
     predictor = predictor_of()
     kept = predictor.prepare(targets_of(recorded, predictor))
     nobody = np.array([], dtype=int)
@@ -221,7 +221,7 @@ def test_a_network_that_tells_something_else_is_refused():
         DirectNetwork(network_of(Architecture(1, "pair")))
 
 
-def test_weights_that_do_not_exist_are_told():
+def test_weights_that_do_not_exist_are_named():
     with pytest.raises(InputError, match=r"waypoint_k99\.json"):
         WaypointNetwork("waypoint_k99")
 
@@ -230,13 +230,13 @@ def test_weights_that_do_not_exist_are_told():
 
 
 class Noting:
-    """A controller that keeps what it was asked and answers with numbers of its own."""
+    """A controller that records its queries and answers with numbers of its own."""
 
     def __init__(self):
-        self.asked = []
+        self.queries = []
 
     def act(self, observations, waypoints):
-        self.asked.append((observations, waypoints))
+        self.queries.append((observations, waypoints))
         return waypoints * [0.1, 0.3]
 
 
@@ -245,9 +245,9 @@ def test_composed_control_predicts_and_then_acts(recorded, seen):
     kept = predictor.prepare(targets_of(recorded, predictor))
     actions = ComposedController(predictor, controller).act(seen, kept)
     waypoints, _ = predictor.predict(seen, kept)
-    assert len(controller.asked) == 1
-    assert controller.asked[0][0] is seen
-    assert (controller.asked[0][1] == waypoints).all()
+    assert len(controller.queries) == 1
+    assert controller.queries[0][0] is seen
+    assert (controller.queries[0][1] == waypoints).all()
     assert (actions == waypoints * [0.1, 0.3]).all()
     composed = ComposedController(predictor, RMPController()).act(seen, kept)
     assert (composed == RMPController().act(seen, waypoints)).all()
@@ -293,7 +293,7 @@ def reachability_of(encoder="matching", k=1, seed=0):
 
 
 def neighbours_of(recorded, predictor, count=9):
-    """Contexts of frames that lie three apart on one drive, so that they share pictures."""
+    """Contexts of frames that lie three apart on one trajectory, so that they share images."""
     frames = 30 + 3 * np.arange(count)
     poses = recorded.poses[recorded.context(frames, predictor.architecture.k)]
     return predictor.view.render(recorded.scene, poses)

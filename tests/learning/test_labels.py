@@ -53,7 +53,7 @@ def farthest_by_trying(walls, start, track, source, target):
 
 @pytest.fixture(scope="module")
 def near(recorded):
-    """Starts beside the drives of an office, with the frames they go from and to.
+    """Starts beside the trajectories of an office, with the frames they go from and to.
 
     Farther apart than the pairs that are learnt from, so that many are hidden from each other.
     """
@@ -116,8 +116,8 @@ def test_along_a_corridor_the_target_itself_is_the_waypoint():
 
 
 def test_behind_a_corner_the_waypoint_is_the_last_place_before_it_hides():
-    # The drive is 11 m long: candidates lie 11/16 m apart. The corner (7, 3) hides what is above
-    # y = 3.2 on the second leg, and 10/16 of the way end at (8, 2.875).
+    # The path is 11 m long: candidates lie 11/16 m apart. The corner (7, 3) hides what is above
+    # y = 3.2 on the second leg, and 10/16 of its length end at (8, 2.875).
     target = len(AROUND) - 1
     found, there = waypoint_labels(
         BLOCK.caster, AROUND[:1], AROUND, np.array([0]), np.array([target])
@@ -126,7 +126,7 @@ def test_behind_a_corner_the_waypoint_is_the_last_place_before_it_hides():
     assert found[0] == pytest.approx([6.0, 0.875], abs=0.026)  # to the nearest frame
 
 
-def test_where_the_drive_is_hidden_altogether_there_is_no_waypoint():
+def test_where_the_trajectory_is_hidden_altogether_there_is_no_waypoint():
     start = np.array([[5.0, 8.0, 0.0]])  # on the other side of the block
     _, there = waypoint_labels(BLOCK.caster, start, AROUND, np.array([0]), np.array([80]))
     assert not there[0]
@@ -172,7 +172,7 @@ def frames_of(recorded, poses):
     return same.argmax(axis=1)
 
 
-def test_pairs_lie_along_one_drive(recorded):
+def test_pairs_lie_along_one_trajectory(recorded):
     pairs = drawn(recorded)
     assert pairs.starts.shape == (60, 4, 3)
     goals = frames_of(recorded, pairs.goals)
@@ -231,9 +231,9 @@ def test_contexts_of_pairs_are_the_frames_around_the_target(recorded, k):
     assert (pairs.contexts[:, k] == pairs.goals).all()
     for frame, poses in zip(frames_of(recorded, pairs.goals), pairs.contexts, strict=True):
         first, last = recorded.first[frame], recorded.last[frame]
-        drive = recorded.poses[first : last + 1]
+        track = recorded.poses[first : last + 1]
         around = np.clip(frame - first + 3 * np.arange(-k, k + 1), 0, last - first)
-        assert (poses == drive[around]).all()
+        assert (poses == track[around]).all()
 
 
 def test_the_same_seed_draws_the_same_pairs(recorded):

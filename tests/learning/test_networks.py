@@ -72,12 +72,12 @@ def test_what_is_kept_and_compared_is_what_plain_evaluation_gives(encoder, view)
     assert kept.shape[:2] == (5, 1 if network.stacked else 5)
     torch.testing.assert_close(outputs, network(current, contexts), **CLOSE)
     torch.testing.assert_close(outputs, one_by_one(network, current, contexts), **CLOSE)
-    assert outputs.std(dim=0).min() > 100 * CLOSE["atol"]  # pairs are told apart at all
+    assert outputs.std(dim=0).min() > 100 * CLOSE["atol"]  # pairs differ at all
 
 
 @every_encoder
 @torch.inference_mode()
-def test_outputs_do_not_depend_on_who_else_is_asked_about(encoder):
+def test_outputs_do_not_depend_on_the_rest_of_the_batch(encoder):
     network = build(encoder).train()  # also while it learns
     current, contexts = pairs_for(network, 6)
     together = network(current, contexts)
@@ -139,7 +139,7 @@ def test_a_context_of_another_length_is_refused(encoder, k):
 
 
 @pytest.mark.parametrize(("outputs", "count"), OUTPUTS.items())
-def test_there_are_as_many_outputs_as_are_asked_for(outputs, count):
+def test_there_are_as_many_outputs_as_are_named(outputs, count):
     network = build("pair", k=0, outputs=outputs)
     assert network(*pairs_for(network)).shape == (5, count)
 

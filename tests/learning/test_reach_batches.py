@@ -1,4 +1,4 @@
-"""What reachability is trained on: blocks of errands with how they ended, and of SPTM's pairs."""
+"""What reachability is trained on: blocks of pairs with their outcomes, and of SPTM's pairs."""
 
 from dataclasses import fields, replace
 
@@ -33,25 +33,25 @@ ARRAYS = [field.name for field in fields(Batch)]
 def made_up(world, targets, seed):
     """ReachabilityPairs whose ends were drawn by lot."""
     rng = np.random.default_rng(seed)
-    errands = draw_reachability_pairs(world, GridPaths(world.scene.clearance), targets, rng)
-    every = np.column_stack([errands.starts, errands.targets])
-    errands = errands.subset(np.sort(np.unique(every, axis=0, return_index=True)[1]))  # none twice
-    count = len(errands)
+    pairs = draw_reachability_pairs(world, GridPaths(world.scene.clearance), targets, rng)
+    every = np.column_stack([pairs.starts, pairs.targets])
+    pairs = pairs.subset(np.sort(np.unique(every, axis=0, return_index=True)[1]))  # none twice
+    count = len(pairs)
     driven = rng.random(count) < 0.8
     reached = driven & (rng.random(count) < 0.6)
-    return RolloutOutcomes(errands, driven, reached, driven & ~reached, np.zeros(count))
+    return RolloutOutcomes(pairs, driven, reached, driven & ~reached, np.zeros(count))
 
 
 @pytest.fixture(scope="module")
 def worlds(recorded, pillars):
     """An office and a room with pillars."""
-    drive = make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
-    return [recorded, RecordedWorld(pillars, [drive])]
+    trajectory = make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
+    return [recorded, RecordedWorld(pillars, [trajectory])]
 
 
 @pytest.fixture(scope="module")
-def lessons(worlds):
-    """Of the mined errands' starts, about two are left for each target."""
+def labelled(worlds):
+    """Of the mined pairs' starts, about two are left for each target."""
     found = []
     for number, world in enumerate(worlds):
         mined = made_up(world, 8, 10 + number)
@@ -61,33 +61,33 @@ def lessons(worlds):
 
 
 @pytest.fixture
-def source(lessons, monkeypatch):
-    """Shows poses in place of pictures."""
+def source(labelled, monkeypatch):
+    """Shows poses in place of images."""
     monkeypatch.setitem(VIEWS, "poses", PoseView())
     architecture = Architecture(K, "pair", "poses", "reachability")
-    return OutcomeSource(lessons, architecture, worlds=6, targets=20, vary=False)
+    return OutcomeSource(labelled, architecture, worlds=6, targets=20, vary=False)
 
 
 def poses_in(block):
-    """Poses (N, 3) of the current pictures, and (N, 2k+1, 3) of their targets' contexts."""
+    """Poses (N, 3) of the current images, and (N, 2k+1, 3) of their targets' contexts."""
     return block.current[:, 0, :, 0], np.repeat(block.contexts[:, :, 0, :, 0], STARTS, axis=0)
 
 
-def rows_of(lessons):
-    """All errands of all worlds: starts and goals (R, 6), labels, overlaps and whether mined."""
+def rows_of(labelled):
+    """All pairs of all worlds: starts and goals (R, 6), labels, overlaps and whether mined."""
     parts = []
-    for lesson in lessons:
-        for mined, outcomes in enumerate((lesson.outcomes, lesson.mined)):
-            errands, count = outcomes.pairs, len(outcomes)
-            goals = lesson.recorded.poses[errands.targets]
-            ends = [outcomes.reached, errands.overlap, np.full(count, mined)]
-            parts.append(np.column_stack([errands.starts, goals, *ends]))
+    for entry in labelled:
+        for mined, outcomes in enumerate((entry.outcomes, entry.mined)):
+            pairs, count = outcomes.pairs, len(outcomes)
+            goals = entry.recorded.poses[pairs.targets]
+            ends = [outcomes.reached, pairs.overlap, np.full(count, mined)]
+            parts.append(np.column_stack([pairs.starts, goals, *ends]))
     return np.concatenate(parts)
 
 
-def errands_in(block, lessons):
-    """The errand (N, 10) that each row of a block was made from."""
-    rows = rows_of(lessons)
+def labelled_pairs_in(block, labelled):
+    """The pair (N, 10) that each row of a block was made from."""
+    rows = rows_of(labelled)
     assert len(np.unique(rows[:, :6], axis=0)) == len(rows)
     starts, contexts = poses_in(block)
     gap, numbers = cKDTree(rows[:, :6]).query(np.column_stack([starts, contexts[:, K]]))
@@ -102,9 +102,9 @@ def same(one, two):
 # ReachabilityPairs and their outcomes.
 
 
-def test_labels_of_a_block_are_those_of_its_errands(source, lessons):
+def test_labels_of_a_block_are_those_of_its_pairs(source, labelled):
     block = source.block([1])
-    rows = errands_in(block, lessons)
+    rows = labelled_pairs_in(block, labelled)
     assert block.reached == pytest.approx(rows[:, 6])
     assert block.overlap == pytest.approx(rows[:, 7:9])
     assert (block.weight == 1.0).all()
@@ -113,7 +113,7 @@ def test_labels_of_a_block_are_those_of_its_errands(source, lessons):
         assert 0.0 < labels.mean() < 1.0
 
 
-def test_starts_of_one_target_share_its_context(source, lessons, worlds):
+def test_starts_of_one_target_share_its_context(source, labelled, worlds):
     block = source.block([2])
     assert block.contexts.shape == (120, 2 * K + 1, 1, 3, 1)
     assert block.current.shape == (120 * STARTS, 1, 3, 1)
@@ -136,25 +136,25 @@ def test_targets_of_different_worlds_are_mixed(source, worlds):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 0.5])
-def test_a_share_of_the_targets_is_mined(source, lessons, share):
+def test_a_share_of_the_targets_is_mined(source, labelled, share):
     blocks = [replace(source, mined=share).block([4, i]) for i in range(4)]
-    mined = np.concatenate([errands_in(block, lessons)[::STARTS, 9] for block in blocks])
+    mined = np.concatenate([labelled_pairs_in(block, labelled)[::STARTS, 9] for block in blocks])
     assert mined.mean() == pytest.approx(share, abs=0.08)
 
 
-def test_worlds_without_mined_errands_teach_those_that_they_have(source, lessons):
-    none = lessons[1].outcomes.subset(np.array([], dtype=int))
-    few = [lessons[0], replace(lessons[1], mined=none), replace(lessons[1], mined=None)]
+def test_worlds_without_mined_pairs_give_those_that_they_have(source, labelled):
+    none = labelled[1].outcomes.subset(np.array([], dtype=int))
+    few = [labelled[0], replace(labelled[1], mined=none), replace(labelled[1], mined=None)]
     block = replace(source, labelled=few, mined=0.5).block([5])
-    rows = errands_in(block, lessons)
-    office = cKDTree(lessons[0].recorded.poses).query(rows[:, 3:6])[0] < 1e-9
+    rows = labelled_pairs_in(block, labelled)
+    office = cKDTree(labelled[0].recorded.poses).query(rows[:, 3:6])[0] < 1e-9
     assert 0.3 < rows[office, 9].mean() < 0.7
     assert not rows[~office, 9].any()
     assert (~office).mean() > 0.2
 
 
 @pytest.mark.parametrize("vary", [False, True])
-def test_all_targets_of_a_block_may_be_mined(source, lessons, vary):
+def test_all_targets_of_a_block_may_be_mined(source, labelled, vary):
     block = replace(source, mined=1.0, vary=vary).block([6])
     assert len(block.contexts) == 120
 
@@ -176,20 +176,20 @@ def test_the_same_seed_makes_the_same_block(source):
     coming.close()
 
 
-def test_a_source_tells_what_its_blocks_are_made_of(source, lessons):
-    told = source.recipe
-    ends = [lesson.outcomes.reached for lesson in lessons]
-    assert told["errands"] == sum(len(reached) for reached in ends)
-    assert told["reached"] == sum(reached.sum() for reached in ends)
-    assert told["mined"] == [sum(len(lesson.mined) for lesson in lessons), source.mined]
+def test_a_source_describes_what_its_blocks_are_made_of(source, labelled):
+    recipe = source.recipe
+    ends = [entry.outcomes.reached for entry in labelled]
+    assert recipe["errands"] == sum(len(reached) for reached in ends)
+    assert recipe["reached"] == sum(reached.sum() for reached in ends)
+    assert recipe["mined"] == [sum(len(entry.mined) for entry in labelled), source.mined]
     others = [
         replace(source, mined=0.25),
         replace(source, vary=True),
         replace(source, targets=9),
-        replace(source, labelled=lessons[:1]),
-        replace(source, labelled=[replace(lesson, mined=None) for lesson in lessons]),
+        replace(source, labelled=labelled[:1]),
+        replace(source, labelled=[replace(entry, mined=None) for entry in labelled]),
     ]
-    assert all(other.recipe != told for other in others)
+    assert all(other.recipe != recipe for other in others)
 
 
 # Rows by target.
@@ -229,10 +229,10 @@ def test_sooner_or_later_every_row_is_drawn_and_targets_as_often_as_each_other()
 @pytest.fixture
 def proximity(pillars, box, monkeypatch):
     monkeypatch.setitem(VIEWS, "poses", PoseView())
-    ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 9.0)], [(1.0, 9.0), (1.0, 2.0), (8.0, 2.0)]
-    drives = [RecordedWorld(box, [make_trajectory(way) for way in ways])]
-    drives.append(RecordedWorld(pillars, [make_trajectory([(1.5, 1.5), (8.5, 1.5), (8.5, 8.5)])]))
-    return ProximitySource(drives, Architecture(0, "pair", "poses", "reachability"), 8, 16)
+    lines = [(1.0, 1.0), (9.0, 1.0), (9.0, 9.0)], [(1.0, 9.0), (1.0, 2.0), (8.0, 2.0)]
+    worlds = [RecordedWorld(box, [make_trajectory(line) for line in lines])]
+    worlds.append(RecordedWorld(pillars, [make_trajectory([(1.5, 1.5), (8.5, 1.5), (8.5, 8.5)])]))
+    return ProximitySource(worlds, Architecture(0, "pair", "poses", "reachability"), 8, 16)
 
 
 def without_marks(poses):
@@ -240,11 +240,11 @@ def without_marks(poses):
     return np.column_stack([poses[:, :2], np.cos(poses[:, 2]), np.sin(poses[:, 2])])
 
 
-def pairs_in(block, drives):
+def pairs_in(block, worlds):
     """Number of the world and frames (N,) of sources and targets."""
     starts, contexts = poses_in(block)
     number, found = np.full(len(starts), -1), np.zeros((2, len(starts)), int)
-    for world, recorded in enumerate(drives):
+    for world, recorded in enumerate(worlds):
         tree = cKDTree(without_marks(recorded.poses))
         for place, poses in enumerate((starts, contexts[:, 0])):
             gap, frames = tree.query(without_marks(poses))
@@ -271,7 +271,7 @@ def test_what_is_close_in_time_is_close(proximity):
     assert undecided.any()
     assert (~own).any()
     assert close[apart == NEAR_IN_TIME].any()
-    # Forwards and backwards in time alike, and the pictures' overlap is not told.
+    # Forwards and backwards in time alike, and the images' overlap plays no part.
     assert 0.3 < (sources < targets)[close & (apart > 0)].mean() < 0.7
     assert not block.placed.any()
 

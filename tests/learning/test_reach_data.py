@@ -108,7 +108,7 @@ def test_a_recipe_names_controller_weights_and_sizes():
 
 @pytest.fixture
 def driven(monkeypatch):
-    """Notes in which worlds a controller is sent on errands."""
+    """Records in which worlds a controller drives pairs."""
     noted, outcomes_in = [], outcome_data.outcomes_in
 
     def noting(recorded, world, controller, targets):
@@ -127,8 +127,8 @@ def test_a_world_is_recorded_once_and_again_where_something_changed(tmp_path, dr
     path = record()
     whole = path.read_bytes()
     outcomes = load_outcomes(path, recipe_of(CONTROLLER, 2, 2))
-    (drives,) = record_demonstrations([WORLD], 2, 0, tmp_path / "demonstrations", 1)
-    frames = sum(len(drive) for drive in load_trajectories(drives))
+    (path_of_trajectories,) = record_demonstrations([WORLD], 2, 0, tmp_path / "demonstrations", 1)
+    frames = sum(len(trajectory) for trajectory in load_trajectories(path_of_trajectories))
     assert len(outcomes) <= 10
     assert outcomes.pairs.targets.max() < frames
     assert not (outcomes.reached & outcomes.collided).any()
@@ -148,7 +148,7 @@ def test_outcomes_belong_to_their_demonstrations(tmp_path, driven):
     assert driven == [WORLD] * 2
 
 
-# Mined errands.
+# Mined pairs.
 
 
 @pytest.fixture
@@ -181,52 +181,52 @@ def test_a_search_s_outcomes_are_kept_for_these_weights(tmp_path, recorded, netw
 
 
 def test_every_second_world_is_searched_and_none_is_lost(recorded, network, monkeypatch, tmp_path):
-    lessons = [LabelledWorld(recorded, made_up(recorded, 1, seed)) for seed in range(5)]
+    labelled = [LabelledWorld(recorded, made_up(recorded, 1, seed)) for seed in range(5)]
     mined = [made_up(recorded, 1, 10 + seed) for seed in range(3)]
 
-    def search(reachability, controller, drives, work, jobs):
-        assert len(drives) == 3
+    def search(reachability, controller, trajectories, work, jobs):
+        assert len(trajectories) == 3
         assert controller == "waypoint_k2"
         return mined
 
     monkeypatch.setattr(reach_recipes, "mined_outcomes", search)
     recipe = REACHABILITY["2"]
-    taught = reach_recipes.with_mined(lessons, network, recipe, tmp_path, 1)
-    by_outcomes = {id(lesson.outcomes): lesson for lesson in taught}
+    taught = reach_recipes.with_mined(labelled, network, recipe, tmp_path, 1)
+    by_outcomes = {id(entry.outcomes): entry for entry in taught}
     assert len(by_outcomes) == len(taught) == 5
-    for number, lesson in enumerate(lessons):
+    for number, entry in enumerate(labelled):
         wanted = mined[number // 2] if number % 2 == 0 else None
-        assert by_outcomes[id(lesson.outcomes)].mined is wanted
+        assert by_outcomes[id(entry.outcomes)].mined is wanted
 
 
 # Calibration.
 
 
 def test_a_calibration_is_fitted_and_measured_on_what_can_be_seen(recorded, network, monkeypatch):
-    lessons = [LabelledWorld(recorded, made_up(recorded, 250, seed)) for seed in range(2)]
-    told, label = [], []
+    labelled = [LabelledWorld(recorded, made_up(recorded, 250, seed)) for seed in range(2)]
+    predicted, label = [], []
 
     def logits(reachability, world, starts, targets):
         # Knows how it ends, but is not sure enough; of what is not seen it knows nothing.
-        outcomes = lessons[len(told)].outcomes
+        outcomes = labelled[len(predicted)].outcomes
         seen = outcomes.pairs.seen
         assert np.array_equal(starts, outcomes.pairs.starts[seen])
         assert np.array_equal(targets, outcomes.pairs.targets[seen])
         label.append(outcomes.reached[seen])
-        rng = np.random.default_rng(len(told))
-        told.append(1.5 * (label[-1] - 0.5) + rng.normal(0.0, 1.0, len(starts)))
-        return told[-1]
+        rng = np.random.default_rng(len(predicted))
+        predicted.append(1.5 * (label[-1] - 0.5) + rng.normal(0.0, 1.0, len(starts)))
+        return predicted[-1]
 
     monkeypatch.setattr(reach_recipes, "all_logits", logits)
-    mend, measured = reach_recipes.calibrate(ReachabilityNetwork(network), lessons)
-    every, came_true = np.concatenate(told), np.concatenate(label)
+    mend, measured = reach_recipes.calibrate(ReachabilityNetwork(network), labelled)
+    every, came_true = np.concatenate(predicted), np.concatenate(label)
     assert len(every) > 500
-    for way, probability in (("raw", sigmoid(every)), ("isotonic", mend(every))):
+    for method, probability in (("raw", sigmoid(every)), ("isotonic", mend(every))):
         wanted = reliability(probability, came_true).ece
-        assert measured[f"ece_{way}"] == pytest.approx(wanted, abs=1e-3)
+        assert measured[f"ece_{method}"] == pytest.approx(wanted, abs=1e-3)
     assert measured["ece_isotonic"] < 0.05
     assert measured["auc"] == pytest.approx(auc(every, came_true), abs=1e-3)
-    # Two normal distributions 1.5 apart: the right logit is 1.5 times what is told.
+    # Two normal distributions 1.5 apart: the right logit is 1.5 times what is predicted.
     assert measured["temperature"] == pytest.approx(2 / 3, rel=0.2)
     assert set(measured) >= {"offset", "ece_temperature"}
 
@@ -234,7 +234,7 @@ def test_a_calibration_is_fitted_and_measured_on_what_can_be_seen(recorded, netw
 # Recipes.
 
 
-def test_each_network_learns_from_the_errands_of_its_own_controller():
+def test_each_network_learns_from_the_pairs_of_its_own_controller():
     for k, recipe in REACHABILITY.items():
         assert recipe.command == f"train reachability --k {k}"
         assert recipe.name == ("reach_laser" if k == "laser" else f"reach_k{k}")
@@ -263,7 +263,7 @@ def test_worlds_are_used_for_one_thing_only():
 @pytest.fixture
 def tiny(tmp_path, monkeypatch, recorded):
     """The command trains a tiny network on made-up outcomes, in a folder of the test's."""
-    lesson = LabelledWorld(recorded, made_up(recorded, 12, 0))
+    entry = LabelledWorld(recorded, made_up(recorded, 12, 0))
     mined = made_up(recorded, 3, 1)
     short = Settings(max_steps=4, targets=2, eval_interval=2)
     architecture = Architecture(0, outputs="reachability")
@@ -274,11 +274,11 @@ def tiny(tmp_path, monkeypatch, recorded):
     monkeypatch.setitem(cli.NETWORKS["reachability"], "0", recipe)
     sptm = replace(SPTM, first=short)
     monkeypatch.setitem(cli.NETWORKS["reachability"], "sptm", sptm)
-    asked = []
+    requested = []
 
     def labelled_worlds(recipe, worlds, work, jobs):
-        asked.append(worlds)
-        return [lesson, lesson]
+        requested.append(worlds)
+        return [entry, entry]
 
     monkeypatch.setattr(reach_recipes, "labelled_worlds", labelled_worlds)
     monkeypatch.setattr(reach_recipes, "recorded_worlds_of", lambda *arguments: [recorded])
@@ -295,7 +295,7 @@ def tiny(tmp_path, monkeypatch, recorded):
         cli, "save_network", lambda *both: save_network(*both, tmp_path / "weights")
     )
     (tmp_path / "work").mkdir()
-    return asked
+    return requested
 
 
 def test_the_command_trains_in_two_stages_calibrates_and_saves(tiny, tmp_path, capsys):
@@ -339,23 +339,23 @@ def test_a_search_is_made_side_by_side_with_the_weights_it_was_given(recorded, n
     assert (sigmoid(logits) > 0.0).all()
 
 
-def test_of_hopeless_pairs_the_surest_are_kept_and_none_is_driven(recorded, network):
+def test_of_far_occluded_pairs_the_surest_are_kept_and_none_is_driven(recorded, network):
     reachability = ReachabilityNetwork(network)
     paths, rng = GridPaths(recorded.scene.clearance), np.random.default_rng
     every, _ = HardNegativeMining(frames=40, pairs=0, far_occluded=9_999, threshold=0.0).find(
         reachability, recorded, paths, rng(3)
     )
-    some, asked = HardNegativeMining(frames=40, pairs=3, far_occluded=5, threshold=0.0).find(
+    some, queries = HardNegativeMining(frames=40, pairs=3, far_occluded=5, threshold=0.0).find(
         reachability, recorded, paths, rng(3)
     )
-    assert 5 < len(every) < asked
+    assert 5 < len(every) < queries
     assert every.far_and_occluded.all()
     assert some.far_and_occluded.sum() == 5
     assert (~some.far_and_occluded).sum() == 3
     assert (np.diff(some.targets) >= 0).all()
 
-    def logits(errands):
-        return mining.all_logits(reachability, recorded, errands.starts, errands.targets)
+    def logits(pairs):
+        return mining.all_logits(reachability, recorded, pairs.starts, pairs.targets)
 
     surest = np.sort(logits(every))[-5:]
     kept = some.subset(some.far_and_occluded)

@@ -20,13 +20,13 @@ SMALL = Architecture(1, "pair", **TELLS)
 
 
 @pytest.fixture(scope="module")
-def lessons(recorded):
+def labelled(recorded):
     return [LabelledWorld(recorded, made_up(recorded, 20, 0), made_up(recorded, 10, 1))]
 
 
 @pytest.fixture(scope="module")
-def pictured(lessons):
-    return OutcomeSource(lessons, SMALL, worlds=2, targets=8).block([0])
+def pictured(labelled):
+    return OutcomeSource(labelled, SMALL, worlds=2, targets=8).block([0])
 
 
 # Losses.
@@ -132,8 +132,8 @@ def test_what_fits_is_taken_over_and_nothing_else():
     assert differing(network, begin) == HEADS | {"context.weight"}
 
 
-def test_training_begins_with_the_weights_that_it_is_given(lessons, pictured):
-    source = OutcomeSource(lessons, SMALL, mined=0.0, worlds=2, targets=4)
+def test_training_begins_with_the_weights_that_it_is_given(labelled, pictured):
+    source = OutcomeSource(labelled, SMALL, mined=0.0, worlds=2, targets=4)
     still = Settings(max_steps=1, targets=4, learning_rate=0.0)
     network, _ = train(SMALL, source, [pictured], still, init_from=trained())
     fresh, _ = train(SMALL, source, [pictured], still)
@@ -145,8 +145,8 @@ def test_training_begins_with_the_weights_that_it_is_given(lessons, pictured):
     assert differing(moved, trained()) > HEADS
 
 
-def test_a_stopped_training_goes_on_to_the_same_weights(lessons, pictured, tmp_path):
-    source = OutcomeSource(lessons, SMALL, mined=0.0, worlds=2, targets=4)
+def test_a_stopped_training_goes_on_to_the_same_weights(labelled, pictured, tmp_path):
+    source = OutcomeSource(labelled, SMALL, mined=0.0, worlds=2, targets=4)
     settings = Settings(max_steps=6, targets=4, warmup_steps=2, eval_interval=3)
 
     class StoppedError(Exception):
@@ -172,8 +172,8 @@ class Fixed(OutcomeSource):
         return super().block([0])
 
 
-def test_outcomes_by_lot_can_be_learnt_by_heart(lessons):
-    fixed = Fixed(lessons, SMALL, mined=0.0, worlds=1, targets=8, vary=False)
+def test_outcomes_by_lot_can_be_learnt_by_heart(labelled):
+    fixed = Fixed(labelled, SMALL, mined=0.0, worlds=1, targets=8, vary=False)
     block = fixed.block([])
     settings = Settings(
         max_steps=80, targets=8, learning_rate=5e-3, warmup_steps=10, eval_interval=20

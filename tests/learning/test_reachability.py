@@ -1,4 +1,4 @@
-"""Reachability behind its seam: asked, encoded once, calibrated; and searched for its mistakes."""
+"""Reachability behind its interface: encoded once, calibrated; and searched for its mistakes."""
 
 import json
 from dataclasses import asdict, replace
@@ -93,7 +93,7 @@ def test_it_fits_its_seam_and_no_other_network_does():
 
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("encoder", ENCODERS)
-def test_logits_are_the_network_s_outputs_asked_plainly_or_not(recorded, encoder, view):
+def test_logits_are_the_network_s_outputs_with_and_without_encoding(recorded, encoder, view):
     estimator = estimator_of(encoder, view=view)
     seen, contexts = observed(recorded, view, FRAMES), contexts_of(recorded, estimator, SHOWN)
     logits = estimator.logits(seen, estimator.prepare(contexts))
@@ -112,11 +112,11 @@ def test_logits_are_the_network_s_outputs_asked_plainly_or_not(recorded, encoder
 def test_probabilities_are_calibrated_logits(recorded, seen):
     estimator = estimator_of(calibration=MEND)
     prepared = estimator.prepare(contexts_of(recorded, estimator, SHOWN))
-    told, logits = estimator.probability(seen, prepared), estimator.logits(seen, prepared)
-    assert told == pytest.approx(MEND(logits))
+    probability, logits = estimator.probability(seen, prepared), estimator.logits(seen, prepared)
+    assert probability == pytest.approx(MEND(logits))
     plain = estimator_of().probability(seen, contexts_of(recorded, estimator, SHOWN))
     assert plain == pytest.approx(sigmoid(logits), **CLOSE)
-    assert np.abs(plain - told).max() > 0.05
+    assert np.abs(plain - probability).max() > 0.05
 
 
 # Rows that repeat.
@@ -238,27 +238,27 @@ def test_each_view_and_each_target_is_encoded_once_for_all_pairs(recorded, monke
 
 
 @pytest.fixture(scope="module")
-def two_drives():
-    ways = [(1.0, 1.0), (9.0, 1.0), (9.0, 9.0)], [(1.0, 9.0), (8.0, 9.0), (8.0, 2.0)]
-    return RecordedWorld(Scene(make_box()), [make_trajectory(way) for way in ways])
+def two_trajectories():
+    lines = [(1.0, 1.0), (9.0, 1.0), (9.0, 9.0)], [(1.0, 9.0), (8.0, 9.0), (8.0, 2.0)]
+    return RecordedWorld(Scene(make_box()), [make_trajectory(line) for line in lines])
 
 
 @pytest.fixture
 def oracle(monkeypatch):
-    """Tells of every pair what its distance and its target's place say; notes what it is asked."""
-    asked = []
+    """Logits that depend on the distance of a pair alone; records its queries."""
+    queries = []
 
     def logits(reachability, recorded, starts, targets):
         goals = recorded.poses[targets]
-        asked.append((starts.copy(), targets.copy()))
+        queries.append((starts.copy(), targets.copy()))
         return 4.0 - np.hypot(*(starts - goals)[:, :2].T)
 
     monkeypatch.setattr(mining, "all_logits", logits)
-    return SimpleNamespace(calibration=Calibration(), asked=asked)
+    return SimpleNamespace(calibration=Calibration(), queries=queries)
 
 
-def probability_by_hand(recorded, errands):
-    gap = np.hypot(*(errands.starts - recorded.poses[errands.targets])[:, :2].T)
+def probability_by_distance(recorded, pairs):
+    gap = np.hypot(*(pairs.starts - recorded.poses[pairs.targets])[:, :2].T)
     return sigmoid(4.0 - gap)
 
 
@@ -271,68 +271,74 @@ def frame_of(recorded, poses):
     return np.array([np.flatnonzero((recorded.poses == pose).all(axis=1))[0] for pose in poses])
 
 
-def test_all_pairs_are_asked_about_but_those_close_on_one_drive(two_drives, oracle):
-    _, asked = find(oracle, two_drives, HardNegativeMining(frames=30))
-    ((starts, targets),) = oracle.asked
-    frames = frame_of(two_drives, starts)
+def test_all_pairs_are_queried_but_those_close_on_one_trajectory(two_trajectories, oracle):
+    _, queries = find(oracle, two_trajectories, HardNegativeMining(frames=30))
+    ((starts, targets),) = oracle.queries
+    frames = frame_of(two_trajectories, starts)
     anchors = np.unique(targets)
     assert len(anchors) == 30
     wanted = {
         (one, two)
         for one in anchors
         for two in anchors
-        if two_drives.first[one] != two_drives.first[two]
-        or abs(two_drives.arc[one] - two_drives.arc[two]) > OWN
+        if two_trajectories.first[one] != two_trajectories.first[two]
+        or abs(two_trajectories.arc[one] - two_trajectories.arc[two]) > OWN
     }
     assert set(zip(frames.tolist(), targets.tolist(), strict=True)) == wanted
-    assert asked == len(wanted) == len(starts)
+    assert queries == len(wanted) == len(starts)
 
 
-def test_what_the_network_is_sure_of_is_found_with_its_measures(two_drives, oracle):
-    errands, _ = find(oracle, two_drives, HardNegativeMining(frames=40, pairs=10**6, threshold=0.6))
-    told = probability_by_hand(two_drives, errands)
-    assert told.min() > 0.6
-    ((starts, targets),) = oracle.asked
-    gap = np.hypot(*(starts - two_drives.poses[targets])[:, :2].T)
-    assert len(errands) == (sigmoid(4.0 - gap) > 0.6).sum()  # all of them
-    assert (np.diff(errands.targets) >= 0).all()
-    assert errands.geodesic == pytest.approx(
-        np.hypot(*(errands.starts - two_drives.poses[errands.targets])[:, :2].T), rel=0.05, abs=0.3
+def test_what_the_network_is_sure_of_is_found_with_its_measures(two_trajectories, oracle):
+    pairs, _ = find(
+        oracle, two_trajectories, HardNegativeMining(frames=40, pairs=10**6, threshold=0.6)
+    )
+    probability = probability_by_distance(two_trajectories, pairs)
+    assert probability.min() > 0.6
+    ((starts, targets),) = oracle.queries
+    gap = np.hypot(*(starts - two_trajectories.poses[targets])[:, :2].T)
+    assert len(pairs) == (sigmoid(4.0 - gap) > 0.6).sum()  # all of them
+    assert (np.diff(pairs.targets) >= 0).all()
+    assert pairs.geodesic == pytest.approx(
+        np.hypot(*(pairs.starts - two_trajectories.poses[pairs.targets])[:, :2].T),
+        rel=0.05,
+        abs=0.3,
     )
 
 
-def test_of_too_many_some_are_drawn(two_drives, oracle):
-    errands, _ = find(oracle, two_drives, HardNegativeMining(frames=60, pairs=40, far_occluded=3))
-    told = probability_by_hand(two_drives, errands)
-    assert (~errands.far_and_occluded).sum() == 40
-    assert errands.far_and_occluded.sum() <= 3
-    assert told.min() > 0.5
-    frames = frame_of(two_drives, errands.starts)
-    pairs = set(zip(frames.tolist(), errands.targets.tolist(), strict=True))
-    assert len(pairs) == len(errands)
+def test_of_too_many_some_are_drawn(two_trajectories, oracle):
+    pairs, _ = find(
+        oracle, two_trajectories, HardNegativeMining(frames=60, pairs=40, far_occluded=3)
+    )
+    probability = probability_by_distance(two_trajectories, pairs)
+    assert (~pairs.far_and_occluded).sum() == 40
+    assert pairs.far_and_occluded.sum() <= 3
+    assert probability.min() > 0.5
+    frames = frame_of(two_trajectories, pairs.starts)
+    distinct = set(zip(frames.tolist(), pairs.targets.tolist(), strict=True))
+    assert len(distinct) == len(pairs)
 
 
-def test_a_calibration_decides_what_the_network_is_sure_of(two_drives, oracle):
+def test_a_calibration_decides_what_the_network_is_sure_of(two_trajectories, oracle):
     oracle.calibration = Calibration((-1.0, 1.0), (-10.0, -9.0))  # never sure
-    errands, asked = find(oracle, two_drives, HardNegativeMining(frames=20))
-    assert len(errands) == 0
-    assert asked > 100
+    pairs, queries = find(oracle, two_trajectories, HardNegativeMining(frames=20))
+    assert len(pairs) == 0
+    assert queries > 100
 
 
-def test_the_same_seed_finds_the_same_pairs(two_drives, oracle):
+def test_the_same_seed_finds_the_same_pairs(two_trajectories, oracle):
     search = HardNegativeMining(frames=30, pairs=20)
-    found = [find(oracle, two_drives, search, seed)[0] for seed in (3, 3, 4)]
+    found = [find(oracle, two_trajectories, search, seed)[0] for seed in (3, 3, 4)]
     assert np.array_equal(found[0].starts, found[1].starts)
     assert np.array_equal(found[0].targets, found[1].targets)
     assert not np.array_equal(found[0].targets, found[2].targets)
 
 
-def test_a_network_is_searched_as_well_as_an_oracle(two_drives):
+def test_a_network_is_searched_as_well_as_an_oracle(two_trajectories):
     estimator = estimator_of("matching")
-    paths = GridPaths(two_drives.scene.clearance)
-    errands, asked = HardNegativeMining(frames=12, pairs=30, threshold=0.3).find(
-        estimator, two_drives, paths, np.random.default_rng(0)
+    paths = GridPaths(two_trajectories.scene.clearance)
+    pairs, queries = HardNegativeMining(frames=12, pairs=30, threshold=0.3).find(
+        estimator, two_trajectories, paths, np.random.default_rng(0)
     )
-    assert 60 <= asked < 144
-    logits = all_logits(estimator, two_drives, errands.starts, errands.targets)
+    assert 60 <= queries < 144
+    logits = all_logits(estimator, two_trajectories, pairs.starts, pairs.targets)
     assert (sigmoid(logits) > 0.3).all()

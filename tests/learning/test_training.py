@@ -28,8 +28,8 @@ SETTINGS = Settings(max_steps=20, targets=4, warmup_steps=5, eval_interval=4)
 @pytest.fixture(scope="module")
 def worlds(recorded, pillars):
     """An office and a room with pillars."""
-    drive = make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
-    return [recorded, RecordedWorld(pillars, [drive])]
+    trajectory = make_trajectory([(1.0, 1.0), (9.0, 1.0), (9.0, 5.5), (2.0, 5.5)])
+    return [recorded, RecordedWorld(pillars, [trajectory])]
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +71,7 @@ class PoseView:
 
 
 class Echo:
-    """A driver whose actions tell what it was shown."""
+    """A controller whose actions depend on what it was shown."""
 
     def act(self, observations, waypoints):
         return np.stack([observations.laser[:, 5], waypoints[:, 0] + observations.speed], axis=1)

@@ -40,7 +40,7 @@ def card_for(network, name="some"):
     )
 
 
-def asked(network):
+def outputs_of(network):
     """What a network answers about random pictures."""
     torch.manual_seed(1)
     size = network.architecture.looks_at.size
@@ -77,8 +77,10 @@ def test_what_is_saved_is_loaded(tmp_path, encoder):
     for name, value in network.state_dict().items():
         assert torch.equal(loaded.state_dict()[name], value.half().float()), name
     assert {value.dtype for value in loaded.state_dict().values()} == {torch.float32}
-    torch.testing.assert_close(asked(loaded), asked(network), rtol=0.01, atol=0.002)
-    assert (asked(loaded) - asked(make(Architecture(2, encoder), seed=5))).abs().max() > 0.02
+    torch.testing.assert_close(outputs_of(loaded), outputs_of(network), rtol=0.01, atol=0.002)
+    assert (
+        outputs_of(loaded) - outputs_of(make(Architecture(2, encoder), seed=5))
+    ).abs().max() > 0.02
 
 
 def test_the_card_is_kept_and_tells_size_and_hash(folder):
@@ -92,10 +94,10 @@ def test_the_card_is_kept_and_tells_size_and_hash(folder):
 
 def test_saving_changes_neither_the_network_nor_the_bytes(folder, tmp_path):
     network, before = make(), (folder / "some.safetensors").read_bytes()
-    answers = asked(network)
+    answers = outputs_of(network)
     save_network(network, card_for(network), folder)
     assert (folder / "some.safetensors").read_bytes() == before
-    assert torch.equal(asked(network), answers)
+    assert torch.equal(outputs_of(network), answers)
     assert {value.dtype for value in network.parameters()} == {torch.float32}
     assert sorted(file.name for file in tmp_path.iterdir()) == ["some.json", "some.safetensors"]
 
@@ -111,12 +113,12 @@ def test_a_save_that_fails_leaves_the_old_weights(folder, monkeypatch):
         path.write_bytes(b"half")
         raise OSError("no space left")
 
-    before = asked(load_network("some", folder))
+    before = outputs_of(load_network("some", folder))
     monkeypatch.setattr(weights, "save_file", full)
     with pytest.raises(OSError, match="no space"):
         save_network(make(seed=5), card_for(make()), folder)
     assert len(list(folder.iterdir())) == 2
-    assert torch.equal(asked(load_network("some", folder)), before)
+    assert torch.equal(outputs_of(load_network("some", folder)), before)
 
 
 @pytest.mark.parametrize("choice", recipes.WAYPOINT)
@@ -155,7 +157,7 @@ def refused(folder, words):
 
 
 @pytest.mark.parametrize("place", [0, 7, 40, 5000, -1])
-def test_a_byte_that_flipped_is_told(folder, place):
+def test_a_flipped_byte_is_named(folder, place):
     def flip(content):
         changed = bytearray(content)
         changed[place] ^= 0x10
@@ -166,7 +168,7 @@ def test_a_byte_that_flipped_is_told(folder, place):
 
 
 @pytest.mark.parametrize("size", [0, 1, 7, 100, 5000, -1000, -1])
-def test_a_file_cut_off_anywhere_is_told_even_if_the_card_agrees(folder, size):
+def test_a_truncated_file_is_named_even_if_the_card_agrees(folder, size):
     damaged(folder, lambda content: content[:size])
     refused(folder, "SHA-256 differs")
     damaged(folder, lambda content: content, sha256=None)
@@ -215,12 +217,12 @@ def test_what_is_no_safetensors_file_is_refused(folder):
         refused(folder, "does not fit")
 
 
-def test_missing_weights_are_told(folder):
+def test_missing_weights_are_named(folder):
     (folder / "some.safetensors").unlink()
     refused(folder, "no such file")
 
 
-def test_a_missing_card_is_told_with_those_that_are_there(folder):
+def test_a_missing_card_is_named_with_those_that_are_there(folder):
     with pytest.raises(InputError, match=r"other\.json.* some;.*python -m tutorial_lib train"):
         load_network("other", folder)
     (folder / "some.json").unlink()
@@ -247,7 +249,7 @@ DAMAGED = {
 
 
 @pytest.mark.parametrize("fault", DAMAGED)
-def test_a_damaged_card_is_told(folder, fault):
+def test_a_damaged_card_is_named(folder, fault):
     path = folder / "some.json"
     changed = DAMAGED[fault](path.read_text())
     assert changed != path.read_text()
@@ -257,7 +259,7 @@ def test_a_damaged_card_is_told(folder, fault):
         load_network("some", folder)
 
 
-def test_a_card_that_is_no_text_is_told(folder):
+def test_a_card_that_is_no_text_is_named(folder):
     (folder / "some.json").write_bytes(b"\xff\xfe\x00\x81")
     with pytest.raises(InputError, match=r"some\.json: not a card"):
         load_card("some", folder)
@@ -277,7 +279,7 @@ def test_shipped_weights_fit_their_cards(name):
     assert all(value.isfinite().all() for value in network.parameters())
     assert np.isfinite(card.validation["validation"])
     assert cli._parser().parse_args(card.command.split()).command == "train"
-    assert asked(network).isfinite().all()
+    assert outputs_of(network).isfinite().all()
 
 
 ONE_BUSY_CORE = pytest.mark.xfail(strict=True, reason="trained on one busy core, not two idle ones")
@@ -319,8 +321,8 @@ def test_only_what_has_a_recipe_is_trained(capsys, arguments):
     error = capsys.readouterr().err
     assert "--k" in error
     if arguments:
-        told = re.search(r"choose from (.*)\)", error)[1]
-        assert re.findall(r"\w+", told) == ["0", "2", "5", "direct", "laser", "sptm"]
+        choices = re.search(r"choose from (.*)\)", error)[1]
+        assert re.findall(r"\w+", choices) == ["0", "2", "5", "direct", "laser", "sptm"]
 
 
 def test_another_network_s_name_is_refused(capsys):

@@ -1,4 +1,4 @@
-"""How tests are run side by side, unless told otherwise."""
+"""How tests are run side by side, unless options differ."""
 
 import os
 from pathlib import Path

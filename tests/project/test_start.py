@@ -94,7 +94,7 @@ def test_the_file_is_readable_by_python_3_8_and_small():
     assert modules <= set(sys.stdlib_module_names)
 
 
-def test_an_old_python_is_told_what_to_do(start):
+def test_an_old_python_gets_advice(start):
     message = start.too_old((3, 8, 10, "final", 0))
     assert "needs Python 3.10 or newer, this is 3.8.10" in message
     assert "python.org" in message
@@ -230,13 +230,13 @@ def test_a_python_without_venv_says_what_to_install(start, machine, monkeypatch)
 
 def test_a_failing_venv_and_a_failing_pip_are_explained_in_a_line(start, machine):
     machine.codes = {"venv": 1}
-    with pytest.raises(SystemExit, match="Could not make") as told:
+    with pytest.raises(SystemExit, match="Could not make") as error:
         start.main(["setup"])
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
     machine.codes = {".[test]": 1}
-    with pytest.raises(SystemExit, match=r"pip\.log.*network.*proxy") as told:
+    with pytest.raises(SystemExit, match=r"pip\.log.*network.*proxy") as error:
         start.main(["setup"])
-    assert "\n" not in str(told.value)
+    assert "\n" not in str(error.value)
     assert start.stamped() == ""
 
 

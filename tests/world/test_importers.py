@@ -623,7 +623,7 @@ def test_import_map_distinguishes_the_kinds(tmp_path):
 
 
 @pytest.mark.parametrize("verts", [L_SHAPE, L_SHAPE[::-1]], ids=["left", "right"])
-def test_an_outline_runs_counter_clockwise_whichever_way_it_was_drawn(tmp_path, verts):
+def test_an_outline_runs_counter_clockwise_however_it_was_drawn(tmp_path, verts):
     plan = import_houseexpo(write_house(tmp_path, verts=verts))
     assert all(signed_area(np.array(room.outline)) > 0 for room in plan.rooms)
     x0, y0, x1, y1 = plan.walls.T

@@ -15,7 +15,7 @@ from tutorial_lib.world.sensors import Laser
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 
-def drive(simulation, action, steps):
+def act_for(simulation, action, steps):
     actions = np.tile(action, (len(simulation), 1))
     for _ in range(steps):
         simulation.step(actions)
@@ -33,9 +33,9 @@ def free_poses(scene, count, seed):
 
 def test_a_free_car_follows_its_model(box):
     car = BicycleCar()
-    simulation = drive(Simulation(box, [[5.0, 3.0, 0.3]]), [0.6, 0.2], 60)
+    simulation = act_for(Simulation(box, [[5.0, 3.0, 0.3]]), [0.6, 0.2], 60)
     before, start = simulation.poses[0], simulation.seconds
-    drive(simulation, [0.6, 0.2], 40)
+    act_for(simulation, [0.6, 0.2], 40)
     twist = car.twist(np.array([[0.6, 0.2]]))[0]
     expected = advance(before, twist, simulation.seconds - start)
     assert np.allclose(relative(expected, simulation.poses[0]), 0, atol=2e-3)
@@ -44,7 +44,7 @@ def test_a_free_car_follows_its_model(box):
 
 
 @pytest.mark.parametrize("action", [[0.8, 0.0], [0.8, 0.1], [0.8, 0.45], [-0.3, 0.0], [-0.3, -0.4]])
-def test_walls_stop_the_car_whichever_way_it_comes(pillars, action):
+def test_walls_stop_the_car_in_either_direction(pillars, action):
     poses = free_poses(pillars, 40, seed=0)
     simulation = Simulation(pillars, poses)
     deepest = 0.0
@@ -61,12 +61,12 @@ def test_walls_stop_the_car_whichever_way_it_comes(pillars, action):
 
 
 def test_a_car_against_the_wall_touches_stands_and_can_leave(box):
-    simulation = drive(Simulation(box, [[8.5, 5.0, 0.0]]), [0.8, 0.0], 60)
+    simulation = act_for(Simulation(box, [[8.5, 5.0, 0.0]]), [0.8, 0.0], 60)
     assert simulation.touching[0]
     assert simulation.collided[0]
     assert abs(simulation.speed[0]) < 0.02
     assert simulation.poses[0, 0] == pytest.approx(10 - 0.36, abs=0.01)
-    drive(simulation, [-0.3, 0.0], 30)
+    act_for(simulation, [-0.3, 0.0], 30)
     assert not simulation.touching[0]
     assert simulation.collided[0]
 
@@ -92,7 +92,7 @@ def test_an_obstacle_of_one_robot_does_not_exist_for_the_others(box):
     depth = box.caster.cast(simulation.poses, simulation.sensors.camera.fan, simulation.discs)
     assert depth.distance[0, 32] > 5.0
     assert depth.distance[1, 32] < 2.0
-    drive(simulation, [0.8, 0.0], 40)
+    act_for(simulation, [0.8, 0.0], 40)
     assert simulation.collided.tolist() == [False, True]
     assert simulation.poses[0, 0] > 6.5
     assert simulation.poses[1, 0] < 5.6
@@ -120,7 +120,7 @@ def test_noise_scales_the_controls_and_repeats_with_its_seed(box):
     def ends(seed, sigma):
         rng = np.random.default_rng(seed)
         simulation = Simulation(box, starts, control_noise=sigma, rng=rng)
-        return drive(simulation, [0.4, 0.1], 50).poses
+        return act_for(simulation, [0.4, 0.1], 50).poses
 
     assert (ends(1, 0.33) == ends(1, 0.33)).all()
     assert not (ends(1, 0.33) == ends(2, 0.33)).all()
@@ -132,13 +132,13 @@ def test_noise_scales_the_controls_and_repeats_with_its_seed(box):
 
 def test_odometry_is_exact_without_noise_and_drifts_with_it(box):
     starts = np.tile([5.0, 5.0, 1.0], (200, 1))
-    exact = drive(Simulation(box, starts), [0.5, 0.3], 60)
+    exact = act_for(Simulation(box, starts), [0.5, 0.3], 60)
     assert np.allclose(exact.odometry, relative(starts, exact.poses), atol=1e-9)
     rng = np.random.default_rng(0)
     noisy = Simulation(box, starts, odometry_noise=WheelOdometry(), rng=rng)
-    drive(noisy, [0.5, 0.3], 20)
+    act_for(noisy, [0.5, 0.3], 20)
     early = np.abs(noisy.odometry - relative(starts, noisy.poses))[:, :2].mean()
-    drive(noisy, [0.5, 0.3], 60)
+    act_for(noisy, [0.5, 0.3], 60)
     late = np.abs(noisy.odometry - relative(starts, noisy.poses))[:, :2].mean()
     assert 0 < early < late < 0.5
 
@@ -193,7 +193,7 @@ def test_the_same_seed_gives_the_same_episode(family):
             odometry_noise=WheelOdometry(),
             rng=rng,
         )
-        seen = [drive(simulation, [0.5, 0.2], 10).observe() for _ in range(4)]
+        seen = [act_for(simulation, [0.5, 0.2], 10).observe() for _ in range(4)]
         return b"".join(o.image.tobytes() + o.laser.tobytes() + o.odometry.tobytes() for o in seen)
 
     assert episode() == episode()
@@ -302,7 +302,7 @@ def test_one_robot_of_a_batch_is_a_batch_of_one(box):
 
 def test_a_teleported_robot_is_at_rest(box):
     starts = [[2.0, 2.0, 0.0], [2.0, 4.0, 0.0], [2.0, 6.0, 0.0]]
-    simulation = drive(Simulation(box, starts), [0.6, 0.2], 20)
+    simulation = act_for(Simulation(box, starts), [0.6, 0.2], 20)
     before = simulation.poses
     there = np.array([[8.0, 8.0, 1.0], [5.0, 5.0, 4.0]])
     simulation.place([2, 0], there)
@@ -320,35 +320,35 @@ def test_a_teleported_robot_is_at_rest(box):
 
 
 def test_odometry_is_unaffected_by_teleporting(box):
-    simulation = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.0], 20)
+    simulation = act_for(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.0], 20)
     odometry = simulation.odometry.copy()
     simulation.place([0], [8.0, 2.0, np.pi / 2])
     assert (simulation.odometry == odometry).all()
-    drive(simulation, [0.5, 0.0], 20)
+    act_for(simulation, [0.5, 0.0], 20)
     gone = np.linalg.norm(simulation.poses[0, :2] - [8.0, 2.0])
     assert gone > 0.8
     assert simulation.odometry[0, 0] - odometry[0, 0] == pytest.approx(gone)
 
 
 def test_a_teleported_robot_drives_on_as_if_it_had_started_there(box):
-    carried = drive(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.3], 10)
+    carried = act_for(Simulation(box, [[2.0, 2.0, 0.0]]), [0.5, 0.3], 10)
     carried.place([0], [6.0, 6.0, 2.0])
     fresh = Simulation(box, [[6.0, 6.0, 2.0]])
     for simulation in (carried, fresh):
-        drive(simulation, [0.4, -0.2], 30)
+        act_for(simulation, [0.4, -0.2], 30)
     assert np.allclose(carried.poses, fresh.poses, atol=1e-9)
     assert not carried.collided[0]
 
 
 def test_teleported_off_a_wall_a_robot_touches_nothing(box):
-    simulation = drive(Simulation(box, [[9.0, 5.0, 0.0]]), [0.8, 0.0], 20)
+    simulation = act_for(Simulation(box, [[9.0, 5.0, 0.0]]), [0.8, 0.0], 20)
     assert simulation.touching[0]
     simulation.place([0], [5.0, 5.0, 0.0])
-    drive(simulation, [0.0, 0.0], 1)
+    act_for(simulation, [0.0, 0.0], 1)
     assert not simulation.touching[0]
     assert simulation.collided[0]  # it did, once
     assert np.allclose(simulation.poses[0], [5.0, 5.0, 0.0], atol=2e-3)
-    drive(simulation, [0.8, 0.0], 80)
+    act_for(simulation, [0.8, 0.0], 80)
     assert simulation.touching[0]
 
 
@@ -376,7 +376,7 @@ def test_no_robot_is_teleported_to_where_none_can_stand(box, robots, poses, word
     assert (simulation.poses == starts).all()
 
 
-def test_one_robot_s_obstacle_is_not_in_another_s_way(box):
+def test_one_robot_s_obstacle_does_not_block_another(box):
     starts = np.array([[2.0, 2.0, 0.0], [2.0, 4.0, 0.0]])
     simulation = Simulation(box, starts, people=[Person([[7.0, 7.0]], owner=1)])
     simulation.place([0], [[7.0, 7.0, 0.0]])
@@ -395,16 +395,16 @@ def test_the_heading_drifts_with_the_square_root_of_the_distance():
 
 def test_speed_is_negative_in_reverse(box):
     simulation = Simulation(box, [[5.0, 5.0, 2.0]])
-    drive(simulation, [-0.3, 0.2], 10)
+    act_for(simulation, [-0.3, 0.2], 10)
     assert simulation.speed[0] == pytest.approx(-0.3, abs=0.01)
     assert simulation.observe().speed[0] == simulation.speed[0]
 
 
-def test_who_lets_go_of_one_of_two_things_still_touches_the_other(box):
-    # Somebody walks against the side of a car that pushes against the wall, and away again.
+def test_a_robot_that_leaves_one_of_two_obstacles_still_touches_the_other(box):
+    # A person walks against the side of a car that pushes against the wall, and away again.
     person = Person([[9.55, 3.0], [9.55, 4.8]], speed=0.5, keep_off=0.0)
     simulation = Simulation(box, [[9.6, 5.0, 0.0]], people=[person])
-    drive(simulation, [0.5, 0.0], 5)
+    act_for(simulation, [0.5, 0.0], 5)
     counts = []
     for _ in range(60):
         simulation.step([[0.5, 0.0]])
@@ -421,6 +421,6 @@ def test_who_lets_go_of_one_of_two_things_still_touches_the_other(box):
 def test_a_person_does_not_walk_on_beside_a_robot_that_is_near(box, robot, stops):
     person = Person([[2.0, 5.0], [8.0, 5.0]], speed=0.5, distance=2.0)  # now at x = 4
     simulation = Simulation(box, [[*robot, 0.0]], people=[person])
-    drive(simulation, [0.0, 0.0], 10)
+    act_for(simulation, [0.0, 0.0], 10)
     walked = simulation.crowd.positions[0, 0] - 4.0
     assert walked == pytest.approx(0.0 if stops else 0.45, abs=0.06)
