@@ -120,7 +120,7 @@ def test_wilson_s_interval_is_the_one_in_the_books():
 
 
 def test_a_difference_is_as_sure_as_there_are_worlds():
-    # All episodes of a world go the same way: ten worlds tell little, a thousand episodes much.
+    # All episodes of a world go the same way: ten worlds say little, a thousand episodes much.
     gaps = np.repeat([1.0, -1.0] * 5, 100)
     worlds = np.repeat(np.arange(10), 100)
     mean, low, high = difference(gaps, np.zeros(1000), worlds)

@@ -1,4 +1,4 @@
-"""The calibration experiment: who is asked about what, and how the table comes about."""
+"""The calibration experiment: which estimators predict what, and how the table comes about."""
 
 import json
 import sys
@@ -35,7 +35,7 @@ def paths(recorded):
     return GridPaths(recorded.scene.clearance)
 
 
-# Who is asked.
+# Estimators.
 
 
 def test_each_estimator_has_its_weights_its_controller_and_its_context(monkeypatch):
@@ -93,7 +93,7 @@ def test_targets_are_shown_in_their_context_as_the_network_views_them(recorded):
     assert (shown[:, :, 0, :, 0] == recorded.poses[recorded.context(frames, 2)]).all()
 
 
-# What they are asked about.
+# Pairs.
 
 
 def test_far_pairs_are_far_apart_and_see_nothing_of_each_other(recorded, paths):
@@ -125,12 +125,12 @@ def test_the_sizes_are_those_that_the_design_promises():
 
 
 def test_geometry_gets_where_the_target_is_what_is_seen_of_it_and_how_tight_it_is(recorded):
-    errands = made_up(recorded, 6, 0).pairs
-    found = geometry_bound.features(recorded, errands)
-    assert found.shape == (len(errands), 10)
+    rolled_out = made_up(recorded, 6, 0).pairs
+    found = geometry_bound.features(recorded, rolled_out)
+    assert found.shape == (len(rolled_out), 10)
     clearance = recorded.scene.clearance
     for row, start, target, overlap in zip(
-        found, errands.starts, errands.targets, errands.overlap, strict=True
+        found, rolled_out.starts, rolled_out.targets, rolled_out.overlap, strict=True
     ):
         goal = recorded.poses[target]
         ahead, aside = to_local(start, goal[:2])
@@ -172,7 +172,7 @@ def test_without_scikit_learn_there_is_no_bound_and_that_is_reported(monkeypatch
 
 
 class Knowing:
-    """Recognizes recorded pictures: sure of frames up to so many ahead on the same drive."""
+    """Recognizes recorded pictures: sure of frames up to so many ahead on the same trajectory."""
 
     def __init__(self, recorded, reach):
         self.recorded, self.reach = recorded, reach
@@ -195,15 +195,15 @@ def asker(recorded, paths, monkeypatch):
     """Queries an estimator that knows all frames up to 25 ahead; notes what is driven."""
     driven = []
 
-    def drive(world, errands, controller, all_of_them=False):
+    def roll_out(world, rolled_out, controller, all_of_them=False):
         assert world is recorded
         assert controller == "k0"
         assert all_of_them
-        driven.append(errands)
-        ends = np.arange(len(errands)) % 3 > 0
-        return RolloutOutcomes(errands, ends | True, ends, ~ends, np.zeros(len(errands)))
+        driven.append(rolled_out)
+        ends = np.arange(len(rolled_out)) % 3 > 0
+        return RolloutOutcomes(rolled_out, ends | True, ends, ~ends, np.zeros(len(rolled_out)))
 
-    monkeypatch.setattr(reachability, "_driven", drive)
+    monkeypatch.setattr(reachability, "_driven", roll_out)
 
     def made(reach=25):
         estimator = Estimator(Knowing(recorded, reach), "k0", 0)
@@ -212,19 +212,19 @@ def asker(recorded, paths, monkeypatch):
     return made
 
 
-def pairs_of(recorded, errands):
-    """Frames of the starts and targets of errands."""
-    match = (recorded.poses[None] == errands.starts[:, None]).all(axis=2)
-    return match.argmax(axis=1), errands.targets
+def pairs_of(recorded, rolled_out):
+    """Frames of the starts and targets of pairs."""
+    match = (recorded.poses[None] == rolled_out.starts[:, None]).all(axis=2)
+    return match.argmax(axis=1), rolled_out.targets
 
 
 def test_consecutive_anchors_are_driven_where_the_sparsifier_was_sure(recorded, asker):
     asking, driven = asker()
     found = asking.consecutive(12)
-    (errands,) = driven
-    assert len(found) == len(errands) == 12
+    (rolled_out,) = driven
+    assert len(found) == len(rolled_out) == 12
     assert (found == (np.arange(12) % 3 > 0)).all()
-    starts, targets = pairs_of(recorded, errands)
+    starts, targets = pairs_of(recorded, rolled_out)
     assert ((starts - recorded.first[starts]) % 25 == 0).all()
     last = targets == recorded.last[targets]
     assert (targets - starts)[~last].tolist() == [25] * (~last).sum()
@@ -245,15 +245,15 @@ def test_some_of_all_pairs_that_would_be_edges_are_driven(recorded, asker):
     asking.edges(frames, 10**6)
     asking.edges(frames, 8)
     found = [
-        set(zip(*(part.tolist() for part in pairs_of(recorded, errands)), strict=True))
-        for errands in driven
+        set(zip(*(part.tolist() for part in pairs_of(recorded, rolled_out)), strict=True))
+        for rolled_out in driven
     ]
     assert found[0] == every
     assert len(found[1]) == 8
     assert found[1] < found[0]
 
 
-def test_where_nobody_is_sure_nothing_is_driven(asker, recorded):
+def test_where_nothing_is_sure_nothing_is_driven(asker, recorded):
     asking, driven = asker(reach=-1)
     assert asking.edges(np.arange(0, 400, 40), 5).shape == (0,)
     assert asking.consecutive(5).shape == (0,)
@@ -288,7 +288,7 @@ def test_a_world_is_examined_from_every_side(world):
     assert len(one["consecutive"]) <= 2
 
 
-def test_all_estimators_are_asked_the_same(world):
+def test_all_estimators_get_the_same_queries(world):
     for name, values in world["image"].items():
         assert np.array_equal(values, world["twin"][name]), name
 

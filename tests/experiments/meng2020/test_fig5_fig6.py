@@ -27,8 +27,8 @@ use_threads(1)
 
 
 @pytest.fixture
-def drives(box, monkeypatch):
-    """Makes the cars of a world drive the given metres, each along a line."""
+def record(box, monkeypatch):
+    """Makes the cars of a world one the given metres, each along a line."""
 
     def start(*lengths):
         made = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in lengths]
@@ -39,32 +39,32 @@ def drives(box, monkeypatch):
 
 
 def lengths_of(recorded):
-    return sorted(round(drive.arc_length[-1], 6) for drive in recorded.trajectories)
+    return sorted(round(one.arc_length[-1], 6) for one in recorded.trajectories)
 
 
-def test_trajectories_are_those_of_about_15_metres(drives):
-    drives(11.9, 13.0, 16.0, 24.5, 18.0, 32.0, 5.0)
+def test_trajectories_are_those_of_about_15_metres(record):
+    record(11.9, 13.0, 16.0, 24.5, 18.0, 32.0, 5.0)
     some = trajectories(10_001, 3, np.random.default_rng(0))
     assert lengths_of(some) == [11.0, 14.0, 16.0]
     assert len(trajectories(10_001, 99, np.random.default_rng(0)).trajectories) == 5
 
 
-def test_where_all_are_short_the_longest_are_taken(drives):
-    drives(6.0, 11.0, 8.0)
+def test_where_all_are_short_the_longest_are_taken(record):
+    record(6.0, 11.0, 8.0)
     assert lengths_of(trajectories(10_001, 2, np.random.default_rng(0))) == [6.0, 9.0]
 
 
-def test_trajectories_begin_once_the_cars_are_under_way(drives):
-    drives(16.0)
-    (drive,) = trajectories(10_001, 1, np.random.default_rng(0)).trajectories
-    assert drive.poses[0] == pytest.approx([1.0 + following.UNDER_WAY, 1.0, 0.0])
+def test_trajectories_begin_once_the_cars_are_under_way(record):
+    record(16.0)
+    (one,) = trajectories(10_001, 1, np.random.default_rng(0)).trajectories
+    assert one.poses[0] == pytest.approx([1.0 + following.UNDER_WAY, 1.0, 0.0])
 
 
 def test_every_frame_belongs_to_one_trajectory(recorded):
     count = len(recorded.trajectories)
     frames = [recorded.frames_of(number) for number in range(count)]
     assert np.concatenate(frames).tolist() == list(range(len(recorded.poses)))
-    assert [len(some) for some in frames] == [len(drive) for drive in recorded.trajectories]
+    assert [len(some) for some in frames] == [len(one) for one in recorded.trajectories]
 
 
 # Guides.
@@ -115,22 +115,22 @@ def test_pictures_of_anchors_have_their_context(recorded):
 def followed(recorded):
     """Two trajectories, each 10th frame an anchor, followed with an RE that is always sure."""
     guide = guide_of(recorded, "k2", Sure())
-    shortest = np.argsort([len(drive) for drive in recorded.trajectories])[:2]
-    trails = [recorded.frames_of(number)[::10] for number in sorted(shortest)]
-    return trails, guide.follow(trails)
+    shortest = np.argsort([len(one) for one in recorded.trajectories])[:2]
+    paths = [recorded.frames_of(number)[::10] for number in sorted(shortest)]
+    return paths, guide.follow(paths)
 
 
 def test_by_many_anchors_a_trajectory_is_followed(recorded, followed):
-    trails, (metres, tracks, record) = followed
+    paths, (metres, tracks, record) = followed
     assert metres.shape == (2,)
     assert tracks.shape[1:] == (2, 3)
-    length = [recorded.arc[trail[-1]] - recorded.arc[trail[0]] for trail in trails]
+    length = [recorded.arc[path[-1]] - recorded.arc[path[0]] for path in paths]
     assert (metres <= np.array(length) + 1e-6).all()
     assert metres.sum() > 0.6 * sum(length)
-    for robot, trail in enumerate(trails):
-        assert tracks[0, robot] == pytest.approx(recorded.poses[trail[0]])
+    for robot, path in enumerate(paths):
+        assert tracks[0, robot] == pytest.approx(recorded.poses[path[0]])
         if metres[robot] == pytest.approx(length[robot]):
-            gap = recorded.poses[trail[-1], :2] - tracks[:, robot, :2]
+            gap = recorded.poses[path[-1], :2] - tracks[:, robot, :2]
             assert np.hypot(*gap.T).min() < 0.3
     assert len(record.active) == len(tracks) - 1
     assert record.active[0].max() <= 1
@@ -138,10 +138,10 @@ def test_by_many_anchors_a_trajectory_is_followed(recorded, followed):
 
 
 def test_noise_is_drawn_by_its_seed(recorded, followed):
-    trails = [followed[0][0][:4]]
+    paths = [followed[0][0][:4]]
     guide = guide_of(recorded, "k0", Sure())
     one, two, other, quiet = (
-        guide.follow(trails, noise, np.random.default_rng(seed))[1]
+        guide.follow(paths, noise, np.random.default_rng(seed))[1]
         for noise, seed in ((1 / 3, 0), (1 / 3, 0), (1 / 3, 1), (0.0, 0))
     )
     assert np.array_equal(one, two)
@@ -186,13 +186,13 @@ def test_gaps_are_measured_between_anchors_but_not_to_the_end(recorded, planted)
     assert frames == len(recorded.poses)
     wanted = []
     for number in range(len(recorded.trajectories)):
-        way = recorded.poses[recorded.frames_of(number)]
+        track = recorded.poses[recorded.frames_of(number)]
         for first, last in ((0, 12), (12, 30), (30, 31)):
-            steps = np.hypot(*np.diff(way[first : last + 1, :2], axis=0).T)
-            driven = np.cumsum(np.hypot(*np.diff(way[first:, :2], axis=0).T))
+            steps = np.hypot(*np.diff(track[first : last + 1, :2], axis=0).T)
+            driven = np.cumsum(np.hypot(*np.diff(track[first:, :2], axis=0).T))
             metre = first + 1 + int(np.searchsorted(driven, fig5.Settings.ahead - 1e-9))
-            room = recorded.scene.clearance.at(way[first + 1 : metre + 1, :2])
-            turned = np.abs(wrap(np.diff(way[first : metre + 1, 2])))
+            room = recorded.scene.clearance.at(track[first + 1 : metre + 1, :2])
+            turned = np.abs(wrap(np.diff(track[first : metre + 1, 2])))
             wanted.append((steps.sum(), room.min(), turned.sum()))
     assert gaps == pytest.approx(np.array(wanted), abs=1e-9)
 
@@ -239,8 +239,8 @@ def test_correlations_are_of_ranks(monkeypatch):
 # Fig. 6.
 
 
-def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
-    ways = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in (7.0, 22.0, 40.0)]
+def test_fig_6_numbers_nine_places_of_one_trajectory(box, monkeypatch):
+    lines = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in (7.0, 22.0, 40.0)]
     steps, chosen = 60, []
 
     class Planted:
@@ -250,24 +250,24 @@ def test_fig_6_numbers_nine_places_of_one_drive(box, monkeypatch):
         def anchors(self, trajectory, threshold):
             return np.array([0, 50, 200])
 
-        def follow(self, trails):
+        def follow(self, paths):
             tracks = np.zeros((steps + 1, 1, 3))
             tracks[:, 0, 0] = np.arange(steps + 1)
             active = np.repeat([-1, 0, 1, 2], [4, 16, 20, 20])[:, None]
             state = np.where(active < 0, State.SEARCH, State.FOLLOW)
-            told = np.where(active < 0, np.nan, 0.9)  # nobody asks who searches, or is lost
-            record = SimpleNamespace(active=active, state=state, probability=told)
+            probability = np.where(active < 0, np.nan, 0.9)  # none while searching or lost
+            record = SimpleNamespace(active=active, state=state, probability=probability)
             return np.array([20.0]), tracks, record
 
-    monkeypatch.setattr(fig6, "demonstrate", lambda *arguments: ways)
+    monkeypatch.setattr(fig6, "demonstrate", lambda *arguments: lines)
     monkeypatch.setattr(fig6, "scene_of", lambda name: box)
     monkeypatch.setattr(fig6, "Guide", Planted)
     report = fig6.EXPERIMENT.report(Options(worlds=(10_001,)))
     use_threads(1)
-    ((drives, context),) = chosen
-    (drive,) = drives  # the one that is nearest to 23 m once it is under way
-    assert drive.arc_length[-1] == pytest.approx(20.0, abs=0.06)
-    assert np.array_equal(drive.poses[-1], ways[1].poses[-1])
+    ((recorded, context),) = chosen
+    (one,) = recorded  # the one that is nearest to 23 m once it is under track
+    assert one.arc_length[-1] == pytest.approx(20.0, abs=0.06)
+    assert np.array_equal(one.poses[-1], lines[1].poses[-1])
     assert context == "k5"
     assert report.worlds == (10_001,)
     assert [row["place"] for row in report.rows] == list(range(1, 10))

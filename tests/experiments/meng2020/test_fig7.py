@@ -87,26 +87,26 @@ class Keeping:
         frames = self.recorded.frames_of(trajectory)
         return frames[[0, round(10 * threshold), -1]]
 
-    def follow(self, trails, noise=0.0, rng=None):
+    def follow(self, paths, noise=0.0, rng=None):
         arc = self.recorded.arc
         share = 0.25 if noise else 0.5
-        return np.array([share * (arc[t[-1]] - arc[t[0]]) for t in trails]), None, None
+        return np.array([share * (arc[t[-1]] - arc[t[0]]) for t in paths]), None, None
 
 
 @pytest.mark.parametrize("quick", [True, False])
-def test_trajectories_are_followed_in_every_way(recorded, monkeypatch, quick):
+def test_trajectories_are_followed_by_every_method(recorded, monkeypatch, quick):
     monkeypatch.setattr(fig7, "Guide", Keeping)
     monkeypatch.setattr(fig7, "trajectories", lambda *arguments: recorded)
     settings = fig7.QUICK if quick else fig7.Settings()
     found = fig7.run_world(10_001, Options(), settings)
     ours = (0.9, 0.99) if quick else (0.9, 0.95, 0.97, 0.99)
     theirs = (10, 30) if quick else (10, 20, 30, 40)
-    ways = {("meng", p) for p in ours} | {("sptm", n) for n in theirs}
-    wanted = {(m, k, "clean", p) for m, p in ways for k in ("k0", "k2", "k5")}
+    methods = {("meng", p) for p in ours} | {("sptm", n) for n in theirs}
+    wanted = {(m, k, "clean", p) for m, p in methods for k in ("k0", "k2", "k5")}
     wanted |= set() if quick else {("meng", "k2", "noise", p) for p in ours}
     assert set(found) == wanted
-    lengths = np.array([len(drive) for drive in recorded.trajectories])
-    metres = np.array([drive.arc_length[-1] for drive in recorded.trajectories])
+    lengths = np.array([len(one) for one in recorded.trajectories])
+    metres = np.array([one.arc_length[-1] for one in recorded.trajectories])
     for (method, context, condition, chosen), some in found.items():
         assert some["frames"].tolist() == lengths.tolist()
         assert some["length"] == pytest.approx(metres)

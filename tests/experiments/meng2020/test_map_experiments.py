@@ -387,16 +387,16 @@ def test_the_bench_compares_the_index_with_all_queries(building):
 @networks
 def test_comparing_with_every_vertex_leaves_the_map_as_it_is(building):
     agent = agents.meng()
-    drives = list(map_building.sparsified(building))
+    trajectories = list(map_building.sparsified(building))
     agent.learn([])
     topomap = map_building.TopoMap(agent.reachability, map_building.MapSettings(p_reuse=1.0))
-    for anchors in drives[:3]:
+    for anchors in trajectories[:3]:
         map_building.add_trajectory(topomap, anchors)
     before = nx.to_dict_of_dicts(topomap.graph)
-    seconds, queries = map_building.exhaustively(topomap, drives[3])
+    seconds, queries = map_building.exhaustively(topomap, trajectories[3])
     assert nx.to_dict_of_dicts(topomap.graph) == before
     assert len(topomap.paths) == 3
-    count, known = len(drives[3]), len(topomap)
-    # Both ways with every vertex, and with each other but to itself and to the next.
+    count, known = len(trajectories[3]), len(topomap)
+    # In both directions with every vertex, and with each other but to itself and to the next.
     assert queries >= 2 * count * known
     assert seconds > 0

@@ -75,8 +75,8 @@ def test_the_clean_course_alone_is_the_same(course):
 def test_a_random_controller_and_an_oracle_bracket_the_others(course):
     clean = course["clean"]
     reached = {
-        name: local_control.attempt(clean, pilot)["reached"].mean()
-        for name, pilot in controllers((0, WORLD)).items()
+        name: local_control.attempt(clean, make_policy)["reached"].mean()
+        for name, make_policy in controllers((0, WORLD)).items()
     }
     assert reached["oracle"] >= 0.9
     assert reached["random"] <= 0.4
@@ -152,7 +152,7 @@ def test_matched_is_what_saw_its_target_s_view_before_it_ended(recorded):
     assert overlaps[frame].min() > 0.99
     one = int(np.flatnonzero((overlaps.max(axis=1) > 0.75) & (overlaps.min(axis=1) < 0.65))[0])
     far = int(overlaps.max(axis=1).argmin())
-    # At the goal: in the last step, when touching something, too late, never; seen one way only.
+    # At the goal: in the last step, when touching something, too late, never; seen by one only.
     track = poses[
         [
             [far, far, far, far, far, far],

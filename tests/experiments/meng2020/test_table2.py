@@ -83,7 +83,7 @@ def test_a_building_has_a_trajectory_for_every_ordered_pair_of_places(building):
         assert len(drive) >= SHORTEST
         assert np.linalg.norm(drive.poses[0, :2] - building.places[start]) < 0.3
         assert np.linalg.norm(drive.poses[-1, :2] - building.places[goal]) < REACHED + 0.1
-        # It sets out the way it goes.
+        # It starts in the direction of its path.
         far = np.linalg.norm(drive.poses[:, :2] - drive.poses[0, :2], axis=1)
         ahead = drive.poses[np.argmax(far > 1.0), :2] - drive.poses[0, :2]
         heading = drive.poses[0, 2]
@@ -187,7 +187,7 @@ def test_goals_are_shown_in_their_context_as_seen_from_there(trials):
         there = view.render(trials.recorded.scene, trials.goal_poses[[trial]])
         assert (goal.observations.image == there).all()
         assert (goal.contexts[0, 5] == there[0]).all()
-        # Nothing comes after the end of a drive.
+        # Nothing comes after the end of a trajectory.
         assert (goal.contexts[0, 6:] == there[0]).all()
         assert (goal.contexts[0, 0] != there[0]).any()
 
@@ -343,7 +343,7 @@ def test_a_robot_that_pushes_against_a_wall_is_stuck(building):
         stretch, steps = (stretch + 1 if alone.touching[0] else 0), steps + 1
     assert outcome.seconds[0] == pytest.approx(STEP * steps)
     assert len(outcome.poses) == steps + 1
-    # Who is done stands still while the others drive on.
+    # A robot that is done stands still while the others drive on.
     assert np.ptp(outcome.poses[20:, 1], axis=0).max() < 1e-6
     assert outcome.gap[1] == pytest.approx(
         np.linalg.norm(outcome.poses[4, 1, :2] - trials.goal_poses[1, :2])
@@ -455,7 +455,7 @@ class Walk:
 
 @pytest.fixture
 def own(tmp_path):
-    """Writes somebody's own file, and tells how to ask for a class in it."""
+    """Writes a user's file; returns the option that names a class in it."""
 
     def write(text, name="Mine", file="own.py"):
         (tmp_path / file).write_text(text)
@@ -617,7 +617,7 @@ def test_a_planner_after_the_interface_is_good_enough(building, own):
         "from tutorial_lib.topology.planner import Plan\n\n\n"
         "class Mine:\n"
         "    def plan(self, observation, goals, topomap, excluded=()):\n"
-        "        return Plan(refusal='no way')\n"
+        "        return Plan(refusal='no path')\n"
     )
     agent = agents.custom(own(text))
     trials = at_goals(building, np.zeros(1), np.zeros(1))
@@ -631,9 +631,9 @@ def test_a_guarded_error_is_reported_and_a_result_returned(own):
     assert agents.guarded(where, lambda a, b: a + b, 1, 2) == 3
 
     def refuse():
-        raise InputError("localizer: told (3,)")
+        raise InputError("localizer: returned (3,)")
 
-    with pytest.raises(InputError, match=r"--agent .*own.py:Mine: localizer: told \(3,\)$"):
+    with pytest.raises(InputError, match=r"--agent .*own.py:Mine: localizer: returned \(3,\)$"):
         agents.guarded(where, refuse)
     with pytest.raises(KeyboardInterrupt):
         agents.guarded(where, lambda: (_ for _ in ()).throw(KeyboardInterrupt))

@@ -1,4 +1,4 @@
-"""What went on while trails were followed: kept, saved and read again."""
+"""What went on while paths were followed: kept, saved and read again."""
 
 from __future__ import annotations
 
