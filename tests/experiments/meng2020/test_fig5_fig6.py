@@ -28,7 +28,7 @@ use_threads(1)
 
 @pytest.fixture
 def record(box, monkeypatch):
-    """Makes the cars of a world one the given metres, each along a line."""
+    """Makes the cars of a world drive the given metres, each along a line."""
 
     def start(*lengths):
         made = [make_trajectory([(1.0, 1.0), (1.0 + metres, 1.0)]) for metres in lengths]
@@ -265,7 +265,7 @@ def test_fig_6_numbers_nine_places_of_one_trajectory(box, monkeypatch):
     report = fig6.EXPERIMENT.report(Options(worlds=(10_001,)))
     use_threads(1)
     ((recorded, context),) = chosen
-    (one,) = recorded  # the one that is nearest to 23 m once it is under track
+    (one,) = recorded  # the one that is nearest to 23 m once it is under way
     assert one.arc_length[-1] == pytest.approx(20.0, abs=0.06)
     assert np.array_equal(one.poses[-1], lines[1].poses[-1])
     assert context == "k5"
