@@ -33,6 +33,7 @@ import numpy as np
 from tutorial_lib.driving import GridPaths, OraclePolicy
 from tutorial_lib.experiments.demos import choose_places, navigate_once, place_people
 from tutorial_lib.geometry import arc_length, compose
+from tutorial_lib.learning import use_threads
 from tutorial_lib.viz import (
     PlanView,
     TeleopController,
@@ -58,6 +59,8 @@ from tutorial_lib.world import (
     generate,
     import_ros_map,
 )
+
+use_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
 # ## One place, seen twice

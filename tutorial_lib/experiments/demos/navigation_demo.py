@@ -61,7 +61,7 @@ def run_map_demo(plan: FloorPlan, seed: int, folder: Path) -> Outcome:
         InputError: when the plan is too small for `PLACES` places.
     """
     check_folder(folder)
-    use_threads(2)
+    use_threads(1)  # for one robot, a second thread would mostly wait
     film, outcome = navigate_once(Scene(plan), seed)
     leave(folder, film, outcome)
     return outcome
