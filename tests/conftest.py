@@ -55,6 +55,7 @@ def pytest_cmdline_main(config):
 
 
 def pytest_configure(config):
+    os.environ.setdefault("TUTORIAL_ANSWERS", "")  # answers that pass in a test are not kept
     config.addinivalue_line("markers", "full: runs only with --full")
     if getattr(config.option, "tx", []):  # the workers inherit it
         for name, value in LIMITS.items():

@@ -28,7 +28,7 @@ def choose_anchors__takes_the_first_that_fails(reach, threshold):
 
 
 def choose_anchors__never_gets_on(reach, threshold):
-    """your function never ends"""
+    """has not ended after"""
     anchors = [0]
     while anchors[-1] < len(reach) - 1:
         i = anchors[-1]

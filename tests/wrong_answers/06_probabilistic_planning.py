@@ -43,7 +43,7 @@ def most_probable_path__takes_the_inverse(graph, start, goal):
 
 
 def most_probable_path__goes_back_in_a_circle(graph, start, goal):
-    """your function never ends"""
+    """has not ended after"""
     least, before, heap, done = {start: 0.0}, {start: None}, [(0.0, start)], set()
     while heap:
         length, vertex = heapq.heappop(heap)

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import html
+import linecache
+import re
 import time
+import traceback
 from base64 import b64encode
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework import guard, my_answers
+
 SLOWEST = 20.0
-"""How many times slower than the reference a solution may be and still be used."""
-_COLOURS = {"passed": "#009e73", "failed": "#d55e00", "not attempted": "#969ba5"}
+"""How many times slower than the reference a solution may be and still be used..."""
+AFFORDABLE = 1.0
+"""...unless all its calls by the cells below take fewer seconds than this."""
+ENDLESS = "Your function has not ended after {seconds:g} seconds. Does a loop never end?"
+_COLOURS = {"passed": "#007a57", "failed": "#b84a00", "not attempted": "#5f6570"}
 _ROUNDS = 5
 
 Function = Callable[..., Any]
@@ -52,7 +60,7 @@ class Result:
         text = html.escape(self.message).replace("\n", "<br>")
         page = (
             f'<div style="border-left:6px solid {colour};padding:6px 12px">'
-            f'<b>{self.exercise}</b> <span style="color:{colour}">{self.status}</span><br>{text}'
+            f'<b>{self.exercise}</b> <b style="color:{colour}">{self.status}</b><br>{text}'
         )
         if self.picture is not None:
             data = b64encode(cv2.imencode(".png", self.picture[..., ::-1])[1]).decode()
@@ -61,47 +69,113 @@ class Result:
 
 
 class Check:
-    """A check of one exercise: call it for its `Result`, or `use` it in a notebook."""
+    """A check of one exercise: call it for its `Result`, or `use` it in a notebook.
 
-    def __init__(self, name: str, judge: Function, reference: Function, example: tuple) -> None:
+    Attributes:
+        name: of the exercise.
+        notebook: its number, as in "02".
+        reference: the function that the cells below use when the student's is not there.
+    """
+
+    def __init__(
+        self, judge: Function, reference: Function, example: tuple, calls: int, endless: str
+    ) -> None:
         """See `check`."""
-        self.name, self.judge, self.reference, self.example = name, judge, reference, example
+        self.name = judge.__name__.removeprefix("check_")
+        found = re.search(r"\.nb(\d\d)\b", judge.__module__)
+        self.notebook = found[1] if found else "00"
+        self.judge, self.reference, self.example = judge, reference, example
+        self.calls, self.endless = calls, endless
         self.__doc__ = judge.__doc__
+        self._last: Result | None = None
 
     def __call__(self, student: Function) -> Result:
-        """Judge a student's function."""
+        """Judge a student's function, whatever it does."""
         try:
-            picture = self.judge(student)
+            picture = guard.limited(self.judge, student)
         except NotImplementedError:
             message = "Not attempted yet; the cells below use the reference."
             return Result(self.name, "not attempted", message)
         except WrongAnswer as wrong:
             return Result(self.name, "failed", str(wrong), wrong.picture)
-        except Exception as error:
-            message = f"Your function raised {type(error).__name__}: {error}"
-            return Result(self.name, "failed", message)
+        except KeyboardInterrupt:  # the student's own wish
+            raise
+        except BaseException as error:
+            return Result(self.name, "failed", self._words(error, student))
         return Result(self.name, "passed", "Correct; the cells below use yours.", picture)
+
+    def _words(self, error: BaseException, student: Function) -> str:
+        """What to say when judging ended with an error."""
+        if isinstance(error, guard.TimeUp):
+            return (self.endless or ENDLESS).format(seconds=guard.SECONDS)
+        if isinstance(error, MemoryError):
+            return "Your function fills the memory. Does a loop never end, or an array grow?"
+        if isinstance(error, SystemExit):
+            return "Your function ends the program, as sys.exit() does; return the answer instead."
+        place = _place(error, student)
+        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        if place:
+            return f"Your function raised {said}\n{place}"
+        return f"The check could not use your answer ({said}); compare it with the docstring."
 
     def use(self, student: Function) -> Function:
         """Show the result, and give back the function that the cells below should use.
 
-        That is the student's when it passes and is at most `SLOWEST` times slower than the
-        reference, and the reference otherwise.
+        That is the student's when it passes and is quick enough, and the reference otherwise. A
+        passed answer is saved in the folder `my_answers`. A function that the check itself gave
+        back is not judged: the last result is shown again.
         """
         from IPython.display import display
 
+        if student is self.reference:
+            display(self._repeated())
+            return student
         result, chosen = self(student), self.reference
         if result.status == "passed":
-            ratio = _seconds(student, self.example) / _seconds(self.reference, self.example)
-            chosen = student if ratio <= SLOWEST else self.reference
-            if chosen is self.reference:
-                slow = f"Correct, but {ratio:.0f} times slower than the reference, which is used."
-                result = Result(self.name, "passed", slow, result.picture)
+            words = self._too_slow(student)
+            chosen = self.reference if words else student
+            saved = my_answers.save(self.notebook, self.name, student)
+            result = replace(result, message=f"{words or result.message} {saved}".strip())
+        self._last = result
         display(result)
         return chosen
 
+    def mine(self) -> Function:
+        """The student's saved answer if it passes, and the reference otherwise; says which."""
+        student = my_answers.load(self.notebook, self.name)
+        if student is None:
+            print(f"{self.name}: no answer is saved yet, so the library's is used")
+            return self.reference
+        result = self(student)
+        if result.status == "passed":
+            print(f"{self.name}: yours, from {my_answers.path(self.notebook, self.name).name}")
+            return student
+        print(f"{result}\nThe library's {self.name} is used.")
+        return self.reference
 
-def check(reference: Function, example: tuple) -> Callable[[Function], Check]:
+    def _repeated(self) -> Result:
+        """What to show when the reference itself comes to be judged."""
+        again = f"Run the cell with your {self.name} again to have it checked."
+        if self._last is None:
+            message = f"This is the library's function, not yours. {again}"
+            return Result(self.name, "not attempted", message)
+        message = f"{self._last.message}\n(This is the last result. {again})"
+        return replace(self._last, message=message)
+
+    def _too_slow(self, student: Function) -> str:
+        """What to say of a correct function that the cells below do not use; empty if they do."""
+        mine, reference = (
+            _seconds(function, self.example) for function in (student, self.reference)
+        )
+        ratio = mine / reference
+        if ratio <= SLOWEST or self.calls * mine <= AFFORDABLE:
+            return ""
+        return f"Correct, but {ratio:.0f} times slower than the reference, which is used below."
+
+
+def check(
+    reference: Function, example: tuple, *, calls: int = 1000, endless: str = ""
+) -> Callable[[Function], Check]:
     """Make a check of a judging function.
 
     The judge takes the student's function, raises `WrongAnswer` where it finds something wrong, and
@@ -110,12 +184,29 @@ def check(reference: Function, example: tuple) -> Callable[[Function], Check]:
     Args:
         reference: what is used below when the student's function is not.
         example: arguments to measure both with.
+        calls: how often the cells below call the function with arguments like these.
+        endless: what to say when it does not end.
     """
 
     def decorate(judge: Function) -> Check:
-        return Check(judge.__name__.removeprefix("check_"), judge, reference, example)
+        return Check(judge, reference, example, calls, endless)
 
     return decorate
+
+
+def _place(error: BaseException, student: Function) -> str:
+    """The line of the student's code that raised an error; empty if another function did."""
+    code = getattr(student, "__code__", None)
+    if code is None:
+        return ""
+    frames = [
+        f for f in traceback.extract_tb(error.__traceback__) if f.filename == code.co_filename
+    ]
+    if not frames:
+        return ""
+    last = frames[-1]
+    line = linecache.getline(last.filename, last.lineno or 0).strip()
+    return f"in line {last.lineno}: {line}" if line else f"in line {last.lineno}"
 
 
 def _seconds(function: Function, example: tuple) -> float:
@@ -125,4 +216,6 @@ def _seconds(function: Function, example: tuple) -> float:
         begun = time.perf_counter()
         function(*example)
         spans.append(time.perf_counter() - begun)
+        if spans[-1] > AFFORDABLE:
+            break
     return min(spans)

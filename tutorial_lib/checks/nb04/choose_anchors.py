@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.answers import call
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.framework.timeout import within_line_limit
 from tutorial_lib.checks.nb04.frame_indices import frame_indices
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.sparsify import sparsify
@@ -81,8 +79,8 @@ _CASES = {
     "two frames": (np.array([[1.0, 0.95], [0.95, 1.0]]), 0.9),
 }
 _ENDLESS = (
-    "choose_anchors: your function never ends. Where not even frame i + 1 can be reached so "
-    "surely, it is the next anchor all the same: the path must go on"
+    "choose_anchors: your function has not ended after {seconds:g} seconds. Where not even frame "
+    "i + 1 can be reached so surely, it is the next anchor all the same: the path must go on"
 )
 
 
@@ -193,11 +191,7 @@ def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
     return side_by_side(tables, ["target", "yours"], gap=30)
 
 
-def _invoke(what: str, student: Callable[..., Any], *case: object) -> Any:  # noqa: ANN401 - students'
-    return within_line_limit(call, student, *case, otherwise=_ENDLESS)
-
-
-@check(choose_anchors, (_smooth(200, 3), 0.9))
+@check(choose_anchors, (_smooth(200, 3), 0.9), endless=_ENDLESS)
 def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """The trajectory done by hand, ones where all or nothing can be reached, and longer ones."""
     return compare(
@@ -206,7 +200,6 @@ def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         _CASES,
         choose_anchors,
         _FAULTS,
-        invoke=_invoke,
         form=frame_indices,
         difference=_apart,
         draw=_tables,

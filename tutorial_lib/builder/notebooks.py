@@ -8,6 +8,7 @@
 
 import ast
 import hashlib
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +20,7 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 
+from tutorial_lib.checks.framework import my_answers
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
 
@@ -136,7 +138,7 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         resources={"metadata": {"path": str(folder)}},
     )
     try:
-        client.execute()
+        client.execute(env={**os.environ, my_answers.FOLDER: ""})  # nobody's answers are saved
     except CellExecutionError as error:
         raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:

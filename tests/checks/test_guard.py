@@ -1,0 +1,130 @@
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from tutorial_lib.checks.framework import guard
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
+
+
+@check(lambda x: x, (1.0,))
+def check_identity(student):
+    """It gives back what it got."""
+    expect_close("identity", call(student, 2.0), 2.0)
+
+
+@pytest.fixture(autouse=True)
+def _impatient(monkeypatch):
+    monkeypatch.setattr(guard, "SECONDS", 0.3)
+
+
+def endless(x):
+    while True:
+        pass
+
+
+def endless_and_deaf(x):
+    while True:
+        try:  # noqa: SIM105
+            time.sleep(0.001)
+        except:  # noqa: E722 - as a student writes it
+            pass
+
+
+def asleep(x):
+    time.sleep(60)
+
+
+@pytest.mark.parametrize("student", [endless, endless_and_deaf, asleep])
+def test_a_function_that_never_ends_is_ended(student):
+    begun = time.monotonic()
+    result = check_identity(student)
+    assert result.status == "failed"
+    assert "0.3 seconds" in result.message
+    assert "loop" in result.message
+    assert time.monotonic() - begun < 10
+
+
+def test_also_where_signals_do_not_reach():
+    results = []
+    thread = threading.Thread(target=lambda: results.append(check_identity(endless)))
+    thread.start()
+    thread.join(20)
+    assert "0.3 seconds" in results[0].message
+
+
+def test_after_a_check_no_limit_is_left():
+    def debugger(*_):
+        return None
+
+    before = sys.gettrace()
+    sys.settrace(debugger)
+    try:
+        check_identity(lambda x: x)
+        assert sys.gettrace() is debugger
+    finally:
+        sys.settrace(before)
+    time.sleep(0.5)  # an alarm that still rings would raise here
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
+def test_a_loop_that_fills_the_memory_is_reported(monkeypatch):
+    monkeypatch.setattr(guard, "SECONDS", 20.0)
+
+    def greedy(x):
+        kept = [np.ones(1)]
+        while True:
+            kept.append(np.ones(10_000_000))
+
+    result = check_identity(greedy)
+    assert result.status == "failed"
+    assert "memory" in result.message
+    assert np.ones(30_000_000).sum() == 30_000_000  # the limit is gone
+
+
+def test_the_end_of_the_program_is_reported():
+    result = check_identity(lambda x: sys.exit())
+    assert result.status == "failed"
+    assert "sys.exit" in result.message
+
+
+def test_the_student_may_interrupt_a_check():
+    def interrupted(x):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        check_identity(interrupted)
+
+
+def test_endless_output_is_cut(capsys):
+    def loud(x):
+        for _ in range(100):
+            print("x" * 1_000)
+        return x
+
+    assert check_identity(loud).status == "passed"
+    printed = capsys.readouterr().out
+    assert guard.PRINTED <= len(printed) < guard.PRINTED + 100
+    assert "only the first" in printed
+
+
+def test_an_error_is_reported_with_its_line():
+    def divides(x):
+        return x / 0
+
+    message = check_identity(divides).message
+    assert "ZeroDivisionError" in message
+    assert "return x / 0" in message
+
+
+def test_words_of_its_own_for_a_loop_that_never_ends():
+    @check(lambda x: x, (1.0,), endless="count down, not up ({seconds:g} s)")
+    def check_countdown(student):
+        """It ends."""
+        student(2.0)
+
+    assert check_countdown(endless).message == "count down, not up (0.3 s)"

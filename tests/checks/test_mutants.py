@@ -1,0 +1,22 @@
+from pathlib import Path
+
+import pytest
+
+from tutorial_lib.builder import exercises, survivors
+from tutorial_lib.checks.framework import guard
+
+PROJECT = Path(__file__).resolve().parents[2]
+SOURCES = [
+    source for source in sorted((PROJECT / "solutions").glob("[0-9]*.py")) if exercises(source)
+]
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("source", SOURCES, ids=lambda s: s.stem)
+def test_every_mutant_of_a_solution_is_rejected_or_is_no_mistake(monkeypatch, source):
+    monkeypatch.setattr(guard, "SECONDS", 3.0)
+    known = PROJECT / "tests" / "harmless_mutants" / f"{source.stem}.json"
+    for exercise, tried, passed in survivors(source, known):
+        assert tried
+        left = [survivor.change for survivor in passed if not survivor.reason]
+        assert not left, exercise.name

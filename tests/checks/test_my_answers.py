@@ -1,0 +1,113 @@
+import math
+
+import numpy as np
+import pytest
+
+from tutorial_lib.checks.framework import my_answers
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import expect_close
+from tutorial_lib.errors import InputError
+
+FACTOR = 2.0
+TABLE = np.array([1.0, 2.0])
+UNKNOWN = object()
+
+
+def helper(x):
+    return FACTOR * x + (helper(x - 1) if x > 1e9 else 0.0)
+
+
+def doubled(x, table=TABLE):
+    """Twice x."""
+    return helper(x) + 0.0 * table[0] * math.cos(0.0) * np.sin(0.0)
+
+
+def doubled_otherwise(x):
+    return x + x
+
+
+def doubled_from_afar(x):
+    return x + x if UNKNOWN else x
+
+
+def reference(x):
+    return 2 * x
+
+
+@check(reference, (1.0,))
+def check_doubled(student):
+    """It doubles."""
+    expect_close("doubled", student(2.0), 4.0)
+
+
+def named(function):
+    function.__name__ = "doubled"
+    return function
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv(my_answers.FOLDER, str(tmp_path / "answers"))
+    return tmp_path / "answers"
+
+
+def test_a_passed_answer_is_saved_with_all_that_it_needs(folder, capsys):
+    assert check_doubled.use(doubled) is doubled
+    assert "saved in my_answers/" in capsys.readouterr().out
+    (file,) = folder.glob("*.py")
+    text = file.read_text()
+    assert text.startswith("# version 1 of doubled")
+    assert "FACTOR = 2.0" in text
+    assert "TABLE = np.array([1.0, 2.0])" in text
+    assert text.index("def helper") < text.index("def doubled")
+    assert "import math" in text
+    again = my_answers.load(check_doubled.notebook, "doubled")
+    assert again is not doubled
+    assert again(2.0) == 4.0
+
+
+def test_another_answer_takes_its_place_and_the_old_one_is_kept(folder):
+    check_doubled.use(doubled)
+    check_doubled.use(doubled)
+    assert not (folder / "older").exists()
+    check_doubled.use(named(doubled_otherwise))
+    (file,) = folder.glob("*.py")
+    assert file.read_text().startswith("# version 2 of doubled")
+    (older,) = (folder / "older").glob("*_v1.py")
+    assert "def helper" in older.read_text()
+
+
+def test_wrong_answers_and_the_reference_are_not_saved(folder):
+    check_doubled.use(lambda x: x)
+    check_doubled.use(reference)
+    assert not folder.exists()
+
+
+def test_what_cannot_be_saved_passes_all_the_same(folder, capsys):
+    assert check_doubled.use(doubled_from_afar) is doubled_from_afar
+    assert "could not be saved" in capsys.readouterr().out
+    folder.parent.joinpath("answers").write_text("a file where the folder should be")
+    assert check_doubled.use(doubled) is doubled
+    assert "could not be saved" in capsys.readouterr().out
+
+
+def test_mine_is_the_saved_answer_or_the_librarys(folder, capsys):
+    assert check_doubled.mine() is reference
+    assert "no answer is saved" in capsys.readouterr().out
+    check_doubled.use(doubled)
+    assert check_doubled.mine()(3.0) == 6.0
+    (file,) = folder.glob("*.py")
+    file.write_text("def doubled(x):\n    return x\n")
+    assert check_doubled.mine() is reference
+    assert "is used" in capsys.readouterr().out
+    file.write_text("doubled = 1 /\n")
+    with pytest.raises(InputError, match="does not run"):
+        check_doubled.mine()
+
+
+def test_without_a_folder_nothing_is_kept(monkeypatch, tmp_path):
+    monkeypatch.setenv(my_answers.FOLDER, "")
+    monkeypatch.chdir(tmp_path)
+    assert check_doubled.use(doubled) is doubled
+    assert my_answers.load("00", "doubled") is None
+    assert list(tmp_path.iterdir()) == []

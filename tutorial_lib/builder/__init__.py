@@ -1,0 +1,39 @@
+"""Builds notebooks from their sources, and mutates their solutions to try the checks."""
+
+from tutorial_lib.builder.mutants import (
+    Survivor,
+    exercises,
+    harmless,
+    mutants,
+    survivors,
+)
+from tutorial_lib.builder.notebooks import (
+    LARGEST,
+    STUB,
+    build,
+    compact_imports,
+    execute,
+    for_students,
+    read,
+    stubbed,
+    to_text,
+    unmarked,
+)
+
+__all__ = [
+    "LARGEST",
+    "STUB",
+    "Survivor",
+    "build",
+    "compact_imports",
+    "execute",
+    "exercises",
+    "for_students",
+    "harmless",
+    "mutants",
+    "read",
+    "stubbed",
+    "survivors",
+    "to_text",
+    "unmarked",
+]

@@ -1,0 +1,148 @@
+"""Mutants of every exercise's solution, and those that a check lets pass.
+
+A mutant that is no mistake stands with the reason in ``tests/harmless_mutants/NN_name.json``:
+``{exercise: {"old line -> new line": reason}}``.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import jupytext
+
+from tutorial_lib.builder.mutation import changes
+from tutorial_lib.builder.notebooks import BEGIN, END
+from tutorial_lib.checks.framework.check import Check
+from tutorial_lib.checks.framework.global_names import global_names
+from tutorial_lib.errors import InputError
+
+
+@dataclass(frozen=True)
+class Exercise:
+    """An exercise of a notebook.
+
+    Attributes:
+        name: of its function.
+        code: of its cell, solution included.
+        lines: the numbers of the solution's lines, from 1.
+        given: the code of earlier cells that it needs.
+        check: that judges it.
+    """
+
+    name: str
+    code: str
+    lines: range
+    given: str
+    check: Check
+
+
+@dataclass(frozen=True)
+class Survivor:
+    """A mutant that passed its check.
+
+    Attributes:
+        exercise: whose solution was changed.
+        change: ``old line -> new line``.
+        reason: why it is no mistake; empty if nobody gave one.
+    """
+
+    exercise: str
+    change: str
+    reason: str
+
+
+def exercises(source: Path) -> list[Exercise]:
+    """The exercises of a source, in its order.
+
+    Args:
+        source: ``solutions/NN_name.py``.
+    """
+    cells = jupytext.reads(source.read_text(encoding="utf-8"), fmt="py:percent").cells
+    code = [cell.source for cell in cells if cell.cell_type == "code"]
+    named = [cell.metadata.get("exercise") for cell in cells if cell.cell_type == "code"]
+    checks = import_module(f"tutorial_lib.checks.nb{source.stem[:2]}")
+    found = []
+    for i, (name, text) in enumerate(zip(named, code, strict=True)):
+        if name:
+            rows = [row.strip() for row in text.splitlines()]
+            lines = range(rows.index(BEGIN) + 2, rows.index(END) + 1)
+            check = getattr(checks, f"check_{name}")
+            found.append(Exercise(name, text, lines, _needed(text, code[:i]), check))
+    return found
+
+
+def mutants(exercise: Exercise) -> Iterator[tuple[str, Any]]:
+    """Each change to the solution, and the changed function."""
+    given: dict[str, Any] = {}
+    exec(compile(exercise.given, "<given>", "exec"), given)
+    for code, change in changes(exercise.code, exercise.lines):
+        names = dict(given)
+        exec(compile(code, "<mutant>", "exec"), names)
+        yield change, names[exercise.name]
+
+
+def survivors(source: Path, known: Path) -> Iterator[tuple[Exercise, int, list[Survivor]]]:
+    """For each exercise of a source, the number of mutants and those that pass the check.
+
+    Args:
+        source: ``solutions/NN_name.py``.
+        known: the file with the harmless ones.
+
+    Raises:
+        InputError: when `known` names a mutant that does not exist or is rejected.
+    """
+    reasons = harmless(known)
+    for exercise in exercises(source):
+        tried, passed = 0, []
+        listed = reasons.get(exercise.name, {})
+        for change, function in mutants(exercise):
+            tried += 1
+            if exercise.check(function).status == "passed":
+                passed.append(Survivor(exercise.name, change, listed.get(change, "")))
+        stale = set(listed) - {survivor.change for survivor in passed}
+        if stale:
+            raise InputError(f"{known.name}, {exercise.name}: no such survivor: {sorted(stale)}")
+        yield exercise, tried, passed
+
+
+def harmless(known: Path) -> dict[str, dict[str, str]]:
+    """By exercise and change, why a mutant is no mistake; empty without the file."""
+    return json.loads(known.read_text(encoding="utf-8")) if known.is_file() else {}
+
+
+def _needed(code: str, earlier: list[str]) -> str:
+    """The statements of earlier cells, in their order, that some code needs."""
+    statements = [node for cell in earlier for node in ast.parse(cell).body]
+    wanted, kept = _read(ast.parse(code)), set()
+    for i in reversed(range(len(statements))):
+        if _bound(statements[i]) & wanted:
+            kept.add(i)
+            wanted |= _read(ast.Module([statements[i]], []))
+    return "\n".join(ast.unparse(statements[i]) for i in sorted(kept))
+
+
+def _bound(statement: ast.stmt) -> set[str]:
+    """The names that a statement of a notebook binds."""
+    if isinstance(statement, ast.Import | ast.ImportFrom):
+        return {alias.asname or alias.name.split(".")[0] for alias in statement.names}
+    if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+        return {statement.name}
+    if isinstance(statement, ast.Assign | ast.AnnAssign) and ".use(" not in ast.unparse(statement):
+        return {
+            node.id
+            for node in ast.walk(statement)
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)
+        }
+    return set()
+
+
+def _read(tree: ast.Module) -> set[str]:
+    """The names of a notebook that code reads."""
+    return global_names(compile(tree, "<notebook>", "exec")) - set(dir(builtins))

@@ -1,0 +1,144 @@
+"""Limits while a student's function is judged: time, memory and output."""
+
+from __future__ import annotations
+
+import ctypes
+import io
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stderr, redirect_stdout, suppress
+from pathlib import Path
+from types import FrameType
+from typing import Any, TextIO
+
+with suppress(ImportError):
+    import resource  # not on Windows
+
+SECONDS = 8.0
+"""In which a check must be done; every check needs less than one."""
+MEMORY = 1.5e9
+"""Bytes that a check may take."""
+PRINTED = 5_000
+"""Characters that are shown of what a function prints."""
+_AGAIN = 0.2  # seconds until a function that caught the error gets the next one
+
+Function = Callable[..., Any]
+
+
+class TimeUp(BaseException):
+    """The time is up. No `Exception`, so that a student's ``except Exception`` lets it pass."""
+
+
+def limited(judge: Callable[[Function], Any], student: Function) -> Any:  # noqa: ANN401
+    """What a judge says of a student's function, within `SECONDS` and `MEMORY`.
+
+    Long output is cut. On Linux the memory is limited, elsewhere only the time.
+
+    Raises:
+        TimeUp: when the time is up.
+        MemoryError: when the memory is used up.
+    """
+    main = threading.current_thread() is threading.main_thread()
+    clock = _alarm(student) if main and hasattr(signal, "setitimer") else _watchdog()
+    with _output(), _memory(), clock:
+        return judge(student)
+
+
+@contextmanager
+def _alarm(student: Function) -> Iterator[None]:
+    """A signal reaches functions that wait, too, as in ``time.sleep``."""
+    file = getattr(getattr(student, "__code__", None), "co_filename", None)
+    rung = False
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        nonlocal rung
+        if rung:  # the function caught the first error: now its next line raises one
+            sys.settrace(lambda *_: None)
+            while frame is not None:
+                if frame.f_code.co_filename == file:
+                    frame.f_trace = raise_it
+                frame = frame.f_back
+        rung = True
+        raise TimeUp
+
+    def raise_it(frame: FrameType, event: str, argument: object) -> Callable[..., Any]:
+        if event == "line":  # the first one is that of the handler, whose own errors pass
+            raise TimeUp
+        return raise_it
+
+    tracing, before = sys.gettrace(), signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, SECONDS, _AGAIN)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+        sys.settrace(tracing)
+
+
+@contextmanager
+def _watchdog() -> Iterator[None]:
+    """Where there is no such signal (Windows, other threads), a thread raises the error here."""
+    here, done = ctypes.c_ulong(threading.get_ident()), threading.Event()
+    error = ctypes.py_object(TimeUp)
+
+    def watch() -> None:
+        wait = SECONDS
+        while not done.wait(wait):
+            ctypes.pythonapi.PyThreadState_SetAsyncExc(here, error)
+            wait = _AGAIN
+
+    threading.Thread(target=watch, daemon=True).start()
+    try:
+        yield
+    finally:
+        done.set()
+
+
+@contextmanager
+def _memory() -> Iterator[None]:
+    """A loop that fills the memory gets an error before the machine suffers."""
+    before = _limit_memory()
+    try:
+        yield
+    finally:
+        if before is not None:
+            resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def _limit_memory() -> tuple[int, int] | None:
+    """Limit the memory of this process; the limits before, or None where that is impossible."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        before = resource.getrlimit(resource.RLIMIT_AS)
+        limit = int(pages * resource.getpagesize() + MEMORY)
+        resource.setrlimit(resource.RLIMIT_AS, (limit, before[1]))
+    except (NameError, OSError, ValueError):
+        return None
+    return before
+
+
+class _Short(io.TextIOBase):
+    """Passes on what is printed, up to a number of characters."""
+
+    def __init__(self, shown: TextIO) -> None:
+        self.shown, self.left = shown, PRINTED
+
+    def write(self, text: str) -> int:
+        if self.left > 0:
+            self.shown.write(text[: self.left])
+            self.left -= len(text)
+            if self.left <= 0:
+                self.shown.write(f"\n... only the first {PRINTED:,} characters are shown\n")
+        return len(text)
+
+    def flush(self) -> None:
+        self.shown.flush()
+
+
+@contextmanager
+def _output() -> Iterator[None]:
+    with redirect_stdout(_Short(sys.stdout)), redirect_stderr(_Short(sys.stderr)):
+        yield
