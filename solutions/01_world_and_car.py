@@ -435,7 +435,7 @@ def wall_share(depth, rows):
     lower = upper - height
     top, bottom = (WALL_HEIGHT - EYE) / depth, -EYE / depth
     overlap = np.minimum(top, upper) - np.maximum(bottom, lower)
-    return np.clip(overlap / height, 0.0, 1.0)
+    return np.maximum(overlap, 0.0) / height
     ### END SOLUTION
 
 

@@ -1,5 +1,7 @@
 """Answers to notebook 01: the docstring of a wrong one is what the check must say of it."""
 
+import math
+
 import numpy as np
 
 EYE, WALL, SLOPE = 0.25, 1.0, np.tan(np.pi / 6)
@@ -111,7 +113,7 @@ def bicycle_step__turns_on_the_spot(pose, speed, steering, wheelbase, seconds):
 
 
 def bicycle_step__forgets_the_time(pose, speed, steering, wheelbase, seconds):
-    """times the seconds"""
+    """the turn is the turning rate times the seconds"""
     x, y, heading = _move(pose, speed, 0.0, seconds)
     return np.array([x, y, heading + speed * np.tan(steering) / wheelbase])
 
@@ -153,7 +155,7 @@ def bicycle_step__right_on_the_arc(pose, speed, steering, wheelbase, seconds):
 
 
 def ray_segment__takes_the_wall_for_endless(origin, direction, start, end):
-    """beyond its ends"""
+    """test u, on both sides"""
     distance, _ = _meet(origin, direction, start, end)
     return distance if distance >= 0 else np.inf
 
@@ -179,7 +181,7 @@ def ray_segment__divides_by_zero(origin, direction, start, end):
 
 
 def ray_segment__turns_the_wall_around(origin, direction, start, end):
-    """inf, but 1.5 is right"""
+    """u has the wrong sign"""
     distance, share = _meet(origin, direction, start, end)
     return distance if 0 <= -share <= 1 and distance >= 0 else np.inf
 
@@ -193,7 +195,7 @@ def ray_segment__right_by_a_linear_system(origin, direction, start, end):
 
 
 def wall_share__knows_no_half_pixels(depth, rows):
-    """partly covered"""
+    """do not round the share"""
     return np.round(wall_share__right_by_intervals(depth, rows))
 
 
@@ -261,3 +263,635 @@ def _share(top, bottom, rows):
     height = 2 * SLOPE / rows
     upper = SLOPE - np.arange(rows) * height
     return np.clip(np.minimum(top, upper) - np.maximum(bottom, upper - height), 0, height) / height
+
+
+def to_local__first_point_only(pose, points):
+    """shape (1, 2), but (5, 2) is needed"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    dx, dy = points[0] - pose[:2]
+    return np.array([[c * dx + s * dy, c * dy - s * dx]])
+
+
+def to_local__columns(pose, points):
+    """shape (2, 5), but (5, 2) is needed"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    dx, dy = (points - pose[:2]).T
+    return np.array([c * dx + s * dy, c * dy - s * dx])
+
+
+def to_local__squeezed(pose, points):
+    """shape (2,), but (1, 2) is needed"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    dx, dy = (points - pose[:2]).T
+    return np.stack([c * dx + s * dy, c * dy - s * dx], axis=1).squeeze()
+
+
+def to_local__changes_points(pose, points):
+    """your function changes its argument 2; make a new array"""
+    points -= pose[:2]
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return points @ np.array([[c, -s], [s, c]])
+
+
+def to_local__rounded(pose, points):
+    """the answers are rounded; return all digits"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return np.round((points - pose[:2]) @ np.array([[c, -s], [s, c]]), 2)
+
+
+def to_local__polar(pose, points):
+    """polar coordinates (distance and angle) came back; metres ahead and to"""
+    o = points - pose[:2]
+    return np.stack([np.hypot(*o.T), np.arctan2(o[:, 1], o[:, 0]) - pose[2]], axis=1)
+
+
+def to_local__swapped(pose, points):
+    """left first, then ahead; it is metres ahead first, then metres to the"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return ((points - pose[:2]) @ np.array([[c, -s], [s, c]]))[:, ::-1]
+
+
+def to_local__x_shift_only(pose, points):
+    """this needs only the shift: subtract x from x and y from y (-2.142 at"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return (points - pose[0]) @ np.array([[c, -s], [s, c]])
+
+
+def to_local__abs_heading(pose, points):
+    """the sign of the heading is lost: a negative heading is a turn to the"""
+    c, s = np.cos(abs(pose[2])), np.sin(abs(pose[2]))
+    return (points - pose[:2]) @ np.array([[c, -s], [s, c]])
+
+
+def to_local__only_ahead(pose, points):
+    """points behind the robot lie at a negative x; do not cut or drop the"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    return np.maximum((points - pose[:2]) @ np.array([[c, -s], [s, c]]), [0, -np.inf])
+
+
+def to_local__y_from_new_x(pose, points):
+    """the new x stands in the formula of the new y; keep the old offset"""
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    o = points - pose[:2]
+    o[:, 0] = c * o[:, 0] + s * o[:, 1]
+    o[:, 1] = c * o[:, 1] - s * o[:, 0]
+    return o
+
+
+def to_local__right_loop(pose, points):
+    rows = []
+    for x, y in points:
+        distance = math.hypot(x - pose[0], y - pose[1])
+        angle = math.atan2(y - pose[1], x - pose[0]) - pose[2]
+        rows.append([distance * math.cos(angle), distance * math.sin(angle)])
+    return np.array(rows)
+
+
+def to_local__right_complex(pose, points):
+    z = (points[:, 0] - pose[0] + 1j * (points[:, 1] - pose[1])) * np.exp(-1j * pose[2])
+    return np.column_stack([z.real, z.imag])
+
+
+def compose__degrees(first, second):
+    """headings are in radians; do not convert them from degrees"""
+    a = np.deg2rad(first[2])
+    c, s = np.cos(a), np.sin(a)
+    h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
+    return np.array(
+        [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+    )
+
+
+def compose__wrap_one_sided(first, second):
+    """headings above pi are wrapped, those below -pi are not"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = first[2] + second[2]
+    if h > np.pi:
+        h -= 2 * np.pi
+    return np.array(
+        [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+    )
+
+
+def compose__wrap_other_side(first, second):
+    """headings below -pi are wrapped, those above pi are not"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = first[2] + second[2]
+    if h < -np.pi:
+        h += 2 * np.pi
+    return np.array(
+        [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+    )
+
+
+def compose__modulo_pi(first, second):
+    """the heading is wrapped by half a turn; a whole turn is 2 pi"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = (first[2] + second[2] + np.pi / 2) % np.pi - np.pi / 2
+    return np.array(
+        [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+    )
+
+
+def compose__no_sideways(first, second):
+    """a step sideways is lost: the second pose's y counts too"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
+    return np.array([first[0] + c * second[0], first[1] + s * second[0], h])
+
+
+def compose__rotates_the_first(first, second):
+    """the first pose stays where it is; it is the second step that is turned"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
+    return np.array(
+        [second[0] + c * first[0] - s * first[1], second[1] + s * first[0] + c * first[1], h]
+    )
+
+
+def compose__list(first, second):
+    """a list came back; return a numpy array"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
+    return [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+
+
+def compose__heading_subtracted(first, second):
+    """the headings are subtracted; they add up"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = (first[2] - second[2] + np.pi) % (2 * np.pi) - np.pi
+    return np.array(
+        [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+    )
+
+
+def compose__clipped(first, second):
+    """the heading is cut at -pi and pi; wrap it: 3.2 becomes 3.2 - 2 pi"""
+    c, s = np.cos(first[2]), np.sin(first[2])
+    h = np.clip(first[2] + second[2], -np.pi, np.pi)
+    return np.array(
+        [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
+    )
+
+
+def compose__right_matrices(first, second):
+    def matrix(p):
+        c, s = np.cos(p[2]), np.sin(p[2])
+        return np.array([[c, -s, p[0]], [s, c, p[1]], [0, 0, 1]])
+
+    m = matrix(first) @ matrix(second)
+    return np.array([m[0, 2], m[1, 2], np.arctan2(m[1, 0], m[0, 0])])
+
+
+def compose__right_ifs(first, second):
+    x, y, a = (float(v) for v in first)
+    u, v, b = (float(w) for w in second)
+    total = a + b
+    if total > math.pi:
+        total -= 2 * math.pi
+    elif total < -math.pi:
+        total += 2 * math.pi
+    z = complex(x, y) + complex(u, v) * complex(math.cos(a), math.sin(a))
+    return np.array([z.real, z.imag, total])
+
+
+def bicycle_step__fixed_seconds(pose, speed, steering, wheelbase, seconds):
+    """another seconds never changes your answer; use the argument"""
+    x, y, h = pose
+    seconds = 0.1
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + speed * np.tan(steering) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__fixed_wheelbase(pose, speed, steering, wheelbase, seconds):
+    """the wheelbase is an argument; do not write 0.3 into the formula"""
+    x, y, h = pose
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + speed * np.tan(steering) / 0.3 * seconds,
+        ]
+    )
+
+
+def bicycle_step__sin(pose, speed, steering, wheelbase, seconds):
+    """the turning rate has the tangent of the steering angle, not its sine"""
+    x, y, h = pose
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + speed * np.sin(steering) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__reverse_turns_the_same(pose, speed, steering, wheelbase, seconds):
+    """in reverse the turn changes its sign too; do not take the speed"""
+    x, y, h = pose
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + abs(speed) * np.tan(steering) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__left_only(pose, speed, steering, wheelbase, seconds):
+    """the car always turns left; a negative steering angle turns it to the"""
+    x, y, h = pose
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + speed * np.tan(abs(steering)) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__limits_the_steering(pose, speed, steering, wheelbase, seconds):
+    """limit nothing here: the car's motors limit steering and speed before"""
+    x, y, h = pose
+    steering = np.clip(steering, -0.45, 0.45)
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + speed * np.tan(steering) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__limits_the_speed(pose, speed, steering, wheelbase, seconds):
+    """limit nothing here: the car's motors limit steering and speed before"""
+    x, y, h = pose
+    speed = np.clip(speed, -0.3, 0.8)
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            h + speed * np.tan(steering) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__heading_is_the_rate(pose, speed, steering, wheelbase, seconds):
+    """the turning rate alone came back as heading; add the turn to the old"""
+    x, y, h = pose
+    return np.array(
+        [
+            x + speed * np.cos(h) * seconds,
+            y + speed * np.sin(h) * seconds,
+            speed * np.tan(steering) / wheelbase * seconds,
+        ]
+    )
+
+
+def bicycle_step__list(pose, speed, steering, wheelbase, seconds):
+    """a list came back; return a numpy array"""
+    x, y, h = pose
+    return [
+        x + speed * np.cos(h) * seconds,
+        y + speed * np.sin(h) * seconds,
+        h + speed * np.tan(steering) / wheelbase * seconds,
+    ]
+
+
+def bicycle_step__arc_without_straight(pose, speed, steering, wheelbase, seconds):
+    """with straight wheels the heading stays, and x grows by speed times"""
+    x, y, h = pose
+    r = wheelbase / np.tan(steering)
+    n = h + speed / r * seconds
+    return np.array([x + r * (np.sin(n) - np.sin(h)), y - r * (np.cos(n) - np.cos(h)), n])
+
+
+def bicycle_step__heading_ignored(pose, speed, steering, wheelbase, seconds):
+    """the step runs along the heading, not always along x"""
+    x, y, h = pose
+    return np.array([x + speed * seconds, y, h + speed * np.tan(steering) / wheelbase * seconds])
+
+
+def bicycle_step__right_turn_only_if_moving_forward(pose, speed, steering, wheelbase, seconds):
+    x, y, heading = map(float, pose)
+    rate = speed * math.tan(steering) / wheelbase
+    if abs(rate) < 1e-9:
+        return np.array(
+            [
+                x + speed * seconds * math.cos(heading),
+                y + speed * seconds * math.sin(heading),
+                heading,
+            ]
+        )
+    r, new = speed / rate, heading + rate * seconds
+    return np.array(
+        [
+            x + r * (math.sin(new) - math.sin(heading)),
+            y + r * (math.cos(heading) - math.cos(new)),
+            new,
+        ]
+    )
+
+
+def bicycle_step__right_vector(pose, speed, steering, wheelbase, seconds):
+    d = np.array([np.cos(pose[2]), np.sin(pose[2]), np.tan(steering) / wheelbase])
+    new = pose + speed * seconds * d
+    new[2] = np.arctan2(np.sin(new[2]), np.cos(new[2]))
+    return new
+
+
+def cross(p, q):
+    return p[0] * q[1] - p[1] * q[0]
+
+
+def _tu(o, d, a, b):
+    w = b - a
+    n = cross(d, w)
+    return cross(a - o, w) / n, cross(a - o, d) / n
+
+
+def _parallel(d, a, b):
+    return abs(cross(d, b - a)) < 1e-12
+
+
+def ray_segment__u_below_one_only(origin, direction, start, end):
+    """the ray passes before the wall's start there: u must not be negative"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and u <= 1 else np.inf
+
+
+def ray_segment__u_above_zero_only(origin, direction, start, end):
+    """the ray passes beyond the wall's end there: u must not be above 1"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and u >= 0 else np.inf
+
+
+def ray_segment__no_t(origin, direction, start, end):
+    """it is behind the robot: t must not be negative"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if 0 <= u <= 1 else np.inf
+
+
+def ray_segment__t_positive(origin, direction, start, end):
+    """a ray that starts on the wall hits it at 0 m: t = 0 counts"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if t > 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__open_ends(origin, direction, start, end):
+    """a ray that hits exactly an end of the wall hits it: u = 0 and u = 1"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and 0 < u < 1 else np.inf
+
+
+def ray_segment__one_orientation(origin, direction, start, end):
+    """which end is the start does not matter: the denominator may be"""
+    if cross(direction, end - start) < 1e-12:
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__coarse_parallel(origin, direction, start, end):
+    """a small denominator is not zero: only 1e-9 or less counts as parallel"""
+    if abs(cross(direction, end - start)) < 0.05:
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__limited_range(origin, direction, start, end):
+    """the function has no largest range: far hits count, too (inf came"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return t if 0 <= t <= 20 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__returns_none(origin, direction, start, end):
+    """nothing came back; a ray that misses returns np.inf"""
+    if _parallel(direction, start, end):
+        return None
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and 0 <= u <= 1 else None
+
+
+def ray_segment__minus_one(origin, direction, start, end):
+    """the ray passes before the wall's start: u is negative, so it misses"""
+    if _parallel(direction, start, end):
+        return -1.0
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and 0 <= u <= 1 else -1.0
+
+
+def ray_segment__point(origin, direction, start, end):
+    """a point came back; return how far away it is, one number"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    return origin + t * direction if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__parallel_crashes(origin, direction, start, end):
+    """your code stops with LinAlgError"""
+    matrix = np.column_stack([direction, start - end])
+    t, u = np.linalg.solve(matrix, start - origin)
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__parallel_zero(origin, direction, start, end):
+    """a parallel wall is missed: its answer, too, is np.inf"""
+    if _parallel(direction, start, end):
+        return 0.0
+    t, u = _tu(origin, direction, start, end)
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__u_in_metres(origin, direction, start, end):
+    """u is a share of the wall's length; do not divide b - a by its length"""
+    wall = (end - start) / np.linalg.norm(end - start)
+    n = cross(direction, wall)
+    if abs(n) < 1e-12:
+        return np.inf
+    t = cross(start - origin, wall) / n
+    u = cross(start - origin, direction) / n
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__nearest_end(origin, direction, start, end):
+    """solve for t and u by the two fractions above; t is the answer (1.953"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    if t < 0 or not 0 <= u <= 1:
+        return np.inf
+    return min(np.linalg.norm(start - origin), np.linalg.norm(end - origin))
+
+
+def ray_segment__changes(origin, direction, start, end):
+    """your function changes its argument 3; make a new array"""
+    end -= start
+    start -= origin
+    n = cross(direction, end)
+    if abs(n) < 1e-12:
+        return np.inf
+    t, u = cross(start, end) / n, cross(start, direction) / n
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__sign(origin, direction, start, end):
+    """a sign is wrong: the offset runs from the ray's origin to the wall's"""
+    if _parallel(direction, start, end):
+        return np.inf
+    t, u = _tu(origin, direction, start, end)
+    t, u = -t, -u
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__right_solve(origin, direction, start, end):
+    matrix = np.array([[direction[0], start[0] - end[0]], [direction[1], start[1] - end[1]]])
+    if abs(np.linalg.det(matrix)) < 1e-10:
+        return float("inf")
+    t, u = np.linalg.inv(matrix) @ (start - origin)
+    return float(t) if t >= -1e-9 and -1e-9 <= u <= 1 + 1e-9 else math.inf
+
+
+def ray_segment__right_in_the_frame_of_the_ray(origin, direction, start, end):
+    left = np.array([-direction[1], direction[0]])
+    a, b = (start - origin) @ left, (end - origin) @ left
+    if a == b or a * b > 0:
+        return np.inf
+    share = a / (a - b)
+    t = (start + share * (end - start) - origin) @ direction
+    return t if t >= 0 else np.inf
+
+
+def _right_share(depth, rows):
+    h = 2 * SLOPE / rows
+    u = SLOPE - h * np.arange(rows)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__binary(depth, rows):
+    """some pixels are partly covered; give the share, not 0 or 1"""
+    h = 2 * SLOPE / rows
+    c = SLOPE - h * (np.arange(rows) + 0.5)
+    return ((c < 0.75 / depth) & (c > -0.25 / depth)).astype(float)
+
+
+def wall_share__no_upper_clip(depth, rows):
+    """shares lie between 0 and 1; rows that the wall covers come out above"""
+    h = 2 * SLOPE / rows
+    u = SLOPE - h * np.arange(rows)
+    return np.maximum((np.minimum(0.75 / depth, u) + 0.25 / depth) / h, 0)
+
+
+def wall_share__not_divided(depth, rows):
+    """divide the overlap by the height of a row, h, to get a share"""
+    h = 2 * SLOPE / rows
+    return _right_share(depth, rows) * h
+
+
+def wall_share__no_floor(depth, rows):
+    """the part of the wall below the horizon is lost: it ends at the slope"""
+    h = 2 * SLOPE / rows
+    u = SLOPE - h * np.arange(rows)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(0, u - h)) / h, 0, 1)
+
+
+def wall_share__half_rows(depth, rows):
+    """a row is h = 2s / rows high, since the image reaches from s down to -s"""
+    h = SLOPE / rows
+    u = SLOPE - h * np.arange(rows)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__always_sixteen(depth, rows):
+    """shape (16,), but (64,) is needed"""
+    return _right_share(depth, 16)
+
+
+def wall_share__height_of_sixteen(depth, rows):
+    """the number of rows is an argument; a row is not always 2s / 16 high"""
+    h = 2 * SLOPE / 16
+    u = SLOPE - h * np.arange(rows)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__depth_ignored(depth, rows):
+    """another depth never changes your answer; use the argument"""
+    return _right_share(2.0, rows)
+
+
+def wall_share__times_depth(depth, rows):
+    """the heights are multiplied by the depth; divide them"""
+    return _right_share(1 / depth, rows)
+
+
+def wall_share__angles(depth, rows):
+    """rows divide the range of slopes evenly, not the range of angles"""
+    s = np.pi / 6
+    h = 2 * s / rows
+    u = s - h * np.arange(rows)
+    return np.clip(
+        (np.minimum(np.arctan(0.75 / depth), u) - np.maximum(-np.arctan(0.25 / depth), u - h)) / h,
+        0,
+        1,
+    )
+
+
+def wall_share__one_row_down(depth, rows):
+    """everything is one row too low: row 0 begins at the slope s itself"""
+    h = 2 * SLOPE / rows
+    u = SLOPE - h * (np.arange(rows) + 1)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__linspace(depth, rows):
+    """rows lie h = 2s / rows apart; np.linspace(s, -s, rows) puts them 2s /"""
+    u = np.linspace(SLOPE, -SLOPE, rows)
+    h = 2 * SLOPE / rows
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__list(depth, rows):
+    """a list came back; return a numpy array"""
+    return list(_right_share(depth, rows))
+
+
+def wall_share__ceiling_share(depth, rows):
+    """that is the share of floor and ceiling; the wall's is 1 minus it"""
+    return 1 - _right_share(depth, rows)
+
+
+def wall_share__right_loop(depth, rows):
+    out = np.zeros(rows, dtype=np.float32)
+    edges = [SLOPE * (1 - 2 * i / rows) for i in range(rows + 1)]
+    for i in range(rows):
+        common = min(edges[i], 0.75 / depth) - max(edges[i + 1], -0.25 / depth)
+        out[i] = max(0.0, common) / (edges[i] - edges[i + 1])
+    return out
+
+
+def wall_share__right_in_rows(depth, rows):
+    # everything measured in rows from the top
+    top = rows / 2 * (1 - (WALL - EYE) / depth / SLOPE)
+    bottom = rows / 2 * (1 + EYE / depth / SLOPE)
+    i = np.arange(rows)
+    return np.clip(np.clip(bottom - i, 0, 1) - np.clip(top - i, 0, 1), 0, 1)

@@ -1,0 +1,147 @@
+"""Cases in the order of their difficulty, each with what it teaches."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from inspect import signature
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.comparison import close, farthest
+
+Function = Callable[..., Any]
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """Cases that show the same thing.
+
+    Attributes:
+        about: what they are like.
+        words: where to look when an answer to one of them is wrong.
+        cases: the arguments of each.
+    """
+
+    about: str
+    words: str
+    cases: Sequence[tuple[Any, ...]]
+
+
+def teach(
+    name: str,
+    student: Function,
+    lessons: Sequence[Lesson],
+    right: Function,
+    faults: Mapping[str, Function],
+    *,
+    form: Function,
+    same: Function = lambda got, want, *case: close(got, want),
+    difference: Function = lambda got, want, *case: farthest(got, want),
+    draw: Function = lambda student: None,
+) -> None:
+    """Demand the right answer to every case, the simple ones first.
+
+    Args:
+        name: of the exercise.
+        student: the function to check.
+        lessons: in the order of their difficulty.
+        right: gives the right answer to a case.
+        faults: for known mistakes, what to say and a function that makes this mistake. It is named
+            when it gives every answer that the student's function gives.
+        form: (what, answer, *case) demands an answer of the right form.
+        same: (got, want, *case) tells whether two answers are equally good.
+        difference: (got, want, *case) says where they differ.
+        draw: (student) gives target and yours.
+
+    Raises:
+        WrongAnswer: for the first case with a wrong answer.
+    """
+    for lesson in lessons:
+        what = f"{name}, {lesson.about}"
+        for case in lesson.cases:
+            got = form(what, attempt(what, lesson.words, student, *case), *case)
+            want = right(*case)
+            if same(got, want, *case):
+                continue
+            known = _known(student, lessons, right, faults, form, same)
+            words = known or f"{lesson.words} ({difference(got, want, *case)})"
+            raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
+
+
+def attempt(what: str, words: str, student: Function, *case: Any) -> Any:  # noqa: ANN401
+    """A student's answer; an error of its code is reported with the case and a hint.
+
+    Raises:
+        WrongAnswer: when the student's function raises an error or changes its arguments.
+    """
+    try:
+        return call(student, *case)
+    except (NotImplementedError, WrongAnswer, MemoryError):
+        raise
+    except Exception as error:
+        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        stops = f"your code stops with {said}{_line(error, student)}"
+        raise WrongAnswer(f"{what}: {stops}.\n{words}") from None
+
+
+def _line(error: Exception, student: Function) -> str:
+    """The student's line that raised an error; empty where it is not to be had."""
+    file = getattr(getattr(student, "__code__", None), "co_filename", None)
+    own = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == file and f.line]
+    return f", in line {own[-1].lineno}: {own[-1].line}" if own else ""
+
+
+def _known(
+    student: Function,
+    lessons: Sequence[Lesson],
+    right: Function,
+    faults: Mapping[str, Function],
+    form: Function,
+    same: Function,
+) -> str | None:
+    """What to say of the first known mistake that gives all of a student's answers.
+
+    An argument that changes nothing is such a mistake, too.
+    """
+    given = []
+    for case in (case for lesson in lessons for case in lesson.cases):
+        with suppress(Exception):
+            given.append((case, form("", call(student, *case), *case)))
+    for words, fault in faults.items():
+        with suppress(Exception), np.errstate(all="ignore"):
+            if all(same(got, fault(*case), *case) for case, got in given):
+                return words
+    return _unused(given, right)
+
+
+def _unused(given: list[tuple[tuple, Any]], right: Function) -> str | None:
+    """What to say of an argument that changes the right answers, but never the student's."""
+    matters: dict[int, list[bool]] = {}
+    for (case, got), (other, answer) in combinations(given, 2):
+        differ = [i for i, two in enumerate(zip(case, other, strict=True)) if not _equal(*two)]
+        if len(differ) == 1 and not _equal(right(*case), right(*other)):
+            matters.setdefault(differ[0], []).append(_equal(got, answer))
+    names = list(signature(right).parameters)
+    unused = [names[i] for i, unchanged in matters.items() if len(unchanged) > 1 and all(unchanged)]
+    return f"another {unused[0]} never changes your answer; use the argument" if unused else None
+
+
+def _equal(first: Any, second: Any) -> bool:  # noqa: ANN401 - arguments and answers of any kind
+    if isinstance(first, tuple | list) and isinstance(second, tuple | list):
+        return len(first) == len(second) and all(map(_equal, first, second))
+    return first is second or np.array_equal(first, second)
+
+
+def _picture(draw: Function, student: Function) -> NDArray[np.uint8] | None:
+    """Target and yours; None where the student's answers cannot be drawn."""
+    with suppress(Exception):
+        return draw(student)
+    return None
