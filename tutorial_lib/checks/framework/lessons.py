@@ -44,7 +44,7 @@ def teach(
     *,
     form: Function,
     same: Function = lambda got, want, *case: close(got, want),
-    difference: Function = lambda got, want, *case: farthest(got, want),
+    difference: Function = lambda got, want, *case: farthest(got, np.asarray(want, float)),
     draw: Function = lambda student: None,
 ) -> None:
     """Demand the right answer to every case, the simple ones first.
