@@ -27,7 +27,6 @@ from tutorial_lib.checks.nb02 import (
     check_goal_policy,
     check_obstacle_policy,
     check_resolve,
-    check_split_first_layer,
     check_waypoint_label,
     clear_sight,
 )
@@ -625,29 +624,6 @@ show(side_by_side(panels, titles, height=600))
 # Collect terms by image, and the layer splits into a part that sees only cur and one that sees only tgt. The results are exactly the same. Why do it? The current image is compared with $2k+1$ images of the target, and its part
 # has to be computed only **once**. The target's part does not change while the car drives: it can be computed when the target is stored, and **cached**.
 #
-# ### Exercise 5 · `split_first_layer` (easy, 6 minutes)
-#
-# <details><summary>Hint 1: concept</summary>Expand the bracket: D (cur − tgt) = D cur − D tgt.</details>
-# <details><summary>Hint 2: approach</summary>Axis 1 holds the nine channels: the first three belong to cur, then three to tgt, the last three to the difference.</details>
-# <details><summary>Hint 3: one line</summary>own, other, difference = weights[:, :3], weights[:, 3:6], weights[:, 6:]. Which combination multiplies cur?</details>
-
-
-# %% exercise="split_first_layer"
-def split_first_layer(weights):
-    """The weights that apply to cur, and those that apply to tgt.
-
-    weights: (F, 9, H, W) of a layer that sees [cur, tgt, cur - tgt]. Returns two arrays (F, 3, H, W).
-    """
-    ### BEGIN SOLUTION
-    own, other, difference = weights[:, :3], weights[:, 3:6], weights[:, 6:]
-    return own + difference, other - difference
-    ### END SOLUTION
-
-
-# %%
-split_first_layer = check_split_first_layer.use(split_first_layer)
-
-# %% [markdown]
 # **Predict:** with $k = 2$, by what factor do the multiplications of the first layer decrease when it is split? And when the target's part is cached as well?
 
 # %%
@@ -659,14 +635,10 @@ small = (
 cur, tgt = small[:1], small[1:]
 with torch.no_grad():
     together = layer(torch.cat([cur, tgt, cur - tgt], dim=1))
-    parts = [
-        torch.from_numpy(np.ascontiguousarray(w)) for w in split_first_layer(layer.weight.numpy())
-    ]
-    halves = [
-        functional.conv2d(p, w, None, layer.stride, layer.padding)
-        for p, w in zip((cur, tgt), parts, strict=True)
-    ]
-    apart = halves[0] + halves[1] + layer.bias[:, None, None]
+    own, other, difference = layer.weight.split(3, dim=1)  # A, B and D
+    for_cur = functional.conv2d(cur, own + difference, None, layer.stride, layer.padding)
+    for_tgt = functional.conv2d(tgt, other - difference, layer.bias, layer.stride, layer.padding)
+    apart = for_cur + for_tgt  # for_tgt can be cached
 print(f"largest difference between stacked and split: {(together - apart).abs().max():.1e}")
 each = 48 * 16 * 5 * 32  # multiplications for one channel of one image
 print("  k     stacked       split      cached    (million multiplications per query)")

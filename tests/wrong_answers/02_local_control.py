@@ -19,7 +19,7 @@ def goal_policy__forgets_the_damping(offsets, velocities, gain, damping, near):
 
 
 def goal_policy__never_fades(offsets, velocities, gain, damping, near):
-    """within `near` the pull fades"""
+    """another near never changes"""
     return _pull(offsets, gain, 1e-9) - damping * velocities, _identities(offsets)
 
 
@@ -30,7 +30,7 @@ def goal_policy__takes_one_length_for_all(offsets, velocities, gain, damping, ne
 
 
 def goal_policy__gives_one_metric_for_all(offsets, velocities, gain, damping, near):
-    """metrics of four points: shape (2, 2), but (4, 2, 2) is needed"""
+    """the metrics: shape (2, 2), but (4, 2, 2) is needed"""
     return _pull(offsets, gain, near) - damping * velocities, np.eye(2)
 
 
@@ -153,7 +153,7 @@ def resolve__forgets_the_metric_in_the_force(policies):
 
 
 def resolve__averages(policies):
-    """do not average"""
+    """the result is their mean, weighted with the metrics"""
     return np.mean([np.linalg.pinv(j) @ a for j, a, _ in policies], axis=0)
 
 
@@ -170,11 +170,6 @@ def resolve__solves_inside_the_loop(policies):
         own = jacobian.T @ metric @ jacobian + 1e-6 * np.eye(2)
         wanted = wanted + np.linalg.solve(own, jacobian.T @ metric @ acceleration)
     return wanted
-
-
-def resolve__solves_inside_the_loop_undamped(policies):
-    """solve once, after the sums: one policy alone"""
-    return np.mean([np.linalg.solve(*_sums([policy])[::-1]) for policy in policies], axis=0)
 
 
 def resolve__forgets_the_jacobian(policies):
@@ -246,7 +241,7 @@ def waypoint_label__takes_the_nearest(start, track, source, target, sees):
 
 
 def waypoint_label__stops_at_the_first_hidden_place(start, track, source, target, sees):
-    """do not stop at the first hidden one"""
+    """also if a post hides some places before it"""
     if target <= source:
         return _seen_from(start, track[target])
     found = None
@@ -287,13 +282,13 @@ def waypoint_label__ignores_the_target(start, track, source, target, sees):
 
 
 def waypoint_label__has_no_case_for_a_target_behind(start, track, source, target, sees):
-    """in sight: a target behind is its own waypoint, in sight or not"""
+    """in sight: your code stops with IndexError"""
     places = track[source + 1 : target + 1]
     return _seen_from(start, places[np.flatnonzero(sees(start[:2], places[:, :2]))[-1]])
 
 
 def waypoint_label__looks_for_a_target_behind(start, track, source, target, sees):
-    """hidden: a target behind is its own waypoint, in sight or not"""
+    """yours looks whether it is in sight"""
     first = target if target <= source else source + 1
     return _last_in_sight(start, track[first : target + 1], start, sees)
 
@@ -326,7 +321,7 @@ def waypoint_label__counts_from_the_start_of_the_track(start, track, source, tar
 
 
 def waypoint_label__counts_so_and_stays_in_the_world(start, track, source, target, sees):
-    """places[seen[-1]]; and give it as seen from the start"""
+    """take the last that is in sight, as seen from start"""
     ok = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
     return track[ok[-1], :2]
 
@@ -353,7 +348,7 @@ def waypoint_label__takes_the_last_of_nothing(start, track, source, target, sees
 
 
 def waypoint_label__makes_one_up(start, track, source, target, sees):
-    """there is no waypoint"""
+    """return None, not the target"""
     found = waypoint_label__right_from_the_far_end(start, track, source, target, sees)
     return _seen_from(start, track[target]) if found is None else found
 
@@ -365,48 +360,6 @@ def waypoint_label__right_from_the_far_end(start, track, source, target, sees):
         if sees(start[:2], track[frame : frame + 1, :2])[0]:
             return _seen_from(start, track[frame])
     return None
-
-
-def split_first_layer__forgets_the_difference(weights):
-    """it belongs to both halves"""
-    return weights[:, :3], weights[:, 3:6]
-
-
-def split_first_layer__adds_it_twice(weights):
-    """tgt enters the difference with a minus"""
-    return weights[:, :3] + weights[:, 6:], weights[:, 3:6] + weights[:, 6:]
-
-
-def split_first_layer__swaps_the_halves(weights):
-    """cur comes first"""
-    return split_first_layer__right_by_a_matrix(weights)[::-1]
-
-
-def split_first_layer__takes_every_third_channel(weights):
-    """the channels are stacked"""
-    own, other, difference = (weights[:, i::3] for i in range(3))
-    return own + difference, other - difference
-
-
-def split_first_layer__keeps_only_the_difference_for_tgt(weights):
-    """only D changes its sign"""
-    return weights[:, :3] + weights[:, 6:], -weights[:, 6:]
-
-
-def split_first_layer__splits_the_filters(weights):
-    """weights for cur: shape"""
-    own, other, _ = np.array_split(weights, 3, axis=0)
-    return own, other
-
-
-def split_first_layer__right_by_a_matrix(weights):
-    # Nine channels as a linear map of the six of both pictures.
-    stack = np.zeros((9, 6))
-    for channel in range(3):
-        stack[channel, channel] = stack[3 + channel, 3 + channel] = 1.0
-        stack[6 + channel, channel], stack[6 + channel, 3 + channel] = 1.0, -1.0
-    both = np.einsum("fchw,cd->fdhw", weights, stack)
-    return both[:, :3], both[:, 3:]
 
 
 def _pull(offsets, gain, near):
@@ -440,3 +393,509 @@ def _seen_from(start, place):
 def _last_in_sight(start, places, origin, sees):
     seen = np.flatnonzero(sees(origin[:2], places[:, :2]))
     return _seen_from(start, places[seen[-1]]) if len(seen) else None
+
+
+def _eyes(offsets):
+    return np.tile(np.eye(2), (*np.shape(offsets)[:-1], 1, 1))
+
+
+def _toward(offsets, near):
+    d = np.linalg.norm(offsets, axis=-1, keepdims=True)
+    return offsets / np.maximum(d, near)
+
+
+def goal_policy__fixed_near(offsets, velocities, gain, damping, near):
+    """another near never changes your answer; use the argument"""
+    return gain * _toward(offsets, 0.35) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__fixed_gain(offsets, velocities, gain, damping, near):
+    """another gain never changes your answer; use the argument"""
+    return 2.4 * _toward(offsets, near) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__fixed_damping(offsets, velocities, gain, damping, near):
+    """another damping never changes your answer; use the argument"""
+    return gain * _toward(offsets, near) - 3.0 * velocities, _eyes(offsets)
+
+
+def goal_policy__minimum(offsets, velocities, gain, damping, near):
+    """divide by the larger of distance and `near`, not by the smaller"""
+    d = np.linalg.norm(offsets, axis=-1, keepdims=True)
+    return gain * offsets / np.minimum(d, near) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__stops_within_near(offsets, velocities, gain, damping, near):
+    """within `near` the pull fades evenly; it does not stop at once"""
+    d = np.linalg.norm(offsets, axis=-1, keepdims=True)
+    pull = np.where(d < near, 0.0, gain * offsets / np.maximum(d, 1e-9))
+    return pull - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__damps_speed_of_all(offsets, velocities, gain, damping, near):
+    """the velocity is damped component by component, not its length"""
+    speed = np.linalg.norm(velocities, axis=-1, keepdims=True)
+    return gain * _toward(offsets, near) - damping * speed, _eyes(offsets)
+
+
+def goal_policy__damps_pull(offsets, velocities, gain, damping, near):
+    """only the pull is multiplied by the gain, only the velocity by the"""
+    return (gain - damping) * _toward(offsets, near) - velocities, _eyes(offsets)
+
+
+def goal_policy__away(offsets, velocities, gain, damping, near):
+    """it pushes away from the goal: the offset runs from the point to its"""
+    return -gain * _toward(offsets, near) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__metric_gain(offsets, velocities, gain, damping, near):
+    """the metric is the identity itself; the gain does not belong in it"""
+    return gain * _toward(offsets, near) - damping * velocities, gain * _eyes(offsets)
+
+
+def goal_policy__metric_ones(offsets, velocities, gain, damping, near):
+    """the metric is the identity: ones on the diagonal only"""
+    return gain * _toward(offsets, near) - damping * velocities, np.ones((*np.shape(offsets), 2))
+
+
+def goal_policy__only_rows(offsets, velocities, gain, damping, near):
+    """your code stops with AxisError: axis 1 is out of bounds for array of"""
+    d = np.linalg.norm(offsets, axis=1)[:, None]
+    return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__swapped(offsets, velocities, gain, damping, near):
+    """the two are exchanged: give the accelerations first"""
+    return _eyes(offsets), gain * _toward(offsets, near) - damping * velocities
+
+
+def goal_policy__manhattan(offsets, velocities, gain, damping, near):
+    """divide by the length of the offset, not by the sum of its components"""
+    d = np.abs(offsets).sum(-1, keepdims=True)
+    return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__changes_velocities(offsets, velocities, gain, damping, near):
+    """your function changes its argument 2; make a new array"""
+    velocities *= damping
+    return gain * _toward(offsets, near) - velocities, _eyes(offsets)
+
+
+def goal_policy__squared(offsets, velocities, gain, damping, near):
+    """divide by the length of the offset, not by its square"""
+    d = (offsets**2).sum(-1, keepdims=True)
+    return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
+
+
+def goal_policy__right_where(offsets, velocities, gain, damping, near):
+    d = np.sqrt((offsets**2).sum(axis=-1))[..., None]
+    unit = np.divide(offsets, d, out=np.zeros_like(offsets, dtype=float), where=d > 0)
+    pull = np.where(d > near, gain * unit, gain * offsets / near)
+    return [pull - damping * velocities, np.zeros((*offsets.shape, 2)) + np.eye(2)]
+
+
+def goal_policy__right_recursive(offsets, velocities, gain, damping, near):
+    if offsets.ndim > 1:
+        parts = [
+            goal_policy__right_recursive(o, v, gain, damping, near)
+            for o, v in zip(offsets, velocities, strict=False)
+        ]
+        return np.array([p[0] for p in parts]), np.array([p[1] for p in parts])
+    length = max(float(np.hypot(offsets[0], offsets[1])), near)
+    return np.array(
+        [gain * o / length - damping * v for o, v in zip(offsets, velocities, strict=False)]
+    ), np.eye(2)
+
+
+def _near(distances):
+    return np.maximum(distances, 0.01)
+
+
+def obstacle_policy__fixed_floor_a_metre(distances, closing, push, brake, weight, fade):
+    """without closing speed: push / distance, and a metric that falls with"""
+    d = np.maximum(distances, 0.1)
+    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__fixed_fade(distances, closing, push, brake, weight, fade):
+    """another fade never changes your answer; use the argument"""
+    d = _near(distances)
+    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / 0.08)
+
+
+def obstacle_policy__adds_floor(distances, closing, push, brake, weight, fade):
+    """0.01 m is the smallest distance; it is not added to every distance"""
+    d = distances + 0.01
+    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__squared_distance(distances, closing, push, brake, weight, fade):
+    """divide by the distance itself, not by its square"""
+    d = _near(distances)
+    return (push + brake * np.maximum(closing, 0)) / d**2, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__gaussian(distances, closing, push, brake, weight, fade):
+    """the exponent is the distance divided by `fade`, not squared"""
+    d = _near(distances)
+    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-((d / fade) ** 2))
+
+
+def obstacle_policy__brake_when_receding(distances, closing, push, brake, weight, fade):
+    """the brake acts while the distance shrinks (closing > 0), not while it"""
+    d = _near(distances)
+    return (push + brake * np.maximum(-closing, 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__push_only_when_closing(distances, closing, push, brake, weight, fade):
+    """an obstacle pushes even if it does not come nearer: only the brake"""
+    d = _near(distances)
+    return np.where(closing > 0, push + brake * closing, 0) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__same_for_push_and_brake(distances, closing, push, brake, weight, fade):
+    """the brake is missing its own factor: it is brake, not push, that"""
+    d = _near(distances)
+    return (push + push * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__nearest_only(distances, closing, push, brake, weight, fade):
+    """each obstacle has its own distance; do not use the nearest one's for"""
+    d = np.full_like(distances, _near(distances).min())
+    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__normalised_weights(distances, closing, push, brake, weight, fade):
+    """each metric stands alone; do not divide them by their sum"""
+    d = _near(distances)
+    m = np.exp(-d / fade)
+    return (push + brake * np.maximum(closing, 0)) / d, weight * m / m.sum()
+
+
+def obstacle_policy__abs_distance(distances, closing, push, brake, weight, fade):
+    """a negative distance is nearer than 0.01 m too: np.maximum, not the"""
+    d = np.maximum(np.abs(distances), 0.01)
+    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__changes(distances, closing, push, brake, weight, fade):
+    """your function changes its argument 1; make a new array"""
+    distances[distances < 0.01] = 0.01
+    return (push + brake * np.maximum(closing, 0)) / distances, weight * np.exp(-distances / fade)
+
+
+def obstacle_policy__cut_off(distances, closing, push, brake, weight, fade):
+    """only distances below 0.01 m are limited, and no obstacle is left out"""
+    d = _near(distances)
+    m = weight * np.exp(-d / fade)
+    m[d > 0.5] = 0
+    return (push + brake * np.maximum(closing, 0)) / d, m
+
+
+def obstacle_policy__max_of_all(distances, closing, push, brake, weight, fade):
+    """each obstacle has its own closing speed; do not use the largest for"""
+    d = _near(distances)
+    return (push + brake * max(closing.max(), 0)) / d, weight * np.exp(-d / fade)
+
+
+def obstacle_policy__lists(distances, closing, push, brake, weight, fade):
+    """the accelerations: a list came back; return a numpy array"""
+    d = _near(distances)
+    return list((push + brake * np.maximum(closing, 0)) / d), list(weight * np.exp(-d / fade))
+
+
+def obstacle_policy__right_mask(distances, closing, push, brake, weight, fade):
+    d = distances.copy()
+    d[d < 0.01] = 0.01
+    a = push / d
+    a[closing > 0] += brake * closing[closing > 0] / d[closing > 0]
+    return [a, weight / np.exp(d / fade)]
+
+
+def obstacle_policy__right_clip(distances, closing, push, brake, weight, fade):
+    d = np.clip(distances, 0.01, None).astype(np.float64)
+    c = 0.5 * (closing + np.abs(closing))
+    return np.stack([(push + brake * c) / d, weight * np.power(np.e, -d / fade)])
+
+
+def _total(policies):
+    f, m = np.zeros(2), np.zeros((2, 2))
+    for j, a, w in policies:
+        f, m = f + j.T @ w @ a, m + j.T @ w @ j
+    return f, m
+
+
+def resolve__strong_damping(policies):
+    """with J the identity its acceleration comes back as it is (1.98 at"""
+    f, m = _total(policies)
+    return np.linalg.solve(m + 1e-2 * np.eye(2), f)
+
+
+def resolve__damping_everywhere(policies):
+    """1e-6 belongs to the diagonal only: 1e-6 * np.eye(2)"""
+    f, m = _total(policies)
+    return np.linalg.solve(m + 1e-6, f)
+
+
+def resolve__damping_per_policy_big(policies):
+    """with J the identity its acceleration comes back as it is (1.998 at"""
+    f, m = _total(policies)
+    return np.linalg.solve(m + 1e-3 * len(policies) * np.eye(2), f)
+
+
+def resolve__transposed(policies):
+    """J and J^T are exchanged: force J^T M a and metric J^T M J"""
+    f, m = np.zeros(2), 1e-6 * np.eye(2)
+    for j, a, w in policies:
+        if j.shape[0] == 2:
+            f, m = f + j @ w @ a, m + j @ w @ j.T
+        else:
+            f, m = f + j.T @ w @ a, m + j.T @ w @ j
+    return np.linalg.solve(m, f)
+
+
+def resolve__metric_squared(policies):
+    """the metric M counts twice; it stands once in the force and once in"""
+    f, m = np.zeros(2), 1e-6 * np.eye(2)
+    for j, a, w in policies:
+        f, m = f + j.T @ w @ w @ a, m + j.T @ w @ w @ j
+    return np.linalg.solve(m, f)
+
+
+def resolve__multiplies(policies):
+    """the force is multiplied by the metric; solve metric @ u = force"""
+    f, m = _total(policies)
+    return (m + 1e-6 * np.eye(2)) @ f
+
+
+def resolve__diagonal_only(policies):
+    """the diagonal of the metric is not enough; solve with the whole 2 x 2"""
+    f, m = _total(policies)
+    return f / (np.diag(m) + 1e-6)
+
+
+def resolve__skips_one_dimensional(policies):
+    """a wall has one row: J is (1, 2), a is (1,) and M is (1, 1); the same"""
+    f, m = _total([p for p in policies if p[0].shape[0] == 2])
+    return np.linalg.solve(m + 1e-6 * np.eye(2), f)
+
+
+def resolve__first_two(policies):
+    """sum over all policies; only the first two count in yours"""
+    f, m = _total(policies[:2])
+    return np.linalg.solve(m + 1e-6 * np.eye(2), f)
+
+
+def resolve__metric_elementwise(policies):
+    """M is a whole matrix, not only its diagonal"""
+    f, m = np.zeros(2), 1e-6 * np.eye(2)
+    for j, a, w in policies:
+        d = np.diag(np.diag(w))
+        f, m = f + j.T @ d @ a, m + j.T @ d @ j
+    return np.linalg.solve(m, f)
+
+
+def resolve__column(policies):
+    """shape (2, 1), but (2,) is needed"""
+    f, m = _total(policies)
+    return np.linalg.solve(m + 1e-6 * np.eye(2), f[:, None])
+
+
+def resolve__skips_zero_weights(policies):
+    """no policy constrains one direction: add 1e-6 to the diagonal (0 at"""
+    f, m = _total(policies)
+    if abs(np.linalg.det(m)) < 1e-3:
+        return np.zeros(2)
+    return np.linalg.solve(m, f)
+
+
+def resolve__changes_metrics(policies):
+    """your function changes the policies; make new arrays"""
+    f, m = np.zeros(2), 1e-6 * np.eye(2)
+    for j, a, w in policies:
+        w += 1e-9
+        f, m = f + j.T @ w @ a, m + j.T @ w @ j
+    return np.linalg.solve(m, f)
+
+
+def resolve__pops(policies):
+    """your function changes the list of policies; only read it"""
+    f, m = np.zeros(2), 1e-6 * np.eye(2)
+    while policies:
+        j, a, w = policies.pop()
+        f, m = f + j.T @ w @ a, m + j.T @ w @ j
+    return np.linalg.solve(m, f)
+
+
+def resolve__right_stacked(policies):
+    rows = [np.zeros((0, 2))] + [j for j, _, _ in policies]
+    big = np.concatenate(rows)
+    a = np.concatenate([np.zeros(0)] + [np.atleast_1d(a) for _, a, _ in policies])
+    m = np.zeros((len(a), len(a)))
+    at = 0
+    for j, _, w in policies:
+        m[at : at + len(j), at : at + len(j)] = w
+        at += len(j)
+    return np.linalg.inv(big.T @ m @ big + 1e-6 * np.eye(2)) @ (big.T @ m @ a)
+
+
+def resolve__right_einsum(policies):
+    m, f = np.diag([1e-6, 1e-6]), np.zeros(2)
+    for j, a, w in policies:
+        m += np.einsum("ki,kl,lj->ij", j, w, j)
+        f += np.einsum("ki,kl,l->i", j, w, a)
+    det = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+    return np.array([m[1, 1] * f[0] - m[0, 1] * f[1], m[0, 0] * f[1] - m[1, 0] * f[0]]) / det
+
+
+def _local(start, place):
+    c, s = np.cos(start[2]), np.sin(start[2])
+    d = place[:2] - start[:2]
+    return np.array([c * d[0] + s * d[1], c * d[1] - s * d[0]])
+
+
+def waypoint_label__zeros_for_none(start, track, source, target, sees):
+    """nothing is in sight, so there is no last place; return None ([0.0,"""
+    if target <= source:
+        return _local(start, track[target])
+    places = track[source + 1 : target + 1, :2]
+    seen = np.flatnonzero(sees(start[:2], places))
+    return _local(start, places[seen[-1]]) if len(seen) else np.zeros(2)
+
+
+def waypoint_label__middle_of_seen(start, track, source, target, sees):
+    """of frames source + 1 to target, take the last that is in sight, as"""
+    if target <= source:
+        return _local(start, track[target])
+    places = track[source + 1 : target + 1, :2]
+    seen = np.flatnonzero(sees(start[:2], places))
+    return _local(start, places[seen].mean(axis=0)) if len(seen) else None
+
+
+def waypoint_label__counts_seen(start, track, source, target, sees):
+    """the number of places in sight is no index: some before the last one"""
+    if target <= source:
+        return _local(start, track[target])
+    places = track[source + 1 : target + 1, :2]
+    count = int(sees(start[:2], places).sum())
+    return _local(start, places[count - 1]) if count else None
+
+
+def waypoint_label__wrong_rotation(start, track, source, target, sees):
+    """turned the wrong way: to_local"""
+    right = waypoint_label__right_backwards(start, track, source, target, sees)
+    if right is None:
+        return None
+    return _local(start * [1, 1, -1], start[:2] + _world(start, right))
+
+
+def _world(start, local):
+    c, s = np.cos(start[2]), np.sin(start[2])
+    return np.array([c * local[0] - s * local[1], s * local[0] + c * local[1]])
+
+
+def waypoint_label__y_right(start, track, source, target, sees):
+    """y points to the right here; it must be positive to the left: to_local"""
+    right = waypoint_label__right_backwards(start, track, source, target, sees)
+    return None if right is None else right * [1, -1]
+
+
+def waypoint_label__from_the_source_pose(start, track, source, target, sees):
+    """as seen from the pose of frame `source`; it must be as seen from the"""
+    if target <= source:
+        return _local(track[source], track[target])
+    places = track[source + 1 : target + 1, :2]
+    seen = np.flatnonzero(sees(start[:2], places))
+    return _local(track[source], places[seen[-1]]) if len(seen) else None
+
+
+def waypoint_label__whole_track(start, track, source, target, sees):
+    """nothing is in sight, so there is no last place; return None ([0.1,"""
+    if target <= source:
+        return _local(start, track[target])
+    places = track[: target + 1, :2]
+    seen = np.flatnonzero(sees(start[:2], places))
+    return _local(start, places[seen[-1]]) if len(seen) else None
+
+
+def waypoint_label__behind_none(start, track, source, target, sees):
+    """a target behind is its own waypoint, in sight or not; yours gives"""
+    if target <= source:
+        return None
+    return waypoint_label__right_backwards(start, track, source, target, sees)
+
+
+def waypoint_label__behind_source(start, track, source, target, sees):
+    """a target behind is its own waypoint, in sight or not; yours gives the"""
+    if target <= source:
+        return _local(start, track[source])
+    return waypoint_label__right_backwards(start, track, source, target, sees)
+
+
+def waypoint_label__pose_of_three(start, track, source, target, sees):
+    """shape (3,), but (2,) is needed"""
+    right = waypoint_label__right_backwards(start, track, source, target, sees)
+    return None if right is None else np.append(right, 0.0)
+
+
+def waypoint_label__index(start, track, source, target, sees):
+    """a frame's index came back; return its place, an array (2,)"""
+    if target <= source:
+        return target
+    seen = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
+    return source + 1 + seen[-1] if len(seen) else None
+
+
+def waypoint_label__limits_the_distance(start, track, source, target, sees):
+    """the last place in sight counts, also if a post hides some places"""
+    right = waypoint_label__right_backwards(start, track, source, target, sees)
+    if right is None or target <= source:
+        return right
+    n = np.linalg.norm(right)
+    return right if n <= 3 else right * 3 / n
+
+
+def waypoint_label__sees_with_poses(start, track, source, target, sees):
+    """sees(place, points) takes a place (2,) first, not an array (3,):"""
+    if target <= source:
+        return _local(start, track[target])
+    places = track[source + 1 : target + 1]
+    seen = np.flatnonzero(sees(start, places))
+    return _local(start, places[seen[-1]]) if len(seen) else None
+
+
+def waypoint_label__behind_is_less_than_minus(start, track, source, target, sees):
+    """the place of source itself is no candidate, and a target at the"""
+    if target < source:
+        return _local(start, track[target])
+    places = track[source : target + 1, :2]
+    seen = np.flatnonzero(sees(start[:2], places))
+    return _local(start, places[seen[-1]]) if len(seen) else None
+
+
+def waypoint_label__nan_for_none(start, track, source, target, sees):
+    """nothing is in sight, so there is no last place; return None ([nan,"""
+    right = waypoint_label__right_backwards(start, track, source, target, sees)
+    return np.full(2, np.nan) if right is None else right
+
+
+def waypoint_label__right_backwards(start, track, source, target, sees):
+    if target <= source:
+        return _local(start, track[target])
+    for i in reversed(range(source + 1, target + 1)):
+        if bool(np.all(sees(start[:2], track[i : i + 1, :2]))):
+            return _local(start, track[i])
+    return None
+
+
+def waypoint_label__right_mask(start, track, source, target, sees):
+    chosen = track[target]
+    if target > source:
+        visible = np.asarray(sees(np.array(start[:2]), track[:, :2].copy()), bool)
+        frames = np.arange(len(track))
+        good = frames[visible & (frames > source) & (frames <= target)]
+        if good.size == 0:
+            return None
+        chosen = track[good.max()]
+    z = complex(*(chosen[:2] - start[:2])) * np.exp(-1j * start[2])
+    return np.array([z.real, z.imag])

@@ -6,6 +6,7 @@ import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from inspect import signature
 from itertools import combinations
 from typing import Any
@@ -43,6 +44,7 @@ def teach(
     faults: Mapping[str, Function],
     *,
     form: Function,
+    invoke: Function = call,
     same: Function = lambda got, want, *case: close(got, want),
     difference: Function = lambda got, want, *case: farthest(got, np.asarray(want, float)),
     draw: Function = lambda student: None,
@@ -57,6 +59,7 @@ def teach(
         faults: for known mistakes, what to say and a function that makes this mistake. It is named
             when it gives every answer that the student's function gives.
         form: (what, answer, *case) demands an answer of the right form.
+        invoke: (student, *case) calls the student's function.
         same: (got, want, *case) tells whether two answers are equally good.
         difference: (got, want, *case) says where they differ.
         draw: (student) gives target and yours.
@@ -67,23 +70,24 @@ def teach(
     for lesson in lessons:
         what = f"{name}, {lesson.about}"
         for case in lesson.cases:
-            got = form(what, attempt(what, lesson.words, student, *case), *case)
+            got = form(what, attempt(what, lesson.words, student, *case, invoke=invoke), *case)
             want = right(*case)
             if same(got, want, *case):
                 continue
-            known = _known(student, lessons, right, faults, form, same)
+            called = partial(invoke, student)
+            known = _known(called, lessons, right, faults, form, same)
             words = known or f"{lesson.words} ({difference(got, want, *case)})"
             raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
 
 
-def attempt(what: str, words: str, student: Function, *case: Any) -> Any:  # noqa: ANN401
+def attempt(what: str, words: str, student: Function, *case: Any, invoke: Function = call) -> Any:  # noqa: ANN401 - whatever students return
     """A student's answer; an error of its code is reported with the case and a hint.
 
     Raises:
         WrongAnswer: when the student's function raises an error or changes its arguments.
     """
     try:
-        return call(student, *case)
+        return invoke(student, *case)
     except (NotImplementedError, WrongAnswer, MemoryError):
         raise
     except Exception as error:
@@ -100,7 +104,7 @@ def _line(error: Exception, student: Function) -> str:
 
 
 def _known(
-    student: Function,
+    called: Function,
     lessons: Sequence[Lesson],
     right: Function,
     faults: Mapping[str, Function],
@@ -114,7 +118,7 @@ def _known(
     given = []
     for case in (case for lesson in lessons for case in lesson.cases):
         with suppress(Exception):
-            given.append((case, form("", call(student, *case), *case)))
+            given.append((case, form("", called(*case), *case)))
     for words, fault in faults.items():
         with suppress(Exception), np.errstate(all="ignore"):
             if all(same(got, fault(*case), *case) for case, got in given):

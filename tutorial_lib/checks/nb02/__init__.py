@@ -1,16 +1,15 @@
 """Checks of notebook 02: local control."""
 
 from tutorial_lib.checks.nb02.goal_policy import check_goal_policy
+from tutorial_lib.checks.nb02.label_cases import clear_sight
 from tutorial_lib.checks.nb02.obstacle_policy import check_obstacle_policy
 from tutorial_lib.checks.nb02.resolve import check_resolve
-from tutorial_lib.checks.nb02.split_first_layer import check_split_first_layer
-from tutorial_lib.checks.nb02.waypoint_label import check_waypoint_label, clear_sight
+from tutorial_lib.checks.nb02.waypoint_label import check_waypoint_label
 
 __all__ = [
     "check_goal_policy",
     "check_obstacle_policy",
     "check_resolve",
-    "check_split_first_layer",
     "check_waypoint_label",
     "clear_sight",
 ]

@@ -5,73 +5,220 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import call, parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import expect_close
-from tutorial_lib.checks.nb02.policy_parts import PARTS
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.nb02.policy_parts import Policies, differing, policies_of, same_policies
 from tutorial_lib.driving.control import rmp
 from tutorial_lib.geometry import Array
 
-_OBSTACLE_EXAMPLE = (np.linspace(0.05, 1, 100), np.zeros(100), 0.12, 0.12, 0.3, 0.08)
+_EXAMPLE = (np.linspace(0.05, 1, 100), np.zeros(100), 0.12, 0.12, 0.3, 0.08)
+_CONTACT = 0.01
 
 
-@check(rmp.obstacle_policy, _OBSTACLE_EXAMPLE)
+def _accelerating(rule: Callable[..., Array]) -> Callable[..., Policies]:
+    """The right metrics with a rule (distances, limited distances, closing, push, brake)."""
+    return lambda distances, closing, push, brake, weight, fade: (
+        rule(distances, np.maximum(distances, _CONTACT), closing, push, brake),
+        rmp.obstacle_policy(distances, closing, push, brake, weight, fade)[1],
+    )
+
+
+def _weighing(rule: Callable[..., Array]) -> Callable[..., Policies]:
+    """The right accelerations with metrics (distances, limited distances, weight, fade)."""
+    return lambda distances, closing, push, brake, weight, fade: (
+        rmp.obstacle_policy(distances, closing, push, brake, weight, fade)[0],
+        rule(distances, np.maximum(distances, _CONTACT), weight, fade),
+    )
+
+
+def _unlimited(
+    distances: Array, closing: Array, push: float, brake: float, *rest: float
+) -> Policies:
+    weight, fade = rest
+    return (
+        (push + brake * np.maximum(closing, 0)) / distances,
+        weight * np.exp(-distances / fade),
+    )
+
+
+def _absolute(distances: Array, *rest: Any) -> Policies:  # noqa: ANN401
+    return rmp.obstacle_policy(np.abs(distances), *rest)
+
+
+def _exchanged(*case: Any) -> Policies:  # noqa: ANN401
+    return rmp.obstacle_policy(*case)[::-1]
+
+
+_FAULTS = {
+    "the two are exchanged: give the accelerations first": _exchanged,
+    "infinite or negative at contact: nearer than 0.01 m counts as 0.01 m, in both": _unlimited,
+    "nearer than 0.01 m counts as 0.01 m in the acceleration too, not only in the metric": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * np.maximum(c, 0)) / d)
+    ),
+    "nearer than 0.01 m counts as 0.01 m in the metric too, not only in the acceleration": (
+        _weighing(lambda d, near, weight, fade: weight * np.exp(-d / fade))
+    ),
+    "a negative distance is nearer than 0.01 m too: np.maximum, not the absolute value": _absolute,
+    "0.01 m is the smallest distance; it is not added to every distance": (
+        lambda d, *rest: _unlimited(d + _CONTACT, *rest)
+    ),
+    "a receding obstacle only pushes: its closing speed counts as 0": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * c) / near)
+    ),
+    "no brake for a receding obstacle: np.maximum(closing, 0), not the absolute value": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * np.abs(c)) / near)
+    ),
+    "the brake acts while the distance shrinks (closing > 0), not while it grows": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * np.maximum(-c, 0)) / near)
+    ),
+    "a receding obstacle still pushes: limit the closing speed from below, not the sum": (
+        _accelerating(lambda d, near, c, push, brake: np.maximum(push + brake * c, 0) / near)
+    ),
+    "an obstacle pushes even if it does not come nearer: only the brake depends on closing": (
+        _accelerating(lambda d, near, c, push, brake: np.where(c > 0, push + brake * c, 0) / near)
+    ),
+    "it makes the distance grow: positive": (
+        _accelerating(lambda d, near, c, push, brake: -(push + brake * np.maximum(c, 0)) / near)
+    ),
+    "the push and the brake are both divided by the distance": (
+        _accelerating(lambda d, near, c, push, brake: push / near + brake * np.maximum(c, 0))
+    ),
+    "divide both terms by the distance, the push as well": (
+        _accelerating(lambda d, near, c, push, brake: push + brake * np.maximum(c, 0) / near)
+    ),
+    "divide by the distance: near obstacles push harder": (
+        _accelerating(lambda d, near, c, push, brake: push + brake * np.maximum(c, 0))
+    ),
+    "multiplied by the distance; divide: near obstacles push harder": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * np.maximum(c, 0)) * near)
+    ),
+    "divide by the distance itself, not by its square": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * np.maximum(c, 0)) / near**2)
+    ),
+    "while closing in, the brake comes on top of the push": (
+        _accelerating(lambda d, near, c, push, brake: push / near)
+    ),
+    "the brake is missing its own factor: it is brake, not push, that multiplies closing": (
+        _accelerating(lambda d, near, c, push, brake: push * (1 + np.maximum(c, 0)) / near)
+    ),
+    "each obstacle has its own distance; do not use the nearest for all": (
+        _accelerating(
+            lambda d, near, c, push, brake: (push + brake * np.maximum(c, 0)) / near.min()
+        )
+    ),
+    "each obstacle has its own distance; do not use the nearest one's for all": (
+        lambda d, *rest: rmp.obstacle_policy(np.full(d.shape, d.min()), *rest)
+    ),
+    "each obstacle has its own closing speed; do not use the largest for all": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * max(c.max(), 0)) / near)
+    ),
+    "the metric fades with distance: exp(-distance / fade)": (
+        _weighing(lambda d, near, weight, fade: np.full(near.shape, weight))
+    ),
+    "the metric has to fall with distance: the exponent is negative": (
+        _weighing(lambda d, near, weight, fade: weight * np.exp(near / fade))
+    ),
+    "`fade` is a length: divide the distance by it": (
+        _weighing(lambda d, near, weight, fade: weight * np.exp(-near * fade))
+    ),
+    "multiply by `weight`, the metric at contact": (
+        _weighing(lambda d, near, weight, fade: np.exp(-near / fade))
+    ),
+    "the exponent is the distance divided by `fade`, not squared": (
+        _weighing(lambda d, near, weight, fade: weight * np.exp(-((near / fade) ** 2)))
+    ),
+    "each metric stands alone; do not divide them by their sum": (
+        _weighing(
+            lambda d, near, weight, fade: weight * np.exp(-near / fade) / np.exp(-near / fade).sum()
+        )
+    ),
+}
+
+
+def _lessons() -> list[Lesson]:
+    rng = np.random.default_rng(7)
+    usual = (0.12, 0.3, 0.4, 0.1)
+    distances = np.array([0.5, 0.2, 0.05])
+    closing = np.array([0.4, 0.3, 0.1])
+
+    def random() -> tuple:
+        count = int(rng.integers(1, 9))
+        gains = rng.uniform([0.05, 0.05, 0.1, 0.05], [0.6, 0.6, 3.0, 0.5])
+        return (rng.uniform(-0.05, 1, count), rng.uniform(-1, 1, count), *map(float, gains))
+
+    def changed(place: int, *values: float) -> list[tuple]:
+        gains = [[*usual[:place], value, *usual[place + 1 :]] for value in values]
+        return [(distances, closing, *each) for each in gains]
+
+    return [
+        Lesson(
+            "obstacles at rest",
+            "without closing speed: push / distance, and a metric that falls with the distance",
+            [(distances, np.zeros(3), *usual)],
+        ),
+        Lesson(
+            "obstacles that come nearer",
+            "the brake times the closing speed is added to the push, before the division",
+            [(distances, closing, *usual)],
+        ),
+        Lesson(
+            "obstacles that recede",
+            "a negative closing speed counts as 0: the push stays, the brake is off",
+            [(distances, -closing, *usual)],
+        ),
+        Lesson(
+            "obstacles at 3 mm, at contact and overlapping",
+            "first limit the distances from below to 0.01 m; then use them in both formulas",
+            [(np.array([0.003, 0.0, -0.3]), np.array([0.0, 0.1, 0.2]), *usual)],
+        ),
+        Lesson(
+            "obstacles at 1.2 cm and at 3 m",
+            "only distances below 0.01 m are limited, and no obstacle is left out",
+            [(np.array([0.012, 3.0, 0.9]), np.array([0.1, 0.1, -0.1]), *usual)],
+        ),
+        Lesson(
+            "another push",
+            "the push is an argument; use it, and no number in its place",
+            changed(0, 0.0, 0.5),
+        ),
+        Lesson(
+            "another brake",
+            "the brake is an argument; use it, and no number in its place",
+            changed(1, 0.0, 0.9),
+        ),
+        Lesson(
+            "another weight",
+            "the weight is an argument; use it, and no number in its place",
+            changed(2, 0.0, 3.0),
+        ),
+        Lesson(
+            "another fade",
+            "the fade is an argument, a length in metres; use it, and no number in its place",
+            changed(3, 0.03, 0.6),
+        ),
+        Lesson(
+            "30 random groups of one to eight obstacles",
+            "the simple cases are right; does a part of your rule hold for some obstacles only?",
+            [random() for _ in range(30)],
+        ),
+    ]
+
+
+@check(rmp.obstacle_policy, _EXAMPLE)
 def check_obstacle_policy(student: Callable[..., Any]) -> None:
     """The push off an obstacle: near and far, closing and receding, and at contact."""
-    gains = _, _, weight, fade = 0.12, 0.3, 0.4, 0.1
-    cases = (
-        ("closing in", [0.5, 0.2, 0.05], [0.4, 0.3, 0.1]),
-        ("standing still", [0.5, 0.2, 0.05], [0.0, 0.0, 0.0]),
-        ("receding", [0.5, 0.2, 0.05], [-0.4, -0.5, -0.1]),
-        ("touching", [0.002, 0.0, -0.01], [0.0, 0.1, 0.0]),
-    )
-    for name, distances, closing in cases:
-        distances, closing = np.array(distances), np.array(closing)
-        want, metric = rmp.obstacle_policy(distances, closing, *gains)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            got = call(student, distances, closing, *gains)
-        away, metrics = parts("obstacle_policy", got, 2, PARTS)
-        if np.isinf(np.asarray(away, dtype=float)).any():
-            limited = np.shape(metrics) == metric.shape and np.allclose(metrics, metric)
-            where = "in the acceleration too, not only in the metric" if limited else "in both"
-            raise WrongAnswer(
-                f"accelerations, {name}: infinite at contact; nearer than 0.01 m counts as "
-                f"0.01 m, {where}"
-            )
-        mistakes = {"that is the metric: give the accelerations first": metric}
-        mistakes |= _mistakes(distances, closing, *gains[:2])
-        expect_close(f"accelerations, {name}", away, want, 1e-6, mistakes)
-        near = np.maximum(distances, 0.01)
-        more = {
-            "the metric fades with distance: exp(-distance / fade)": np.full(3, weight),
-            "the metric has to fall with distance: the exponent is negative": weight
-            * np.exp(near / fade),
-            "`fade` is a length: divide the distance by it": weight * np.exp(-near * fade),
-            "multiply by `weight`, the metric at contact": np.exp(-near / fade),
-            "nearer than 0.01 m counts as 0.01 m in the metric too, not only in the "
-            "acceleration": weight * np.exp(-distances / fade),
-        }
-        expect_close(f"metrics, {name}", metrics, metric, 1e-6, more)
-
-
-def _mistakes(distances: Array, closing: Array, push: float, brake: float) -> dict[str, Array]:
-    """Known mistakes, and the accelerations they give."""
-    near, shrinking = np.maximum(distances, 0.01), np.maximum(closing, 0)
-    right, both = push + brake * shrinking, push + brake * closing
-    return {
-        "a receding obstacle only pushes: its closing speed counts as 0": both / near,
-        "no brake for a receding obstacle: np.maximum(closing, 0), not the absolute value": (
-            push + brake * np.abs(closing)
+    with np.errstate(all="ignore"):
+        teach(
+            "obstacle_policy",
+            student,
+            _lessons(),
+            rmp.obstacle_policy,
+            _FAULTS,
+            form=_form,
+            same=same_policies,
+            difference=differing,
         )
-        / near,
-        "a receding obstacle still pushes: limit the closing speed from below, not the sum": (
-            np.maximum(both, 0) / near
-        ),
-        "it makes the distance grow: positive": -right / near,
-        "the push and the brake are both divided by the distance": push / near + brake * shrinking,
-        "divide both terms by the distance, the push as well": push + brake * shrinking / near,
-        "divide by the distance: near obstacles push harder": right,
-        "while closing in, the brake comes on top of the push": push / near,
-        "nearer than 0.01 m counts as 0.01 m, in the acceleration too": right
-        / np.where(distances == 0, np.nan, distances),
-    }
+
+
+def _form(what: str, answer: object, distances: Array, *_: object) -> Policies:
+    return policies_of(what, answer, distances.shape, distances.shape)

@@ -1,3 +1,44 @@
-"""What the RMP policies of notebook 02 return."""
+"""What the motion policies of notebook 02 return: accelerations and metrics."""
 
-PARTS = "return two things, the accelerations and the metrics"
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import numbers, parts
+from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.geometry import Array
+
+Policies = tuple[Array, Array]
+"""Accelerations and metrics."""
+
+
+def policies_of(
+    what: str, answer: object, accelerations: tuple[int, ...], metrics: tuple[int, ...]
+) -> Policies:
+    """An answer as accelerations and metrics of these shapes.
+
+    Raises:
+        WrongAnswer: when it is something else.
+    """
+    if isinstance(answer, np.ndarray) and accelerations == metrics and len(answer) == 2:
+        answer = tuple(answer)
+    words = "return two things, the accelerations and the metrics"
+    first, second = parts(what, answer, 2, words)
+    if np.shape(first) == metrics != accelerations and np.shape(second) == accelerations:
+        words = "the two are exchanged: give the accelerations first"
+        parts(what, (), 2, words)
+    return (
+        numbers(f"{what}: the accelerations", first, accelerations),
+        numbers(f"{what}: the metrics", second, metrics),
+    )
+
+
+def same_policies(got: Policies, want: Policies, *_: object) -> bool:
+    """Whether both parts agree."""
+    return all(close(*pair, tolerance=1e-6) for pair in zip(got, want, strict=True))
+
+
+def differing(got: Policies, want: Policies, *_: object) -> str:
+    """Which part differs, and where."""
+    for name, mine, right in zip(("accelerations", "metrics"), got, want, strict=True):
+        if not close(mine, right):
+            return f"{name}: {farthest(mine, np.asarray(right, float))}"
+    return "they agree"

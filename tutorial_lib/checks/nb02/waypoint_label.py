@@ -3,19 +3,33 @@
 from collections.abc import Callable
 from typing import Any
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import expect_close
-from tutorial_lib.geometry import Array, arc_length, to_local
-from tutorial_lib.learning.labels import in_clear_sight
-from tutorial_lib.viz.canvas import colours
+from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.nb02.label_cases import (
+    CORNER,
+    CORNER_WALL,
+    FAR_WALL,
+    LONG,
+    POST,
+    ROUND,
+    STRAIGHT,
+    Sees,
+    among,
+    case,
+    clear_sight,
+    only,
+    random_case,
+)
+from tutorial_lib.checks.nb02.label_picture import labels_from_above
+from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.raycast import Raycaster
 
-Sees = Callable[[Array, Array], NDArray[np.bool_]]
-"""Which of points (C, 2) are in clear sight of a place (2,)."""
+Choice = Callable[[Array, Array, NDArray[np.bool_]], Array | None]
 
 
 def waypoint_label(
@@ -30,188 +44,279 @@ def waypoint_label(
         target: index of a frame; a target at or before the source is its own waypoint.
         sees: returns which points (C, 2) are in clear sight of a place (2,).
     """
-    place = _chosen(start, track, source, target, sees)
-    return None if place is None else to_local(start, place)
+    return _of(_last, start, track, source, target, sees)
 
 
-def clear_sight(caster: Raycaster) -> Sees:
-    """The line-of-sight test of `waypoint_label` among the walls of a world."""
-
-    def sees(origin: Array, points: Array) -> NDArray[np.bool_]:
-        points = np.asarray(points, dtype=float)
-        return in_clear_sight(caster, np.broadcast_to(origin[:2], points.shape), points)
-
-    return sees
+def _last(track: Array, frames: Array, seen: NDArray[np.bool_]) -> Array | None:
+    return track[frames[seen][-1], :2] if seen.any() else None
 
 
-def _facing_ahead(points: list[tuple[float, float]], step: float = 0.1) -> Array:
-    """A trajectory (T, 3) through corners, a frame every `step` metres."""
-    corners = np.array(points, dtype=float)
-    miles = arc_length(corners)
-    places = np.arange(0.0, miles[-1] + step / 2, step)
-    xy = [np.interp(places, miles, corners[:, axis]) for axis in (0, 1)]
-    return np.stack([*xy, np.zeros(len(places))], axis=1)
+def _of(
+    choose: Choice,
+    start: Array,
+    track: Array,
+    source: int,
+    target: int,
+    sees: Sees,
+    *,
+    first: int = 1,
+    beyond: int = 1,
+    own: Callable[[int, int], bool] = lambda source, target: target <= source,
+    shown: Callable[[Array, Array], Array] = to_local,
+    seen_from: Callable[[Array, Array], Array] = lambda start, pose: start,
+) -> Array | None:
+    """The rule with another choice, other candidates or another frame."""
+    if own(source, target):
+        return shown(start, track[target, :2])
+    frames = np.arange(source + first, min(target + beyond, len(track)))
+    seen = sees(seen_from(start, track[source])[:2], track[frames, :2])
+    place = choose(track, frames, np.asarray(seen, bool))
+    return None if place is None else shown(start, place)
 
 
-_CORNER = _facing_ahead([(0, 0), (2, 0), (2, 2.4)])
-_STRAIGHT = _facing_ahead([(0, 0), (4, 0)])
-_ROUND = _facing_ahead([(0, 0), (3, 0), (3, 0.8), (1.5, 0.8)])
-_FAR_WALL = [9.0, 9.0, 9.0, 10.0]
-_CORNER_WALL = [-1, 0.5, 1.5, 0.5]
-_CASES = (
-    ("round a corner", [_CORNER_WALL], [1.0, -0.2, 0.3], _CORNER, 10, 40),
-    ("past a post", [[1, -0.36, 1, -0.24]], [0.0, -0.6, 0.2], _STRAIGHT, 0, 40),
-    ("out and back", [_FAR_WALL], [0.0, 0.3, 0.0], _ROUND, 0, len(_ROUND) - 1),
-    ("a trajectory that goes on", [_FAR_WALL], [0.5, 0.2, 0.1], _STRAIGHT, 5, 20),
-    ("target behind, in sight", [_CORNER_WALL], [2.1, 1.5, 1.6], _CORNER, 35, 25),
-    ("target behind, hidden", [_CORNER_WALL], [2.1, 1.5, 1.6], _CORNER, 35, 5),
-    ("target at the source", [_CORNER_WALL], [0.9, 0.2, -0.4], _CORNER, 10, 10),
-    ("nothing in sight", [[0.25, -2, 0.25, 2]], [0.1, 0.0, 0.0], _STRAIGHT, 2, 30),
-)
+def _fault(choose: Choice = _last, **other: Any) -> Callable[..., Array | None]:  # noqa: ANN401
+    return lambda *arguments: _of(choose, *arguments, **other)
+
+
+def _or_target(track: Array, frames: Array, seen: NDArray[np.bool_]) -> Array:
+    return track[frames[seen][-1] if seen.any() else frames[-1], :2]
+
+
+def _before_hidden(track: Array, frames: Array, seen: NDArray[np.bool_]) -> Array | None:
+    count = len(seen) if seen.all() else int(seen.argmin())
+    return track[frames[max(count - 1, 0)], :2] if seen.any() else None
+
+
+def _in_metres(start: Array, track: Array, source: int, target: int, sees: Sees) -> Array | None:
+    """The candidate in sight at the greatest distance from the start."""
+
+    def farthest_off(track: Array, frames: Array, seen: NDArray[np.bool_]) -> Array | None:
+        gaps = np.linalg.norm(track[frames, :2] - start[:2], axis=1)
+        return track[frames[(gaps * seen).argmax()], :2] if seen.any() else None
+
+    return _of(farthest_off, start, track, source, target, sees)
+
+
+def _picked(pick: Callable[[Array, NDArray[np.bool_]], int]) -> Choice:
+    """The place of a frame picked from the candidates' frames, if any is in sight."""
+    return lambda track, frames, seen: track[pick(frames, seen), :2] if seen.any() else None
+
+
+def _between(last: bool) -> Callable[..., Array | None]:
+    """As if a target behind were searched for like one ahead."""
+
+    def rule(start: Array, track: Array, source: int, target: int, sees: Sees) -> Array | None:
+        if target > source:
+            return waypoint_label(start, track, source, target, sees)
+        frames = np.arange(target, source + 1)
+        found = frames[sees(start[:2], track[frames, :2])]
+        return to_local(start, track[found[-1 if last else 0], :2]) if len(found) else None
+
+    return rule
+
+
+def _behind(place: Callable[..., Array | None]) -> Callable[..., Array | None]:
+    """Another answer (start, track, source, target, sees) where the target is not ahead."""
+    return lambda start, track, source, target, sees: (
+        waypoint_label(start, track, source, target, sees)
+        if target > source
+        else place(start, track, source, target, sees)
+    )
+
+
+def _right_turned(start: Array, place: Array) -> Array:
+    return to_local(start, place) * [1, -1]
+
+
+_FRAMES = {
+    "it is in world coordinates; give it as seen from the start: to_local": lambda start, p: p,
+    "shifted, but not turned by the start's heading: to_local": lambda start, p: p - start[:2],
+    "turned the wrong way: to_local": lambda start, p: to_local(start * [1, 1, -1], p),
+    "y points to the right here; it must be positive to the left: to_local": _right_turned,
+}
+_BEHIND = "a target behind is its own waypoint, in sight or not"
+_FAULTS = {
+    **{words: _fault(shown=shown) for words, shown in _FRAMES.items()},
+    "as seen from the pose of frame `source`; it must be as seen from the start: to_local": (
+        lambda start, track, source, target, sees: _of(
+            _last, start, track, source, target, sees, shown=lambda _, p: to_local(track[source], p)
+        )
+    ),
+    "that is the target itself, but it is not in sight": _fault(
+        lambda track, frames, seen: track[frames[-1], :2]
+    ),
+    "with nothing in sight there is no waypoint: return None, not the target": _fault(_or_target),
+    "take the last place in sight up to the target, not beyond the target": _fault(
+        beyond=1_000_000
+    ),
+    "that is the nearest place in sight; take the farthest": _fault(
+        _picked(lambda frames, seen: frames[seen][0])
+    ),
+    "a place farther on is in sight again; do not stop at the first hidden one": _fault(
+        _before_hidden
+    ),
+    "the number of places in sight is no index: some before the last one may be hidden": _fault(
+        _picked(lambda frames, seen: frames[seen.sum() - 1])
+    ),
+    "the last place along the trajectory counts, not the one at the greatest distance": _in_metres,
+    "look from the start, not from the place of source: sees(start[:2], places)": _fault(
+        seen_from=lambda start, pose: pose
+    ),
+    "the target itself is a candidate too": _fault(beyond=0),
+    "one frame too early: index 0 of the candidates is frame source + 1": _fault(
+        _picked(lambda frames, seen: frames[seen][-1] - 1)
+    ),
+    "the indices of the places in sight count from the first candidate, not from the start of "
+    "the track: places[seen[-1]]": _fault(
+        _picked(lambda frames, seen: frames[seen][-1] - frames[0])
+    ),
+    "that is the first place that is hidden; take the last one in sight": _fault(
+        _picked(lambda frames, seen: frames[-1] if seen.all() else frames[seen.argmin()])
+    ),
+    "the place of source itself is no candidate; the first one is source + 1": _fault(first=0),
+    "the first candidate is source + 1, not source + 2": _fault(first=2),
+    "the place of source itself is no candidate, and a target at the source's own frame is its "
+    "own waypoint: target <= source": _fault(first=0, own=lambda s, t: t < s),
+    "a target at the source's own frame is its own waypoint too: target <= source": _fault(
+        own=lambda s, t: t < s
+    ),
+    f"{_BEHIND}; do not search the places in between": _between(last=False),
+    f"{_BEHIND}; do not take the nearest of the places in between": _between(last=True),
+    f"{_BEHIND}; yours gives None for it": _behind(lambda *_: None),
+    f"{_BEHIND}; yours looks whether it is in sight": _behind(
+        lambda start, track, source, target, sees: (
+            to_local(start, track[target, :2]) if sees(start[:2], track[[target], :2])[0] else None
+        )
+    ),
+    f"{_BEHIND}; yours gives the place of the source": _behind(
+        lambda start, track, source, target, sees: to_local(start, track[source, :2])
+    ),
+}
+
+
+def _lessons() -> list[Lesson]:
+    rng = np.random.default_rng(9)
+    none = "nothing is in sight, so there is no last place; return None"
+    return [
+        Lesson(
+            "round a corner",
+            "of frames source + 1 to target, take the last that is in sight, as seen from start",
+            [case([1.0, -0.2, 0.3], CORNER, 10, 40, among([CORNER_WALL]))],
+        ),
+        Lesson(
+            "a target in sight",
+            "the target itself is a candidate: here it is the waypoint",
+            [case([0.2, 0.1, 0.3], CORNER, 2, 15, among([FAR_WALL]))],
+        ),
+        Lesson(
+            "past a post",
+            "the last place in sight counts, also if a post hides some places before it",
+            [case([0.0, -0.6, 0.2], STRAIGHT, 0, 40, among([POST]))],
+        ),
+        Lesson(
+            "out and back",
+            "the last place along the trajectory counts, whatever its distance in metres",
+            [case([0.0, 0.3, 0.0], ROUND, 0, len(ROUND) - 1, among([FAR_WALL]))],
+        ),
+        Lesson(
+            "a trajectory that goes on",
+            "nothing beyond the target is a candidate",
+            [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, among([FAR_WALL]))],
+        ),
+        Lesson(
+            "a waypoint 12 m away",
+            "there is no largest distance: the farthest place in sight counts",
+            [case([0.0, 0.2, 0.1], LONG, 0, 120, among([FAR_WALL]))],
+        ),
+        Lesson(
+            "only the first candidate in sight",
+            "the first candidate is frame source + 1",
+            [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
+        ),
+        Lesson(
+            "target behind, in sight",
+            _BEHIND,
+            [case([2.1, 1.5, 1.6], CORNER, 35, 25, among([CORNER_WALL]))],
+        ),
+        Lesson(
+            "target behind, hidden",
+            _BEHIND,
+            [case([2.1, 1.5, 1.6], CORNER, 35, 5, among([CORNER_WALL]))],
+        ),
+        Lesson(
+            "target at the source",
+            "a target at the source's own frame is its own waypoint too: target <= source",
+            [
+                case([0.9, 0.2, -0.4], CORNER, 10, 10, among([CORNER_WALL])),
+                case([0.9, 0.2, -0.4], CORNER, 10, 10, only(CORNER, [])),
+            ],
+        ),
+        Lesson(
+            "nothing in sight",
+            none,
+            [case([0.1, 0.0, 0.0], STRAIGHT, 2, 30, among([[0.25, -2, 0.25, 2]]))],
+        ),
+        Lesson(
+            "nothing in sight but the place of source, and places before it or after the target",
+            f"these are no candidates; {none}",
+            [
+                case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [9])),
+                case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [3, 35])),
+            ],
+        ),
+        Lesson(
+            "40 random trajectories",
+            "the simple cases are right; does a part of your rule hold for some of them only?",
+            [random_case(rng) for _ in range(40)],
+        ),
+    ]
 
 
 @check(
     waypoint_label,
-    (np.zeros(3), _STRAIGHT, 0, 40, clear_sight(Raycaster([_FAR_WALL]))),
+    (np.zeros(3), STRAIGHT, 0, 40, clear_sight(Raycaster([FAR_WALL]))),
 )
 def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """Round a corner, past a post, out and back, targets ahead and behind, nothing in sight."""
-    _, walls, start, track, *frames = _CASES[0]
-    walls, start = np.array(walls, float), np.array(start)
-    arguments = (start, track, *frames, clear_sight(Raycaster(walls)))
-    picture = _labels_from_above(
-        walls, start, track, waypoint_label(*arguments), student(*arguments)
+    teach(
+        "waypoint_label",
+        student,
+        _lessons(),
+        waypoint_label,
+        _FAULTS,
+        form=_form,
+        same=_same,
+        difference=_difference,
+        draw=_picture,
     )
-    for name, walls, start, track, *frames in _CASES:
-        sees, start = clear_sight(Raycaster(np.array(walls, float))), np.array(start)
-        arguments, kept = (start, track, *frames, sees), (start.copy(), track.copy())
-        want, what = waypoint_label(*arguments), f"waypoint_label, {name}"
-        try:
-            got = student(*arguments)
-        except (IndexError, ValueError):  # of an empty choice
-            if want is not None and frames[1] > frames[0]:
-                raise
-            got = None
-            if want is None:
-                words = "nothing is in sight, so there is no last place; return None"
-                raise WrongAnswer(f"{what}: {words}", picture) from None
-        if not (np.array_equal(start, kept[0]) and np.array_equal(track, kept[1])):
-            raise WrongAnswer("your function changes its arguments; make a new array")
-        if want is None:
-            _expect_none(what, got, to_local(start, track[frames[0], :2]), picture)
-            continue
-        if got is None and frames[1] <= frames[0]:
-            raise WrongAnswer(f"{what}: {_BEHIND if frames[1] < frames[0] else _THERE}", picture)
-        expect_close(what, got, want, 1e-6, _mistakes(*arguments), picture)
-    return picture
+    return _picture(student)
 
 
-_BEHIND = "a target behind is its own waypoint, in sight or not"
-_THERE = "a target at the source's own frame is its own waypoint too: target <= source"
+def _form(what: str, answer: object, *arguments: Any) -> Array | None:  # noqa: ANN401
+    if answer is None:
+        return None
+    if isinstance(answer, int | np.integer):
+        raise WrongAnswer(f"{what}: a frame's index came back; return its place, an array (2,)")
+    if waypoint_label(*arguments) is None and np.shape(answer) != (2,):
+        raise WrongAnswer(f"{what}: there is no waypoint; return None, no {type(answer).__name__}")
+    return numbers(what, answer, (2,))
 
 
-def _expect_none(what: str, got: object, own: Array, picture: NDArray[np.uint8]) -> None:
-    """Demand that there is no waypoint; `own` is the source's place, seen from the start."""
+def _same(got: Array | None, want: Array | None, *_: object) -> bool:
+    if got is None or want is None:
+        return got is want
+    return close(got, want)
+
+
+def _difference(got: Array | None, want: Array | None, *_: object) -> str:
+    if want is None:
+        return f"{np.round(got, 2).tolist()} came back, but there is no waypoint; return None"
     if got is None:
-        return
-    words = "there is no waypoint; return None"
-    if np.shape(got) == (2,) and np.allclose(got, own, atol=1e-6):
-        words = "the place of source itself is no candidate; the first one is source + 1"
-    raise WrongAnswer(f"{what}: {words}", picture)
+        return f"None came back, but {want.round(2).tolist()} is right"
+    return farthest(got, want)
 
 
-def _mistakes(start: Array, track: Array, source: int, target: int, sees: Sees) -> dict[str, Array]:
-    """Known mistakes, and the answers they give."""
-    right = _chosen(start, track, source, target, sees)
-    mistakes = {
-        "give it as seen from the start: to_local": right,
-        "shifted, but not turned by the start's heading: to_local": right - start[:2],
-    }
-    if target <= source:
-        places = track[target : source + 1, :2]
-        seen = np.flatnonzero(sees(start[:2], places))
-        wrong = {}
-        if len(seen):
-            wrong[f"{_BEHIND}; do not search the places in between"] = places[seen[0]]
-            wrong[f"{_BEHIND}; do not take the nearest of the places in between"] = places[seen[-1]]
-    else:
-        wrong = _misplaced(start, track, source, target, sees)
-    for words, place in wrong.items():
-        mistakes[words] = to_local(start, place)
-    for words, place in wrong.items():
-        mistakes[f"{words}; and give it as seen from the start: to_local"] = place
-    return mistakes
-
-
-def _misplaced(
-    start: Array, track: Array, source: int, target: int, sees: Sees
-) -> dict[str, Array]:
-    """Known mistakes with a target ahead, and the places (2,) that they choose."""
-    places, after = track[source + 1 : target + 1, :2], track[source + 1 :, :2]
-    seen = sees(start[:2], places)
-    last = np.flatnonzero(seen)[-1]
-    from_source = np.flatnonzero(sees(track[source, :2], places))
-    first_hidden = len(seen) if seen.all() else int(seen.argmin())
-    ranked = np.linalg.norm(places - start[:2], axis=1) * seen
-    before = np.flatnonzero(seen[:-1])
-    return {
-        "that is the target itself, but it is not in sight": track[target, :2],
-        "take the last place in sight up to the target, not beyond the target": after[
-            np.flatnonzero(sees(start[:2], after))[-1]
-        ],
-        "that is the nearest place in sight; take the farthest": places[seen.argmax()],
-        "a place farther on is in sight again; do not stop at the first hidden one": places[
-            max(first_hidden - 1, 0)
-        ],
-        "the last place along the trajectory counts, not the one at the greatest distance": places[
-            ranked.argmax()
-        ],
-        "look from the start, not from the place of source: sees(start[:2], places)": places[
-            from_source[-1] if len(from_source) else 0
-        ],
-        "the target itself is a candidate too": places[before[-1] if len(before) else 0],
-        "one frame too early: index 0 of the candidates is frame source + 1": track[
-            source + last, :2
-        ],
-        "the indices of the places in sight count from the first candidate, not from the start of "
-        "the track: places[seen[-1]]": track[last, :2],
-        "that is the first place that is hidden; take the last one in sight": places[
-            min(first_hidden, len(places) - 1)
-        ],
-    }
-
-
-def _chosen(start: Array, track: Array, source: int, target: int, sees: Sees) -> Array | None:
-    """The right place (2,), in the world."""
-    if target <= source:
-        return track[target, :2]
-    places = track[source + 1 : target + 1, :2]
-    seen = np.flatnonzero(sees(start[:2], places))
-    return places[seen[-1]] if len(seen) else None
-
-
-def _labels_from_above(
-    walls: Array, start: Array, track: Array, want: Array | None, got: object
-) -> NDArray[np.uint8]:
-    """Wall, trajectory, start and label, target and yours beside each other."""
-    blocks = []
-    for name, label in (("target", want), ("yours", got)):
-        block = np.full((300, 330, 3), 255, np.uint8)
-
-        def at(point: Array) -> tuple[int, int]:
-            return round(60 + 100 * point[0]), round(270 - 100 * point[1])
-
-        for wall in walls:
-            cv2.line(block, at(wall[:2]), at(wall[2:]), colours.SOLID, 6, cv2.LINE_AA)
-        for place in track[::2]:
-            cv2.circle(block, at(place), 3, colours.PATH, -1, cv2.LINE_AA)
-        cv2.circle(block, at(start), 8, colours.ROBOT, -1, cv2.LINE_AA)
-        point = np.asarray(label, dtype=float) if label is not None else np.full(2, np.nan)
-        if point.shape == (2,) and np.isfinite(point).all() and np.abs(point).max() < 10:
-            turn = start[2] + np.arctan2(point[1], point[0])
-            end = start[:2] + np.hypot(*point) * np.array([np.cos(turn), np.sin(turn)])
-            cv2.line(block, at(start), at(end), colours.GOAL, 2, cv2.LINE_AA)
-            cv2.circle(block, at(end), 7, colours.GOAL, -1, cv2.LINE_AA)
-        cv2.putText(block, name, (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.55, colours.INK, 1, 16)
-        blocks.append(block)
-    return np.concatenate(blocks, axis=1)
+def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
+    arguments = _lessons()[0].cases[0]
+    right, yours = waypoint_label(*arguments), student(*arguments)
+    return labels_from_above(np.array([CORNER_WALL]), *arguments[:2], right, yours)
