@@ -19,7 +19,7 @@ def goal_policy__forgets_the_damping(offsets, velocities, gain, damping, near):
 
 
 def goal_policy__never_fades(offsets, velocities, gain, damping, near):
-    """another near never changes"""
+    """within `near` the pull fades: divide by the distance or by `near`"""
     return _pull(offsets, gain, 1e-9) - damping * velocities, _identities(offsets)
 
 

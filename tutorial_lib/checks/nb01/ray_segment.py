@@ -220,9 +220,11 @@ def check_ray_segment(student: Callable[..., float]) -> None:
 def _form(what: str, answer: object, *case: Array) -> Array:
     if answer is None and np.isinf(ray_segment(*case)):
         raise WrongAnswer(f"{what}: nothing came back; a ray that misses returns np.inf")
+    if isinstance(answer, list | tuple):
+        raise WrongAnswer(f"{what}: a {type(answer).__name__} came back; return one number")
     if np.shape(answer) == (2,):
         raise WrongAnswer(f"{what}: a point came back; return how far away it is, one number")
-    if isinstance(answer, np.ndarray | list | tuple) and np.shape(answer):
+    if np.shape(answer):
         raise WrongAnswer(f"{what}: shape {np.shape(answer)} came back; return one number")
     return numbers(what, answer, ())
 

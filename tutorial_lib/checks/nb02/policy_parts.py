@@ -22,7 +22,8 @@ def policies_of(
         answer = tuple(answer)
     words = "return two things, the accelerations and the metrics"
     first, second = parts(what, answer, 2, words)
-    if np.shape(first) == metrics != accelerations and np.shape(second) == accelerations:
+    shapes = tuple(part.shape for part in (first, second) if isinstance(part, np.ndarray))
+    if shapes == (metrics, accelerations) and metrics != accelerations:
         words = "the two are exchanged: give the accelerations first"
         parts(what, (), 2, words)
     return (
