@@ -1,6 +1,12 @@
 """Answers to notebook 02: the docstring of a wrong one is what the check must say of it."""
 
+import math
+from copy import deepcopy
+from dataclasses import replace
+
 import numpy as np
+import torch
+from torch import nn
 
 
 def goal_policy__pulls_harder_from_far_away(offsets, velocities, gain, damping, near):
@@ -899,3 +905,429 @@ def waypoint_label__right_mask(start, track, source, target, sees):
         chosen = track[good.max()]
     z = complex(*(chosen[:2] - start[:2])) * np.exp(-1j * start[2])
     return np.array([z.real, z.imag])
+
+
+def _loop(
+    network,
+    optimizer,
+    draw_batch,
+    loss_of,
+    validate,
+    plan,
+    *,
+    rate=None,
+    late_rate=False,
+    zero=True,
+    clip="norm",
+    train_first=True,
+    train_again=True,
+    evaluate=True,
+    no_grad=True,
+    last=True,
+    copy=True,
+    restore=True,
+    end_eval=True,
+    better="<",
+    patience=True,
+    reset=True,
+    training="mean",
+    entry=lambda step, training, validation: (step, training, validation),
+    first=0,
+    redraw=False,
+    backward=True,
+    begin_with_evaluation=False,
+):
+    def right(step):
+        warm = min(1, (step + 1) / plan.warmup_steps)
+        return plan.learning_rate * warm * (1 + math.cos(math.pi * step / plan.max_steps)) / 2
+
+    history, losses, everything = [], [], []
+    best, waited, weights = math.inf, 0, network.state_dict()
+    if train_first:
+        network.train()
+    if begin_with_evaluation:
+        history.append((0, 0.0, validate(network)))
+    fixed = draw_batch(0) if redraw == "fixed" else None
+    for step in range(plan.max_steps):
+        if not late_rate:
+            optimizer.param_groups[0]["lr"] = (rate or (lambda s, p: right(s)))(step, plan)
+        if zero:
+            optimizer.zero_grad()
+        batch = fixed if redraw == "fixed" else draw_batch(step + first)
+        loss = loss_of(network, batch)
+        if backward:
+            loss.backward()
+        if clip == "norm":
+            nn.utils.clip_grad_norm_(network.parameters(), plan.max_norm)
+        elif clip == "value":
+            nn.utils.clip_grad_value_(network.parameters(), plan.max_norm)
+        elif clip == "each":
+            for p in network.parameters():
+                nn.utils.clip_grad_norm_([p], plan.max_norm)
+        elif clip == "always":
+            total = torch.sqrt(sum((p.grad**2).sum() for p in network.parameters()))
+            for p in network.parameters():
+                p.grad *= plan.max_norm / total
+        optimizer.step()
+        if clip == "after":
+            nn.utils.clip_grad_norm_(network.parameters(), plan.max_norm)
+        if late_rate:
+            optimizer.param_groups[0]["lr"] = right(step)
+        losses.append(loss if training == "tensor" else loss.item())
+        everything.append(loss.item())
+        done = step + 1
+        if done % plan.eval_interval and not (last and done == plan.max_steps):
+            continue
+        if evaluate:
+            network.eval()
+        if no_grad:
+            with torch.no_grad():
+                value = validate(network)
+        else:
+            value = validate(network)
+        if train_again:
+            network.train()
+        shown = {
+            "mean": sum(losses) / len(losses),
+            "last": losses[-1],
+            "sum": sum(losses),
+            "all": sum(everything) / len(everything),
+            "tensor": sum(losses) / len(losses),
+        }
+        history.append(entry(done, shown[training], value))
+        losses = []
+        if value < best or (better == "<=" and value <= best):
+            best, waited = value, 0 if reset else waited
+            weights = deepcopy(network.state_dict()) if copy else network.state_dict()
+        else:
+            waited += 1
+            if patience and waited >= plan.patience:
+                break
+    if restore:
+        network.load_state_dict(weights)
+    if end_eval:
+        network.eval()
+    return history
+
+
+def train_network__keeps_the_rate(*case):
+    """the learning rate never changes: set group['lr'] of every group"""
+    return _loop(*case, rate=lambda s, p: p.learning_rate)
+
+
+def train_network__no_warmup(*case):
+    """the learning rate lacks the warm-up: min(1, (step + 1) / warmup_steps)"""
+    return _loop(
+        *case, rate=lambda s, p: p.learning_rate * (1 + math.cos(math.pi * s / p.max_steps)) / 2
+    )
+
+
+def train_network__no_decay(*case):
+    """the learning rate does not decay: the half cosine is missing"""
+    return _loop(*case, rate=lambda s, p: p.learning_rate * min(1, (s + 1) / p.warmup_steps))
+
+
+def train_network__warmup_begins_with_zero(*case):
+    """the warm-up is one step late: (step + 1) / warmup_steps; step 0 must"""
+    return _loop(
+        *case,
+        rate=lambda s, p: (
+            p.learning_rate
+            * min(1, s / p.warmup_steps)
+            * (1 + math.cos(math.pi * s / p.max_steps))
+            / 2
+        ),
+    )
+
+
+def train_network__warmup_then_cosine_begins(*case):
+    """the cosine begins at step 0, not after the warm-up: step / max_steps"""
+
+    def rate(s, p):
+        if s < p.warmup_steps:
+            return p.learning_rate * (s + 1) / p.warmup_steps
+        return (
+            p.learning_rate
+            * (1 + math.cos(math.pi * (s - p.warmup_steps) / (p.max_steps - p.warmup_steps)))
+            / 2
+        )
+
+    return _loop(*case, rate=rate)
+
+
+def train_network__cosine_to_minus_one(*case):
+    """the decay is (1 + cos) / 2; the plain cosine falls to -1"""
+    return _loop(
+        *case,
+        rate=lambda s, p: (
+            p.learning_rate * min(1, (s + 1) / p.warmup_steps) * math.cos(math.pi * s / p.max_steps)
+        ),
+    )
+
+
+def train_network__cosine_in_degrees(*case):
+    """np.cos takes radians: pi, not 180"""
+    return _loop(
+        *case,
+        rate=lambda s, p: (
+            p.learning_rate
+            * min(1, (s + 1) / p.warmup_steps)
+            * (1 + math.cos(180 * s / p.max_steps))
+            / 2
+        ),
+    )
+
+
+def train_network__rate_without_highest(*case):
+    """multiply by plan.learning_rate, the highest rate"""
+    return _loop(
+        *case,
+        rate=lambda s, p: (
+            min(1, (s + 1) / p.warmup_steps) * (1 + math.cos(math.pi * s / p.max_steps)) / 2
+        ),
+    )
+
+
+def train_network__cosine_one_early(*case):
+    """the cosine is one step early: it takes step / max_steps, and begins"""
+    return _loop(
+        *case,
+        rate=lambda s, p: (
+            p.learning_rate
+            * min(1, (s + 1) / p.warmup_steps)
+            * (1 + math.cos(math.pi * (s + 1) / p.max_steps))
+            / 2
+        ),
+    )
+
+
+def train_network__rate_set_late(*case):
+    """the rate is set after the step, so that every step uses that of the"""
+    return _loop(*case, late_rate=True)
+
+
+def train_network__never_zeroes(*case):
+    """old gradients are added to the new ones: optimizer.zero_grad() before"""
+    return _loop(*case, zero=False)
+
+
+def train_network__never_clips(*case):
+    """a gradient that is too long stays so: torch.nn.utils.clip_grad_norm_"""
+    return _loop(*case, clip="")
+
+
+def train_network__clips_values(*case):
+    """shorten the whole gradient, do not cut each number: clip_grad_norm_,"""
+    return _loop(*case, clip="value")
+
+
+def train_network__clips_each(*case):
+    """max_norm limits the gradient of all parameters together, not of each"""
+    return _loop(*case, clip="each")
+
+
+def train_network__normalises(*case):
+    """only gradients longer than max_norm are shortened; the others stay as"""
+    return _loop(*case, clip="always")
+
+
+def train_network__forgets_backward(*case):
+    """the gradients are all zero: loss.backward() comes after zero_grad(),"""
+    return _loop(*case, backward=False)
+
+
+def train_network__forgets_train(*case):
+    """the network learns in evaluation mode: network.train() before the"""
+    return _loop(*case, train_first=False, train_again=False)
+
+
+def train_network__stays_in_evaluation(*case):
+    """after an evaluation the network must go on in training mode:"""
+    return _loop(*case, train_again=False)
+
+
+def train_network__validates_in_training_mode(*case):
+    """evaluate in evaluation mode: network.eval() before validate(network)"""
+    return _loop(*case, evaluate=False)
+
+
+def train_network__validates_with_gradients(*case):
+    """an evaluation needs no gradients: validate within torch.no_grad()"""
+    return _loop(*case, no_grad=False)
+
+
+def train_network__no_last_evaluation(*case):
+    """evaluate after the last step, too, where it does not end an interval"""
+    return _loop(*case, last=False)
+
+
+def train_network__keeps_no_copy(*case):
+    """the network must end with the weights of its best evaluation; the"""
+    return _loop(*case, copy=False)
+
+
+def train_network__ends_in_training_mode(*case):
+    """in the end the network must be in evaluation mode: network.eval()"""
+    return _loop(*case, end_eval=False)
+
+
+def train_network__prefers_later_equals(*case):
+    """the network must end with the weights of its best evaluation; the"""
+    return _loop(*case, better="<=")
+
+
+def train_network__no_patience(*case):
+    """training goes on, 20 steps, where it should end after 8: the"""
+    return _loop(*case, patience=False)
+
+
+def train_network__never_resets_patience(*case):
+    """training ends after 8 steps, where it should make 14: the validation"""
+    return _loop(*case, reset=False)
+
+
+def train_network__patience_one_less(*case):
+    """training ends after 6 steps, where it should make 8: the validation"""
+
+    return _loop(*case[:-1], replace(case[-1], patience=case[-1].patience - 1))
+
+
+def train_network__patience_one_more(*case):
+    """training goes on, 16 steps, where it should end after 8: the"""
+
+    return _loop(*case[:-1], replace(case[-1], patience=case[-1].patience + 1))
+
+
+def train_network__last_loss(*case):
+    """the training loss is the mean of all losses since the last"""
+    return _loop(*case, training="last")
+
+
+def train_network__sum_of_losses(*case):
+    """the training loss is the mean since the last evaluation, not the sum:"""
+    return _loop(*case, training="sum")
+
+
+def train_network__mean_of_all(*case):
+    """the training loss is the mean since the last evaluation; empty the"""
+    return _loop(*case, training="all")
+
+
+def train_network__keeps_tensors(*case):
+    """the history holds a tensor with its gradients; keep the number,"""
+    return _loop(*case, training="tensor")
+
+
+def train_network__swaps_losses(*case):
+    """in the history the training loss comes before the validation loss"""
+    return _loop(*case, entry=lambda s, t, v: (s, v, t))
+
+
+def train_network__counts_from_zero(*case):
+    """the history's steps are [3. 7.], but [4. 8.] is right; count the"""
+    return _loop(*case, entry=lambda s, t, v: (s - 1, t, v))
+
+
+def train_network__only_validation(*case):
+    """the history's entries are three numbers: step, training loss,"""
+    return _loop(*case, entry=lambda s, t, v: v)
+
+
+def train_network__begins_with_step_one(*case):
+    """the first step is step 0: draw_batch(0)"""
+    return _loop(*case, first=1)
+
+
+def train_network__one_batch_for_all(*case):
+    """draw a batch in every step, and compute its loss once:"""
+    return _loop(*case, redraw="fixed")
+
+
+def train_network__evaluates_first(*case):
+    """the first evaluation comes after eval_interval steps, not before the"""
+    return _loop(*case, begin_with_evaluation=True)
+
+
+def train_network__returns_nothing(*case):
+    """nothing came back; return the history, a list with (step, training"""
+    _loop(*case)
+
+
+def train_network__returns_the_network(network, *rest):
+    """a _Probe came back; return the history, a list with (step, training"""
+    _loop(network, *rest)
+    return network
+
+
+def train_network__right_with_a_scheduler(network, optimizer, draw_batch, loss_of, validate, plan):
+    def factor(step):
+        return min((step + 1) / plan.warmup_steps, 1.0) * (
+            0.5 + 0.5 * np.cos(np.pi * step / plan.max_steps)
+        )
+
+    schedule = torch.optim.lr_scheduler.LambdaLR(optimizer, factor)
+    history, step, total, since = [], 0, 0.0, 0
+    kept, best_at = {}, 0
+    while step < plan.max_steps:
+        network.train()
+        network.zero_grad(set_to_none=False)
+        loss = loss_of(network, draw_batch(step))
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(list(network.parameters()), plan.max_norm)
+        optimizer.step()
+        schedule.step()
+        step, total, since = step + 1, total + float(loss), since + 1
+        if step % plan.eval_interval == 0 or step >= plan.max_steps:
+            network.eval()
+            with torch.inference_mode():
+                measured = validate(network)
+            history += [[step, total / since, measured]]
+            total, since = 0.0, 0
+            if all(measured < row[2] for row in history[:-1]):
+                best_at = len(history)
+                kept = {
+                    name: value.detach().clone() for name, value in network.state_dict().items()
+                }
+            if len(history) - best_at == plan.patience:
+                break
+    network.load_state_dict(kept)
+    return history
+
+
+def train_network__right_by_hand(network, optimizer, draw_batch, loss_of, validate, plan):
+    parameters = list(network.parameters())
+    history, best = [], None
+    losses = torch.zeros(0)
+    network.train(True)
+    for step in range(plan.max_steps):
+        rise = (step + 1) / plan.warmup_steps if step + 1 < plan.warmup_steps else 1
+        fall = math.cos(math.pi / 2 * step / plan.max_steps) ** 2
+        for group in optimizer.param_groups:
+            group["lr"] = plan.learning_rate * rise * fall
+        for p in parameters:
+            p.grad = None
+        loss = loss_of(network, draw_batch(step))
+        loss.backward()
+        norm = sum(float((p.grad**2).sum()) for p in parameters) ** 0.5
+        if norm > plan.max_norm:
+            for p in parameters:
+                p.grad.mul_(plan.max_norm / norm)
+        optimizer.step()
+        losses = torch.cat([losses, loss.detach().reshape(1)])
+        if step + 1 == plan.max_steps or not (step + 1) % plan.eval_interval:
+            network.eval()
+            torch.set_grad_enabled(False)
+            value = validate(network)
+            torch.set_grad_enabled(True)
+            network.train()
+            history.append((step + 1, losses.mean(), torch.tensor(value)))
+            losses = losses[:0]
+            if best is None or value < best[0]:
+                best = value, [p.detach().clone() for p in parameters], len(history)
+            elif len(history) - best[2] >= plan.patience:
+                break
+    with torch.no_grad():
+        for p, old in zip(parameters, best[1], strict=True):
+            p.copy_(old)
+    network.eval()
+    return tuple(history)

@@ -1,0 +1,163 @@
+"""Where a training loop first departs from the rules, in the student's terms."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tutorial_lib.checks.nb02.training_arrays import close_arrays
+from tutorial_lib.checks.nb02.training_history import history_mistake
+from tutorial_lib.checks.nb02.training_rates import rate_mistake
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.small_training import TrainingPlan
+from tutorial_lib.learning.training_probe import Trace
+
+
+def mistake(
+    got: Trace, want: Trace, plan: TrainingPlan, gradients: Array, losses: Sequence[float]
+) -> str | None:
+    """What is wrong with the trace of a training loop; None if nothing is."""
+    found = (
+        *(_drawing(got, want), _updating(got, gradients, plan), rate_mistake(got, plan)),
+        *(_evaluating(got, want, plan), _modes(got), _ending(got, want, plan)),
+        *(history_mistake(got, want), _keeping(got, want)),
+    )
+    return next((words for words in found if words), None)
+
+
+def _drawing(got: Trace, want: Trace) -> str | None:
+    """Whether every step draws one batch, its own."""
+    drawn = got.drawn
+    if not drawn:
+        return "no batch is drawn: call draw_batch(step) once in every step"
+    right = list(range(len(drawn)))
+    if drawn != right:
+        if drawn == [i + 1 for i in right]:
+            return "the first step is step 0: draw_batch(0)"
+        if len(set(drawn)) == 1 and len(drawn) > 1:
+            return f"every step draws the batch of step {drawn[0]}; draw_batch(step), step by step"
+        if len(set(drawn)) < len(drawn):
+            return f"each batch is drawn once, but the steps drawn were {drawn[:6]} and so on"
+        return f"the steps of the batches drawn were {drawn[:6]}; they count 0, 1, 2, ..."
+    if got.used != drawn:
+        return "draw a batch in every step, and compute its loss once: loss_of(network, batch)"
+    if len(got.rates) != len(drawn):
+        made = len(got.rates)
+        return (
+            f"{made} updates for {len(drawn)} batches: one optimizer.step() after every batch"
+            if len(drawn) <= len(want.drawn) or not made
+            else "one optimizer.step() after every batch"
+        )
+    return None
+
+
+def _updating(got: Trace, batches: Array, plan: TrainingPlan) -> str | None:
+    """Whether every update uses the gradient of its batch, shortened if it is too long."""
+    raw = np.array([batches[i % len(batches)] for i in range(len(got.gradients))])
+    long = np.linalg.norm(raw, axis=1, keepdims=True) / plan.max_norm
+    shortened = raw / np.maximum(long, 1.0)
+    mine = np.array(got.gradients)
+    if close_arrays(mine, shortened):
+        return None
+    if not mine.any():
+        return "the gradients are all zero: loss.backward() comes after zero_grad(), before step()"
+    first = 1.0 + raw[0]  # the network comes with gradients of 1
+    if not close_arrays(mine[0], shortened[0]) and close_arrays(
+        mine[0], first / max(_length(first, plan), 1)
+    ):
+        return "old gradients are added to the new ones: optimizer.zero_grad() before backward()"
+    if len(mine) > 1 and close_arrays(mine[0], shortened[0]):
+        total = raw[0] + raw[1]
+        if close_arrays(mine[1], total / max(_length(total, plan), 1)):
+            return "the gradients of all batches add up: optimizer.zero_grad() in every step"
+    if close_arrays(mine, raw):
+        return (
+            "a gradient that is too long stays so: torch.nn.utils.clip_grad_norm_ with max_norm, "
+            "after backward() and before step()"
+        )
+    if close_arrays(mine, raw / long):
+        return "only gradients longer than max_norm are shortened; the others stay as they are"
+    if close_arrays(mine, np.clip(raw, -plan.max_norm, plan.max_norm)):
+        return "shorten the whole gradient, do not cut each number: clip_grad_norm_, no value"
+    if close_arrays(mine, np.concatenate([_cut(raw[:, :2], plan), _cut(raw[:, 2:], plan)], axis=1)):
+        return "max_norm limits the gradient of all parameters together, not of each tensor alone"
+    step = int(np.argmax(np.abs(mine - shortened).max(axis=1) > 1e-4))
+    now, right = mine[step].round(3), shortened[step].round(3)
+    return f"the gradient of step {step} is {now}, but {right} is right"
+
+
+def _length(gradient: Array, plan: TrainingPlan) -> float:
+    return float(np.linalg.norm(gradient)) / plan.max_norm
+
+
+def _cut(part: Array, plan: TrainingPlan) -> Array:
+    length = np.linalg.norm(part, axis=1, keepdims=True) / plan.max_norm
+    return part / np.maximum(length, 1.0)
+
+
+def _modes(got: Trace) -> str | None:
+    """Whether the network was in training mode while it learnt, and only then."""
+    if not got.training[0]:
+        return "the network learns in evaluation mode: network.train() before the first step"
+    if not all(got.training):
+        return "after an evaluation the network must go on in training mode: network.train()"
+    if not all(got.evaluating):
+        return "evaluate in evaluation mode: network.eval() before validate(network)"
+    if any(got.tracked):
+        return "an evaluation needs no gradients: validate within torch.no_grad()"
+    return None
+
+
+def _evaluating(got: Trace, want: Trace, plan: TrainingPlan) -> str | None:
+    """Whether evaluations come when they should, as far as the training went."""
+    mine, right = got.evaluated, want.evaluated
+    if not mine:
+        return "nothing is evaluated: validate(network) after every eval_interval steps"
+    last = min(len(got.rates), len(want.rates))
+    mine = [step for step in mine if step <= last]
+    right = [step for step in right if step <= last]
+    if mine == right or (got.rates and len(got.rates) < len(want.rates) and mine[:-1] == right):
+        return None
+    if 0 in mine:
+        return "the first evaluation comes after eval_interval steps, not before the first step"
+    if len(set(mine)) < len(mine):
+        return "each evaluation happens once, also where the last step ends an interval"
+    if mine == right[:-1] and right[-1] == plan.max_steps:
+        return "evaluate after the last step, too, where it does not end an interval"
+    if all((step - 1) % plan.eval_interval == 0 for step in mine) and plan.eval_interval > 1:
+        return f"evaluations come one step early or late: after {right} steps, not after {mine}"
+    if len(mine) > len(right):
+        return f"evaluate only after every eval_interval steps: after {right}, not after {mine}"
+    return f"evaluations come after {right} steps; yours came after {mine}"
+
+
+def _ending(got: Trace, want: Trace, plan: TrainingPlan) -> str | None:
+    """Whether the training ends when it should."""
+    mine, right = len(got.rates), len(want.rates)
+    if mine == right:
+        return None
+    losses = [entry[2] for entry in want.history]
+    seen = f"the validation losses were {losses}, and patience is {plan.patience}"
+    if mine > right:
+        if right == plan.max_steps:
+            return f"training ends after max_steps = {plan.max_steps} steps, not after {mine}"
+        return f"training goes on, {mine} steps, where it should end after {right}: {seen}"
+    if mine == plan.max_steps - 1:
+        return f"the last step is missing: {mine} of {plan.max_steps}"
+    return (
+        f"training ends after {mine} steps, where it should make {right}: {seen}; count the "
+        "evaluations in a row that are no better than the best; a new best starts the count again"
+    )
+
+
+def _keeping(got: Trace, want: Trace) -> str | None:
+    """Whether the network ends with the weights of the best evaluation."""
+    if not close_arrays(got.final, want.final):
+        copied = "a copy of network.state_dict(), as deepcopy makes it: the dict itself goes on"
+        losses = [entry[2] for entry in want.history]
+        return (
+            f"the network must end with the weights of its best evaluation; the validation losses "
+            f"were {losses}, and the first of equals counts. Keep {copied} changing"
+        )
+    if not got.ends_evaluating:
+        return "in the end the network must be in evaluation mode: network.eval()"
+    return None
