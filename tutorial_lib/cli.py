@@ -1,4 +1,4 @@
-"""The commands: ``python -m tutorial_lib {lab,demo,build,train,experiment,bench}``."""
+"""The commands: ``python -m tutorial_lib {lab,demo,progress,build,train,experiment,bench}``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import time
 from dataclasses import fields
 from pathlib import Path
 
+from tutorial_lib.checks.progress import progress, report
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, parse_worlds
@@ -69,6 +70,8 @@ def _parser() -> argparse.ArgumentParser:
         "--learn", action="store_true", help="learn the map again, and keep it for later demos"
     )
     demo.set_defaults(run=_demo)
+    done = commands.add_parser("progress", help="which exercises are done, in every notebook")
+    done.set_defaults(run=_progress)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
     build.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
     build.add_argument(
@@ -155,6 +158,12 @@ def _demo(options: argparse.Namespace) -> int:
         print(f"  {name}: {verdict} {words}")
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
     return 0 if outcome.reached else MISSED
+
+
+def _progress(options: argparse.Namespace) -> int:
+    del options
+    print(report(progress(PROJECT / "notebooks")))
+    return 0
 
 
 def _build(options: argparse.Namespace) -> int:

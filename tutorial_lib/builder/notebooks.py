@@ -25,6 +25,7 @@ from tutorial_lib.builder.standard import check_standard
 from tutorial_lib.checks.framework import my_answers
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
+from tutorial_lib.viz.notebook.display import STATIC
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = 'raise NotImplementedError("your turn")'
@@ -155,7 +156,8 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         resources={"metadata": {"path": str(folder)}},
     )
     try:
-        client.execute(env={**os.environ, my_answers.FOLDER: ""})  # nobody's answers are saved
+        # Nobody's answers are saved, and pictures are stored as hosted viewers show them.
+        client.execute(env={**os.environ, my_answers.FOLDER: "", STATIC: "1"})
     except CellExecutionError as error:
         raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:
