@@ -45,7 +45,11 @@ INSIDE = {
         **{study: {"common", "protocols"} for study in STUDIES},
         "registry": {"common", "protocols", *STUDIES},
     },
-    "checks": {"framework": set(), **{notebook: {"framework"} for notebook in NOTEBOOKS}},
+    "checks": {
+        "framework": set(),
+        "progress": {"framework"},
+        **{notebook: {"framework"} for notebook in NOTEBOOKS},
+    },
 }
 """What each part of a package may import from the package, besides itself."""
 APART = {f"tutorial_lib.experiments.{study}" for study in ("meng2020", "robustness", "benchmarks")}
