@@ -11,9 +11,9 @@
 # - turn a floor plan into a camera image, column by column.
 #
 # There are five exercises. Each has hints behind folds. When your function passes its check, **the cells below use it**; until then they use the
-# library's, so you can read on at any time.
+# library's, so you can read on at any time. Arrays are numpy arrays throughout: where a function returns `(N, 2)`, return an array, not a list.
 #
-# Metres, radians, seconds. x points right, y up, headings turn counter-clockwise from +x. A pose is `[x, y, heading]`.
+# Metres, radians, seconds. x points right, y up, headings turn counter-clockwise from +x. A [[pose]] is `[x, y, heading]`.
 
 # %%
 import numpy as np
@@ -60,7 +60,7 @@ view = PlanView(scene, 640, 480)
 # ## 1 · Where is it in the robot's frame?
 #
 # A robot does not need to know that the door is at (7.1, 2.4). It needs to know that the door is *two metres ahead and a little to the left*. Those are the door's
-# coordinates in the robot's own **frame**: x ahead, y to the left.
+# coordinates in the robot's own [[frame]]: x ahead, y to the left.
 #
 # The transform has two steps. Shift: subtract the robot's position. Rotate: undo its heading. With the robot at $(x, y, \theta)$ and a point $p$,
 #
@@ -72,14 +72,15 @@ view = PlanView(scene, 640, 480)
 #
 # <details><summary>Hint 1: concept</summary>A point straight ahead of the robot has the local coordinates (distance, 0), whatever the heading.</details>
 # <details><summary>Hint 2: approach</summary>Subtract first. Then the new x is the component of the offset along the robot's heading, and the new y its component to the left: two dot products.</details>
-# <details><summary>Hint 3: one line</summary>local x = cos · dx + sin · dy. What is local y?</details>
+# <details><summary>Hint 3: one line</summary>At heading 0 the local point is (dx, dy), at 90 degrees it is (dy, −dx). Which two sums of dx and dy, weighted with cosine and sine, give both?</details>
 
 
 # %% exercise="to_local"
 def to_local(pose, points):
     """World points in the frame of a pose.
 
-    pose: (3,) x, y, heading. points: (N, 2). Returns (N, 2): metres ahead, metres to the left.
+    pose: (3,) x, y, heading. points: (N, 2), m.
+    Returns an array (N, 2), a row for each point: metres ahead, metres to the left.
     """
     ### BEGIN SOLUTION
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -95,7 +96,8 @@ to_local = check_to_local.use(to_local)
 # **Predict**, then run the cell: on the left are the robot and five points in the world. Where will the same five points lie in the robot's frame, where the
 # robot stands at the origin and faces right?
 
-# %%
+# %% hidden=true
+# Five points in the world, and in the robot's frame
 robot = np.array([1.0, 1.0, 2.2])
 places = np.array([[0.0, 2.4], [2.0, 3.0], [3.0, 1.0], [-1.0, 0.0], [1.0, -0.5]])
 figure, axes = chart(9.0, 4.0, 2)
@@ -116,7 +118,7 @@ show(from_figure(figure))
 # ## 2 · One motion after another
 #
 # The robot drives from A to B, and then makes a motion that is given *in the frame of B*. Where is it now? The second translation has to be rotated by the first
-# heading before it can be added; the headings simply add up. This is called **composition**, $A \oplus B$. Odometry is a long chain of compositions:
+# heading before it can be added; the headings simply add up. This is called **composition**, $A \oplus B$. [[Odometry]] is a long chain of compositions:
 #
 # $$ (x_1, y_1, \theta_1) \oplus (x_2, y_2, \theta_2) = \bigl((x_1, y_1) + R(\theta_1)\,(x_2, y_2),\;\; \theta_1 + \theta_2\bigr). $$
 #
@@ -126,14 +128,15 @@ show(from_figure(figure))
 #
 # <details><summary>Hint 1: concept</summary>Drive 1 m, turn left, drive 1 m. The second metre went along +y. Adding the numbers would put it along +x.</details>
 # <details><summary>Hint 2: approach</summary>This time the matrix is R itself, not its transpose: you go from the robot's frame to the world.</details>
-# <details><summary>Hint 3: one line</summary>(angle + np.pi) % (2 * np.pi) - np.pi wraps an angle.</details>
+# <details><summary>Hint 3: one line</summary>degrees % 360 lies between 0 and 360, and (degrees + 180) % 360 − 180 between −180 and 180. What is that in radians?</details>
 
 
 # %% exercise="compose"
 def compose(first, second):
     """The pose after the motion `first`, then the motion `second` in the frame of `first`.
 
-    first, second: (3,) x, y, heading. Returns (3,), with the heading in -pi to pi.
+    first, second: (3,) x, y, heading, the headings in -pi to pi.
+    Returns an array (3,), with the heading in -pi to pi.
     """
     ### BEGIN SOLUTION
     cos, sin = np.cos(first[2]), np.sin(first[2])
@@ -151,7 +154,18 @@ compose = check_compose.use(compose)
 # **Predict:** the robot repeats one motion, *one metre ahead, then a turn of 45 degrees to the left*. After how many motions is it back? And what happens
 # when it measures each turn one degree too large?
 
+
 # %%
+def repeated_motion(degrees):
+    """Poses (25, 3) after 0 to 24 motions: one metre ahead, then a turn to the left."""
+    poses = [np.zeros(3)]
+    for _ in range(24):
+        poses.append(compose(poses[-1], np.array([1.0, 0.0, np.deg2rad(degrees)])))
+    return np.array(poses)
+
+
+# %% hidden=true
+# Three laps with exact turns, and with turns measured 1 degree too large
 figure, axes = chart(9.0, 4.0, 2)
 for axis, error, name in (
     (axes[0], 0.0, "exact turns"),
@@ -161,10 +175,8 @@ for axis, error, name in (
         (45.0, colours.TRACK, "o-", "where it is"),
         (45.0 + error, colours.BELIEVED, ".:", "where its odometry puts it"),
     ):
-        track = [np.zeros(3)]
-        for _ in range(24):
-            track.append(compose(track[-1], np.array([1.0, 0.0, np.deg2rad(turn)])))
-        axis.plot(*np.array(track)[:, :2].T, style, color=colours.unit(colour), label=meaning)
+        track = repeated_motion(turn)
+        axis.plot(*track[:, :2].T, style, color=colours.unit(colour), label=meaning)
     for lap in (1, 2, 3):
         spot = {"textcoords": "offset points", "xytext": (-4, -18), "fontsize": 13}
         axis.annotate(str(lap) if error else "", track[8 * lap][:2], **spot)
@@ -179,25 +191,27 @@ show(from_figure(figure))
 # ## 3 · A car cannot turn in place
 #
 # The front wheels are turned by the steering angle $\delta$, the rear wheels only roll. The car's pose is that of the middle of its rear axle, and $v$ is
-# the speed there. $L$ is the distance between the axles, the *wheelbase*. A dot is the time derivative:
+# the speed there. $L$ is the distance between the axles, the [[wheelbase]]. A dot is the time derivative:
 #
 # $$ \dot x = v\cos\theta, \qquad \dot y = v\sin\theta, \qquad \dot\theta = \frac{v}{L}\tan\delta . $$
 #
-# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$ at any speed. This is the **kinematic bicycle model**. Our car is 0.42 m long and 0.24 m
+# At a fixed angle the car drives a circle of radius $r = L / \tan\delta$ at any speed. This is the [[kinematic bicycle model]]. Our car is 0.42 m long and 0.24 m
 # wide, its wheelbase is 0.30 m, and its front wheels turn by at most 0.45 rad (26 degrees).
 #
 # ### Exercise 3 · `bicycle_step` (easy, 5 minutes)
 #
 # <details><summary>Hint 1: concept</summary>For a short time the car moves straight along its heading, and its heading changes by the turning rate times the time.</details>
 # <details><summary>Hint 2: approach</summary>Three lines, one for each equation above, each times <code>seconds</code>. A negative speed needs no special case, and the heading need not be wrapped.</details>
-# <details><summary>Hint 3: one line</summary>x + speed * np.cos(heading) * seconds. What are the other two?</details>
+# <details><summary>Hint 3: one line</summary>A tank that fills at <code>rate</code> litres a second holds <code>level + rate * seconds</code> litres later. What are the three levels here, and what are their rates?</details>
 
 
 # %% exercise="bicycle_step"
 def bicycle_step(pose, speed, steering, wheelbase, seconds):
     """The car's pose a short time later.
 
-    pose: (3,). speed: m/s, negative in reverse. steering: rad. wheelbase: m. Returns (3,).
+    pose: (3,) x, y, heading. speed: m/s, negative in reverse. steering: rad, positive to the left.
+    wheelbase: m. seconds: s. Returns an array (3,): x, y, heading. The step runs along the heading
+    that the car has before it.
     """
     ### BEGIN SOLUTION
     x, y, heading = pose
@@ -219,13 +233,20 @@ bicycle_step = check_bicycle_step.use(bicycle_step)
 car = BicycleCar()
 
 
-def turning_circle(steering_angle, speed):
-    """The car's track over eight seconds, in the corridor."""
+def eight_seconds(steering_angle, speed):
+    """The car's poses (400, 3) over eight seconds, with fixed controls."""
     pose, track = np.array([0.0, 0.0, 0.0]), []
     for _ in range(400):
         track.append(pose)
         pose = bicycle_step(pose, speed, steering_angle, car.wheelbase, 0.02)
-    track = np.array(track)
+    return np.array(track)
+
+
+# %% hidden=true
+# The car's turning circle in a corridor, with sliders
+def turning_circle(steering_angle, speed):
+    """The car's track over eight seconds, in the corridor."""
+    track = eight_seconds(steering_angle, speed)
     outer = car.footprint[1 if steering_angle >= 0 else 2]  # the front corner that swings wide
     side = 1.0 if steering_angle >= 0 else -1.0  # the wall that the car starts along
     figure, (axis,) = chart(8.0, 4.0)
@@ -245,7 +266,12 @@ def turning_circle(steering_angle, speed):
     return from_figure(figure), text
 
 
-sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.45), speed=(-0.3, 0.8, 0.1, 0.3))
+sliders(
+    turning_circle,
+    {"steering_angle": "steering angle, rad (+ is left)", "speed": "speed, m/s"},
+    steering_angle=(-0.45, 0.45, 0.05, 0.45),
+    speed=(-0.3, 0.8, 0.1, 0.3),
+)
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>
@@ -257,7 +283,8 @@ sliders(turning_circle, steering_angle=(-0.45, 0.45, 0.05, 0.45), speed=(-0.3, 0
 #
 # ## 4 · Two hundred cars, the same commands
 #
-# Motors are not exact. We follow Meng 2020 (section IV-B) and multiply both controls, ten times a second, by a random number drawn from
+# Motors are not exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329)
+# (ICRA 2020, from here on Meng 2020; section IV-B), and multiply both controls, ten times a second, by a random number drawn from
 # $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheel odometry has errors too: about 5 % of each distance and of each turn, and a heading
 # drift of 0.02 rad in the first metre.
 #
@@ -287,6 +314,9 @@ def many_cars(count, control_noise, seed=0):
 
 
 true, estimated = many_cars(200, 0.33)
+
+# %% hidden=true
+# True positions of 200 cars, and the errors of their odometry
 error = relative(true[-1], estimated[-1])
 figure, axes = chart(9.5, 4.2, 2)
 for i in range(0, 200, 4):
@@ -304,7 +334,8 @@ print(f"spread of the true positions: {spread:.2f} m")
 print(f"spread of the odometry error: {along:.2f} m along the path, {across:.2f} m across it")
 show(from_figure(figure))
 
-# %%
+# %% hidden=true
+# The odometry error over the time, half and nine tenths of the cars
 error = np.linalg.norm(relative(true, estimated)[..., :2], axis=2)
 figure, (axis,) = chart(7.0, 3.6)
 seconds = 0.1 * np.arange(len(error))
@@ -340,7 +371,7 @@ show(from_figure(figure))
 #
 # ## 5 · A ray hits a wall
 #
-# A laser beam and a column of a camera image ask the same question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$.
+# A beam of the [[laser scanner]] and a column of a camera image ask the same question: how far is the nearest wall in this direction? A wall is a segment from $a$ to $b$.
 # The ray starts at $o$ and runs along the unit vector $d$. They intersect where
 #
 # $$ o + t\,d = a + u\,(b - a), \qquad t \ge 0, \quad 0 \le u \le 1. $$
@@ -351,16 +382,18 @@ show(from_figure(figure))
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (the denominator is zero).</details>
+# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (the denominator is zero, or so small that only rounding keeps it from being zero).</details>
 # <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Treat the parallel case first and return np.inf.</details>
-# <details><summary>Hint 3: one line</summary>return t if t >= 0 and 0 <= u <= 1 else np.inf</details>
+# <details><summary>Hint 3: one line</summary>Python can test both ends of a range at once: <code>low &lt;= value &lt;= high</code>. Which conditions on t and u decide between t and np.inf?</details>
 
 
 # %% exercise="ray_segment"
 def ray_segment(origin, direction, start, end):
     """Metres from `origin` along the unit vector `direction` to the wall from `start` to `end`.
 
-    All (2,). Returns np.inf when the ray misses the wall.
+    All (2,), m. Returns one number, np.inf when the ray misses the wall: when the wall is behind
+    the origin, when the ray passes beyond an end of it, and when the two are parallel. A ray that
+    starts on the wall (t = 0) or meets exactly an end of it (u = 0, u = 1) hits it.
     """
 
     ### BEGIN SOLUTION
@@ -383,7 +416,7 @@ ray_segment = check_ray_segment.use(ray_segment)
 # %% [markdown]
 # Now your function scans an apartment: 60 rays, each against every wall nearby, and the nearest hit counts. Walls are painted in stretches of
 # colour, so that images of different places differ. The library does the same some ten thousand times faster: its code is compiled, and a grid index finds the
-# walls nearby (`.venv/bin/python -m tutorial_lib bench raycast` measures it).
+# walls nearby (`.venv/bin/python -m tutorial_lib bench raycast` measures it; the code is in [`world/raycast.py`](../tutorial_lib/world/raycast.py)).
 
 # %%
 eye = np.array([*paths.points[paths.clearance.argmax()], 0.6])
@@ -395,6 +428,9 @@ for angle in eye[2] + angles:
     direction = np.array([np.cos(angle), np.sin(angle)])
     yours.append(min(ray_segment(eye[:2], direction, wall[:2], wall[2:]) for wall in walls))
 yours = np.minimum(yours, 6.0)
+
+# %% hidden=true
+# Your scan of the apartment, from above
 picture = view.base.copy()
 ends = to_world(eye, yours[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1))
 for end in ends:
@@ -406,7 +442,7 @@ show(picture)
 # %% [markdown]
 # ## 6 · From a ray to a column of pixels
 #
-# The camera sits 0.25 m above the floor (`EYE`) and the walls are 1 m high (`WALL_HEIGHT`). The *depth* $z$ of a wall is its distance along the viewing
+# The camera sits 0.25 m above the floor (`EYE`) and the walls are 1 m high (`WALL_HEIGHT`). The [[depth]] $z$ of a wall is its distance along the viewing
 # direction, not along the ray. The wall ends at the slopes $0.75 / z$ above and $-0.25 / z$ below the horizon. The camera's vertical field of view is 60 degrees, so the
 # image reaches from the slope $s = \tan 30°$ (`slope`) at its upper edge down to $-s$, and its rows divide that range evenly. A row
 # that the wall's edge cuts is covered *in part*, and its colour is mixed in that proportion. This is why the small images of 16 rows from which the networks
@@ -416,7 +452,7 @@ show(picture)
 #
 # <details><summary>Hint 1: concept</summary>Each row is an interval of slopes, and so is the wall. How long is the part they have in common?</details>
 # <details><summary>Hint 2: approach</summary>Row i reaches from s − i·h down to s − (i+1)·h, with h = 2s / rows. The overlap of two intervals is the smaller of the upper ends minus the larger of the lower ends.</details>
-# <details><summary>Hint 3: one line</summary>np.clip(overlap / h, 0, 1) takes care of rows that the wall does not reach.</details>
+# <details><summary>Hint 3: one line</summary>For rows that the wall does not reach, the overlap comes out negative. Which numpy function replaces all negative numbers by 0? And what turns an overlap in slopes into a share of a row?</details>
 
 # %%
 slope = Camera().slope
@@ -427,7 +463,8 @@ print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the image ends at slopes ±{slope:.3f
 def wall_share(depth, rows):
     """How much of each pixel of a column a wall covers.
 
-    depth: m. rows: pixels of the column. Returns (rows,) in 0 to 1; row 0 is the top.
+    depth: m. rows: pixels of the column, any number from 1 on.
+    Returns an array (rows,) in 0 to 1; row 0 is the top.
     """
     ### BEGIN SOLUTION
     height = 2 * slope / rows
@@ -459,6 +496,9 @@ for column in range(64):
     behind = np.where(np.arange(64)[:, None] < 32, ceiling, floor)
     mine[:, column] = share * middle[column] + (1 - share) * behind
 apart = np.abs(mine - image[0]).max()
+
+# %% hidden=true
+# The image made of rays and wall_share, and the library's
 pictures = [camera_picture(mine.round().astype(np.uint8), 420), camera_picture(image[0], 420)]
 print(f"largest difference: {apart:.1f} of 255 grey levels")
 show(side_by_side(pictures, ["with wall_share", "by the library"]))
@@ -473,7 +513,8 @@ show(side_by_side(pictures, ["with wall_share", "by the library"]))
 # This office has rooms that are furnished exactly alike; some are rotated by half a turn. **Predict:** how much do the images taken from the same spot in two of
 # them differ, *the same relative to the furniture*?
 
-# %%
+# %% hidden=true
+# Two offices that are furnished alike, and what a camera sees in them
 office = Scene(generate("symmetric_office", seed=1))
 rooms = [room for room in office.plan.rooms if room.kind == "office"]
 middles = np.array([np.mean(room.outline, axis=0) for room in rooms])
@@ -501,18 +542,18 @@ print(
 show(side_by_side([plan, stacked(shown, ["from the first room", "from the second"])]))
 
 # %% [markdown]
-# They are equal to the last bit. No camera, however good, can tell these two places apart from one image. This is **perceptual aliasing**. (A step
+# They are equal to the last bit. No camera, however good, can tell these two places apart from one image. This is [[perceptual aliasing]]. (A step
 # aside, and the images differ: only exactly the same spot gives exactly the same image.) What helps is what came *before* the image, and notebooks 04 to 06 will use it.
 #
 # ## 8 · What a robot records
 #
-# Meng 2020 shows in Fig. 6 a robot that follows a trajectory of 23 m, with numbered images along the path and the laser scans from above. Below is its
+# Meng 2020 shows in its Fig. 6 a robot that follows a trajectory of 23 m, with numbered images along the path and the laser scans from above. Below is its
 # counterpart. **Same protocol, easier world:** theirs is a scanned building with real textures, 64 × 64 pixels; ours has straight walls, even light and no floor
-# texture, and here an oracle that knows the map drives the car. A recording of poses, images and actions is a **trajectory**. The orange dots are the laser scans at the
+# texture, and here an oracle that knows the map drives the car. A recording of poses, images and actions is a [[trajectory]]. The orange dots are the laser scans at the
 # numbered places: 96 beams all around, drawn up to 4 m. **Predict:** which two of the images will be most alike?
 
-# %%
-rng = np.random.default_rng(3)
+# %% hidden=true
+# A trajectory through the apartment, with numbered images along it
 distances = paths.fields(paths.points[paths.clearance.argmax()][None])
 far = paths.points[np.where(np.isfinite(distances.cost[0]), distances.cost[0], 0).argmax()]
 path = distances.path(far)
@@ -550,7 +591,7 @@ show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
 
 # %% [markdown]
 # <details><summary>Which two are most alike?</summary>
-# Pixel by pixel, images 2 and 3, and then 3 and 5, which were taken at the two ends of the long corridor. Pixel similarity is a poor measure of how close two
+# Pixel by pixel, images 2 and 5, which were taken 15 m apart and show different walls; only then 3 and 4, which look along the same corridor. Pixel similarity is a poor measure of how close two
 # places are. This is why the course learns what the car can <i>reach</i>, and does not simply compare images.
 # </details>
 #
@@ -578,4 +619,4 @@ show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
 # - Laser and camera both come down to intersecting a ray with a segment. Partial pixel coverage shows distances more finely than whole pixels could.
 # - Many places can give the same image.
 #
-# **Read next:** X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation*, ICRA 2020, sections I to III-A, and then notebook 02, where the car learns to drive to the place shown in an image.
+# **Read next:** Meng 2020, [sections I to III-A](https://arxiv.org/abs/1909.12329), and then [notebook 02](02_local_control.ipynb), where the car learns to drive to the place shown in an image.
