@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 02 · Local control
 #
-# **90 minutes.** You need notebook 01: frames, the car, the camera. A little linear algebra helps: what a matrix times a vector is, and what its
+# **110 minutes.** You need [notebook 01](01_world_and_car.ipynb): frames, the car, the camera. A little linear algebra helps: what a matrix times a vector is, and what its
 # transpose is. No experience with neural networks is required.
 #
 # After this notebook you can
@@ -9,13 +9,14 @@
 # - build a reactive controller from small *motion policies*, each with a desired acceleration and a weight;
 # - say which labels train a network to guide a car to the place shown in an image, and compute them from a recorded trajectory;
 # - explain how a network compares two images, and why half of that work needs to be done only once;
-# - train a small network, watch a car drive by it, and read the table that compares such controllers.
+# - write the loop that trains a network, watch a car drive by yours, and read the table that compares such controllers.
 #
-# There are five exercises with hints behind folds. When your function passes its check, **the cells below use it**; until then they use the library's.
+# There are five exercises with hints behind folds; the last one is longer. When your function passes its check, **the cells below use it**; until then they use the library's.
 #
-# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation* (ICRA 2020), from here on "the paper".
+# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020), from here on "the paper".
 
 # %%
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +28,7 @@ from tutorial_lib.checks.nb02 import (
     check_goal_policy,
     check_obstacle_policy,
     check_resolve,
+    check_train_network,
     check_waypoint_label,
     clear_sight,
 )
@@ -53,11 +55,11 @@ from tutorial_lib.learning import (
     DirectNetwork,
     LocalNetwork,
     PairEncoder,
-    Settings,
     Source,
     WaypointNetwork,
-    train,
 )
+from tutorial_lib.learning.small_training import TrainingPlan
+from tutorial_lib.learning.training import total_loss, validate
 from tutorial_lib.viz import (
     PlanView,
     camera_picture,
@@ -73,6 +75,7 @@ from tutorial_lib.viz import (
     side_by_side,
     sliders,
     stacked,
+    table,
 )
 from tutorial_lib.world import (
     STEP,
@@ -95,20 +98,21 @@ torch.set_num_threads(1)  # the networks are small: a second thread would mostly
 # %% [markdown]
 # ## 1 · Drive to the place shown in an image
 #
-# A **local controller** $\mathcal C$ takes the robot's current image, $o_\text{current}$, and an image taken at the target, $o_\text{target}$. Ten times a second it returns a
+# A [[local controller]] $\mathcal C$ takes the robot's current image, $o_\text{current}$, and an image taken at the target, $o_\text{target}$. Ten times a second it returns a
 # command, until the two images agree. It has no map and no coordinates, only images. It does not have to cross a building. It has to cover a few metres, reliably.
 #
 # One image of the target would do, but a recorded trajectory holds more: the frames shortly before and after. These neighbours show more of the room, and they
-# show in which direction the trajectory continues. The target *with its context* is (paper, III-B)
+# show in which direction the trajectory continues. The target *with its [[context]]* is (paper, III-B)
 #
 # $$ \hat o_i = \bigl(o_{i-k\Delta T},\; \dots,\; o_i,\; \dots,\; o_{i+k\Delta T}\bigr), \qquad \Delta T = 3 \text{ frames} = 0.3\ \text{s}, $$
 #
 # that is $2k+1$ images; $k = 0$ is the single image.
 #
-# Below, an oracle that knows the map has driven 24 cars through an apartment. Their recordings are the **trajectories**. An **episode** has a start and a target: the start lies beside a trajectory (up
+# Below, an oracle that knows the map has driven 24 cars through an apartment. Their recordings are the **trajectories**. An [[episode]] has a start and a target: the start lies beside a trajectory (up
 # to 1 m aside, turned a little), and the target is a frame of that trajectory, from 1 m behind the start to 3 m ahead of it.
 
-# %%
+# %% hidden=true
+# What the car sees at its start, and what it should see at its target
 WORLD = local_world(10_004)  # no network was trained on it
 scene = scene_of(WORLD)
 paths = GridPaths(scene.clearance)
@@ -138,7 +142,8 @@ show(stacked([pair, row], gap=8))
 # Then run the next cell.
 
 
-# %%
+# %% hidden=true
+# The episode from above: start, target, its context and the trajectory
 def map_with(start, goal, track=(), picture=None):
     """The map with a target, a car and perhaps its track."""
     picture = view.base.copy() if picture is None else picture
@@ -171,16 +176,16 @@ show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 #
 # $$ \mathcal C(o_\text{current}, \hat o_\text{target}) \;=\; \mathcal C_{RMP}\bigl(\mathcal C_{WP}(o_\text{current}, \hat o_\text{target})\bigr). $$
 #
-# $\mathcal C_{WP}$ is a network: images in, a **waypoint** $(x, y)$ in the robot's frame out. It knows nothing about wheels. $\mathcal C_{RMP}$ drives to the waypoint with the laser, and knows nothing about
+# $\mathcal C_{WP}$ is a network: images in, a [[waypoint]] $(x, y)$ in the robot's frame out. It knows nothing about wheels. $\mathcal C_{RMP}$ drives to the waypoint with the laser, and knows nothing about
 # images. The waypoint need not be exact: it is only a hint, and it is updated ten times a second. We build the second part first.
 #
 # ## 2 · Motion policies: what to do, and how much it matters
 #
 # A controller has several aims at once: to reach the waypoint, to keep off the wall on the left, and off the post on the right. Adding up forces (a potential field) is the classic recipe, and it has a classic flaw:
-# a wall far away still contributes to the sum, and a push that is right beside a wall is wrong in front of it. A **Riemannian motion policy** (RMP) has two parts:
+# a wall far away still contributes to the sum, and a push that is right beside a wall is wrong in front of it. A [[Riemannian motion policy]] (RMP; N. Ratliff et al., [*Riemannian Motion Policies*](https://arxiv.org/abs/1801.02854), 2018) has two parts:
 #
 # - an acceleration $a$: *what it wants*;
-# - a metric $M$, a symmetric matrix: *how much it matters, and in which directions*.
+# - a [[metric]] $M$, a symmetric matrix: *how much it matters, and in which directions*.
 #
 # A policy with $M \approx 0$ has no influence on the result, whatever its $a$ is.
 #
@@ -188,21 +193,22 @@ show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 #
 # $$ a = \gamma\,\frac{g - x}{\max(|g - x|,\ \varepsilon)} - \beta\,\dot x, \qquad M = I . $$
 #
-# The pull $\gamma$ has the same strength at 3 m and at 1 m; only within $\varepsilon$ does it fade.
+# The pull $\gamma$ has the same strength at 3 m and at 1 m; only within $\varepsilon$ does it fade. (The library's version is in [`control/rmp.py`](../tutorial_lib/driving/control/rmp.py).)
 #
 # ### Exercise 1 · `goal_policy` (easy, 8 minutes)
 #
 # <details><summary>Hint 1: concept</summary>The offset divided by its length is a unit vector: direction without distance. Near the goal, division by a tiny length would make the pull jump about, hence the max.</details>
 # <details><summary>Hint 2: approach</summary>np.linalg.norm(offsets, axis=-1, keepdims=True) gives each row its own length and keeps an axis to divide by. The metric is the identity for each of them: np.broadcast_to(np.eye(2), shape).</details>
-# <details><summary>Hint 3: one line</summary>gain * offsets / np.maximum(distance, near) - damping * velocities. The shape of the metrics is (*offsets.shape, 2).</details>
+# <details><summary>Hint 3: one line</summary>With <code>lengths</code> of shape (N, 1), <code>rows / lengths</code> divides every row by its own. Which two numbers must you compare before you divide, and what is subtracted in the end? The shape of the metrics is <code>(*offsets.shape, 2)</code>.</details>
 
 
 # %% exercise="goal_policy"
 def goal_policy(offsets, velocities, gain, damping, near):
     """Pull points to their goals, and damp them.
 
-    offsets: (..., 2) from each point to its goal, m. velocities: (..., 2) m/s. gain: γ, m/s^2. damping: β, 1/s.
-    near: ε, m. Returns accelerations (..., 2) and metrics (..., 2, 2).
+    offsets: (..., 2) from each point to its goal, m; (2,) for one point, (N, 2) for several.
+    velocities: (..., 2) m/s. gain: γ, m/s^2. damping: β, 1/s. near: ε, m.
+    Returns two arrays, accelerations (..., 2) and metrics (..., 2, 2).
     """
     ### BEGIN SOLUTION
     distance = np.linalg.norm(offsets, axis=-1, keepdims=True)
@@ -227,15 +233,16 @@ goal_policy = check_goal_policy.use(goal_policy)
 #
 # <details><summary>Hint 1: concept</summary>Acceleration and metric do two different jobs. The first grows when the wall is near; the second decides how much it counts.</details>
 # <details><summary>Hint 2: approach</summary>First limit the distances from below, np.maximum(distances, 0.01), and use that in both formulas: at contact you would otherwise divide by zero.</details>
-# <details><summary>Hint 3: one line</summary>away = (push + brake * np.maximum(closing, 0)) / distances. What is the metric?</details>
+# <details><summary>Hint 3: one line</summary><code>np.maximum(speeds, 0)</code> keeps the positive speeds and sets the others to 0. Where does that belong, and what is all of it divided by? The metric is one np.exp.</details>
 
 
 # %% exercise="obstacle_policy"
 def obstacle_policy(distances, closing, push, brake, weight, fade):
     """Accelerate away from obstacles.
 
-    distances: (N,) m; below 0.01 m they count as 0.01 m. closing: (N,) m/s, positive when they shrink.
-    push, brake, weight, fade: as above. Returns accelerations (N,) and metrics (N,).
+    distances: (N,) m; below 0.01 m, or negative, they count as 0.01 m.
+    closing: (N,) m/s, positive when the distances shrink. push: p, m^2/s^2. brake: b, m/s.
+    weight: w. fade: l, m. Returns two arrays, accelerations (N,) and metrics (N,).
     """
     ### BEGIN SOLUTION
     distances = np.maximum(distances, 0.01)
@@ -249,7 +256,7 @@ obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 
 # %% [markdown]
 # Each policy acts on its own quantity: the goal policy on a point of the car, the obstacle policy on a distance. The controller can only change the car's *controls*. The derivative of a quantity with respect to the controls is its
-# **Jacobian** $J$. If the controls are accelerated by $u$, the quantity is accelerated by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted with the metrics:
+# [[Jacobian]] $J$. If the controls are accelerated by $u$, the quantity is accelerated by $J u$. Which $u$ suits all policies best? The one with the least squared error, weighted with the metrics:
 #
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
@@ -260,14 +267,15 @@ obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 #
 # <details><summary>Hint 1: concept</summary>It is weighted least squares. Where two policies disagree, the result is their average, weighted with their metrics.</details>
 # <details><summary>Hint 2: approach</summary>Begin with force = np.zeros(2) and metric = 1e-6 * np.eye(2). Loop over the policies and add J.T @ M @ a to the first and J.T @ M @ J to the second. Solve once, at the end.</details>
-# <details><summary>Hint 3: one line</summary>return np.linalg.solve(metric, force)</details>
+# <details><summary>Hint 3: one line</summary><code>np.linalg.solve(A, b)</code> finds the x with A x = b. What are A and b here?</details>
 
 
 # %% exercise="resolve"
 def resolve(policies):
     """The accelerations of the two controls that suit all policies best.
 
-    policies: a list of (jacobian (D, 2), acceleration (D,), metric (D, D)); D differs. Returns (2,).
+    policies: a list of (jacobian (D, 2), acceleration (D,), metric (D, D)); D may differ.
+    Returns an array (2,). 1e-6 is added to the diagonal of the summed metric.
     """
     ### BEGIN SOLUTION
     force, metric = np.zeros(2), 1e-6 * np.eye(2)
@@ -311,12 +319,11 @@ def keep_off(points, centre, radius, jacobian, velocity, push, weight):
     ]
 
 
-def field(places, push=0.12, weight=0.3, gain=2.4):
+def field(places, scans, push=0.12, weight=0.3, gain=2.4):
     """Resolved accelerations (P, 2) and metrics (P, 2, 2) of a disc at rest at `places` (P, 2)."""
     still = np.zeros(2)
-    lasers = Laser().scan(scene, np.column_stack([places, np.zeros(len(places))]))
     accelerations, metrics = [], []
-    for place, beams in zip(places, lasers, strict=True):
+    for place, beams in zip(places, scans, strict=True):
         near = beams < 1.0
         policies = [(np.eye(2), *goal_policy(door_goal - place, still, gain, 3.0, 0.35))]
         points = beams[near, None] * beam_rays[near]
@@ -326,17 +333,20 @@ def field(places, push=0.12, weight=0.3, gain=2.4):
     return np.array(accelerations), np.array(metrics)
 
 
+# %% hidden=true
+# The resolved field near a doorway: accelerations as arrows, metrics as ellipses
 grid = np.stack(
     np.meshgrid(np.arange(-1.4, 2.8, 0.3), np.arange(-13.6, -9.7, 0.3)), axis=-1
 ).reshape(-1, 2)
 grid = grid[scene.clearance.at(grid) > 0.12]
+scans = Laser().scan(scene, np.column_stack([grid, np.zeros(len(grid))]))
 near_door = np.array([[-1.0, -13.4], [2.0, -10.0]])
 
 
 def field_picture(push, weight, gain):
     """The field near the doorway."""
     picture = view.base.copy()
-    accelerations, metrics = field(grid, push, weight, gain)
+    accelerations, metrics = field(grid, scans, push, weight, gain)
     draw_metrics(view, picture, grid, metrics)
     strength = np.linalg.norm(accelerations, axis=1, keepdims=True)
     draw_arrows(view, picture, grid, 0.24 * accelerations / np.maximum(strength, 2.4))
@@ -386,6 +396,8 @@ def drive_by_policies(observation, waypoint, push, weight, gain):
     return np.array([np.clip(speed, -0.3, 0.8), np.clip(steering, -0.45, 0.45)])
 
 
+# %% hidden=true
+# The car drives through the door by your functions, with sliders
 def drive_through_the_door(push, weight, gain):
     """The field, the car's track and how the rollout ended."""
     simulation = Simulation(scene, door_start, sensors=Sensors(camera=None))
@@ -411,6 +423,7 @@ def drive_through_the_door(push, weight, gain):
 
 sliders(
     drive_through_the_door,
+    {"push": "push p, m²/s²", "weight": "weight w at contact", "gain": "gain γ, m/s²"},
     push=(0.0, 0.6, 0.06, 0.12),
     weight=(0.0, 3.0, 0.3, 0.3),
     gain=(0.6, 3.6, 0.6, 2.4),
@@ -428,10 +441,11 @@ sliders(
 # Table I of the paper asks for targets up to **one metre behind** the car. The policies above only drive forwards to what lies ahead. The library's `RMPController` blends the same policies, but first it
 # chooses an *arc* to the waypoint, forwards or in reverse, and turns in several moves where one arc is too tight.
 #
-# **Predict:** a car that never reverses, and the library's car, both know exactly where the target is. Driving an episode with a controller is a **rollout**. Of all episodes whose target lies behind the car, in what share will each of them reach it?
+# **Predict:** a car that never reverses, and the library's car, both know exactly where the target is. Driving an episode with a controller is a [[rollout]]. Of all episodes whose target lies behind the car, in what share will each of them reach it?
 
 
-# %%
+# %% hidden=true
+# An oracle policy, and how all episodes are driven at once
 class ToTargets:
     """An oracle policy: it knows the positions of the targets."""
 
@@ -454,6 +468,8 @@ def run(make_policy, episodes, body=car, record=None):
     return rollout(simulation, make_policy(simulation), ends, record)
 
 
+# %% hidden=true
+# Targets behind the car: a car that never reverses, and one that may
 never = 1e6  # cost of reversing, and the room it needs
 forwards = RMPController(reverse_cost=never, go_on=never, begin=never)
 behind = draw_episodes(recorded, paths, 400, np.random.default_rng(5))
@@ -486,10 +502,11 @@ show(side_by_side(panels, list(results), height=420))
 #
 # ## 3 · Which waypoint should the network predict?
 #
-# The network learns from examples, and each example needs a label: the right waypoint. We have the recorded trajectory and, in simulation, the map. The rule (paper, IV, and its authors' code):
+# The network learns from examples, and each example needs a [[label]]: the right waypoint. We have the recorded trajectory and, in simulation, the map. The rule (paper, IV, and its authors' code):
 #
 # - the waypoint is **the farthest point of the trajectory, up to the target, that is in clear sight**: a straight line leads there and keeps 6 cm from every wall;
-# - a target that was recorded at or before the start's own frame is its own waypoint, in sight or not.
+# - a target that was recorded at or before the start's own frame (`target <= source`) is its own waypoint, in sight or not;
+# - where no candidate is in sight there is no label: `None`.
 #
 # The car never has to drive around a corner in one step. It drives to the corner, takes a new image, and gets a new waypoint. And a car that has left the trajectory is led *back to it*, where the path was free of obstacles.
 #
@@ -497,16 +514,17 @@ show(side_by_side(panels, list(results), height=420))
 #
 # <details><summary>Hint 1: concept</summary>"Farthest" means farthest along the trajectory: the frame with the largest index. A point may be hidden by a post while a later one is in sight again.</details>
 # <details><summary>Hint 2: approach</summary>First handle a target that is not after the source. Otherwise take the points track[source + 1 : target + 1, :2], find with sees(start[:2], points) which of them are in clear sight, and use the last one. If there is none, return None: such a pair is discarded.</details>
-# <details><summary>Hint 3: one line</summary>np.flatnonzero(sees(start[:2], points)) gives the indices of those in sight; to_local(start, point) is the answer.</details>
+# <details><summary>Hint 3: one line</summary><code>np.flatnonzero(flags)</code> gives the indices of the True ones; the last of them is index −1, if there is any. <code>to_local(start, point)</code> from the library gives a point as seen from the start.</details>
 
 
 # %% exercise="waypoint_label"
 def waypoint_label(start, track, source, target, sees):
     """The farthest point of a trajectory in clear sight, in the frame of the start.
 
-    start: (3,) pose beside the trajectory's frame `source`. track: (T, 3) poses of the trajectory. source, target: frame indices.
-    sees: sees(place (2,), points (C, 2)) returns which points are in clear sight of the place, (C,) bool.
-    Returns (2,) in the car's frame at `start`, or None where nothing is in sight.
+    start: (3,) pose beside the trajectory's frame `source`. track: (T, 3) poses of the trajectory.
+    source, target: indices of frames; candidates are source + 1 to target, both included.
+    sees: sees(place (2,), points (C, 2)) returns which points are in clear sight, (C,) bool.
+    Returns an array (2,) as seen from `start`, or None where no candidate is in sight.
     """
     ### BEGIN SOLUTION
     if target <= source:
@@ -524,7 +542,8 @@ waypoint_label = check_waypoint_label.use(waypoint_label)
 # Now on a recorded trajectory. Five starts are *perturbed*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as the paper's authors do, so that the network also learns from views off the trajectory. **Predict:** the
 # target is beyond a corner. Where will the green waypoints of the starts lie: all at the same point?
 
-# %%
+# %% hidden=true
+# Waypoint labels of five perturbed starts before a corner
 sees = clear_sight(scene.caster)
 sources = recorded.frame_at(episodes.targets, np.full(len(episodes), -2.8))
 hidden = ~scene.caster.sees(recorded.poses[sources, :2], episodes.goals[:, :2])
@@ -567,12 +586,13 @@ show(closeup(view, picture, recorded.poses[source : target + 1, :2], 1.2))
 #
 # ### How much do two images overlap?
 #
-# The network also learns the **mutual overlap** of the two images (paper, III-B): the share of one camera's view that the other camera sees too, in both directions. The robot needs it in notebook 04, to judge how close it is to a
+# The network also learns the [[mutual overlap]] of the two images (paper, III-B): the share of one camera's view that the other camera sees too, in both directions. The robot needs it in notebook 04, to judge how close it is to a
 # target. The computation: cast 100 rays from one camera; each ends at a point of a wall, which is pulled back by 6 cm; count the points that lie in the other's field of view, with nothing in between.
 #
 # **Predict:** one camera stands 1.5 m behind the other, and both look the same way. Which share is larger: that of the *rear* view that the front camera sees, or that of the *front* view that the rear camera sees?
 
-# %%
+# %% hidden=true
+# What the rear and the front camera see of each other's view
 half_view = np.deg2rad(60.0)
 rays = Fan(2 * half_view * ((np.arange(100) + 0.5) / 100 - 0.5))
 
@@ -614,7 +634,7 @@ show(side_by_side(panels, titles, height=600))
 #
 # ### The paper's design, and a saving in it
 #
-# Some terms first. A *layer* multiplies its input by weights and adds up; a *convolution* is a layer that uses the same weights at every position of an image; an *encoder* is a few layers that turn an image into a *feature vector*, a list of numbers that describe it; the *loss* is the error that training reduces, step by step.
+# Some terms first. A *layer* multiplies its input by weights and adds up; a *convolution* is a layer that uses the same weights at every position of an image; an [[encoder]] is a few layers that turn an image into a *feature vector*, a list of numbers that describe it; the [[loss]] is the error that training reduces, step by step.
 #
 # The images have 3 channels (red, green, blue). The paper stacks *nine*: the current image, the target, and their difference, $[\,\text{cur},\ \text{tgt},\ \text{cur} - \text{tgt}\,]$, and feeds them to convolutions (III-B). Its
 # first layer multiplies by weights and adds up: it is *linear*. With $A$, $B$, $D$ the weights of the three parts
@@ -640,21 +660,22 @@ with torch.no_grad():
     for_tgt = functional.conv2d(tgt, other - difference, layer.bias, layer.stride, layer.padding)
     apart = for_cur + for_tgt  # for_tgt can be cached
 print(f"largest difference between stacked and split: {(together - apart).abs().max():.1e}")
-each = 48 * 16 * 5 * 32  # multiplications for one channel of one image
-print("  k     stacked       split      cached    (million multiplications per query)")
-for k in (0, 2, 5):
-    counts = [9 * (2 * k + 1), 3 * (2 * k + 2), 3]
-    print(
-        f"{k:3d}"
-        + "".join(f"{each * count / 1e6:12.2f}" for count in counts)
-        + f"    {counts[0] // counts[2]} times fewer"
-    )
+
+# %% hidden=true
+# Multiplications of the first layer, in millions per query
+each = 48 * 16 * 5 * 32 / 1e6  # for one channel of one image
+counts = [(k, 9 * (2 * k + 1), 3 * (2 * k + 2), 3) for k in (0, 2, 5)]
+table(
+    {"k": "d", "stacked": ".2f", "split": ".2f", "split and cached": ".2f", "times fewer": ".0f"},
+    [[k, *(each * n for n in numbers), numbers[0] / numbers[2]] for k, *numbers in counts],
+    caption="Million multiplications of the first layer for one query",
+)
 
 # %% [markdown]
 # ### An encoder that matches columns
 #
 # Stacking compares what lies at the *same position* in both images. But when the car turns, everything shifts sideways by many columns. Our networks therefore use another encoder, which the paper does not have. Both images are
-# reduced to 32 columns with a feature vector each. Then **every column of one image is compared with every column of the other**: a table of 32 × 32 similarities, the *correlation volume*. Its *softmax* along a row, which turns similarities into shares that add up to 1, shows where a
+# reduced to 32 columns with a feature vector each. Then **every column of one image is compared with every column of the other**: a table of 32 × 32 similarities, the [[correlation volume]]. Its *softmax* along a row, which turns similarities into shares that add up to 1, shows where a
 # column reappears in the target; the features found there, and their position, are appended to the column's own features. (Both halves can still be computed separately; only the table depends on the pair.)
 #
 # The network gets no labels for matching columns. It is trained on waypoints, headings and overlaps.
@@ -662,7 +683,8 @@ for k in (0, 2, 5):
 # **Predict:** in the table, rows are the columns of the current image, from left to right, and columns those of the target. What do you expect when the two images are the *same*? When the car has turned 25° to the left? When it stands 1.5 m
 # farther back, as the rear camera of section 3? Then run the cell: dark is the trained network's match, the orange dots are the ground truth from the map.
 
-# %%
+# %% hidden=true
+# The network's matches (dark) and the true ones (orange) for four pairs of images
 pretrained = WaypointNetwork("waypoint_k2")
 
 
@@ -712,31 +734,49 @@ show(stacked([upper, side_by_side(panels[2:], titles, gap=40)]))
 # Is it worth it? The table below compares four encoders, trained in the same way, with $k = 2$, for the same number of steps: *pair* is the paper's, *separate* encodes each image into a feature vector of its own before they are compared, *stacked* puts all
 # images into one stack. The paper found its design "much better" than the last two (III-B). (Three of them also learn where each image of the context was taken. The stack cannot, since it has no features of single images.) **Predict** the order before you look.
 
-# %%
+# %% hidden=true
+# Four encoders, trained in the same way
 ablation = load_result("ablation_encoder")
-print(
-    f"{'encoder':10s}{'parameters':>12s}{'median error':>14s}{'mean error':>12s}   success (95 % interval)"
-)
-for line in sorted(ablation.rows, key=lambda line: -line["success"]):
-    print(
-        f"{line['variant']:10s}{line['parameters']:12,d}{line['median_m']:12.2f} m{line['mean_m']:10.2f} m"
-        f"   {line['success']:.1%} ({line['low']:.1%} to {line['high']:.1%})"
+lines = sorted(ablation.rows, key=lambda line: -line["success"])
+display(
+    table(
+        {
+            "encoder": "",
+            "parameters": ",d",
+            "median error, m": ".2f",
+            "mean error, m": ".2f",
+            "success": ".1%",
+            "95 % interval": "",
+        },
+        [
+            [
+                *(
+                    line[name]
+                    for name in ("variant", "parameters", "median_m", "mean_m", "success")
+                ),
+                f"{line['low']:.1%} to {line['high']:.1%}",
+            ]
+            for line in lines
+        ],
+        {"median error, m": min, "mean error, m": min, "success": max},
     )
-print("\npaired differences on the same episodes:", *ablation.notes, sep="\n  ")
+)
+print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 
 # %% [markdown]
 # (To train and evaluate them again takes a quarter of an hour: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
 #
-# ## 5 · Watch a network learn
+# ## 5 · Train a network
 #
-# For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors (`learning/losses.py` shows the weights, and where we differ from the paper's authors).
+# For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py) shows the weights, and where we differ from the paper's authors).
 #
-# The pretrained networks were trained for up to half an hour on 96 worlds. We have 20 seconds, so we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories and their images are rendered on demand.
+# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small, and train in some 15 seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
 #
 # The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
 
-# %%
+# %% hidden=true
+# The untrained network drives forty episodes
 def targets_of(network, episodes):
     """The target images with their context, encoded once."""
     world = episodes.recorded
@@ -769,6 +809,76 @@ untrained = WaypointNetwork(LocalNetwork(small_network).eval())
 outcomes["before"] = run(visual_policy(untrained, forty, RMPController()), forty)
 print(f"before: {outcomes['before'].reached.sum()} of {len(forty)} targets reached")
 
+# %% [markdown]
+# ### Exercise 5 · `train_network` (large, 35 minutes)
+#
+# A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. How far is decided by the *optimizer* and its [[learning rate]] $\eta$. The loop has seven rules:
+#
+# 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
+# 2. **The learning rate is set before every step.** It rises in $W$ steps (`warmup_steps`), since the first gradients of a random network are wild, and then decays along half a cosine:
+#    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
+# 3. **Gradients do not add up**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that is longer than `max_norm` is shortened to it; others stay as they are. This is called *clipping*.
+# 4. **Evaluate** after every `eval_interval` steps, and after the last step in any case: `validate(network)` returns the loss on pairs that the network does not learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it is in training mode, `network.train()`.
+# 5. **Keep the best**: whenever the validation loss is smaller than ever before, keep a *copy* of the weights, `deepcopy(network.state_dict())`. At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
+# 6. **End early**: when `patience` evaluations in a row were no better than the best before them, training ends.
+# 7. **Return the history**: for each evaluation the steps made, the mean of the training losses since the last evaluation, and the validation loss.
+#
+# <details><summary>Hint 1: concept</summary>One loop over the steps. Most of its lines are the same in every step (rules 1 to 3); an <code>if</code> at its end holds the evaluation (rules 4 to 7). Write the first half, run the check, and go on from what it says.</details>
+# <details><summary>Hint 2: approach</summary>The rate: <code>for group in optimizer.param_groups: group["lr"] = ...</code>. Clipping is one call, <code>torch.nn.utils.clip_grad_norm_(parameters, largest)</code>, between backward and step. <code>loss.item()</code> is the loss as a number; collect it in a list that you empty at every evaluation. For rules 5 and 6 remember the smallest validation loss and how many evaluations there have been since.</details>
+# <details><summary>Hint 3: one line</summary>After how many steps? A runner who drinks after every 4 km and at the finish drinks when <code>kilometre % 4 == 0 or kilometre == length</code>. Mind that <code>step</code> counts from 0, and the history counts the steps made.</details>
+
+
+# %% exercise="train_network"
+def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
+    """Train a network, and leave it with the weights of its best evaluation.
+
+    network, optimizer: of torch; both are changed in place.
+    draw_batch: draw_batch(step) returns the batch of a step, from 0 on.
+    loss_of: loss_of(network, batch) returns the loss, a tensor of one number.
+    validate: validate(network) returns the validation loss, a float.
+    plan: has max_steps, learning_rate (the highest), warmup_steps, max_norm, eval_interval and
+        patience, as above.
+    Returns a list with (steps made, training loss, validation loss) for each evaluation.
+    """
+    ### BEGIN SOLUTION
+    history, losses = [], []
+    lowest, weights, waited = np.inf, None, 0
+    network.train()
+    for step in range(plan.max_steps):
+        warmup = min(1.0, (step + 1) / plan.warmup_steps)
+        decay = 0.5 * (1 + np.cos(np.pi * step / plan.max_steps))
+        for group in optimizer.param_groups:
+            group["lr"] = plan.learning_rate * warmup * decay
+        optimizer.zero_grad()
+        loss = loss_of(network, draw_batch(step))
+        loss.backward()
+        torch.nn.utils.clip_grad_norm_(network.parameters(), plan.max_norm)
+        optimizer.step()
+        losses.append(loss.item())
+        if (step + 1) % plan.eval_interval == 0 or step + 1 == plan.max_steps:
+            network.eval()
+            with torch.no_grad():
+                validation = validate(network)
+            network.train()
+            history.append((step + 1, np.mean(losses), validation))
+            losses = []
+            waited += 1
+            if validation < lowest:
+                lowest, weights, waited = validation, deepcopy(network.state_dict()), 0
+            if waited == plan.patience:
+                break
+    network.load_state_dict(weights)
+    network.eval()
+    return history
+    ### END SOLUTION
+
+
+# %%
+train_network = check_train_network.use(train_network)
+
+# %% [markdown]
+# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss as it falls. (About 15 s.) **Predict:** how many of the forty targets will the car reach afterwards? Untrained, it reached 8.
+
 # %%
 training_pairs = Source(
     [recorded],
@@ -779,35 +889,64 @@ training_pairs = Source(
     close=0.0,
     vary=False,
 )
+blocks = [training_pairs.block([0, number]) for number in range(8)]
 validation_pairs = [replace(training_pairs, targets=64, starts=2).block([1, 0])]
 
 
-def loss_chart(history):
-    """The training loss over the steps."""
+def draw_batch(step):
+    """16 targets with 4 starts each; a block holds 15 batches."""
+    part = 16 * (step % 15)
+    return blocks[step // 15 % len(blocks)].targets(slice(part, part + 16))
+
+
+# %% hidden=true
+# The validation loss while the network learns
+plan = TrainingPlan(
+    max_steps=400,
+    learning_rate=4e-3,
+    warmup_steps=40,
+    max_norm=5.0,
+    eval_interval=40,
+    patience=5,
+)
+measured = []
+
+
+def loss_chart():
+    """The validation loss over the steps."""
     figure, (axis,) = chart(7.0, 3.0)
-    steps = [entry["step"] for entry in history]
-    axis.plot(steps, [entry["training"] for entry in history], "o-", color="0.2", clip_on=False)
+    steps = plan.eval_interval * np.arange(1, len(measured) + 1)
+    axis.plot(steps, measured, "o-", color="0.2", clip_on=False)
     axis.set(
         xlabel="steps, each with 64 pairs of images",
-        ylabel="training loss",
-        xlim=(0, 620),
+        ylabel="validation loss",
+        xlim=(0, plan.max_steps),
         ylim=(0, None),
     )
-    return show(from_figure(figure))
+    return show(from_figure(figure), "the validation loss over the steps of the training")
 
 
-handle = display(loss_chart([]), display_id=True)
-trained, progress = train(
-    small_network,
-    training_pairs,
-    validation_pairs,
-    Settings(max_steps=600, learning_rate=4e-3, warmup_steps=40, eval_interval=60),
-    on_evaluation=lambda _, progress: handle.update(loss_chart(progress.history)),
-)
+def validate_and_draw(network):
+    """The validation loss, which is added to the chart."""
+    measured.append(validate(network, validation_pairs)["validation"])
+    handle.update(loss_chart())
+    return measured[-1]
+
+
+handle = display(loss_chart(), display_id=True)
 
 # %%
+torch.manual_seed(0)
+trained = LocalNetwork(small_network)
+optimizer = torch.optim.Adam(trained.parameters(), plan.learning_rate)
+history = train_network(trained, optimizer, draw_batch, total_loss, validate_and_draw, plan)
+for step, training, validation in history[::3]:
+    print(f"after {step} steps: training loss {training:.2f}, validation loss {validation:.2f}")
+
+# %% hidden=true
+# Forty episodes before training, after it, and with the pretrained network
 learnt = WaypointNetwork(trained)
-outcomes["after 600 steps"] = run(visual_policy(learnt, forty, RMPController()), forty)
+outcomes["after 400 steps"] = run(visual_policy(learnt, forty, RMPController()), forty)
 outcomes["pretrained, k = 2"] = run(visual_policy(pretrained, forty, RMPController()), forty)
 panels, titles = [], []
 for name, rollouts in outcomes.items():
@@ -831,7 +970,8 @@ show(side_by_side(panels, titles, height=460))
 #
 # Has the network learnt *this apartment*, or has it learnt to *compare images*? **Predict** how many of 40 targets it reaches in another apartment, in which neither network was trained.
 
-# %%
+# %% hidden=true
+# The same networks in another apartment
 elsewhere = scene_of(local_world(10_008))
 other_trajectories = demonstrate("another", elsewhere, 24, seed=0, controller=RMPController())
 other_world = RecordedWorld(elsewhere, other_trajectories)
@@ -843,7 +983,7 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
-# Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 600 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
+# Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 400 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
 # rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour on
 # 96 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
 # </details>
@@ -853,7 +993,8 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 # Now the pretrained network, in an apartment in which it was not trained. The two parts are combined as in the formula, and the same $\mathcal C_{WP}$ also drives another robot: a round one with differential drive that can turn in place. **Only $\mathcal C_{RMP}$ is exchanged**; the network is not retrained
 # (paper, III-B: it is "agnostic to robot dynamics"). For comparison, an oracle that knows the position of the target also drives both robots, so that only the body counts. **Predict:** which of the two robots will be more successful?
 
-# %%
+# %% hidden=true
+# A car and a round robot, driven by the same network
 round_robot = DifferentialDrive()
 fits = episodes.subset(np.flatnonzero(is_free(scene, round_robot, episodes.starts)))
 tracks = {}
@@ -888,7 +1029,8 @@ show(side_by_side(panels, list(tracks), height=420))
 #
 # And a film: the map is only for us; the car gets its camera, its laser, and the target's images. The green line leads to the current waypoint. **Predict:** will the waypoint stay in place, or move?
 
-# %%
+# %% hidden=true
+# Film: a car drives by camera, from above and as it sees
 long_path = (fits.ahead > 2.0) & tracks["car"].reached
 filmed = int(np.where(long_path, apart + fits.ahead, 0).argmax())
 one_episode, predictions = fits.subset(np.array([filmed])), []
@@ -923,7 +1065,8 @@ play(film, 5, count=3)
 #
 # With context the car misses so few targets that there is little to study. So here it drives by single images, $k = 0$: 200 episodes, 100 here and 100 in a maze, most of which succeed. What do the failures have in common? For each episode we check four conditions that could matter, and compare the failure rates with and without each. **Predict** which of the four hurts most.
 
-# %%
+# %% hidden=true
+# 200 episodes by single images, and what their failures have in common
 places = [(scene, recorded, paths, view)]
 maze_world = local_world(10_006)
 maze = scene_of(maze_world)
@@ -975,15 +1118,19 @@ print(
 print(
     f"{sum(case['near'] < 0.5 for case in failed)} of them came within half a metre of the target"
 )
+rows = []
 for trait in cases[0]["traits"]:
-    rates = []
-    for has in (True, False):
-        subset = [case["failed"] for case in cases if bool(case["traits"][trait]) == has]
-        rates.append(f"{np.mean(subset):.0%} of {len(subset)}")
-    print(f"{trait:33s} failed with it: {rates[0]:>10s}   without: {rates[1]:>10s}")
+    groups = [
+        [case["failed"] for case in cases if bool(case["traits"][trait]) == has]
+        for has in (True, False)
+    ]
+    shares = [f"{np.mean(group):.0%} of {len(group)}" for group in groups]
+    rows.append([trait, *shares])
+table({"condition": "", "failed with it": "", "failed without it": ""}, rows)
 
 
-# %%
+# %% hidden=true
+# Three failures, each at four moments, with the final image and the target's
 def failure_strip(case):
     """Four moments of a failed rollout, and the final image beside the target image."""
     where, _, _, plan = places[case["place"]]
@@ -1027,7 +1174,7 @@ show(stacked([failure_strip(case) for case in chosen], titles, gap=10))
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
 # One condition stands out. Where the two images overlap by less than a tenth, about one episode in four fails; of the others one in fifty. There is nothing to match: the network must guess from what rooms usually look like. Targets <i>hidden</i> from the start are too rare here to judge (7 episodes).
-# A target behind the car and a tight place do no harm: $\mathcal C_{RMP}$ reverses and avoids obstacles, with the laser. For the same reason there are no collisions. A third of the failures end within half a metre: there the images differ
+# A target behind the car and a tight place do no harm: $\mathcal C_{RMP}$ reverses and avoids obstacles, with the laser. For the same reason there are no collisions. Three of the eleven failures end within half a metre: there the images differ
 # little, the network takes the place for the target, and the car waits. (The conditions seldom occur alone, and 200 episodes are few: differences of a few points mean nothing here.)
 #
 # The controller itself notices none of this. That is the subject of notebook 03: to <i>predict</i> which targets it will reach.
@@ -1046,6 +1193,8 @@ def context_frames(world, frames, k):
     return np.clip(around_it, 0, len(world.poses) - 1)
 
 
+# %% hidden=true
+# The context of a target near the end of a trajectory, by the colleague's function
 near_the_end = np.array([recorded.last[0] - 2])
 images = people_camera.look(scene, recorded.poses[context_frames(recorded, near_the_end, 2)[0]])[0]
 show(side_by_side([camera_picture(image, 185) for image in images], names, gap=6))
@@ -1059,16 +1208,17 @@ show(side_by_side([camera_picture(image, 185) for image in images], names, gap=6
 # ## 8 · Table I
 #
 # The paper compares its controllers on targets from 1 m behind to 3 m ahead in four unseen buildings: *direct* is a network that maps the images straight to the car's controls, without a waypoint; the others are $\mathcal C$ with more and more context. Below is our counterpart. **Same protocol, easier
-# world:** straight walls with painted stripes and even light instead of scanned buildings. A target counts as reached when the car comes within 0.3 m in time and without a collision. *Random* drives to random waypoints, and the *oracle* knows the map: no controller can be expected to be much better. *Laser* is the same network with 64 distances in place of
+# world:** straight walls with painted stripes and even light instead of scanned buildings. A target counts as reached when the car comes within 0.3 m in time and without a collision. *Random* drives to random waypoints, and the [[oracle]] knows the map: no controller can be expected to be much better. The best controller between the two is bold. *Laser* is the same network with 64 distances in place of
 # the image, as in the paper's laser variant.
 #
 # The paper leaves some of the protocol open. Here a start has 5 cm of clearance all around, is at least 0.3 m from its target, and its view may have no overlap with the target image. The paper's *direct* controller has $k = 0$, ours $k = 2$.
 #
 # **Predict:** how much does context help, and how far below the oracle are the controllers?
 
-# %%
-table = load_result("meng_table1")
-ours = {(line["controller"], line["condition"]): line for line in table.rows}
+# %% hidden=true
+# Success rates beside the paper's, with 95 % intervals
+result = load_result("meng_table1")
+ours = {(line["controller"], line["condition"]): line for line in result.rows}
 order = ["random", "direct", "k0", "k2", "k5", "laser", "oracle"]
 figure, (axis,) = chart(9.0, 3.8)
 for place, name in enumerate(order):
@@ -1087,41 +1237,49 @@ axis.set(
     ylabel="success rate",
     title="blue and grey: ours, with 95 % intervals; orange: the paper",
 )
-axis.set_xticks(range(len(order)), order)
+names = {
+    "k0": "waypoint, k = 0",
+    "k2": "waypoint, k = 2",
+    "k5": "waypoint, k = 5",
+    "laser": "laser, k = 2",
+    "direct": "direct, k = 2",
+}
+axis.set_xticks(range(len(order)), [names.get(n, n).replace(", ", ",\n") for n in order])
 show(from_figure(figure))
 
-# %%
-conditions = [
-    name for name in ("clean", "noise", "obstacles", "shifted") if ("oracle", name) in ours
-]
-print(
-    f"{len(table.worlds)} unseen worlds, {ours['oracle', 'clean']['episodes']} episodes; success in %, 95 % interval over worlds"
+
+# %% hidden=true
+# Table I under four conditions, and on maps that real robots recorded
+def success_table(columns, caption):
+    """A table of success rates; columns are (name, line of each controller)."""
+    rows = []
+    for name in order:
+        row = [names.get(name, name)]
+        for _, lines in columns:
+            line = lines[name]
+            row += [100 * line["success"], f"{100 * line['low']:.1f} to {100 * line['high']:.1f}"]
+        rows.append(row)
+    heads = {"controller": ""}
+    for name, _ in columns:
+        heads |= {f"{name}, %": ".1f", f"95 % interval ({name})": ""}
+    best = {f"{name}, %": lambda rates: max(rates[1:-1]) for name, _ in columns}
+    return table(heads, rows, best, caption)
+
+
+conditions = ("clean", "noise", "obstacles", "shifted")
+by_condition = [(name, {c: ours[c, name] for c in order}) for name in conditions]
+episodes_each = (
+    f"{len(result.worlds)} unseen worlds, {ours['oracle', 'clean']['episodes']} episodes"
 )
-print(f"{'':8s}" + "".join(f"{name:>22s}" for name in conditions))
-for name in order:
-    cells = [ours[name, condition] for condition in conditions]
-    print(
-        f"{name:8s}"
-        + "".join(
-            f"{100 * c['success']:8.1f} ({100 * c['low']:4.1f} to {100 * c['high']:4.1f})"
-            for c in cells
-        )
-    )
-print("\non maps that real robots recorded, clean; no network has seen such a building:")
+display(success_table(by_condition, f"Success rates: {episodes_each}"))
 maps = {name: load_result(f"meng_table1_{name}") for name in ("depot", "tb3_sandbox", "warehouse")}
-print(f"{'':8s}" + "".join(f"{name:>22s}" for name in maps))
-for name in order:
-    cells = [
-        next(r for r in m.rows if (r["controller"], r["condition"]) == (name, "clean"))
-        for m in maps.values()
-    ]
-    print(
-        f"{name:8s}"
-        + "".join(
-            f"{100 * c['success']:8.1f} ({100 * c['low']:4.1f} to {100 * c['high']:4.1f})"
-            for c in cells
-        )
-    )
+by_map = [
+    (name, {row["controller"]: row for row in loaded.rows if row["condition"] == "clean"})
+    for name, loaded in maps.items()
+]
+display(
+    success_table(by_map, "On maps that real robots recorded; no network has seen such a place")
+)
 
 # %% [markdown]
 # *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
@@ -1133,8 +1291,8 @@ for name in order:
 # the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
-# A single image is enough for nine targets in ten; each step of context removes a third to a half of the remaining failures, and k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the real maps every network loses, and the oracle does not: walls and rooms have other shapes there than in any training world.
+# A single image is enough for nine targets in ten. Context of k = 2 removes 45 % of the remaining failures, and k = 5 another 56 % of those that are left; k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the real maps the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within nine points of its clean result, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.
@@ -1143,18 +1301,20 @@ for name in order:
 # The intervals show how much each number could vary in <i>other worlds</i>. Both controllers drove the <i>same</i> episodes, so what is hard for one is hard for both: look at the difference episode by episode. The notes below the table that the command prints do that, with an interval of the difference.
 # </details>
 
-# %%
-print("\n".join(table.notes))
+# %% hidden=true
+# Differences between controllers, episode by episode
+print("\n".join(result.notes))
 
 # %% [markdown]
 # ## Optional extras
 #
-# - **Extra 1.** Let the network of section 5 drive in another apartment: `local_world(10_012)`. Then train it again with `vary=True`, which changes the colours at random. What do you gain, and what does it cost?
+# - **Extra 1.** Let the network of section 5 drive in another apartment: `local_world(10_012)`. Then draw its blocks with `vary=True` and train it again, which changes the colours at random. What do you gain, and what does it cost?
 # - **Extra 2.** Direct control: `DirectNetwork("direct_k2")` predicts speed and steering directly. Below it drives the forty episodes. Where does it fail where the waypoints do not?
 # - **Extra 3.** Give the widget's car a `damping` of 1.0 in place of 3.0. What does it do at the door? What would a policy look like that keeps the car from driving faster than it can see?
 # - **Extra 4.** In `waypoint_label`, let the label be the *nearest* point in sight that is at least 1 m away. Which rollouts would become smoother, and which worse?
 
-# %%
+# %% hidden=true
+# Forty episodes by direct control and by three other networks
 direct = DirectNetwork("direct_k2")
 direct_targets = targets_of(direct, forty)
 rollouts = run(lambda simulation: TargetPolicy(direct, direct_targets), forty)
@@ -1177,4 +1337,4 @@ for name in ("waypoint_k0", "waypoint_k5", "laser_k2"):
 # - Control that closes the loop ten times a second is robust to noise. It is not robust to a wrong waypoint.
 # - The controller does not know when it will fail.
 #
-# **Read next:** the paper, III-C (*Learning the Reachability Estimator*), and then notebook 03, which addresses the last point. On motion policies: N. Ratliff et al., *Riemannian Motion Policies* (2018).
+# **Read next:** [the paper](https://arxiv.org/abs/1909.12329), III-C (*Learning the Reachability Estimator*), and then [notebook 03](03_reachability.ipynb), which addresses the last point. On motion policies: [Ratliff et al.](https://arxiv.org/abs/1801.02854)
