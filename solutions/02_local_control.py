@@ -877,7 +877,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss as it falls. (About 15 s.) **Predict:** how many of the forty targets will the car reach afterwards? Untrained, it reached 8.
+# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss as it falls. (About 15 s. The training loss that is printed afterwards is larger, since it also counts how well the pose of the target's camera is predicted.) **Predict:** how many of the forty targets will the car reach afterwards? Untrained, it reached 8.
 
 # %%
 training_pairs = Source(
@@ -1261,7 +1261,7 @@ def success_table(columns, caption):
         rows.append(row)
     heads = {"controller": ""}
     for name, _ in columns:
-        heads |= {f"{name}, %": ".1f", f"95 % interval ({name})": ""}
+        heads |= {f"{name}, %": ".1f", f"interval, {name}": ""}
     best = {f"{name}, %": lambda rates: max(rates[1:-1]) for name, _ in columns}
     return table(heads, rows, best, caption)
 
@@ -1271,12 +1271,12 @@ by_condition = [(name, {c: ours[c, name] for c in order}) for name in conditions
 episodes_each = (
     f"{len(result.worlds)} unseen worlds, {ours['oracle', 'clean']['episodes']} episodes"
 )
-display(success_table(by_condition, f"Success rates: {episodes_each}"))
-maps = {name: load_result(f"meng_table1_{name}") for name in ("depot", "tb3_sandbox", "warehouse")}
-by_map = [
-    (name, {row["controller"]: row for row in loaded.rows if row["condition"] == "clean"})
-    for name, loaded in maps.items()
-]
+display(success_table(by_condition, f"Success rates with 95 % intervals: {episodes_each}"))
+maps = {"depot": "depot", "tb3_sandbox": "TurtleBot3 sandbox", "warehouse": "warehouse"}
+by_map = []
+for name, title in maps.items():
+    rows = load_result(f"meng_table1_{name}").rows
+    by_map.append((title, {r["controller"]: r for r in rows if r["condition"] == "clean"}))
 display(
     success_table(by_map, "On maps that real robots recorded; no network has seen such a place")
 )
@@ -1292,7 +1292,7 @@ display(
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
 # A single image is enough for nine targets in ten. Context of k = 2 removes 45 % of the remaining failures, and k = 5 another 56 % of those that are left; k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the real maps the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within nine points of its clean result, to either side.
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the real maps the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within ten points of its result here, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.

@@ -693,7 +693,7 @@ def ray_segment__returns_none(origin, direction, start, end):
 
 
 def ray_segment__minus_one(origin, direction, start, end):
-    """the ray passes before the wall's start: u is negative, so it misses"""
+    """a ray that misses returns np.inf, not -1"""
     if _parallel(direction, start, end):
         return -1.0
     t, u = _tu(origin, direction, start, end)

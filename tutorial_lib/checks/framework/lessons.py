@@ -19,6 +19,7 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.comparison import close, farthest
 
 Function = Callable[..., Any]
+_TOLERANCE = 1e-5  # as single precision has
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def teach(
     *,
     form: Function,
     invoke: Function = call,
-    same: Function = lambda got, want, *case: close(got, want),
+    same: Function = lambda got, want, *case: close(got, want, tolerance=_TOLERANCE),
     difference: Function = lambda got, want, *case: farthest(got, np.asarray(want, float)),
     draw: Function = lambda student: None,
 ) -> None:

@@ -67,6 +67,34 @@ _FAULTS = {
     "the turning rate has the tangent of the steering angle, tan, in it": _with_turn(
         lambda v, steering, wheelbase, dt: v * steering / wheelbase * dt
     ),
+    "the wheelbase is missing: the turning rate is divided by it": _with_turn(
+        lambda v, steering, wheelbase, dt: v * np.tan(steering) * dt
+    ),
+    "np.tan takes radians, and the steering angle is in radians; do not convert it": _with_turn(
+        lambda v, steering, wheelbase, dt: v * np.tan(np.rad2deg(steering)) / wheelbase * dt
+    ),
+    "the turn is the rate times the seconds, once; the seconds count twice in yours": _with_turn(
+        lambda v, steering, wheelbase, dt: v * np.tan(steering) / wheelbase * dt * dt
+    ),
+    "v is the speed of the rear axle, so the step and the turn have no cosine of the steering "
+    "angle in them": (
+        lambda pose, v, steering, wheelbase, dt: _straight(
+            pose, v * np.cos(steering) * dt, pose[2], v * np.sin(steering) / wheelbase * dt
+        )
+    ),
+    "divided by the seconds; a rate is multiplied by them": (
+        lambda pose, speed, steering, wheelbase, seconds: _straight(
+            pose, speed / seconds, pose[2], speed * np.tan(steering) / wheelbase / seconds
+        )
+    ),
+    "a car in reverse moves backwards; do not stop it, nor take the speed without its sign": (
+        lambda pose, speed, *rest: _euler(pose, max(speed, 0.0), *rest)
+    ),
+    "a car in reverse moves backwards; take the speed with its sign": (
+        lambda pose, speed, *rest: _straight(
+            pose, abs(speed) * rest[-1], pose[2], _turn(speed, *rest)
+        )
+    ),
     "the turning rate has the tangent of the steering angle, not its sine": _with_turn(
         lambda v, steering, wheelbase, dt: v * np.sin(steering) / wheelbase * dt
     ),

@@ -55,6 +55,20 @@ _FAULTS = {
     "a step sideways is lost: the second pose's y counts too": _place(
         lambda first, second: _moved(first[2], first, second * [1, 0, 1])
     ),
+    "the second pose's x and y are both needed, with their signs, not only its distance": _place(
+        lambda first, second: _moved(
+            first[2], first, np.array([np.hypot(second[0], second[1]), 0.0, 0.0])
+        )
+    ),
+    "the step comes before the turn that the second heading makes; do not turn it by half": _place(
+        lambda first, second: _moved(first[2] + second[2] / 2, first, second)
+    ),
+    "x and y of the turned step are exchanged": _place(
+        lambda first, second: first[:2] + (_moved(first[2], 0 * first, second))[::-1]
+    ),
+    "the headings add up; do not take their mean": _heading(
+        lambda first, second: (first + second) / 2
+    ),
     "wrap the heading into -pi to pi": _heading(lambda first, second: first + second),
     "wrap the heading into -pi to pi, not 0 to 2 pi": _heading(
         lambda first, second: (first + second) % (2 * np.pi)

@@ -79,6 +79,18 @@ _FAULTS = {
     "a ray that hits exactly an end of the wall hits it: u = 0 and u = 1 count": _variant(
         lambda t, u: t >= 0 and 0 < u < 1
     ),
+    "u must not be negative: test 0 <= u, not its absolute value": _variant(
+        lambda t, u: t >= 0 and abs(u) <= 1
+    ),
+    "both conditions must hold, t >= 0 and 0 <= u <= 1; one alone is not enough": _variant(
+        lambda t, u: t >= 0 or 0 <= u <= 1
+    ),
+    "t is a distance in metres; it has no upper limit, and only u ends at 1": _variant(
+        lambda t, u: 0 <= t <= 1 and 0 <= u <= 1
+    ),
+    "a ray that misses returns np.inf, not 0": _variant(miss=0.0, parallel=0.0),
+    "a ray that misses returns np.inf, not -1": _variant(miss=-1.0, parallel=-1.0),
+    "a ray that misses returns np.inf, not nan": _variant(miss=np.nan, parallel=np.nan),
     "that is how far along the wall the ray hits (u), not how far away it is (t)": _variant(
         value=lambda t, u: u
     ),

@@ -22,6 +22,12 @@ def _by_new_x(pose: Array, points: Array) -> Array:
     return np.stack([ahead, cos * offset[:, 1] - sin * ahead], axis=1)
 
 
+def _y_from_x(pose: Array, points: Array) -> Array:
+    offset, cos, sin = points - pose[:2], np.cos(pose[2]), np.sin(pose[2])
+    ahead = cos * offset[:, 0] + sin * offset[:, 1]
+    return np.stack([ahead, cos * offset[:, 0] - sin * offset[:, 1]], axis=1)
+
+
 def _polar(pose: Array, points: Array) -> Array:
     x, y = (points - pose[:2]).T
     return np.stack([np.hypot(x, y), np.arctan2(y, x) - pose[2]], axis=1)
@@ -70,6 +76,18 @@ _FAULTS = {
     "points behind the robot lie at a negative x; do not cut or drop the sign": (
         lambda pose, points: np.maximum(geometry.to_local(pose, points), [0, -np.inf])
     ),
+    "the answers are whole numbers; return all digits": (
+        lambda pose, points: np.trunc(geometry.to_local(pose, points))
+    ),
+    "points to the right of the robot lie at a negative y; do not drop the sign": (
+        lambda pose, points: (
+            np.abs(geometry.to_local(pose, points) * [0, 1])
+            + geometry.to_local(pose, points) * [1, 0]
+        )
+    ),
+    "the formula of the new y is that of x with another sign; it is cos * dy - sin * dx": (
+        _y_from_x
+    ),
     "the answers are rounded; return all digits": (
         lambda pose, points: np.round(geometry.to_local(pose, points), 2)
     ),
@@ -83,7 +101,7 @@ def _lessons() -> list[Lesson]:
     return [
         Lesson(
             "a robot at the origin with heading 0",
-            "its frame is that of the world: every point comes back as it is, one row for each",
+            "its frame is that of the world: each point comes back as it is, in its own row",
             [(np.zeros(3), rng.uniform(-4, 4, (5, 2)))],
         ),
         Lesson(

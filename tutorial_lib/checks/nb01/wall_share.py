@@ -79,6 +79,38 @@ _FAULTS = {
     "the wall rises 0.75 m above the eye, not 1 m": (
         lambda depth, rows: _shares(WALL_HEIGHT / depth, -EYE / depth, rows)
     ),
+    "the eye is 0.25 m above the floor: the wall ends 0.25 m below it, not 0.75 m": (
+        lambda depth, rows: _shares(_ABOVE / depth, -_ABOVE / depth, rows)
+    ),
+    "the eye is 0.25 m above the floor: the wall rises 0.75 m above it, not 0.25 m": (
+        lambda depth, rows: _shares(EYE / depth, -EYE / depth, rows)
+    ),
+    "the upper end of the wall is not divided by the depth": (
+        lambda depth, rows: _shares(_ABOVE, -EYE / depth, rows)
+    ),
+    "the lower end of the wall is not divided by the depth": (
+        lambda depth, rows: _shares(_ABOVE / depth, -EYE, rows)
+    ),
+    "a pixel that is partly covered counts as well; give the share, not only whole pixels": (
+        lambda depth, rows: np.floor(wall_share(depth, rows))
+    ),
+    "each row has a share of its own; do not divide them by their sum": (
+        lambda depth, rows: wall_share(depth, rows) / wall_share(depth, rows).sum()
+    ),
+    "a far wall covers no row completely; do not divide by the largest share": (
+        lambda depth, rows: wall_share(depth, rows) / wall_share(depth, rows).max()
+    ),
+    "the image ends at the slope tan 30 degrees (`slope`), half of its field of view of 60": (
+        lambda depth, rows: np.clip(
+            _overlap(_ABOVE / depth, -EYE / depth, rows, np.tan(np.pi / 3)), 0, 1
+        )
+    ),
+    "the image ends at the slope tan 30 degrees (`slope`), not at 1": (
+        lambda depth, rows: np.clip(_overlap(_ABOVE / depth, -EYE / depth, rows, 1.0), 0, 1)
+    ),
+    "the image ends at the slope tan 30 degrees (`slope`), not at 30 degrees in radians": (
+        lambda depth, rows: np.clip(_overlap(_ABOVE / depth, -EYE / depth, rows, np.pi / 6), 0, 1)
+    ),
     "the part of the wall below the horizon is lost: it ends at the slope -0.25 / depth": (
         lambda depth, rows: _shares(_ABOVE / depth, 0.0, rows)
     ),

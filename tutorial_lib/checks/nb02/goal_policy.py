@@ -54,6 +54,36 @@ _FAULTS = {
             lambda o, d, v, gain, damping, near: (gain - damping) * o / np.maximum(d, near) - v
         )
     ),
+    "the damping does not belong inside the pull: the gain multiplies the pull alone": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: gain * (o / np.maximum(d, near) - damping * v)
+        )
+    ),
+    "the velocity is multiplied by the damping, not divided by it": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: gain * o / np.maximum(d, near) - v / damping
+        )
+    ),
+    "the damping grows with the velocity itself, not with its square": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * o / np.maximum(d, near)
+                - damping * v * np.linalg.norm(v, axis=-1, keepdims=True)
+            )
+        )
+    ),
+    "divide by the larger of length and `near`; far away `near` must not matter": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: gain * o / np.sqrt(d**2 + near**2) - damping * v
+        )
+    ),
+    "within `near` the pull is gain * offset / near; it is not divided by `near`": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * np.where(d < near, o, _unit(o, d)) - damping * v
+            )
+        )
+    ),
     "the velocity is damped component by component, not its length": (
         _accelerating(
             lambda o, d, v, gain, damping, near: (
@@ -113,6 +143,15 @@ _FAULTS = {
     ),
     "the metric is the identity itself; the gain does not belong in it": _weighing(
         lambda o, gain, damping: gain * _identities(o)
+    ),
+    "the metric is the identity itself; the damping does not belong in it": _weighing(
+        lambda o, gain, damping: damping * _identities(o)
+    ),
+    "the metric weighs all directions equally, not only the one to the goal": _weighing(
+        lambda o, gain, damping: (
+            _unit(o, np.linalg.norm(o, axis=-1, keepdims=True))[..., None]
+            * _unit(o, np.linalg.norm(o, axis=-1, keepdims=True))[..., None, :]
+        )
     ),
     "the metric is the identity: ones on the diagonal only": _weighing(
         lambda o, gain, damping: np.ones((*np.shape(o), 2))

@@ -109,6 +109,27 @@ _FAULTS = {
     "each obstacle has its own distance; do not use the nearest one's for all": (
         lambda d, *rest: rmp.obstacle_policy(np.full(d.shape, d.min()), *rest)
     ),
+    "`push` and `brake` are exchanged: it is the brake that multiplies closing": (
+        _accelerating(lambda d, near, c, push, brake: (brake + push * np.maximum(c, 0)) / near)
+    ),
+    "the brake multiplies the closing speed itself, not its square": (
+        _accelerating(lambda d, near, c, push, brake: (push + brake * np.maximum(c, 0) ** 2) / near)
+    ),
+    "the smallest distance is 0.01 m, 1 cm, not 1 mm": (
+        lambda d, *rest: _unlimited(np.maximum(d, 0.001), *rest)
+    ),
+    "the smallest distance is 0.01 m, 1 cm, not 10 cm": (
+        lambda d, *rest: _unlimited(np.maximum(d, 0.1), *rest)
+    ),
+    "limit the distances from below: np.maximum(distances, 0.01), not np.minimum": (
+        lambda d, *rest: _unlimited(np.minimum(d, _CONTACT), *rest)
+    ),
+    "the acceleration is not weighted with the metric here; `resolve` does that": (
+        lambda *case: (
+            np.multiply(*rmp.obstacle_policy(*case)),
+            rmp.obstacle_policy(*case)[1],
+        )
+    ),
     "each obstacle has its own closing speed; do not use the largest for all": (
         _accelerating(lambda d, near, c, push, brake: (push + brake * max(c.max(), 0)) / near)
     ),
@@ -126,6 +147,15 @@ _FAULTS = {
     ),
     "the exponent is the distance divided by `fade`, not squared": (
         _weighing(lambda d, near, weight, fade: weight * np.exp(-((near / fade) ** 2)))
+    ),
+    "`weight` and `fade` are exchanged: weight * exp(-distance / fade)": (
+        _weighing(lambda d, near, weight, fade: fade * np.exp(-near / weight))
+    ),
+    "the metric falls by the factor e every `fade` metres: np.exp, not powers of 2": (
+        _weighing(lambda d, near, weight, fade: weight * 2 ** (-near / fade))
+    ),
+    "the metric fades exponentially, np.exp, not along a straight line": (
+        _weighing(lambda d, near, weight, fade: weight * np.maximum(0, 1 - near / fade))
     ),
     "each metric stands alone; do not divide them by their sum": (
         _weighing(

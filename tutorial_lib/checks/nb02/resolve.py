@@ -71,6 +71,21 @@ _FAULTS = {
     "the force is multiplied by the metric; solve metric @ u = force instead": (
         lambda policies: _sums(policies)[1] @ _sums(policies)[0]
     ),
+    "the sign is wrong: solve metric @ u = force, without a minus": (
+        lambda policies: -resolve(policies)
+    ),
+    "sum the metrics of all policies; only the last one counts in yours": (
+        lambda policies: np.linalg.solve(_sums(policies[-1:])[1] + _DIAGONAL, _sums(policies)[0])
+    ),
+    "sum the forces of all policies; only the last one counts in yours": (
+        lambda policies: np.linalg.solve(_sums(policies)[1] + _DIAGONAL, _sums(policies[-1:])[0])
+    ),
+    "what you add to the diagonal must be 1e-6; 1 slows every policy down": _with(
+        damping=np.eye(2)
+    ),
+    "sum over all policies; only the one with the largest metric counts in yours": (
+        lambda policies: resolve([max(policies, key=lambda p: np.trace(p[2]))])
+    ),
     "the diagonal of the metric is not enough; solve with the whole 2 x 2 matrix": _by_diagonal,
     "the metrics do not count: put M between J^T and a, and between J^T and J": _with(
         lambda j, a, m: j.T @ a, lambda j, a, m: j.T @ j

@@ -43,6 +43,11 @@ def _cases() -> dict[str, Case]:
             [5, 6, 4, 4.5, 3, 3, 3.5, 1, 1],
         ),
         "a patience of 1": (_plan(12, 3, patience=1), gradients, [5, 4, 4, 1]),
+        "a learning rate of 0.001": (
+            TrainingPlan(8, 0.001, 2, 1e9, 4, 99),
+            gradients,
+            _FALLING,
+        ),
         "a plan that ends before its warm-up": (_plan(6, 2, warmup=20), gradients, _FALLING),
     }
     for i in range(12):
@@ -79,6 +84,6 @@ def check_train_network(student: Callable[..., Any]) -> None:
         what = f"train_network, {about}"
         words = "follow the seven rules above, one after the other"
         got = attempt(what, words, student, *case, invoke=trace)
-        wrong = mistake(got, trace(train_network, *case), *case)
+        wrong = mistake(got, trace(train_network, *case), *case[:2])
         if wrong:
             raise WrongAnswer(f"{what}: {wrong}")

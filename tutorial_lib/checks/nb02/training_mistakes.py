@@ -1,7 +1,5 @@
 """Where a training loop first departs from the rules, in the student's terms."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from tutorial_lib.checks.nb02.training_arrays import close_arrays
@@ -12,16 +10,18 @@ from tutorial_lib.learning.small_training import TrainingPlan
 from tutorial_lib.learning.training_probe import Trace
 
 
-def mistake(
-    got: Trace, want: Trace, plan: TrainingPlan, gradients: Array, losses: Sequence[float]
-) -> str | None:
+def mistake(got: Trace, want: Trace, plan: TrainingPlan, gradients: Array) -> str | None:
     """What is wrong with the trace of a training loop; None if nothing is."""
-    found = (
-        *(_drawing(got, want), _updating(got, gradients, plan), rate_mistake(got, plan)),
-        *(_evaluating(got, want, plan), _modes(got), _ending(got, want, plan)),
-        *(history_mistake(got, want), _keeping(got, want)),
+    return (
+        _drawing(got, want)
+        or _updating(got, gradients, plan)
+        or rate_mistake(got, plan)
+        or _evaluating(got, want, plan)
+        or _modes(got)
+        or _ending(got, want, plan)
+        or history_mistake(got, want)
+        or _keeping(got, want)
     )
-    return next((words for words in found if words), None)
 
 
 def _drawing(got: Trace, want: Trace) -> str | None:
@@ -82,7 +82,7 @@ def _updating(got: Trace, batches: Array, plan: TrainingPlan) -> str | None:
         return "max_norm limits the gradient of all parameters together, not of each tensor alone"
     step = int(np.argmax(np.abs(mine - shortened).max(axis=1) > 1e-4))
     now, right = mine[step].round(3), shortened[step].round(3)
-    return f"the gradient of step {step} is {now}, but {right} is right"
+    return f"the gradient of step {step} is {now}, but {right} is right; see rule 3, plan.max_norm"
 
 
 def _length(gradient: Array, plan: TrainingPlan) -> float:
@@ -127,7 +127,7 @@ def _evaluating(got: Trace, want: Trace, plan: TrainingPlan) -> str | None:
         return f"evaluations come one step early or late: after {right} steps, not after {mine}"
     if len(mine) > len(right):
         return f"evaluate only after every eval_interval steps: after {right}, not after {mine}"
-    return f"evaluations come after {right} steps; yours came after {mine}"
+    return f"evaluate after every plan.eval_interval steps: after {right}, not after {mine}"
 
 
 def _ending(got: Trace, want: Trace, plan: TrainingPlan) -> str | None:

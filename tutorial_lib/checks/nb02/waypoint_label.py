@@ -97,6 +97,18 @@ def _in_metres(start: Array, track: Array, source: int, target: int, sees: Sees)
     return _of(farthest_off, start, track, source, target, sees)
 
 
+def _nearest_to_target(
+    start: Array, track: Array, source: int, target: int, sees: Sees
+) -> Array | None:
+    """The candidate in sight at the smallest distance from the target."""
+
+    def nearest(track: Array, frames: Array, seen: NDArray[np.bool_]) -> Array | None:
+        gaps = np.linalg.norm(track[frames, :2] - track[target, :2], axis=1)
+        return track[frames[np.where(seen, gaps, np.inf).argmin()], :2] if seen.any() else None
+
+    return _of(nearest, start, track, source, target, sees)
+
+
 def _picked(pick: Callable[[Array, NDArray[np.bool_]], int]) -> Choice:
     """The place of a frame picked from the candidates' frames, if any is in sight."""
     return lambda track, frames, seen: track[pick(frames, seen), :2] if seen.any() else None
@@ -152,8 +164,20 @@ _FAULTS = {
     "that is the nearest place in sight; take the farthest": _fault(
         _picked(lambda frames, seen: frames[seen][0])
     ),
+    "that is the first place in sight, or the first of all; take the last in sight": _fault(
+        lambda track, frames, seen: track[frames[seen.argmax()], :2]
+    ),
     "a place farther on is in sight again; do not stop at the first hidden one": _fault(
         _before_hidden
+    ),
+    "that is the last place in sight but one; take the last": _fault(
+        _picked(lambda frames, seen: frames[seen][-2 if seen.sum() > 1 else -1])
+    ),
+    "that is the last hidden place; take the last one in sight": _fault(
+        _picked(lambda frames, seen: frames[-1] if seen.all() else frames[~seen][-1])
+    ),
+    "the last place along the trajectory counts, not the one nearest to the target in metres": (
+        _nearest_to_target
     ),
     "the number of places in sight is no index: some before the last one may be hidden": _fault(
         _picked(lambda frames, seen: frames[seen.sum() - 1])
@@ -266,7 +290,8 @@ def _lessons() -> list[Lesson]:
         ),
         Lesson(
             "40 random trajectories",
-            "the simple cases are right; does a part of your rule hold for some of them only?",
+            "take the last frame in sight from source + 1 to target, whatever the distances; a "
+            "target at or before source is its own waypoint",
             [random_case(rng) for _ in range(40)],
         ),
     ]
