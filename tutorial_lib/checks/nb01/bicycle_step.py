@@ -8,7 +8,7 @@ from tutorial_lib import geometry
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar, advance
 
@@ -143,7 +143,7 @@ _FAULTS = {
 }
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(3)
     ranges = np.array([[-1.5, -0.7, 0.15, 0.01], [1.5, 0.7, 1.2, 0.12]])
     pose = np.array([1.0, 2.0, 0.5])
@@ -152,52 +152,52 @@ def _lessons() -> list[Lesson]:
         for _ in range(30)
     ]
     return [
-        Lesson(
+        Topic(
             "a car that stands, with its wheels turned",
             "a car at rest neither moves nor turns",
             [(pose, 0.0, 0.4, 0.3, 0.02)],
         ),
-        Lesson(
+        Topic(
             "straight ahead at 0.8 m/s with heading 0",
             "with straight wheels the heading stays, and x grows by speed times seconds",
             [(np.array([1.0, 2.0, 0.0]), 0.8, 0.0, 0.3, 0.02)],
         ),
-        Lesson(
+        Topic(
             "straight ahead at 0.8 m/s with heading 0.5",
             "with straight wheels the heading stays, and the car moves along it",
             [(pose, 0.8, 0.0, 0.3, 0.02)],
         ),
-        Lesson(
+        Topic(
             "a left turn at 0.8 m/s, steering 0.45 rad",
             "write down the three equations, each times the seconds",
             [(pose, 0.8, 0.45, 0.3, 0.02)],
         ),
-        Lesson(
+        Topic(
             "a right turn at 0.5 m/s, steering -0.3 rad",
             "a negative angle turns the car to the right; the same equations hold",
             [(pose, 0.5, -0.3, 0.3, 0.02)],
         ),
-        Lesson(
+        Topic(
             "in reverse at -0.3 m/s, to either side",
             "a negative speed needs no special case: place and heading both change their sign",
             [(pose, -0.3, 0.4, 0.3, 0.02), (pose, -0.3, -0.4, 0.3, 0.02)],
         ),
-        Lesson(
+        Topic(
             "a car with another wheelbase",
             "the wheelbase is an argument: a car twice as long turns half as fast",
             [(pose, 0.8, 0.3, 0.6, 0.02), (pose, 0.8, 0.3, 1.1, 0.02)],
         ),
-        Lesson(
+        Topic(
             "steps of other lengths",
             "the seconds are an argument: twice the time, twice the step and twice the turn",
             [(pose, 0.8, 0.3, 0.3, seconds) for seconds in (0.01, 0.05, 0.1)],
         ),
-        Lesson(
+        Topic(
             "a fast car with its wheels turned far",
             "limit nothing here: the car's motors limit steering and speed before this function",
             [(pose, 1.5, 0.0, 0.3, 0.02), (pose, -1.0, 0.0, 0.3, 0.02), (pose, 0.5, 0.7, 0.3, 0.1)],
         ),
-        Lesson(
+        Topic(
             "30 random steps",
             "the simple cases are right; does a part of your formula hold for some of them only?",
             random,
@@ -208,7 +208,7 @@ def _lessons() -> list[Lesson]:
 @check(bicycle_step, (np.array([1.0, 2.0, 0.5]), 0.5, 0.2, 0.3, 0.02))
 def check_bicycle_step(student: Callable[..., Array]) -> None:
     """The kinematic bicycle: a straight step along the first heading, or the exact arc."""
-    teach("bicycle_step", student, _lessons(), bicycle_step, _FAULTS, form=_form, same=_same)
+    judge_topics("bicycle_step", student, _topics(), bicycle_step, _FAULTS, form=_form, same=_same)
 
 
 def _form(what: str, answer: object, *case: object) -> Array:

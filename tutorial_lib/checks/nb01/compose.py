@@ -8,7 +8,7 @@ from tutorial_lib import geometry
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array, compose, to_world, wrap
 
 Rule = Callable[[Array, Array], Array]
@@ -95,7 +95,7 @@ _FAULTS = {
 }
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(2)
     pairs = rng.uniform([-4, -4, -np.pi], [4, 4, np.pi], (30, 2, 3))
 
@@ -103,37 +103,37 @@ def _lessons() -> list[Lesson]:
         return np.array(first), np.array(second)
 
     return [
-        Lesson(
+        Topic(
             "heading 0, then a step",
             "without a first heading the two motions simply add up",
             [case([1.0, 2.0, 0.0], [0.5, 0.2, 0.3])],
         ),
-        Lesson(
+        Topic(
             "a quarter turn to the left at the origin, then 1 m ahead",
             "the step runs along +y, so the robot is at (0, 1)",
             [case([0.0, 0.0, np.pi / 2], [1.0, 0.0, 0.0])],
         ),
-        Lesson(
+        Topic(
             "a quarter turn to the left at the origin, then 1 m to the left",
             "the robot's left is now -x, so the robot is at (-1, 0)",
             [case([0.0, 0.0, np.pi / 2], [0.0, 1.0, 0.0])],
         ),
-        Lesson(
+        Topic(
             "any two motions whose headings need no wrapping",
             "turn the second step by the first heading, add the first place; the headings add up",
             [case([1.0, 2.0, 0.4], [0.5, 0.2, 0.3]), case([0.0, 1.0, -2.0], [1.5, -0.5, 1.0])],
         ),
-        Lesson(
+        Topic(
             "headings 2.8 and 1.4, whose sum is above pi",
             "wrap the heading into -pi to pi: take 2 pi off",
             [case([2.0, 0.0, 2.8], [1.0, 0.0, 1.4])],
         ),
-        Lesson(
+        Topic(
             "headings -2.8 and -1.4, whose sum is below -pi",
             "wrap the heading into -pi to pi: add 2 pi",
             [case([2.0, 0.0, -2.8], [1.0, 0.0, -1.4])],
         ),
-        Lesson(
+        Topic(
             "30 random pairs",
             "the simple cases are right; does a part of your formula hold for some headings only?",
             [tuple(pair) for pair in pairs],
@@ -144,7 +144,7 @@ def _lessons() -> list[Lesson]:
 @check(geometry.compose, (np.array([1.0, 2.0, 0.5]), np.array([0.1, 0.0, 0.2])))
 def check_compose(student: Callable[..., Array]) -> None:
     """A pose, and a second one in its frame."""
-    teach("compose", student, _lessons(), compose, _FAULTS, form=_form, same=_same)
+    judge_topics("compose", student, _topics(), compose, _FAULTS, form=_form, same=_same)
 
 
 def _form(what: str, answer: object, first: Array, second: Array) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array
 
 _PARALLEL = 1e-12
@@ -107,20 +107,20 @@ _FAULTS = {
 }
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     ahead, slanted = [1.0, 0.0], [0.6, 0.8]
     by, at = [0.5, 0.25], [0.0, 0.0]
 
     def case(origin: list, direction: list, start: list, end: list) -> tuple[Array, ...]:
         return tuple(np.array(p, dtype=float) for p in (origin, direction, start, end))
 
-    def both(about: str, words: str, *cases: tuple[Array, ...]) -> Lesson:
+    def both(about: str, words: str, *cases: tuple[Array, ...]) -> Topic:
         """The cases, and the same walls the other way round."""
         turned = [(o, d, end, start) for o, d, start, end in cases]
-        return Lesson(about, words, [*cases, *turned])
+        return Topic(about, words, [*cases, *turned])
 
     return [
-        Lesson(
+        Topic(
             "a wall straight ahead",
             "solve for t and u by the two fractions above; t is the answer",
             [case(by, ahead, [2, -1], [2, 1.5])],
@@ -137,12 +137,12 @@ def _lessons() -> list[Lesson]:
             case(by, [-0.6, 0.8], [-3, 1], [1, 2]),
             case(by, [-0.8, -0.6], [-3, -1], [1, -2]),
         ),
-        Lesson(
+        Topic(
             "a wall to the side, whose start is nearer to the ray",
             "the ray passes before the wall's start: u is negative, so it misses",
             [case(by, ahead, [2, 1], [2, 3]), case(by, slanted, [2, 1], [4, 0])],
         ),
-        Lesson(
+        Topic(
             "a wall to the side, whose end is nearer to the ray",
             "the ray passes beyond the wall's end: u is above 1, so it misses",
             [case(by, ahead, [2, 3], [2, 1]), case(by, slanted, [4, 0], [2, 1])],
@@ -197,7 +197,7 @@ def _lessons() -> list[Lesson]:
             "the function has no largest range: far hits count, too",
             case(by, ahead, [200, -300], [200, 300]),
         ),
-        Lesson(
+        Topic(
             "60 random rays",
             "the simple cases are right; does a part of your rule hold for some directions only?",
             _random(60),
@@ -218,10 +218,10 @@ def _random(count: int) -> list[tuple[Array, ...]]:
 def check_ray_segment(student: Callable[..., float]) -> None:
     """A ray against one wall: hits, misses, ends, walls behind and parallel ones."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        teach(
+        judge_topics(
             "ray_segment",
             student,
-            _lessons(),
+            _topics(),
             ray_segment,
             _FAULTS,
             form=_form,

@@ -7,7 +7,7 @@ import numpy as np
 from tutorial_lib import geometry
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array
 
 
@@ -94,42 +94,42 @@ _FAULTS = {
 }
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(1)
     up = np.array([0.0, 0.0, np.pi / 2])
     poses = rng.uniform([-5, -5, -7], [5, 5, 7], (20, 3))
     return [
-        Lesson(
+        Topic(
             "a robot at the origin with heading 0",
             "its frame is that of the world: each point comes back as it is, in its own row",
             [(np.zeros(3), rng.uniform(-4, 4, (5, 2)))],
         ),
-        Lesson(
+        Topic(
             "a robot at (2, -1) with heading 0",
             "this needs only the shift: subtract x from x and y from y",
             [(np.array([2.0, -1.0, 0.0]), rng.uniform(-4, 4, (5, 2)))],
         ),
-        Lesson(
+        Topic(
             "a robot at the origin that faces +y, and a point 1 m up",
             "the point is straight ahead, so its local coordinates are (1, 0)",
             [(up, np.array([[0.0, 1.0]]))],
         ),
-        Lesson(
+        Topic(
             "a robot at the origin that faces +y, and a point 1 m to the west",
             "the point is to the robot's left, so its local coordinates are (0, 1)",
             [(up, np.array([[-1.0, 0.0]]))],
         ),
-        Lesson(
+        Topic(
             "a robot at (1, 2) with heading +0.7, and five points on all sides",
             "shift first, then two dot products: one with the robot's heading, one with its left",
             [(np.array([1.0, 2.0, 0.7]), rng.uniform(-4, 4, (5, 2)))],
         ),
-        Lesson(
+        Topic(
             "a robot with a negative heading",
             "a negative heading is a turn to the right; the same formula holds",
             [(np.array([1.0, 2.0, -0.7]), rng.uniform(-4, 4, (5, 2)))],
         ),
-        Lesson(
+        Topic(
             "20 random poses with one to nine points",
             "the simple cases are right; does a part of your formula hold for some headings only?",
             [(pose, rng.uniform(-9, 9, (1 + i % 9, 2))) for i, pose in enumerate(poses)],
@@ -140,7 +140,7 @@ def _lessons() -> list[Lesson]:
 @check(geometry.to_local, (np.array([1.0, 2.0, 0.5]), np.ones((100, 2))))
 def check_to_local(student: Callable[..., Array]) -> None:
     """Points of the world in the robot's frame."""
-    teach("to_local", student, _lessons(), geometry.to_local, _FAULTS, form=_form)
+    judge_topics("to_local", student, _topics(), geometry.to_local, _FAULTS, form=_form)
 
 
 def _form(what: str, answer: object, pose: Array, points: Array) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera
 
@@ -172,36 +172,36 @@ def _spread(rows: int) -> Array:
     return np.linspace(Camera().slope, -Camera().slope, rows)
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(5)
     depths, rows = _DRAWN
     return [
-        Lesson(
+        Topic(
             "a wall at 1.7 m, 16 rows",
             "compare with the picture: which rows does the wall reach, from which slope to which?",
             [(1.7, rows)],
         ),
-        Lesson(
+        Topic(
             "a wall at 6 m, 16 rows",
             "far away the wall covers a few rows only; the others are 0",
             [(6.0, rows)],
         ),
-        Lesson(
+        Topic(
             "a wall at 0.6 m, 16 rows",
             "a near wall reaches beyond the image; a covered row is 1, no more",
             [(0.6, rows)],
         ),
-        Lesson(
+        Topic(
             "16 rows, other depths",
             "the depth is an argument: twice as far, half the slopes",
             [*((depth, rows) for depth in depths), (0.2, rows), (30.0, rows)],
         ),
-        Lesson(
+        Topic(
             "other numbers of rows",
             "the number of rows is an argument: it sets the height of a row, h, and the shape",
             [(2.0, count) for count in (64, 4, 7, 1)],
         ),
-        Lesson(
+        Topic(
             "30 random columns",
             "the simple cases are right; does a part of your rule hold for some depths only?",
             [(float(rng.uniform(0.2, 9)), int(rng.integers(1, 70))) for _ in range(30)],
@@ -212,10 +212,10 @@ def _lessons() -> list[Lesson]:
 @check(wall_share, (2.0, 16))
 def check_wall_share(student: Callable[..., Array]) -> NDArray[np.uint8]:
     """Columns of an image, with exact shares."""
-    teach(
+    judge_topics(
         "wall_share",
         student,
-        _lessons(),
+        _topics(),
         wall_share,
         _FAULTS,
         form=_form,

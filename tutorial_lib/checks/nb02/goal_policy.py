@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.checks.nb02.policy_parts import Policies, differing, policies_of, same_policies
 from tutorial_lib.driving.control import rmp
 from tutorial_lib.geometry import Array
@@ -163,7 +163,7 @@ def _unit(offsets: Array, length: Array) -> Array:
     return np.divide(offsets, length, out=np.zeros(np.shape(offsets)), where=length > 0)
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(6)
     still, many = np.zeros(2), rng.uniform(-3, 3, (4, 2))
     usual = (2.4, 3.0, 0.35)
@@ -177,48 +177,48 @@ def _lessons() -> list[Lesson]:
         for i in range(24)
     ]
     return [
-        Lesson(
+        Topic(
             "one point at rest, far from its goal",
             "the offset divided by its length, times the gain; the metric is the 2 x 2 identity. "
             "One point has the shape (2,): use axis=-1",
             [(np.array([3.0, 0.0]), still, *usual), (np.array([0.3, -1.2]), still, *usual)],
         ),
-        Lesson(
+        Topic(
             "one point that moves",
             "subtract the damping times the velocity, component by component",
             [(np.array([0.3, -1.2]), np.array([0.2, 0.1]), *usual)],
         ),
-        Lesson(
+        Topic(
             "several points at once",
             "each row has a length and a metric of its own: axis=-1 and keepdims=True",
             [(many, rng.uniform(-1, 1, (4, 2)), *usual)],
         ),
-        Lesson(
+        Topic(
             "points within `near` of their goals",
             "nearer than `near`, divide by `near`: the pull fades evenly to nothing",
             [(np.array([[0.05, 0.1], [-0.2, 0.0], [0.0, 0.34]]), np.zeros((3, 2)), *usual)],
         ),
-        Lesson(
+        Topic(
             "a point at its goal",
             "there the offset is 0: dividing by the larger of length and `near` gives no pull",
             [(np.zeros(2), np.array([0.1, 0.2]), *usual)],
         ),
-        Lesson(
+        Topic(
             "another gain",
             "the gain is an argument; use it, and no number in its place",
             [(many, 0.1 * many, gain, 3.0, 0.35) for gain in (0.6, 1.0, 3.6)],
         ),
-        Lesson(
+        Topic(
             "another damping",
             "the damping is an argument; use it, and no number in its place",
             [(many, 0.1 * many, 2.4, damping, 0.35) for damping in (0.5, 1.0, 5.0)],
         ),
-        Lesson(
+        Topic(
             "another `near`",
             "`near` is an argument; use it, and no number in its place",
             [(many, 0.1 * many, 2.4, 3.0, near) for near in (1.5, 2.5, 0.01)],
         ),
-        Lesson(
+        Topic(
             "24 random groups of points, also a grid (2, 3, 2)",
             "the simple cases are right; work on the last axis, whatever comes before it",
             random,
@@ -230,10 +230,10 @@ def _lessons() -> list[Lesson]:
 def check_goal_policy(student: Callable[..., Any]) -> None:
     """The pull to a goal, with damping, far and near, of one point and of many."""
     with np.errstate(all="ignore"):
-        teach(
+        judge_topics(
             "goal_policy",
             student,
-            _lessons(),
+            _topics(),
             rmp.goal_policy,
             _FAULTS,
             form=_form,

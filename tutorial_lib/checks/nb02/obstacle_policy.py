@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.checks.nb02.policy_parts import Policies, differing, policies_of, same_policies
 from tutorial_lib.driving.control import rmp
 from tutorial_lib.geometry import Array
@@ -165,7 +165,7 @@ _FAULTS = {
 }
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(7)
     usual = (0.12, 0.3, 0.4, 0.1)
     distances = np.array([0.5, 0.2, 0.05])
@@ -181,52 +181,52 @@ def _lessons() -> list[Lesson]:
         return [(distances, closing, *each) for each in gains]
 
     return [
-        Lesson(
+        Topic(
             "obstacles at rest",
             "without closing speed: push / distance, and a metric that falls with the distance",
             [(distances, np.zeros(3), *usual)],
         ),
-        Lesson(
+        Topic(
             "obstacles that come nearer",
             "the brake times the closing speed is added to the push, before the division",
             [(distances, closing, *usual)],
         ),
-        Lesson(
+        Topic(
             "obstacles that recede",
             "a negative closing speed counts as 0: the push stays, the brake is off",
             [(distances, -closing, *usual)],
         ),
-        Lesson(
+        Topic(
             "obstacles at 3 mm, at contact and overlapping",
             "first limit the distances from below to 0.01 m; then use them in both formulas",
             [(np.array([0.003, 0.0, -0.3]), np.array([0.0, 0.1, 0.2]), *usual)],
         ),
-        Lesson(
+        Topic(
             "obstacles at 1.2 cm and at 3 m",
             "only distances below 0.01 m are limited, and no obstacle is left out",
             [(np.array([0.012, 3.0, 0.9]), np.array([0.1, 0.1, -0.1]), *usual)],
         ),
-        Lesson(
+        Topic(
             "another push",
             "the push is an argument; use it, and no number in its place",
             changed(0, 0.0, 0.5),
         ),
-        Lesson(
+        Topic(
             "another brake",
             "the brake is an argument; use it, and no number in its place",
             changed(1, 0.0, 0.9),
         ),
-        Lesson(
+        Topic(
             "another weight",
             "the weight is an argument; use it, and no number in its place",
             changed(2, 0.0, 3.0),
         ),
-        Lesson(
+        Topic(
             "another fade",
             "the fade is an argument, a length in metres; use it, and no number in its place",
             changed(3, 0.03, 0.6),
         ),
-        Lesson(
+        Topic(
             "30 random groups of one to eight obstacles",
             "the simple cases are right; does a part of your rule hold for some obstacles only?",
             [random() for _ in range(30)],
@@ -238,10 +238,10 @@ def _lessons() -> list[Lesson]:
 def check_obstacle_policy(student: Callable[..., Any]) -> None:
     """The push off an obstacle: near and far, closing and receding, and at contact."""
     with np.errstate(all="ignore"):
-        teach(
+        judge_topics(
             "obstacle_policy",
             student,
-            _lessons(),
+            _topics(),
             rmp.obstacle_policy,
             _FAULTS,
             form=_form,

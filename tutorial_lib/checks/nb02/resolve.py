@@ -8,7 +8,7 @@ import numpy as np
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import farthest
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.driving.control import rmp
 from tutorial_lib.geometry import Array
 
@@ -138,47 +138,47 @@ _FAULTS = {
 }
 
 
-def _lessons() -> list[Lesson]:
+def _topics() -> list[Topic]:
     rng = np.random.default_rng(8)
     slow = (np.eye(2), np.array([0.0, -1.0]), np.diag([1.0, 3.0]))
     spatial = (rng.normal(size=(3, 2)), rng.normal(size=3), np.diag([1.0, 0.5, 2.0]))
     return [
-        Lesson(
+        Topic(
             "one policy alone that acts on the controls themselves",
             "with J the identity its acceleration comes back as it is",
             [([_GOAL],)],
         ),
-        Lesson(
+        Topic(
             "one policy alone whose Jacobian is not the identity",
             "force J^T M a, metric J^T M J, and then one np.linalg.solve",
             [([_TURNED],)],
         ),
-        Lesson(
+        Topic(
             "two policies that disagree",
             "the result is their mean, weighted with the metrics: sum both, then solve once",
             [([_GOAL, slow],), ([slow, _GOAL],)],
         ),
-        Lesson(
+        Topic(
             "goal and wall",
             "a wall has one row: J is (1, 2), a is (1,) and M is (1, 1); the same products hold",
             [([_GOAL, _WALL],), ([_WALL, _GOAL],)],
         ),
-        Lesson(
+        Topic(
             "a wall alone",
             "no policy constrains one direction: add 1e-6 to the diagonal",
             [([_WALL],)],
         ),
-        Lesson(
+        Topic(
             "three policies",
             "all of them count, in any order",
             [([_GOAL, _WALL, _TURNED],), ([_TURNED, _GOAL, _WALL],), ([spatial, _WALL, _GOAL],)],
         ),
-        Lesson(
+        Topic(
             "weak policies",
             "what you add to the diagonal must be 1e-6: more of it slows weak policies down",
             [([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],)],
         ),
-        Lesson(
+        Topic(
             "25 random groups of one to six policies",
             "the simple cases are right; does a part of your rule hold for some policies only?",
             [(_group(rng),) for _ in range(25)],
@@ -204,10 +204,10 @@ def _random(rng: np.random.Generator) -> Policy:
 def check_resolve(student: Callable[..., Any]) -> None:
     """One policy, some that agree, some that do not, and one that leaves a direction free."""
     with np.errstate(all="ignore"):
-        teach(
+        judge_topics(
             "resolve",
             student,
-            _lessons(),
+            _topics(),
             resolve,
             _FAULTS,
             form=lambda what, answer, policies: numbers(what, answer, (2,)),

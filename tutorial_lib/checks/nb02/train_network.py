@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.lessons import attempt
+from tutorial_lib.checks.framework.topics import attempt
 from tutorial_lib.checks.nb02.training_mistakes import mistake
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.small_training import TrainingPlan, train_network

@@ -23,7 +23,7 @@ _TOLERANCE = 1e-5  # as single precision has
 
 
 @dataclass(frozen=True)
-class Lesson:
+class Topic:
     """Cases that show the same thing.
 
     Attributes:
@@ -37,10 +37,10 @@ class Lesson:
     cases: Sequence[tuple[Any, ...]]
 
 
-def teach(
+def judge_topics(
     name: str,
     student: Function,
-    lessons: Sequence[Lesson],
+    topics: Sequence[Topic],
     right: Function,
     faults: Mapping[str, Function],
     *,
@@ -55,7 +55,7 @@ def teach(
     Args:
         name: of the exercise.
         student: the function to check.
-        lessons: in the order of their difficulty.
+        topics: in the order of their difficulty.
         right: gives the right answer to a case.
         faults: for known mistakes, what to say and a function that makes this mistake. It is named
             when it gives every answer that the student's function gives.
@@ -68,16 +68,16 @@ def teach(
     Raises:
         WrongAnswer: for the first case with a wrong answer.
     """
-    for lesson in lessons:
-        what = f"{name}, {lesson.about}"
-        for case in lesson.cases:
-            got = form(what, attempt(what, lesson.words, student, *case, invoke=invoke), *case)
+    for topic in topics:
+        what = f"{name}, {topic.about}"
+        for case in topic.cases:
+            got = form(what, attempt(what, topic.words, student, *case, invoke=invoke), *case)
             want = right(*case)
             if same(got, want, *case):
                 continue
             called = partial(invoke, student)
-            known = _known(called, lessons, right, faults, form, same)
-            words = known or f"{lesson.words} ({difference(got, want, *case)})"
+            known = _known(called, topics, right, faults, form, same)
+            words = known or f"{topic.words} ({difference(got, want, *case)})"
             raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
 
 
@@ -106,7 +106,7 @@ def _line(error: Exception, student: Function) -> str:
 
 def _known(
     called: Function,
-    lessons: Sequence[Lesson],
+    topics: Sequence[Topic],
     right: Function,
     faults: Mapping[str, Function],
     form: Function,
@@ -117,7 +117,7 @@ def _known(
     An argument that changes nothing is such a mistake, too.
     """
     given = []
-    for case in (case for lesson in lessons for case in lesson.cases):
+    for case in (case for topic in topics for case in topic.cases):
         with suppress(Exception):
             given.append((case, form("", called(*case), *case)))
     for words, fault in faults.items():

@@ -3,11 +3,11 @@ import pytest
 
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.lessons import Lesson, teach
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 
-LESSONS = [
-    Lesson("one half", "half is a share", [(0.5, 1.0)]),
-    Lesson("larger numbers", "multiply the two", [(2.0, 3.0), (2.0, 5.0), (2.0, 7.0)]),
+TOPICS = [
+    Topic("one half", "half is a share", [(0.5, 1.0)]),
+    Topic("larger numbers", "multiply the two", [(2.0, 3.0), (2.0, 5.0), (2.0, 7.0)]),
 ]
 FAULTS = {"add nothing": lambda a, b: a + b, "no square": lambda a, b: a * b * b}
 
@@ -17,10 +17,10 @@ def product(a, b):
 
 
 def judge(student):
-    teach(
+    judge_topics(
         "product",
         student,
-        LESSONS,
+        TOPICS,
         product,
         FAULTS,
         form=lambda what, answer, *case: numbers(what, answer, ()),
@@ -39,7 +39,7 @@ def test_right_answers_pass():
     judge(lambda a, b: b * a + 1e-12)
 
 
-def test_the_first_lesson_that_is_not_learnt_speaks():
+def test_the_first_lesson_that_goes_wrong_speaks():
     said = message(lambda a, b: a * b + (a > 1))
     assert said == "product, larger numbers: multiply the two (7, but 6 is right)"
 
