@@ -193,7 +193,7 @@ show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 #
 # $$ a = \gamma\,\frac{g - x}{\max(|g - x|,\ \varepsilon)} - \beta\,\dot x, \qquad M = I . $$
 #
-# The pull $\gamma$ has the same strength at 3 m and at 1 m; only within $\varepsilon$ does it fade. (The library's version is in [`control/rmp.py`](../tutorial_lib/driving/control/rmp.py).)
+# The pull $\gamma$ has the same strength at 3 m and at 1 m; only within $\varepsilon$ does it fade.
 #
 # ### Exercise 1 · `goal_policy` (easy, 8 minutes)
 #
@@ -438,7 +438,7 @@ sliders(
 #
 # ### Why the car must be able to reverse
 #
-# Table I of the paper asks for targets up to **one metre behind** the car. The policies above only drive forwards to what lies ahead. The library's `RMPController` blends the same policies, but first it
+# Table I of the paper asks for targets up to **one metre behind** the car. The policies above only drive forwards to what lies ahead. The library's `RMPController` ([`control/rmp.py`](../tutorial_lib/driving/control/rmp.py)) blends the same policies, but first it
 # chooses an *arc* to the waypoint, forwards or in reverse, and turns in several moves where one arc is too tight.
 #
 # **Predict:** a car that never reverses, and the library's car, both know exactly where the target is. Driving an episode with a controller is a [[rollout]]. Of all episodes whose target lies behind the car, in what share will each of them reach it?
@@ -674,7 +674,7 @@ table(
 # %% [markdown]
 # ### An encoder that matches columns
 #
-# Stacking compares what lies at the *same position* in both images. But when the car turns, everything shifts sideways by many columns. Our networks therefore use another encoder, which the paper does not have. Both images are
+# Stacking compares what lies at the *same position* in both images. But when the car turns, everything shifts sideways by many columns. Our networks therefore use another encoder, which the paper does not have ([`learning/encoders.py`](../tutorial_lib/learning/encoders.py)). Both images are
 # reduced to 32 columns with a feature vector each. Then **every column of one image is compared with every column of the other**: a table of 32 × 32 similarities, the [[correlation volume]]. Its *softmax* along a row, which turns similarities into shares that add up to 1, shows where a
 # column reappears in the target; the features found there, and their position, are appended to the column's own features. (Both halves can still be computed separately; only the table depends on the pair.)
 #
@@ -770,7 +770,7 @@ print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 #
 # For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py) shows the weights, and where we differ from the paper's authors).
 #
-# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small, and train in some 15 seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
+# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some 15 seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
 #
 # The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
@@ -899,8 +899,6 @@ def draw_batch(step):
     return blocks[step // 15 % len(blocks)].targets(slice(part, part + 16))
 
 
-# %% hidden=true
-# The validation loss while the network learns
 plan = TrainingPlan(
     max_steps=400,
     learning_rate=4e-3,
@@ -909,6 +907,9 @@ plan = TrainingPlan(
     eval_interval=40,
     patience=5,
 )
+
+# %% hidden=true
+# The validation loss while the network learns
 measured = []
 
 
@@ -939,6 +940,7 @@ handle = display(loss_chart(), display_id=True)
 torch.manual_seed(0)
 trained = LocalNetwork(small_network)
 optimizer = torch.optim.Adam(trained.parameters(), plan.learning_rate)
+measured.clear()
 history = train_network(trained, optimizer, draw_batch, total_loss, validate_and_draw, plan)
 for step, training, validation in history[::3]:
     print(f"after {step} steps: training loss {training:.2f}, validation loss {validation:.2f}")
@@ -1202,7 +1204,7 @@ show(side_by_side([camera_picture(image, 185) for image in images], names, gap=6
 # %% [markdown]
 # <details><summary>Answer</summary>
 # The recording is many trajectories laid end to end. Near the end of one, the frames "after" the target belong to the <i>next</i> trajectory, somewhere else in the building: the last images show another room. The frames must be clipped to the target's own trajectory, whose last frame is
-# repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code>. Bugs in data do not crash. Looking at a few examples of the network's actual inputs finds most of them.
+# repeated: <code>np.clip(around_it, world.first[frames, None], world.last[frames, None])</code>, as in <code>RecordedWorld.context</code> (<a href="../tutorial_lib/driving/data/recorded_world.py">recorded_world.py</a>). Bugs in data do not crash. Looking at a few examples of the network's actual inputs finds most of them.
 # </details>
 #
 # ## 8 · Table I
