@@ -1,4 +1,4 @@
-"""The commands: ``python -m tutorial_lib {lab,demo,build,train,experiment,bench}``."""
+"""The commands: ``python -m tutorial_lib {lab,demo,build,train,experiment,bench,results}``."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, parse_worlds
 from tutorial_lib.experiments.demos.navigation_demo import run_demo
 from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
+from tutorial_lib.experiments.results_page.page import write_results
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
@@ -99,6 +100,8 @@ def _parser() -> argparse.ArgumentParser:
             command.add_argument("--palette", choices=PALETTES, default=STANDARD)
             command.add_argument("--agent", default="", metavar="FILE.py:CLASS")
         command.set_defaults(run=_report, table=table)
+    results = commands.add_parser("results", help="write the page of results from its JSON files")
+    results.set_defaults(run=_results)
     return parser
 
 
@@ -197,4 +200,11 @@ def _report(options: argparse.Namespace) -> int:
     print(report.as_text())
     if options.json is not None:
         write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")
+    return 0
+
+
+def _results(options: argparse.Namespace) -> int:
+    del options
+    for path in write_results(PROJECT / "README.md"):
+        print(f"wrote {path.relative_to(PROJECT)}")
     return 0

@@ -43,6 +43,7 @@ INSIDE = {
         "common": set(),
         "protocols": {"common"},
         **{study: {"common", "protocols"} for study in STUDIES},
+        "results_page": {"common", "protocols", *STUDIES},
         "registry": {"common", "protocols", *STUDIES},
     },
     "checks": {"framework": set(), **{notebook: {"framework"} for notebook in NOTEBOOKS}},
