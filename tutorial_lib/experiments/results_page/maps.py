@@ -198,7 +198,7 @@ def _cost_section(results: Results) -> list[str]:
         "look alike, instead of all. First the map of one Table II building, as it is built in "
         "all the other sections (with vertex reuse) and without reuse; then one map without reuse "
         "over many buildings. *Queries* are those of the whole map for one building, and those of "
-        "one more trajectory for many.",
+        "one more trajectory for many. Bold is the better of two at the same size.",
         cost(rows),
         f"*Edges found* is the share of the edges of the map that querying all pairs builds which "
         f"the indexed map has, too. For the map that is used everywhere it is "
@@ -210,7 +210,10 @@ def _cost_section(results: Results) -> list[str]:
         f"{percent(plain['queries'] / all_of_it['queries'])} of the queries; in many buildings it "
         f"is not measured. At {indexed['vertices']:,} vertices a plan takes "
         f"{number(indexed['plan_ms'], 0)} ms, its RE queries included, instead of "
-        f"{number(exhaustive['plan_ms'], 0)} ms (one thread, the median of few plans).",
+        f"{number(exhaustive['plan_ms'], 0)} ms (one thread, the median of few plans). One "
+        f"building: {results.note('map', 'one building: ')}; the 90th trajectory takes "
+        f"{results.note('map', 'one building: the 90th trajectory takes ')}, without reuse "
+        f"{results.note('map', 'one building, no reuse: the 90th trajectory takes ')}.",
     ]
 
 

@@ -133,7 +133,7 @@ def _best_of_maps(cells: list[str], found: Rows) -> list[str]:
 
 def _world(row: Row) -> str:
     if isinstance(row["world"], int):
-        return f"{row['family'].replace('_', ' ')} {row['world']}, {row['area']} m²"
+        return f"{row['family'].replace('_', ' ')} {row['world']}, {row['area']:,} m²"
     return f"{row['world'].removesuffix('.yaml')}, {row['area']:,} m²"
 
 

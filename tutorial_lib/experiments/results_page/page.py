@@ -89,12 +89,16 @@ def introduction(results: Results) -> str:
             f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
             f"Each network was trained once: intervals do not hold the variation from one "
             f"training to the next.",
+            "**Names.** *C* is local control with k images of context on either side of the "
+            "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
+            "is built here; *SPTM* (Savinov 2018) is the paper's baseline, *random* knows nothing "
+            "and the *oracle* the floor plan, its pose and the goal's.",
             "**Intervals** in brackets are of 95 %. Over twenty worlds they are bootstrapped over "
-            "worlds; in one world they are Wilson's, over trials. Over three or five worlds, too "
-            "few for a bootstrap, each world or the count is given. Where all worlds have the "
-            "same share the bootstrap has no width, and the interval is left out. **Bold** is the "
-            "best of a column; oracles and bounds take no part, and a bold number need not differ "
-            "from the next one by more than chance.",
+            "worlds; for one world they are Wilson's, over trials. For three or five worlds "
+            "together, too few for a bootstrap, the count is given, or each world. Where all "
+            "worlds have the same share the bootstrap has no width, and the interval is left out. "
+            "**Bold** is the best of its kind in a column or row; oracles and bounds take no "
+            "part, and a bold number need not differ from the next one by more than chance.",
         ]
     )
 

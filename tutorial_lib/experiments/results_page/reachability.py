@@ -67,8 +67,8 @@ def _section(results: Results) -> list[str]:
         f"pairs of start and target whose views overlap by {SEEN:g} or more, in "
         f"{results.worlds('calibration')} test worlds, each rolled out. SPTM's network and image "
         f"similarity are compared with the outcomes of C with k = 2, each RE with those of its "
-        f"own C; *true geometry* is a model fitted to the true poses and distances, which bounds "
-        f"what can be known. The paper reports no such numbers.",
+        f"own C; *true geometry* is a model fitted to the true poses and distances: about the "
+        f"most that can be known. The paper reports no such numbers.",
         discrimination(rows),
         f"RE is calibrated; SPTM's similarity is not a probability, and was not trained to be one "
         f"(ECE {number(sptm['ece'])}). Where RE with k = 5 is least sure, it predicts too much: "

@@ -34,7 +34,7 @@ class Section:
         """
         try:
             measured, *found = self.paragraphs(results)
-        except (LookupError, TypeError, ValueError, ArithmeticError) as error:
+        except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
             files = ", ".join(f"{name}.json" for name in self.sources)
             advice = "; ".join(remedy(name) for name in self.sources)
             raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
