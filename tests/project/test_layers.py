@@ -48,6 +48,7 @@ INSIDE = {
     "checks": {
         "framework": set(),
         "progress": {"framework"},
+        "marking": {"framework"},
         **{notebook: {"framework"} for notebook in NOTEBOOKS},
     },
 }
