@@ -262,7 +262,9 @@ def draw_world(family, seed):
     return PlanView(Scene(plan), 480, 480).base, text
 
 
-sliders(draw_world, {"family": "family of worlds", "seed": "seed"}, family=FAMILIES, seed=(0, 30, 1, 5))
+sliders(
+    draw_world, {"family": "family of worlds", "seed": "seed"}, family=FAMILIES, seed=(0, 30, 1, 5)
+)
 
 # %% [markdown]
 # ## Watch a policy that cheats
@@ -279,7 +281,7 @@ sliders(draw_world, {"family": "family of worlds", "seed": "seed"}, family=FAMIL
 # Film a policy that knows the map
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 240, 330)
+oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 340, 440)
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
     simulation.step(oracle.act(simulation.observe(), np.array([0])))
@@ -294,7 +296,7 @@ while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.second
             view.disc(above, [x, y], radius, colours.PERSON)
         view.robot(above, pose, simulation.body.footprint)
         images, _ = camera.look(home, pose[None], discs)
-        frames.append(stacked([above, camera_picture(images[0], 240, smooth=True)], gap=8))
+        frames.append(side_by_side([above, camera_picture(images[0], 420, smooth=True)]))
         times.append(simulation.seconds)
 
 print(f"arrived after {simulation.seconds:.0f} s; collided: {simulation.collided[0]}")
@@ -381,7 +383,8 @@ print(f"a map of {outcome.vertices} vertices and {outcome.edges} edges")
 print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"reached: {outcome.reached}, after {outcome.seconds:.0f} s")
-play([cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)], 5, count=3)
+frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
+play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 s
 
 # %% [markdown]
 # To run another one from the command line: `python3 start.py demo --seed 7`. It writes a film, a film strip and the numbers.
