@@ -281,12 +281,12 @@ sliders(
 # Film a policy that knows the map
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 340, 440)
+oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 320, 420)
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
     simulation.step(oracle.act(simulation.observe(), np.array([0])))
     track.append(simulation.poses[0, :2])
-    if len(track) % 5 == 0:  # a frame every 0.5 s
+    if len(track) % 10 == 0:  # a frame every second
         pose, discs = simulation.poses[0], simulation.discs
         above = faded(view.base, 0.65)
         draw_field_of_view(view, above, home, pose, discs=discs)
@@ -296,12 +296,12 @@ while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.second
             view.disc(above, [x, y], radius, colours.PERSON)
         view.robot(above, pose, simulation.body.footprint)
         images, _ = camera.look(home, pose[None], discs)
-        frames.append(side_by_side([above, camera_picture(images[0], 420, smooth=True)]))
+        frames.append(side_by_side([above, camera_picture(images[0], 330, smooth=True)]))
         times.append(simulation.seconds)
 
 print(f"arrived after {simulation.seconds:.0f} s; collided: {simulation.collided[0]}")
 print("the film runs four times as fast")
-play(frames, 8, times)
+play(frames, 4, times)
 
 # %% [markdown]
 # ## Bring your own map
