@@ -1,4 +1,4 @@
-"""The commands: ``python -m tutorial_lib {lab,demo,build,train,experiment,bench,results}``."""
+"""The commands: ``python -m tutorial_lib {lab,demo,progress,mark,build,train,...}``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import time
 from dataclasses import fields
 from pathlib import Path
 
+from tutorial_lib.checks.marking import mark
+from tutorial_lib.checks.progress import progress, report
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, parse_worlds
@@ -70,6 +72,11 @@ def _parser() -> argparse.ArgumentParser:
         "--learn", action="store_true", help="learn the map again, and keep it for later demos"
     )
     demo.set_defaults(run=_demo)
+    done = commands.add_parser("progress", help="which exercises are done, in every notebook")
+    done.set_defaults(run=_progress)
+    marked = commands.add_parser("mark", help="check the answers that students handed in")
+    marked.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help="my_answers")
+    marked.set_defaults(run=_mark)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
     build.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
     build.add_argument(
@@ -160,14 +167,31 @@ def _demo(options: argparse.Namespace) -> int:
     return 0 if outcome.reached else MISSED
 
 
+def _progress(options: argparse.Namespace) -> int:
+    del options
+    print(report(progress(PROJECT / "notebooks")))
+    return 0
+
+
+def _mark(options: argparse.Namespace) -> int:
+    for folder in options.folders:
+        results = list(mark(folder))
+        passed = sum(result.status == "passed" for result in results)
+        print(f"{folder}: {passed} of {len(results)} pass")
+        for result in results:
+            print(f"  {result}")
+    return 0
+
+
 def _build(options: argparse.Namespace) -> int:
     # Its dependencies are installed with the tests, not with the library.
-    from tutorial_lib.builder import build
+    from tutorial_lib.builder import build, write_guides
 
     known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
     for name in options.names:
         if name not in known:
             raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
+    print(*(f"wrote {file.relative_to(PROJECT)}" for file in write_guides(PROJECT)), sep="\n")
     for name in options.names or known:
         for file in build(known[name], PROJECT, students_only=options.students):
             print(f"wrote {file.relative_to(PROJECT)}")

@@ -5,18 +5,16 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
 from tqdm import tqdm
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
-from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
-from tutorial_lib.experiments.demos.moments import SHARP, ByOracle, BySight
+from tutorial_lib.experiments.demos.moments import ByOracle, BySight
 from tutorial_lib.experiments.demos.outcome import (
     FIGURES,
     FILM,
@@ -25,8 +23,9 @@ from tutorial_lib.experiments.demos.outcome import (
     Outcome,
     check_folder,
 )
-from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
+from tutorial_lib.experiments.demos.pictures import Beside, view_of
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
+from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
 from tutorial_lib.experiments.protocols.navigation import (
     K,
     experiences,
@@ -36,60 +35,23 @@ from tutorial_lib.experiments.protocols.navigation import (
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
-    Trials,
-    draw_trials,
-    explored,
 )
 from tutorial_lib.files import write_text
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Navigation
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
-from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
-from tutorial_lib.viz.canvas.topomaps import draw_topomap, hue
+from tutorial_lib.viz.canvas.topomaps import hue
 from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
 from tutorial_lib.viz.figures.film import film_writer, write_picture
-from tutorial_lib.viz.figures.panels import evenly, faded, side_by_side, stacked
+from tutorial_lib.viz.figures.panels import evenly, stacked
 from tutorial_lib.world.floorplan import FloorPlan
-from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
 
 PLACES = 6
 """Places between which trajectories are recorded."""
-_TRIALS = 40  # of which the one that leads most rooms away is run
-_FADED = 0.6  # of the plan, under the map
-_BESIDE = 570  # pixels of height where agent and oracle are shown beside each other
 _QUIET = 3.0  # seconds of driving after which a word is said
-
-Say = Callable[[str], None]
-
-
-def _silent(text: str) -> None:
-    """Say nothing."""
-
-
-@dataclass(frozen=True, eq=False)
-class Task:
-    """From which room to which an agent navigates, past whom.
-
-    Attributes:
-        building: explored before.
-        trial: the only one.
-        rooms: their kinds.
-        away: doors between them.
-        people: who walk beside the path.
-        image: (H, W, 3) of the goal.
-    """
-
-    building: Building
-    trial: Trials
-    rooms: tuple[str, str]
-    away: int
-    people: list[Person]
-    image: Picture
 
 
 def run_demo(
@@ -99,7 +61,7 @@ def run_demo(
     *,
     oracle: bool = False,
     learn: bool = False,
-    say: Say = _silent,
+    say: Say = silent,
 ) -> Outcome:
     """Navigate to an image some rooms away; leave demo.webm, demo.png and demo.json.
 
@@ -142,37 +104,8 @@ def navigate_once(
     return drive_by_sight(task, agent, seed)
 
 
-def choose_task(scene: Scene, seed: int, places: int, say: Say = _silent) -> Task:
-    """Explore a scene, and choose the trial that leads `ROOMS_AWAY` rooms away, or as nearly."""
-    name = f"{scene.plan.family} {scene.plan.seed}"
-    say("recording trajectories between the places of the building")
-    building = explored(name, scene, np.random.default_rng(seed), places)
-    say("choosing a start and a goal image")
-    drawn = draw_trials(building, _TRIALS, np.random.default_rng(seed))
-    trial, rooms, away = farthest(building, drawn)
-    first = trial.recorded.first[trial.goals[0]]
-    people = place_people(trial.recorded.poses[first : trial.goals[0] + 1, :2], scene)
-    image = SHARP.look(scene, trial.goal_poses[:1])[0][0]
-    return Task(building, trial, rooms, away, people, image)
-
-
-def farthest(building: Building, trials: Trials) -> tuple[Trials, tuple[str, str], int]:
-    """The trial that leads `ROOMS_AWAY` rooms away, or as nearly; the rooms' kinds; the doors."""
-    plan = building.scene.plan
-    ends = np.stack([trials.starts[:, :2], trials.goal_poses[:, :2]])
-    inside = np.stack([room.contains(ends.reshape(-1, 2)) for room in plan.rooms])
-    room = inside.argmax(axis=0).reshape(2, -1)
-    doors = doors_between(plan)[room[0], room[1]]
-    doors = np.where(np.isfinite(doors), doors, 0).astype(int)
-    if not len(trials):
-        raise InputError(f"demo: no path between places of {plan.family}; give a larger map")
-    best = int(np.lexsort((-trials.seconds, np.abs(doors - ROOMS_AWAY)))[0])
-    kinds = tuple(plan.rooms[int(number)].kind for number in room[:, best])
-    return trials.subset(np.array([best])), (kinds[0], kinds[1]), int(doors[best])
-
-
 def learn_map(
-    agent: MengAgent, building: Building, say: Say = _silent, *, again: bool = False
+    agent: MengAgent, building: Building, say: Say = silent, *, again: bool = False
 ) -> None:
     """Give an agent the map of a building: the one that was kept, or learn one."""
     kept = None if again else load_learned(building, agent)
@@ -192,7 +125,7 @@ def drive_by_sight(
     task: Task,
     agent: MengAgent,
     seed: int,
-    say: Say = _silent,
+    say: Say = silent,
     oracle: tuple[Sequence[Picture], Drive] | None = None,
     write: Callable[[Picture], None] = lambda picture: None,
 ) -> tuple[Sequence[Picture], Outcome]:
@@ -249,7 +182,7 @@ def drive_by_sight(
     return shown, outcome
 
 
-def drive_oracle(task: Task, say: Say = _silent) -> tuple[Sequence[Picture], Drive]:
+def drive_oracle(task: Task, say: Say = silent) -> tuple[Sequence[Picture], Drive]:
     """Drive the same task by an oracle: its film, and how it went."""
     say("driving by the oracle, which knows the floor plan and its pose")
     building, goals = task.building, task.trial.goal_poses
@@ -274,36 +207,3 @@ def drive(
     found = navigate(task.building, task.trial, begin, task.people, recorder)
     recorder.finish(started[0])
     return bool(found.there[0]), started[0]
-
-
-def view_of(building: Building, topomap: TopoMap, poses: Array) -> PlanView:
-    """The plan with the map on it; its walls stay dark."""
-    view = PlanView(building.scene)
-    view.base = faded(view.base, _FADED)
-    for wall in building.scene.plan.walls:
-        view.polyline(view.base, wall.reshape(2, 2), colours.SOLID, 1)
-    draw_topomap(view, view.base, topomap, poses)
-    return view
-
-
-@dataclass(frozen=True)
-class Beside(Sequence[Picture]):
-    """The frames of a film, and beside each the frame of another; the shorter one waits.
-
-    Attributes:
-        first: grows while its robot drives.
-        second: may be empty; then the first is shown alone.
-    """
-
-    first: Sequence[Picture]
-    second: Sequence[Picture]
-
-    def __len__(self) -> int:
-        return max(len(self.first), len(self.second))
-
-    def __getitem__(self, index: int) -> Picture:
-        mine = self.first[min(index, len(self.first) - 1)]
-        if not len(self.second):
-            return mine
-        other = self.second[min(index, len(self.second) - 1)]
-        return side_by_side([mine, other], height=_BESIDE, gap=20)
