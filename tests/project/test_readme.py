@@ -2,6 +2,7 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+from tutorial_lib.builder.standard import minutes_of
 from tutorial_lib.experiments.common.agents import custom
 from tutorial_lib.interfaces import Plan
 
@@ -35,4 +36,10 @@ def test_every_picture_and_page_that_is_linked_is_there():
     links = re.findall(r"\]\(([^)#]+)\)", README)
     assert links
     for link in links:
-        assert (HERE / link).exists(), link
+        assert link.startswith("https://") or (HERE / link).exists(), link
+
+
+def test_the_minutes_of_each_notebook_are_those_at_its_top():
+    for source in sorted((HERE / "solutions").glob("0[1-9]_*.py")):
+        row = next(line for line in README.splitlines() if f"notebooks/{source.stem}.ipynb" in line)
+        assert row.endswith(f"| {minutes_of(source)} |"), source.stem
