@@ -33,6 +33,8 @@ WRONG_ANSWERS = 3
 """Needed for each exercise."""
 LARGEST = 1_000_000
 """Bytes of a notebook with its outputs."""
+_STORED = {my_answers.FOLDER: "", STATIC: "1", "TQDM_DISABLE": "1"}
+"""While a notebook is executed for its page: no answers are saved, no progress bars shown."""
 _TIMEOUT = 120  # seconds a cell may take while it is built
 
 
@@ -156,8 +158,7 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         resources={"metadata": {"path": str(folder)}},
     )
     try:
-        # Nobody's answers are saved, and pictures are stored as hosted viewers show them.
-        client.execute(env={**os.environ, my_answers.FOLDER: "", STATIC: "1"})
+        client.execute(env={**os.environ, **_STORED})
     except CellExecutionError as error:
         raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:
