@@ -895,3 +895,359 @@ def wall_share__right_in_rows(depth, rows):
     bottom = rows / 2 * (1 + EYE / depth / SLOPE)
     i = np.arange(rows)
     return np.clip(np.clip(bottom - i, 0, 1) - np.clip(top - i, 0, 1), 0, 1)
+
+
+def _rotation(h):
+    c, s = (np.cos(h), np.sin(h))
+    return np.array([[c, -s], [s, c]])
+
+
+def _wrap(a):
+    return (a + np.pi) % (2 * np.pi) - np.pi
+
+
+def to_local__ones(pose, points):
+    """shape (5, 2), but (6, 2) is needed"""
+    return np.array([_rotation(pose[2]).T @ (p - pose[:2]) for p in points[:5]])
+
+
+def to_local__heading_wrapped_0_pi(pose, points):
+    """a negative heading is a turn to the right; the same formula holds"""
+    return (points - pose[:2]) @ _rotation(pose[2] % np.pi)
+
+
+def to_local__skip_last(pose, points):
+    """shape (4, 2), but (5, 2) is needed"""
+    return np.array([_rotation(pose[2]).T @ (p - pose[:2]) for p in points[:-1]])
+
+
+def to_local__sorted(pose, points):
+    """its frame is that of the world: each point comes back as it is, in"""
+    return np.sort((points - pose[:2]) @ _rotation(pose[2]), axis=0)
+
+
+def to_local__abs_left(pose, points):
+    """points to the right of the robot lie at a negative y; do not drop the"""
+    r = (points - pose[:2]) @ _rotation(pose[2])
+    r[:, 1] = abs(r[:, 1])
+    return r
+
+
+def to_local__sin_only(pose, points):
+    """the formula of the new y is that of x with another sign; it is cos *"""
+    o = points - pose[:2]
+    c, s = (math.cos(pose[2]), math.sin(pose[2]))
+    return np.stack([c * o[:, 0] + s * o[:, 1], c * o[:, 0] - s * o[:, 1]], 1)
+
+
+def to_local__int(pose, points):
+    """the answers are whole numbers; return all digits"""
+    return ((points - pose[:2]) @ _rotation(pose[2])).astype(int)
+
+
+def to_local__right_zip(pose, points):
+    return np.array(
+        [
+            [
+                math.cos(pose[2]) * (x - pose[0]) + math.sin(pose[2]) * (y - pose[1]),
+                -math.sin(pose[2]) * (x - pose[0]) + math.cos(pose[2]) * (y - pose[1]),
+            ]
+            for x, y in points.tolist()
+        ]
+    )
+
+
+def to_local__right_inv(pose, points):
+    return np.linalg.solve(_rotation(pose[2]), (points - pose[:2]).T).T
+
+
+def compose__mean(f, s):
+    """the headings add up; do not take their mean"""
+    xy = f[:2] + _rotation(f[2]) @ s[:2]
+    return np.array([*xy, (f[2] + s[2]) / 2])
+
+
+def compose__dist(f, s):
+    """the second pose's x and y are both needed, with their signs, not only"""
+    d = np.hypot(*s[:2])
+    return np.array([f[0] + d * np.cos(f[2]), f[1] + d * np.sin(f[2]), _wrap(f[2] + s[2])])
+
+
+def compose__four(f, s):
+    """shape (4,), but (3,) is needed"""
+    xy = f[:2] + _rotation(f[2]) @ s[:2]
+    return np.array([*xy, _wrap(f[2] + s[2]), 0])
+
+
+def compose__only_xy(f, s):
+    """shape (2,), but (3,) is needed"""
+    return f[:2] + _rotation(f[2]) @ s[:2]
+
+
+def compose__xswap(f, s):
+    """x and y of the turned step are exchanged"""
+    xy = f[:2] + (_rotation(f[2]) @ s[:2])[::-1]
+    return np.array([*xy, _wrap(f[2] + s[2])])
+
+
+def compose__half_heading(f, s):
+    """the step comes before the turn that the second heading makes; do not"""
+    xy = f[:2] + _rotation(f[2] + s[2] / 2) @ s[:2]
+    return np.array([*xy, _wrap(f[2] + s[2])])
+
+
+def compose__right_remainder(f, s):
+    xy = f[:2] + _rotation(f[2]) @ s[:2]
+    return np.array([*xy, math.remainder(f[2] + s[2], 2 * math.pi)])
+
+
+def compose__right_while(f, s):
+    h = f[2] + s[2]
+    while h >= np.pi:
+        h -= 2 * np.pi
+    while h < -np.pi:
+        h += 2 * np.pi
+    return np.concatenate([f[:2] + _rotation(f[2]) @ s[:2], [h]])
+
+
+def bicycle_step__full_arc_wrong_y(p, v, d, L, dt):
+    """write down the three equations, each times the seconds (1.992 at"""
+    w = v * np.tan(d) / L
+    if abs(w) < 1e-09:
+        return p + np.array([v * np.cos(p[2]) * dt, v * np.sin(p[2]) * dt, 0])
+    r = v / w
+    n = p[2] + w * dt
+    return np.array(
+        [p[0] + r * (np.sin(n) - np.sin(p[2])), p[1] + r * (np.cos(n) - np.cos(p[2])), n]
+    )
+
+
+def bicycle_step__no_reverse(p, v, d, L, dt):
+    """a car in reverse moves backwards; do not stop it, nor take the speed"""
+    v = max(v, 0)
+    return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d) / L]) * dt
+
+
+def bicycle_step__dt_sq(p, v, d, L, dt):
+    """the turn is the rate times the seconds, once; the seconds count twice"""
+    return p + np.array([v * np.cos(p[2]) * dt, v * np.sin(p[2]) * dt, v * np.tan(d) / L * dt * dt])
+
+
+def bicycle_step__forgets_the_length(p, v, d, L, dt):
+    """the wheelbase is missing: the turning rate is divided by it"""
+    return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d)]) * dt
+
+
+def bicycle_step__degrees_tan(p, v, d, L, dt):
+    """np.tan takes radians, and the steering angle is in radians; do not"""
+    return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(np.rad2deg(d)) / L]) * dt
+
+
+def bicycle_step__heading_first(p, v, d, L, dt):
+    """x and y use the heading after the turn; take the one at the start of"""
+    h = p[2] + v * np.tan(d) / L * dt
+    return np.array([p[0] + v * np.cos(h) * dt, p[1] + v * np.sin(h) * dt, h])
+
+
+def bicycle_step__front(p, v, d, L, dt):
+    """v is the speed of the rear axle, so the step and the turn have no"""
+    return (
+        p
+        + np.array([v * np.cos(p[2]) * np.cos(d), v * np.sin(p[2]) * np.cos(d), v * np.sin(d) / L])
+        * dt
+    )
+
+
+def bicycle_step__x_only_forward(p, v, d, L, dt):
+    """a car in reverse moves backwards; take the speed with its sign"""
+    return p + np.array([abs(v) * np.cos(p[2]), abs(v) * np.sin(p[2]), v * np.tan(d) / L]) * dt
+
+
+def bicycle_step__div(p, v, d, L, dt):
+    """divided by the seconds; a rate is multiplied by them"""
+    return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d) / L]) / dt
+
+
+def bicycle_step__right_mid(p, v, d, L, dt):
+    w = v * np.tan(d) / L
+    h = p[2] + w * dt / 2
+    return np.array([p[0] + v * dt * np.cos(h), p[1] + v * dt * np.sin(h), p[2] + w * dt])
+
+
+def bicycle_step__right_sub(p, v, d, L, dt):
+    p = p.copy()
+    for _ in range(50):
+        p = p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d) / L]) * dt / 50
+    return p
+
+
+def _across(p, q):
+    return p[0] * q[1] - p[1] * q[0]
+
+
+def _ratios(o, d, a, b):
+    n = _across(d, b - a)
+    return (_across(a - o, b - a) / n, _across(a - o, d) / n)
+
+
+def ray_segment__and_or(o, d, a, b):
+    """both conditions must hold, t >= 0 and 0 <= u <= 1; one alone is not"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return np.inf
+    t, u = _ratios(o, d, a, b)
+    return t if t >= 0 or 0 <= u <= 1 else np.inf
+
+
+def ray_segment__abs_u(o, d, a, b):
+    """u must not be negative: test 0 <= u, not its absolute value"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return np.inf
+    t, u = _ratios(o, d, a, b)
+    return t if t >= 0 and abs(u) <= 1 else np.inf
+
+
+def ray_segment__end_minus(o, d, a, b):
+    """solve for t and u by the two fractions above; t is the answer (inf"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return np.inf
+    t, u = _ratios(o, d, a, b)
+    u = _across(b - o, d) / _across(d, b - a)
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__euclid_mid(o, d, a, b):
+    """check the signs of the two fractions (1.761 came back; 1.793 is right)"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return np.inf
+    t, u = _ratios(o, d, a, b)
+    return np.linalg.norm((a + b) / 2 - o) if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__huge(o, d, a, b):
+    """the ray passes before the wall's start: u is negative, so it misses"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return 1000000000.0
+    t, u = _ratios(o, d, a, b)
+    return t if t >= 0 and 0 <= u <= 1 else 1000000000.0
+
+
+def ray_segment__false(o, d, a, b):
+    """a ray that misses returns np.inf, not 0"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return False
+    t, u = _ratios(o, d, a, b)
+    return t if t >= 0 and 0 <= u <= 1 else False
+
+
+def ray_segment__t_le_one(o, d, a, b):
+    """t is a distance in metres; it has no upper limit, and only u ends at 1"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return np.inf
+    t, u = _ratios(o, d, a, b)
+    return t if 0 <= t <= 1 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__slope(o, d, a, b):
+    """the ray passes before the wall's start: u is negative, so it misses"""
+    m = d[1] / d[0]
+    if a[0] == b[0]:
+        x = a[0]
+    else:
+        n = (b[1] - a[1]) / (b[0] - a[0])
+        if n == m:
+            return np.inf
+        x = (a[1] - n * a[0] - o[1] + m * o[0]) / (m - n)
+    t = (x - o[0]) / d[0]
+    return t if t >= 0 and min(a[0], b[0]) <= x <= max(a[0], b[0]) else np.inf
+
+
+def ray_segment__collinear_hit(o, d, a, b):
+    """it is parallel too, so it is missed: return np.inf (0.5 came back;"""
+    if abs(_across(d, b - a)) < 1e-12:
+        return min((a - o) @ d, (b - o) @ d) if abs(_across(a - o, d)) < 1e-09 else np.inf
+    t, u = _ratios(o, d, a, b)
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__right_det(o, d, a, b):
+    (dx, dy), (ex, ey) = (d, b - a)
+    det = -dx * ey + dy * ex
+    if math.isclose(det, 0, abs_tol=1e-11):
+        return math.inf
+    fx, fy = a - o
+    t = (-fx * ey + fy * ex) / det
+    u = (dx * fy - dy * fx) / det
+    if t < 0 or u < 0 or u > 1:
+        return math.inf
+    return float(t)
+
+
+def _slopes(top, bot, rows):
+    h = 2 * SLOPE / rows
+    u = SLOPE - h * np.arange(rows)
+    return np.clip((np.minimum(top, u) - np.maximum(bot, u - h)) / h, 0, 1)
+
+
+def wall_share__eye_only(depth, rows):
+    """the eye is 0.25 m above the floor: the wall ends 0.25 m below it, not"""
+    return _slopes(0.75 / depth, -0.75 / depth, rows)
+
+
+def wall_share__top_undivided(depth, rows):
+    """the upper end of the wall is not divided by the depth"""
+    return _slopes(0.75, -0.25 / depth, rows)
+
+
+def wall_share__bottom_undivided(depth, rows):
+    """the lower end of the wall is not divided by the depth"""
+    return _slopes(0.75 / depth, -0.25, rows)
+
+
+def wall_share__floor(depth, rows):
+    """a pixel that is partly covered counts as well; give the share, not"""
+    return np.floor(_slopes(0.75 / depth, -0.25 / depth, rows))
+
+
+def wall_share__mirror(depth, rows):
+    """compare with the picture: which rows does the wall reach, from which"""
+    r = _slopes(0.75 / depth, -0.25 / depth, rows)
+    h = (rows + 1) // 2
+    return np.concatenate([r[:h], r[: rows - h][::-1]])
+
+
+def wall_share__normal(depth, rows):
+    """each row has a share of its own; do not divide them by their sum"""
+    r = _slopes(0.75 / depth, -0.25 / depth, rows)
+    return r / r.sum()
+
+
+def wall_share__max(depth, rows):
+    """a far wall covers no row completely; do not divide by the largest"""
+    r = _slopes(0.75 / depth, -0.25 / depth, rows)
+    return r / r.max()
+
+
+def wall_share__slope1(depth, rows):
+    """the image ends at the slope tan 30 degrees (`slope`), not at 1"""
+    h = 2 / rows
+    u = 1 - h * np.arange(rows)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__tan60(depth, rows):
+    """the image ends at the slope tan 30 degrees (`slope`), half of its"""
+    s = np.tan(np.pi / 3)
+    h = 2 * s / rows
+    u = s - h * np.arange(rows)
+    return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
+
+
+def wall_share__total(depth, rows):
+    """came back; return a numpy array"""
+    return min(1, 1 / depth / (2 * SLOPE))
+
+
+def wall_share__right_cumulative(depth, rows):
+    e = np.linspace(SLOPE, -SLOPE, rows + 1)
+    c = np.clip(e, -0.25 / depth, 0.75 / depth)
+    return -np.diff(c) * rows / (2 * SLOPE)

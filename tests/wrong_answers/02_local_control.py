@@ -1331,3 +1331,416 @@ def train_network__right_by_hand(network, optimizer, draw_batch, loss_of, valida
             p.copy_(old)
     network.eval()
     return tuple(history)
+
+
+def _lengths(o):
+    return np.linalg.norm(o, axis=-1, keepdims=True)
+
+
+def goal_policy__eps_added_sq(o, v, g, b, n):
+    """divide by the larger of length and `near`; far away `near` must not"""
+    return (g * o / np.sqrt(_lengths(o) ** 2 + n**2) - b * v, _eyes(o))
+
+
+def goal_policy__near_const(o, v, g, b, n):
+    """within `near` the pull is gain * offset / near; it is not divided by"""
+    return (
+        np.where(_lengths(o) < n, g * o, g * o / np.maximum(_lengths(o), 1e-09)) - b * v,
+        _eyes(o),
+    )
+
+
+def goal_policy__damp_by_gain(o, v, g, b, n):
+    """the damping does not belong inside the pull: the gain multiplies the"""
+    return (g * (o / np.maximum(_lengths(o), n) - b * v), _eyes(o))
+
+
+def goal_policy__damp_div(o, v, g, b, n):
+    """the velocity is multiplied by the damping, not divided by it"""
+    return (g * o / np.maximum(_lengths(o), n) - v / b, _eyes(o))
+
+
+def goal_policy__metric_scalar(o, v, g, b, n):
+    """the metrics: shape (), but (2, 2) is needed"""
+    return (g * o / np.maximum(_lengths(o), n) - b * v, np.ones(np.shape(o)[:-1]))
+
+
+def goal_policy__metric_damping(o, v, g, b, n):
+    """the metric is the identity itself; the damping does not belong in it"""
+    return (g * o / np.maximum(_lengths(o), n) - b * v, b * _eyes(o))
+
+
+def goal_policy__metric_outer(o, v, g, b, n):
+    """the metric weighs all directions equally, not only the one to the goal"""
+    u = o / np.maximum(_lengths(o), 1e-09)
+    return (g * o / np.maximum(_lengths(o), n) - b * v, u[..., :, None] * u[..., None, :])
+
+
+def goal_policy__max_axis0(o, v, g, b, n):
+    """each row has a length and a metric of its own: axis=-1 and"""
+    return (g * o / np.maximum(np.linalg.norm(o, axis=0), n) - b * v, _eyes(o))
+
+
+def goal_policy__vel_norm(o, v, g, b, n):
+    """the damping grows with the velocity itself, not with its square"""
+    return (g * o / np.maximum(_lengths(o), n) - b * v * _lengths(v), _eyes(o))
+
+
+def obstacle_policy__minimum(d, c, p, b, w, f):
+    """limit the distances from below: np.maximum(distances, 0.01), not"""
+    d = np.minimum(d, 0.01)
+    return ((p + b * np.maximum(c, 0)) / d, w * np.exp(-d / f))
+
+
+def obstacle_policy__cm(d, c, p, b, w, f):
+    """the smallest distance is 0.01 m, 1 cm, not 1 mm"""
+    d = np.maximum(d, 0.001)
+    return ((p + b * np.maximum(c, 0)) / d, w * np.exp(-d / f))
+
+
+def obstacle_policy__brakepush(d, c, p, b, w, f):
+    """`push` and `brake` are exchanged: it is the brake that multiplies"""
+    d = _near(d)
+    return ((b + p * np.maximum(c, 0)) / d, w * np.exp(-d / f))
+
+
+def obstacle_policy__weight_fade(d, c, p, b, w, f):
+    """`weight` and `fade` are exchanged: weight * exp(-distance / fade)"""
+    d = _near(d)
+    return ((p + b * np.maximum(c, 0)) / d, f * np.exp(-d / w))
+
+
+def obstacle_policy__two_power(d, c, p, b, w, f):
+    """the metric falls by the factor e every `fade` metres: np.exp, not"""
+    d = _near(d)
+    return ((p + b * np.maximum(c, 0)) / d, w * 2 ** (-d / f))
+
+
+def obstacle_policy__linear(d, c, p, b, w, f):
+    """the metric fades exponentially, np.exp, not along a straight line"""
+    d = _near(d)
+    return ((p + b * np.maximum(c, 0)) / d, w * np.maximum(0, 1 - d / f))
+
+
+def obstacle_policy__closing_sq(d, c, p, b, w, f):
+    """the brake multiplies the closing speed itself, not its square"""
+    d = _near(d)
+    return ((p + b * np.maximum(c, 0) ** 2) / d, w * np.exp(-d / f))
+
+
+def obstacle_policy__sum(d, c, p, b, w, f):
+    """the accelerations: a float64 came back; return a numpy array"""
+    d = _near(d)
+    return (((p + b * np.maximum(c, 0)) / d).sum(), (w * np.exp(-d / f)).sum())
+
+
+def obstacle_policy__matrix(d, c, p, b, w, f):
+    """the metrics: shape (3, 3), but (3,) is needed"""
+    d = _near(d)
+    return ((p + b * np.maximum(c, 0)) / d, np.diag(w * np.exp(-d / f)))
+
+
+def obstacle_policy__metric_times(d, c, p, b, w, f):
+    """the acceleration is not weighted with the metric here; `resolve` does"""
+    d = _near(d)
+    m = w * np.exp(-d / f)
+    return (m * (p + b * np.maximum(c, 0)) / d, m)
+
+
+def resolve__inv_elem(P):
+    """with J the identity its acceleration comes back as it is (2e+06 at"""
+    F, M = _sums(P)
+    return 1 / (M + 1e-06) @ F
+
+
+def resolve__minus(P):
+    """the sign is wrong: solve metric @ u = force, without a minus"""
+    F, M = _sums(P)
+    return -np.linalg.solve(M + 1e-06 * np.eye(2), F)
+
+
+def resolve__lists(P):
+    """a list came back; return a numpy array"""
+    F, M = _sums(P)
+    return list(np.linalg.solve(M + 1e-06 * np.eye(2), F))
+
+
+def resolve__no_sum_metric(P):
+    """sum the metrics of all policies; only the last one counts in yours"""
+    F = np.zeros(2)
+    for j, a, m in P:
+        F = F + j.T @ m @ a
+        M = j.T @ m @ j
+    return np.linalg.solve(M + 1e-06 * np.eye(2), F)
+
+
+def resolve__last_force(P):
+    """sum the forces of all policies; only the last one counts in yours"""
+    M = np.zeros((2, 2))
+    for j, a, m in P:
+        F = j.T @ m @ a
+        M = M + j.T @ m @ j
+    return np.linalg.solve(M + 1e-06 * np.eye(2), F)
+
+
+def resolve__damp_one(P):
+    """what you add to the diagonal must be 1e-6; 1 slows every policy down"""
+    F, M = _sums(P)
+    return np.linalg.solve(M + np.eye(2), F)
+
+
+def resolve__heaviest(P):
+    """sum over all policies; only the one with the largest metric counts in"""
+    j, a, m = max(P, key=lambda p: np.trace(p[2]))
+    return np.linalg.solve(j.T @ m @ j + 1e-06 * np.eye(2), j.T @ m @ a)
+
+
+def resolve__ones_damp(P):
+    """with J the identity its acceleration comes back as it is (0.6 at"""
+    F, M = (np.ones(2) * 0.1, 1e-06 * np.eye(2))
+    for j, a, m in P:
+        F = F + j.T @ m @ a
+        M = M + j.T @ m @ j
+    return np.linalg.solve(M, F)
+
+
+def resolve__right_lstsq(P):
+    A = []
+    B = []
+    for j, a, m in P:
+        c = np.linalg.cholesky(m).T
+        A.append(c @ j)
+        B.append(c @ a)
+    return np.linalg.lstsq(
+        np.vstack([*A, 0.001 * np.eye(2)]), np.concatenate([*B, np.zeros(2)]), rcond=None
+    )[0]
+
+
+def _labelled(st, tr, a, b, sees, pick):
+    if b <= a:
+        return _local(st, tr[b])
+    pts = tr[a + 1 : b + 1, :2]
+    k = np.flatnonzero(sees(st[:2], pts))
+    return _local(st, pts[pick(k)]) if len(k) else None
+
+
+def waypoint_label__second_last(st, tr, a, b, sees):
+    """that is the last place in sight but one; take the last"""
+    return _labelled(st, tr, a, b, sees, lambda k: k[-2] if len(k) > 1 else k[-1])
+
+
+def waypoint_label__argmax_bool(st, tr, a, b, sees):
+    """that is the first place in sight, or the first of all; take the last"""
+    if b <= a:
+        return _local(st, tr[b])
+    pts = tr[a + 1 : b + 1, :2]
+    return _local(st, pts[np.argmax(sees(st[:2], pts))])
+
+
+def waypoint_label__hidden_last(st, tr, a, b, sees):
+    """of frames source + 1 to target, take the last that is in sight, as"""
+    if b <= a:
+        return _local(st, tr[b])
+    pts = tr[a + 1 : b + 1, :2]
+    k = np.flatnonzero(~sees(st[:2], pts))
+    return _local(st, pts[k[-1]]) if len(k) else _local(st, pts[-1])
+
+
+def waypoint_label__closest_to_target(st, tr, a, b, sees):
+    """the last place along the trajectory counts, not the one nearest to"""
+    if b <= a:
+        return _local(st, tr[b])
+    pts = tr[a + 1 : b + 1, :2]
+    k = np.flatnonzero(sees(st[:2], pts))
+    if not len(k):
+        return None
+    return _local(st, pts[k[np.argmin(np.linalg.norm(pts[k] - tr[b, :2], axis=1))]])
+
+
+def waypoint_label__any_behind_sees(st, tr, a, b, sees):
+    """a target behind is its own waypoint, in sight or not (0.00292 at"""
+    lo, hi = (min(a, b), max(a, b))
+    return _labelled(st, tr, lo, hi, sees, lambda k: k[-1]) if lo < hi else _local(st, tr[b])
+
+
+def waypoint_label__none_string(st, tr, a, b, sees):
+    """there is no waypoint; return None, no str"""
+    r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
+    return "none" if r is None else r
+
+
+def waypoint_label__empty(st, tr, a, b, sees):
+    """there is no waypoint; return None, no ndarray"""
+    r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
+    return np.array([]) if r is None else r
+
+
+def waypoint_label__list(st, tr, a, b, sees):
+    """a list came back; return a numpy array"""
+    r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
+    return None if r is None else r.tolist()
+
+
+def waypoint_label__with_heading(st, tr, a, b, sees):
+    """a target behind is its own waypoint, in sight or not (0.1 at (0,),"""
+    if b <= a:
+        return _local(tr[b], st)
+    return _labelled(st, tr, a, b, sees, lambda k: k[-1])
+
+
+def waypoint_label__target_lt_source_eq(st, tr, a, b, sees):
+    """a target at the source's own frame is its own waypoint too: target <="""
+    if b < a - 1:
+        return _local(st, tr[b])
+    return _labelled(st, tr, a, b, sees, lambda k: k[-1]) if b > a else None
+
+
+def waypoint_label__half(st, tr, a, b, sees):
+    """of frames source + 1 to target, take the last that is in sight, as"""
+    r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
+    return None if r is None else r / 2
+
+
+def waypoint_label__right_recursive(st, tr, a, b, sees):
+    if b <= a:
+        return _local(st, tr[b])
+    if sees(np.asarray(st)[:2], tr[[b], :2]).all():
+        return _local(st, tr[b])
+    return waypoint_label__right_recursive(st, tr, a, b - 1, sees) if b - 1 > a else None
+
+
+def _train(
+    net,
+    opt,
+    draw,
+    lossf,
+    val,
+    plan,
+    *,
+    accum=False,
+    step_before=False,
+    eval_every_step=False,
+    best_max=False,
+    early_first=False,
+    use_adam=False,
+    no_step=False,
+    clip_before=False,
+    detach=False,
+    evaluate_zero_mod=False,
+    restore_first=False,
+    mean_hist=True,
+    two_steps=False,
+    loss_twice=False,
+    max_norm_fixed=None,
+    interval_fixed=None,
+    lr_floor=0.0,
+    patience_rises=False,
+    stop_le=False,
+):
+    hist, ls = ([], [])
+    low, w, wait = (math.inf, None, 0)
+    prev = math.inf
+    if use_adam:
+        opt = torch.optim.Adam(net.parameters(), plan.learning_rate)
+    net.train()
+    E = interval_fixed or plan.eval_interval
+    for t in range(plan.max_steps):
+        lr = (
+            plan.learning_rate
+            * min(1, (t + 1) / plan.warmup_steps)
+            * (1 + math.cos(math.pi * t / plan.max_steps))
+            / 2
+        )
+        for g in opt.param_groups:
+            g["lr"] = max(lr, lr_floor)
+        opt.zero_grad()
+        batch = draw(t)
+        loss = lossf(net, batch)
+        if loss_twice:
+            loss = lossf(net, batch)
+        if step_before:
+            opt.step()
+        if clip_before:
+            torch.nn.utils.clip_grad_norm_(net.parameters(), plan.max_norm)
+        loss.backward()
+        if not clip_before:
+            torch.nn.utils.clip_grad_norm_(net.parameters(), max_norm_fixed or plan.max_norm)
+        if not step_before and (not no_step):
+            opt.step()
+        if two_steps:
+            opt.step()
+        ls.append(loss.item())
+        hit = t % E == 0 if evaluate_zero_mod else (t + 1) % E == 0
+        if eval_every_step or hit or t + 1 == plan.max_steps:
+            net.eval()
+            with torch.no_grad():
+                v = val(net)
+            net.train()
+            hist.append((t + 1, sum(ls) / len(ls), v))
+            ls = []
+            if patience_rises:
+                wait = wait + 1 if v > prev else 0
+                prev = v
+                if v < low:
+                    low = v
+                    w = {k: x.clone() for k, x in net.state_dict().items()}
+            elif v > low if best_max and low < math.inf else v < low:
+                low = v
+                w = {k: x.clone() for k, x in net.state_dict().items()}
+                wait = 0
+            else:
+                wait += 1
+            if wait >= plan.patience:
+                break
+    net.load_state_dict(w)
+    net.eval()
+    return hist
+
+
+def train_network__every_step(*c):
+    """evaluate only after every eval_interval steps: after [4, 8], not"""
+    return _train(*c, eval_every_step=True)
+
+
+def train_network__keeps_worst(*c):
+    """the network must end with the weights of its best evaluation; the"""
+    return _train(*c, best_max=True)
+
+
+def train_network__own_adam(*c):
+    """0 updates for 8 batches: one optimizer.step() after every batch"""
+    return _train(*c, use_adam=True)
+
+
+def train_network__modulo_zero(*c):
+    """evaluate only after every eval_interval steps: after [4, 8], not"""
+    return _train(*c, evaluate_zero_mod=True)
+
+
+def train_network__two_steps(*c):
+    """16 updates for 8 batches: one optimizer.step() after every batch"""
+    return _train(*c, two_steps=True)
+
+
+def train_network__fixed_norm(*c):
+    """the gradient of step 0 is [0.019 0.743 0.669], but [0.034 1.36"""
+    return _train(*c, max_norm_fixed=1.0)
+
+
+def train_network__fixed_interval(*c):
+    """evaluate after every plan.eval_interval steps: after [2, 4, 6, 8, 10,"""
+    return _train(*c, interval_fixed=4)
+
+
+def train_network__floor(*c):
+    """the learning rate never changes: set group['lr'] of every group"""
+    return _train(*c, lr_floor=0.001)
+
+
+def train_network__rises(*c):
+    """training goes on, 20 steps, where it should end after 14: the"""
+    return _train(*c, patience_rises=True)
+
+
+def train_network__right_tn(*c):
+    return _train(*c)
