@@ -770,7 +770,7 @@ print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 #
 # For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py) shows the weights, and where we differ from the paper's authors).
 #
-# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some 15 seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
+# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
 #
 # The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
@@ -877,7 +877,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss as it falls. (About 15 s. The training loss that is printed afterwards is larger, since it also counts how well the pose of the target's camera is predicted.) **Predict:** how many of the forty targets will the car reach afterwards? Untrained, it reached 8.
+# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss as it falls. (About 10 s. The training loss that is printed afterwards is larger, since it also counts how well the pose of the target's camera is predicted.) **Predict:** how many of the forty targets will the car reach afterwards? Untrained, it reached 8.
 
 # %%
 training_pairs = Source(

@@ -265,72 +265,72 @@ def _share(top, bottom, rows):
     return np.clip(np.minimum(top, upper) - np.maximum(bottom, upper - height), 0, height) / height
 
 
-def to_local__first_point_only(pose, points):
+def to_local__answers_the_first_point_only(pose, points):
     """shape (1, 2), but (5, 2) is needed"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     dx, dy = points[0] - pose[:2]
     return np.array([[c * dx + s * dy, c * dy - s * dx]])
 
 
-def to_local__columns(pose, points):
+def to_local__returns_columns(pose, points):
     """shape (2, 5), but (5, 2) is needed"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     dx, dy = (points - pose[:2]).T
     return np.array([c * dx + s * dy, c * dy - s * dx])
 
 
-def to_local__squeezed(pose, points):
+def to_local__drops_an_axis(pose, points):
     """shape (2,), but (1, 2) is needed"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     dx, dy = (points - pose[:2]).T
     return np.stack([c * dx + s * dy, c * dy - s * dx], axis=1).squeeze()
 
 
-def to_local__changes_points(pose, points):
+def to_local__changes_the_points(pose, points):
     """your function changes its argument 2; make a new array"""
     points -= pose[:2]
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return points @ np.array([[c, -s], [s, c]])
 
 
-def to_local__rounded(pose, points):
+def to_local__rounds(pose, points):
     """the answers are rounded; return all digits"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return np.round((points - pose[:2]) @ np.array([[c, -s], [s, c]]), 2)
 
 
-def to_local__polar(pose, points):
+def to_local__returns_distance_and_angle(pose, points):
     """polar coordinates (distance and angle) came back; metres ahead and to"""
     o = points - pose[:2]
     return np.stack([np.hypot(*o.T), np.arctan2(o[:, 1], o[:, 0]) - pose[2]], axis=1)
 
 
-def to_local__swapped(pose, points):
-    """left first, then ahead; it is metres ahead first, then metres to the"""
+def to_local__gives_left_first(pose, points):
+    """left first, then ahead; it is metres ahead first, then metres to the left"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return ((points - pose[:2]) @ np.array([[c, -s], [s, c]]))[:, ::-1]
 
 
-def to_local__x_shift_only(pose, points):
+def to_local__subtracts_x_from_both(pose, points):
     """this needs only the shift: subtract x from x and y from y (-2.142 at"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return (points - pose[0]) @ np.array([[c, -s], [s, c]])
 
 
-def to_local__abs_heading(pose, points):
-    """the sign of the heading is lost: a negative heading is a turn to the"""
+def to_local__drops_the_sign_of_the_heading(pose, points):
+    """the sign of the heading is lost: a negative heading is a turn to the right"""
     c, s = np.cos(abs(pose[2])), np.sin(abs(pose[2]))
     return (points - pose[:2]) @ np.array([[c, -s], [s, c]])
 
 
-def to_local__only_ahead(pose, points):
-    """points behind the robot lie at a negative x; do not cut or drop the"""
+def to_local__drops_what_is_behind(pose, points):
+    """points behind the robot lie at a negative x; do not cut or drop the sign"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return np.maximum((points - pose[:2]) @ np.array([[c, -s], [s, c]]), [0, -np.inf])
 
 
-def to_local__y_from_new_x(pose, points):
-    """the new x stands in the formula of the new y; keep the old offset"""
+def to_local__computes_y_from_the_new_x(pose, points):
+    """the new x stands in the formula of the new y; keep the old offset until both are done"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     o = points - pose[:2]
     o[:, 0] = c * o[:, 0] + s * o[:, 1]
@@ -352,7 +352,7 @@ def to_local__right_complex(pose, points):
     return np.column_stack([z.real, z.imag])
 
 
-def compose__degrees(first, second):
+def compose__takes_degrees(first, second):
     """headings are in radians; do not convert them from degrees"""
     a = np.deg2rad(first[2])
     c, s = np.cos(a), np.sin(a)
@@ -362,7 +362,7 @@ def compose__degrees(first, second):
     )
 
 
-def compose__wrap_one_sided(first, second):
+def compose__wraps_only_above_pi(first, second):
     """headings above pi are wrapped, those below -pi are not"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = first[2] + second[2]
@@ -373,7 +373,7 @@ def compose__wrap_one_sided(first, second):
     )
 
 
-def compose__wrap_other_side(first, second):
+def compose__wraps_only_below_minus_pi(first, second):
     """headings below -pi are wrapped, those above pi are not"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = first[2] + second[2]
@@ -384,7 +384,7 @@ def compose__wrap_other_side(first, second):
     )
 
 
-def compose__modulo_pi(first, second):
+def compose__wraps_by_half_a_turn(first, second):
     """the heading is wrapped by half a turn; a whole turn is 2 pi"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = (first[2] + second[2] + np.pi / 2) % np.pi - np.pi / 2
@@ -393,14 +393,14 @@ def compose__modulo_pi(first, second):
     )
 
 
-def compose__no_sideways(first, second):
+def compose__forgets_the_step_sideways(first, second):
     """a step sideways is lost: the second pose's y counts too"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
     return np.array([first[0] + c * second[0], first[1] + s * second[0], h])
 
 
-def compose__rotates_the_first(first, second):
+def compose__turns_the_first_step(first, second):
     """the first pose stays where it is; it is the second step that is turned"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
@@ -409,14 +409,14 @@ def compose__rotates_the_first(first, second):
     )
 
 
-def compose__list(first, second):
+def compose__returns_a_list(first, second):
     """a list came back; return a numpy array"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = (first[2] + second[2] + np.pi) % (2 * np.pi) - np.pi
     return [first[0] + c * second[0] - s * second[1], first[1] + s * second[0] + c * second[1], h]
 
 
-def compose__heading_subtracted(first, second):
+def compose__subtracts_the_headings(first, second):
     """the headings are subtracted; they add up"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = (first[2] - second[2] + np.pi) % (2 * np.pi) - np.pi
@@ -425,7 +425,7 @@ def compose__heading_subtracted(first, second):
     )
 
 
-def compose__clipped(first, second):
+def compose__clips_the_heading(first, second):
     """the heading is cut at -pi and pi; wrap it: 3.2 becomes 3.2 - 2 pi"""
     c, s = np.cos(first[2]), np.sin(first[2])
     h = np.clip(first[2] + second[2], -np.pi, np.pi)
@@ -455,7 +455,7 @@ def compose__right_ifs(first, second):
     return np.array([z.real, z.imag, total])
 
 
-def bicycle_step__fixed_seconds(pose, speed, steering, wheelbase, seconds):
+def bicycle_step__ignores_the_seconds(pose, speed, steering, wheelbase, seconds):
     """another seconds never changes your answer; use the argument"""
     x, y, h = pose
     seconds = 0.1
@@ -468,7 +468,7 @@ def bicycle_step__fixed_seconds(pose, speed, steering, wheelbase, seconds):
     )
 
 
-def bicycle_step__fixed_wheelbase(pose, speed, steering, wheelbase, seconds):
+def bicycle_step__ignores_the_wheelbase(pose, speed, steering, wheelbase, seconds):
     """the wheelbase is an argument; do not write 0.3 into the formula"""
     x, y, h = pose
     return np.array(
@@ -480,7 +480,7 @@ def bicycle_step__fixed_wheelbase(pose, speed, steering, wheelbase, seconds):
     )
 
 
-def bicycle_step__sin(pose, speed, steering, wheelbase, seconds):
+def bicycle_step__takes_the_sine(pose, speed, steering, wheelbase, seconds):
     """the turning rate has the tangent of the steering angle, not its sine"""
     x, y, h = pose
     return np.array(
@@ -492,8 +492,8 @@ def bicycle_step__sin(pose, speed, steering, wheelbase, seconds):
     )
 
 
-def bicycle_step__reverse_turns_the_same(pose, speed, steering, wheelbase, seconds):
-    """in reverse the turn changes its sign too; do not take the speed"""
+def bicycle_step__turns_the_same_way_in_reverse(pose, speed, steering, wheelbase, seconds):
+    """in reverse the turn changes its sign too; do not take the speed without its sign"""
     x, y, h = pose
     return np.array(
         [
@@ -504,8 +504,8 @@ def bicycle_step__reverse_turns_the_same(pose, speed, steering, wheelbase, secon
     )
 
 
-def bicycle_step__left_only(pose, speed, steering, wheelbase, seconds):
-    """the car always turns left; a negative steering angle turns it to the"""
+def bicycle_step__always_turns_left(pose, speed, steering, wheelbase, seconds):
+    """the car always turns left; a negative steering angle turns it to the right"""
     x, y, h = pose
     return np.array(
         [
@@ -517,7 +517,7 @@ def bicycle_step__left_only(pose, speed, steering, wheelbase, seconds):
 
 
 def bicycle_step__limits_the_steering(pose, speed, steering, wheelbase, seconds):
-    """limit nothing here: the car's motors limit steering and speed before"""
+    """limit nothing here: the car's motors limit steering and speed before this function"""
     x, y, h = pose
     steering = np.clip(steering, -0.45, 0.45)
     return np.array(
@@ -530,7 +530,7 @@ def bicycle_step__limits_the_steering(pose, speed, steering, wheelbase, seconds)
 
 
 def bicycle_step__limits_the_speed(pose, speed, steering, wheelbase, seconds):
-    """limit nothing here: the car's motors limit steering and speed before"""
+    """limit nothing here: the car's motors limit steering and speed before this function"""
     x, y, h = pose
     speed = np.clip(speed, -0.3, 0.8)
     return np.array(
@@ -542,8 +542,8 @@ def bicycle_step__limits_the_speed(pose, speed, steering, wheelbase, seconds):
     )
 
 
-def bicycle_step__heading_is_the_rate(pose, speed, steering, wheelbase, seconds):
-    """the turning rate alone came back as heading; add the turn to the old"""
+def bicycle_step__returns_the_rate_as_heading(pose, speed, steering, wheelbase, seconds):
+    """the turning rate alone came back as heading; add the turn to the old heading"""
     x, y, h = pose
     return np.array(
         [
@@ -554,7 +554,7 @@ def bicycle_step__heading_is_the_rate(pose, speed, steering, wheelbase, seconds)
     )
 
 
-def bicycle_step__list(pose, speed, steering, wheelbase, seconds):
+def bicycle_step__returns_a_list(pose, speed, steering, wheelbase, seconds):
     """a list came back; return a numpy array"""
     x, y, h = pose
     return [
@@ -564,7 +564,7 @@ def bicycle_step__list(pose, speed, steering, wheelbase, seconds):
     ]
 
 
-def bicycle_step__arc_without_straight(pose, speed, steering, wheelbase, seconds):
+def bicycle_step__divides_by_zero_on_straights(pose, speed, steering, wheelbase, seconds):
     """with straight wheels the heading stays, and x grows by speed times"""
     x, y, h = pose
     r = wheelbase / np.tan(steering)
@@ -572,7 +572,7 @@ def bicycle_step__arc_without_straight(pose, speed, steering, wheelbase, seconds
     return np.array([x + r * (np.sin(n) - np.sin(h)), y - r * (np.cos(n) - np.cos(h)), n])
 
 
-def bicycle_step__heading_ignored(pose, speed, steering, wheelbase, seconds):
+def bicycle_step__always_drives_along_x(pose, speed, steering, wheelbase, seconds):
     """the step runs along the heading, not always along x"""
     x, y, h = pose
     return np.array([x + speed * seconds, y, h + speed * np.tan(steering) / wheelbase * seconds])
@@ -620,7 +620,7 @@ def _parallel(d, a, b):
     return abs(cross(d, b - a)) < 1e-12
 
 
-def ray_segment__u_below_one_only(origin, direction, start, end):
+def ray_segment__tests_only_the_end(origin, direction, start, end):
     """the ray passes before the wall's start there: u must not be negative"""
     if _parallel(direction, start, end):
         return np.inf
@@ -628,7 +628,7 @@ def ray_segment__u_below_one_only(origin, direction, start, end):
     return t if t >= 0 and u <= 1 else np.inf
 
 
-def ray_segment__u_above_zero_only(origin, direction, start, end):
+def ray_segment__tests_only_the_start(origin, direction, start, end):
     """the ray passes beyond the wall's end there: u must not be above 1"""
     if _parallel(direction, start, end):
         return np.inf
@@ -636,7 +636,7 @@ def ray_segment__u_above_zero_only(origin, direction, start, end):
     return t if t >= 0 and u >= 0 else np.inf
 
 
-def ray_segment__no_t(origin, direction, start, end):
+def ray_segment__forgets_t(origin, direction, start, end):
     """it is behind the robot: t must not be negative"""
     if _parallel(direction, start, end):
         return np.inf
@@ -644,7 +644,7 @@ def ray_segment__no_t(origin, direction, start, end):
     return t if 0 <= u <= 1 else np.inf
 
 
-def ray_segment__t_positive(origin, direction, start, end):
+def ray_segment__misses_a_wall_it_starts_on(origin, direction, start, end):
     """a ray that starts on the wall hits it at 0 m: t = 0 counts"""
     if _parallel(direction, start, end):
         return np.inf
@@ -652,23 +652,23 @@ def ray_segment__t_positive(origin, direction, start, end):
     return t if t > 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__open_ends(origin, direction, start, end):
-    """a ray that hits exactly an end of the wall hits it: u = 0 and u = 1"""
+def ray_segment__misses_the_exact_ends(origin, direction, start, end):
+    """a ray that hits exactly an end of the wall hits it: u = 0 and u = 1 count"""
     if _parallel(direction, start, end):
         return np.inf
     t, u = _tu(origin, direction, start, end)
     return t if t >= 0 and 0 < u < 1 else np.inf
 
 
-def ray_segment__one_orientation(origin, direction, start, end):
-    """which end is the start does not matter: the denominator may be"""
+def ray_segment__sees_walls_from_one_side_only(origin, direction, start, end):
+    """which end is the start does not matter: the denominator may be negative"""
     if cross(direction, end - start) < 1e-12:
         return np.inf
     t, u = _tu(origin, direction, start, end)
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__coarse_parallel(origin, direction, start, end):
+def ray_segment__takes_slanted_walls_for_parallel(origin, direction, start, end):
     """a small denominator is not zero: only 1e-9 or less counts as parallel"""
     if abs(cross(direction, end - start)) < 0.05:
         return np.inf
@@ -676,7 +676,7 @@ def ray_segment__coarse_parallel(origin, direction, start, end):
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__limited_range(origin, direction, start, end):
+def ray_segment__ends_at_20_metres(origin, direction, start, end):
     """the function has no largest range: far hits count, too (inf came"""
     if _parallel(direction, start, end):
         return np.inf
@@ -692,7 +692,7 @@ def ray_segment__returns_none(origin, direction, start, end):
     return t if t >= 0 and 0 <= u <= 1 else None
 
 
-def ray_segment__minus_one(origin, direction, start, end):
+def ray_segment__returns_minus_one_for_a_miss(origin, direction, start, end):
     """a ray that misses returns np.inf, not -1"""
     if _parallel(direction, start, end):
         return -1.0
@@ -700,7 +700,7 @@ def ray_segment__minus_one(origin, direction, start, end):
     return t if t >= 0 and 0 <= u <= 1 else -1.0
 
 
-def ray_segment__point(origin, direction, start, end):
+def ray_segment__returns_the_point(origin, direction, start, end):
     """a point came back; return how far away it is, one number"""
     if _parallel(direction, start, end):
         return np.inf
@@ -708,14 +708,14 @@ def ray_segment__point(origin, direction, start, end):
     return origin + t * direction if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__parallel_crashes(origin, direction, start, end):
+def ray_segment__divides_by_a_singular_matrix(origin, direction, start, end):
     """your code stops with LinAlgError"""
     matrix = np.column_stack([direction, start - end])
     t, u = np.linalg.solve(matrix, start - origin)
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__parallel_zero(origin, direction, start, end):
+def ray_segment__returns_zero_for_a_parallel_wall(origin, direction, start, end):
     """a parallel wall is missed: its answer, too, is np.inf"""
     if _parallel(direction, start, end):
         return 0.0
@@ -723,7 +723,7 @@ def ray_segment__parallel_zero(origin, direction, start, end):
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__u_in_metres(origin, direction, start, end):
+def ray_segment__measures_u_in_metres(origin, direction, start, end):
     """u is a share of the wall's length; do not divide b - a by its length"""
     wall = (end - start) / np.linalg.norm(end - start)
     n = cross(direction, wall)
@@ -734,7 +734,7 @@ def ray_segment__u_in_metres(origin, direction, start, end):
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__nearest_end(origin, direction, start, end):
+def ray_segment__measures_to_the_nearest_end(origin, direction, start, end):
     """solve for t and u by the two fractions above; t is the answer (1.953"""
     if _parallel(direction, start, end):
         return np.inf
@@ -744,7 +744,7 @@ def ray_segment__nearest_end(origin, direction, start, end):
     return min(np.linalg.norm(start - origin), np.linalg.norm(end - origin))
 
 
-def ray_segment__changes(origin, direction, start, end):
+def ray_segment__changes_its_arguments(origin, direction, start, end):
     """your function changes its argument 3; make a new array"""
     end -= start
     start -= origin
@@ -755,8 +755,8 @@ def ray_segment__changes(origin, direction, start, end):
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__sign(origin, direction, start, end):
-    """a sign is wrong: the offset runs from the ray's origin to the wall's"""
+def ray_segment__turns_the_offset_around(origin, direction, start, end):
+    """a sign is wrong: the offset runs from the ray's origin to the wall's start, a - o"""
     if _parallel(direction, start, end):
         return np.inf
     t, u = _tu(origin, direction, start, end)
@@ -788,63 +788,63 @@ def _right_share(depth, rows):
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__binary(depth, rows):
+def wall_share__looks_at_the_middle_of_a_pixel(depth, rows):
     """some pixels are partly covered; give the share, not 0 or 1"""
     h = 2 * SLOPE / rows
     c = SLOPE - h * (np.arange(rows) + 0.5)
     return ((c < 0.75 / depth) & (c > -0.25 / depth)).astype(float)
 
 
-def wall_share__no_upper_clip(depth, rows):
-    """shares lie between 0 and 1; rows that the wall covers come out above"""
+def wall_share__exceeds_one(depth, rows):
+    """shares lie between 0 and 1; rows that the wall covers come out above 1"""
     h = 2 * SLOPE / rows
     u = SLOPE - h * np.arange(rows)
     return np.maximum((np.minimum(0.75 / depth, u) + 0.25 / depth) / h, 0)
 
 
-def wall_share__not_divided(depth, rows):
+def wall_share__returns_slopes(depth, rows):
     """divide the overlap by the height of a row, h, to get a share"""
     h = 2 * SLOPE / rows
     return _right_share(depth, rows) * h
 
 
-def wall_share__no_floor(depth, rows):
+def wall_share__ends_at_the_horizon(depth, rows):
     """the part of the wall below the horizon is lost: it ends at the slope"""
     h = 2 * SLOPE / rows
     u = SLOPE - h * np.arange(rows)
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(0, u - h)) / h, 0, 1)
 
 
-def wall_share__half_rows(depth, rows):
+def wall_share__makes_rows_half_as_high(depth, rows):
     """a row is h = 2s / rows high, since the image reaches from s down to -s"""
     h = SLOPE / rows
     u = SLOPE - h * np.arange(rows)
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__always_sixteen(depth, rows):
+def wall_share__always_returns_16_rows(depth, rows):
     """shape (16,), but (64,) is needed"""
     return _right_share(depth, 16)
 
 
-def wall_share__height_of_sixteen(depth, rows):
+def wall_share__makes_rows_as_high_as_of_16(depth, rows):
     """the number of rows is an argument; a row is not always 2s / 16 high"""
     h = 2 * SLOPE / 16
     u = SLOPE - h * np.arange(rows)
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__depth_ignored(depth, rows):
+def wall_share__ignores_the_depth(depth, rows):
     """another depth never changes your answer; use the argument"""
     return _right_share(2.0, rows)
 
 
-def wall_share__times_depth(depth, rows):
+def wall_share__multiplies_by_the_depth(depth, rows):
     """the heights are multiplied by the depth; divide them"""
     return _right_share(1 / depth, rows)
 
 
-def wall_share__angles(depth, rows):
+def wall_share__divides_angles_evenly(depth, rows):
     """rows divide the range of slopes evenly, not the range of angles"""
     s = np.pi / 6
     h = 2 * s / rows
@@ -856,26 +856,26 @@ def wall_share__angles(depth, rows):
     )
 
 
-def wall_share__one_row_down(depth, rows):
+def wall_share__begins_one_row_too_low(depth, rows):
     """everything is one row too low: row 0 begins at the slope s itself"""
     h = 2 * SLOPE / rows
     u = SLOPE - h * (np.arange(rows) + 1)
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__linspace(depth, rows):
+def wall_share__spreads_the_rows_too_far(depth, rows):
     """rows lie h = 2s / rows apart; np.linspace(s, -s, rows) puts them 2s /"""
     u = np.linspace(SLOPE, -SLOPE, rows)
     h = 2 * SLOPE / rows
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__list(depth, rows):
+def wall_share__returns_a_list(depth, rows):
     """a list came back; return a numpy array"""
     return list(_right_share(depth, rows))
 
 
-def wall_share__ceiling_share(depth, rows):
+def wall_share__returns_the_share_of_the_rest(depth, rows):
     """that is the share of floor and ceiling; the wall's is 1 minus it"""
     return 1 - _right_share(depth, rows)
 
@@ -906,41 +906,41 @@ def _wrap(a):
     return (a + np.pi) % (2 * np.pi) - np.pi
 
 
-def to_local__ones(pose, points):
+def to_local__answers_five_points_at_most(pose, points):
     """shape (5, 2), but (6, 2) is needed"""
     return np.array([_rotation(pose[2]).T @ (p - pose[:2]) for p in points[:5]])
 
 
-def to_local__heading_wrapped_0_pi(pose, points):
+def to_local__wraps_the_heading_into_half_a_turn(pose, points):
     """a negative heading is a turn to the right; the same formula holds"""
     return (points - pose[:2]) @ _rotation(pose[2] % np.pi)
 
 
-def to_local__skip_last(pose, points):
+def to_local__leaves_out_the_last_point(pose, points):
     """shape (4, 2), but (5, 2) is needed"""
     return np.array([_rotation(pose[2]).T @ (p - pose[:2]) for p in points[:-1]])
 
 
-def to_local__sorted(pose, points):
-    """its frame is that of the world: each point comes back as it is, in"""
+def to_local__sorts_the_points(pose, points):
+    """its frame is that of the world: each point comes back as it is, in its own row"""
     return np.sort((points - pose[:2]) @ _rotation(pose[2]), axis=0)
 
 
-def to_local__abs_left(pose, points):
-    """points to the right of the robot lie at a negative y; do not drop the"""
+def to_local__drops_the_sign_of_y(pose, points):
+    """points to the right of the robot lie at a negative y; do not drop the sign"""
     r = (points - pose[:2]) @ _rotation(pose[2])
     r[:, 1] = abs(r[:, 1])
     return r
 
 
-def to_local__sin_only(pose, points):
-    """the formula of the new y is that of x with another sign; it is cos *"""
+def to_local__mixes_up_dx_and_dy(pose, points):
+    """the formula of the new y is that of x with another sign; it is cos * dy - sin * dx"""
     o = points - pose[:2]
     c, s = (math.cos(pose[2]), math.sin(pose[2]))
     return np.stack([c * o[:, 0] + s * o[:, 1], c * o[:, 0] - s * o[:, 1]], 1)
 
 
-def to_local__int(pose, points):
+def to_local__returns_whole_numbers(pose, points):
     """the answers are whole numbers; return all digits"""
     return ((points - pose[:2]) @ _rotation(pose[2])).astype(int)
 
@@ -961,37 +961,37 @@ def to_local__right_inv(pose, points):
     return np.linalg.solve(_rotation(pose[2]), (points - pose[:2]).T).T
 
 
-def compose__mean(f, s):
+def compose__takes_the_mean_heading(f, s):
     """the headings add up; do not take their mean"""
     xy = f[:2] + _rotation(f[2]) @ s[:2]
     return np.array([*xy, (f[2] + s[2]) / 2])
 
 
-def compose__dist(f, s):
-    """the second pose's x and y are both needed, with their signs, not only"""
+def compose__uses_only_the_distance(f, s):
+    """the second pose's x and y are both needed, with their signs, not only its distance"""
     d = np.hypot(*s[:2])
     return np.array([f[0] + d * np.cos(f[2]), f[1] + d * np.sin(f[2]), _wrap(f[2] + s[2])])
 
 
-def compose__four(f, s):
+def compose__returns_four_numbers(f, s):
     """shape (4,), but (3,) is needed"""
     xy = f[:2] + _rotation(f[2]) @ s[:2]
     return np.array([*xy, _wrap(f[2] + s[2]), 0])
 
 
-def compose__only_xy(f, s):
+def compose__forgets_the_heading(f, s):
     """shape (2,), but (3,) is needed"""
     return f[:2] + _rotation(f[2]) @ s[:2]
 
 
-def compose__xswap(f, s):
+def compose__exchanges_x_and_y(f, s):
     """x and y of the turned step are exchanged"""
     xy = f[:2] + (_rotation(f[2]) @ s[:2])[::-1]
     return np.array([*xy, _wrap(f[2] + s[2])])
 
 
-def compose__half_heading(f, s):
-    """the step comes before the turn that the second heading makes; do not"""
+def compose__turns_by_half_of_the_second(f, s):
+    """the step comes before the turn that the second heading makes; do not turn it by half"""
     xy = f[:2] + _rotation(f[2] + s[2] / 2) @ s[:2]
     return np.array([*xy, _wrap(f[2] + s[2])])
 
@@ -1010,7 +1010,7 @@ def compose__right_while(f, s):
     return np.concatenate([f[:2] + _rotation(f[2]) @ s[:2], [h]])
 
 
-def bicycle_step__full_arc_wrong_y(p, v, d, L, dt):
+def bicycle_step__turns_the_arc_around(p, v, d, L, dt):
     """write down the three equations, each times the seconds (1.992 at"""
     w = v * np.tan(d) / L
     if abs(w) < 1e-09:
@@ -1022,34 +1022,34 @@ def bicycle_step__full_arc_wrong_y(p, v, d, L, dt):
     )
 
 
-def bicycle_step__no_reverse(p, v, d, L, dt):
-    """a car in reverse moves backwards; do not stop it, nor take the speed"""
+def bicycle_step__cannot_reverse(p, v, d, L, dt):
+    """a car in reverse moves backwards; do not stop it, nor take the speed without its sign"""
     v = max(v, 0)
     return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d) / L]) * dt
 
 
-def bicycle_step__dt_sq(p, v, d, L, dt):
-    """the turn is the rate times the seconds, once; the seconds count twice"""
+def bicycle_step__counts_the_seconds_twice(p, v, d, L, dt):
+    """the turn is the rate times the seconds, once; the seconds count twice in yours"""
     return p + np.array([v * np.cos(p[2]) * dt, v * np.sin(p[2]) * dt, v * np.tan(d) / L * dt * dt])
 
 
-def bicycle_step__forgets_the_length(p, v, d, L, dt):
+def bicycle_step__forgets_the_wheelbase(p, v, d, L, dt):
     """the wheelbase is missing: the turning rate is divided by it"""
     return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d)]) * dt
 
 
-def bicycle_step__degrees_tan(p, v, d, L, dt):
-    """np.tan takes radians, and the steering angle is in radians; do not"""
+def bicycle_step__takes_the_tangent_of_degrees(p, v, d, L, dt):
+    """np.tan takes radians, and the steering angle is in radians; do not convert it"""
     return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(np.rad2deg(d)) / L]) * dt
 
 
-def bicycle_step__heading_first(p, v, d, L, dt):
-    """x and y use the heading after the turn; take the one at the start of"""
+def bicycle_step__turns_before_it_moves(p, v, d, L, dt):
+    """x and y use the heading after the turn; take the one at the start of the step"""
     h = p[2] + v * np.tan(d) / L * dt
     return np.array([p[0] + v * np.cos(h) * dt, p[1] + v * np.sin(h) * dt, h])
 
 
-def bicycle_step__front(p, v, d, L, dt):
+def bicycle_step__moves_the_front_axle(p, v, d, L, dt):
     """v is the speed of the rear axle, so the step and the turn have no"""
     return (
         p
@@ -1058,12 +1058,12 @@ def bicycle_step__front(p, v, d, L, dt):
     )
 
 
-def bicycle_step__x_only_forward(p, v, d, L, dt):
+def bicycle_step__reverses_forwards(p, v, d, L, dt):
     """a car in reverse moves backwards; take the speed with its sign"""
     return p + np.array([abs(v) * np.cos(p[2]), abs(v) * np.sin(p[2]), v * np.tan(d) / L]) * dt
 
 
-def bicycle_step__div(p, v, d, L, dt):
+def bicycle_step__divides_by_the_seconds(p, v, d, L, dt):
     """divided by the seconds; a rate is multiplied by them"""
     return p + np.array([v * np.cos(p[2]), v * np.sin(p[2]), v * np.tan(d) / L]) / dt
 
@@ -1090,15 +1090,15 @@ def _ratios(o, d, a, b):
     return (_across(a - o, b - a) / n, _across(a - o, d) / n)
 
 
-def ray_segment__and_or(o, d, a, b):
-    """both conditions must hold, t >= 0 and 0 <= u <= 1; one alone is not"""
+def ray_segment__joins_the_conditions_by_or(o, d, a, b):
+    """both conditions must hold, t >= 0 and 0 <= u <= 1; one alone is not enough"""
     if abs(_across(d, b - a)) < 1e-12:
         return np.inf
     t, u = _ratios(o, d, a, b)
     return t if t >= 0 or 0 <= u <= 1 else np.inf
 
 
-def ray_segment__abs_u(o, d, a, b):
+def ray_segment__takes_the_size_of_u(o, d, a, b):
     """u must not be negative: test 0 <= u, not its absolute value"""
     if abs(_across(d, b - a)) < 1e-12:
         return np.inf
@@ -1106,7 +1106,7 @@ def ray_segment__abs_u(o, d, a, b):
     return t if t >= 0 and abs(u) <= 1 else np.inf
 
 
-def ray_segment__end_minus(o, d, a, b):
+def ray_segment__measures_u_from_the_end(o, d, a, b):
     """solve for t and u by the two fractions above; t is the answer (inf"""
     if abs(_across(d, b - a)) < 1e-12:
         return np.inf
@@ -1115,7 +1115,7 @@ def ray_segment__end_minus(o, d, a, b):
     return t if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__euclid_mid(o, d, a, b):
+def ray_segment__measures_to_the_middle(o, d, a, b):
     """check the signs of the two fractions (1.761 came back; 1.793 is right)"""
     if abs(_across(d, b - a)) < 1e-12:
         return np.inf
@@ -1123,7 +1123,7 @@ def ray_segment__euclid_mid(o, d, a, b):
     return np.linalg.norm((a + b) / 2 - o) if t >= 0 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__huge(o, d, a, b):
+def ray_segment__returns_a_huge_number_for_a_miss(o, d, a, b):
     """the ray passes before the wall's start: u is negative, so it misses"""
     if abs(_across(d, b - a)) < 1e-12:
         return 1000000000.0
@@ -1131,7 +1131,7 @@ def ray_segment__huge(o, d, a, b):
     return t if t >= 0 and 0 <= u <= 1 else 1000000000.0
 
 
-def ray_segment__false(o, d, a, b):
+def ray_segment__returns_false_for_a_miss(o, d, a, b):
     """a ray that misses returns np.inf, not 0"""
     if abs(_across(d, b - a)) < 1e-12:
         return False
@@ -1139,7 +1139,7 @@ def ray_segment__false(o, d, a, b):
     return t if t >= 0 and 0 <= u <= 1 else False
 
 
-def ray_segment__t_le_one(o, d, a, b):
+def ray_segment__limits_t_to_one(o, d, a, b):
     """t is a distance in metres; it has no upper limit, and only u ends at 1"""
     if abs(_across(d, b - a)) < 1e-12:
         return np.inf
@@ -1147,7 +1147,7 @@ def ray_segment__t_le_one(o, d, a, b):
     return t if 0 <= t <= 1 and 0 <= u <= 1 else np.inf
 
 
-def ray_segment__slope(o, d, a, b):
+def ray_segment__uses_slopes_and_the_range_of_x(o, d, a, b):
     """the ray passes before the wall's start: u is negative, so it misses"""
     m = d[1] / d[0]
     if a[0] == b[0]:
@@ -1161,7 +1161,7 @@ def ray_segment__slope(o, d, a, b):
     return t if t >= 0 and min(a[0], b[0]) <= x <= max(a[0], b[0]) else np.inf
 
 
-def ray_segment__collinear_hit(o, d, a, b):
+def ray_segment__hits_a_wall_along_the_ray(o, d, a, b):
     """it is parallel too, so it is missed: return np.inf (0.5 came back;"""
     if abs(_across(d, b - a)) < 1e-12:
         return min((a - o) @ d, (b - o) @ d) if abs(_across(a - o, d)) < 1e-09 else np.inf
@@ -1188,61 +1188,61 @@ def _slopes(top, bot, rows):
     return np.clip((np.minimum(top, u) - np.maximum(bot, u - h)) / h, 0, 1)
 
 
-def wall_share__eye_only(depth, rows):
-    """the eye is 0.25 m above the floor: the wall ends 0.25 m below it, not"""
+def wall_share__puts_the_eye_as_high_as_the_rest(depth, rows):
+    """the eye is 0.25 m above the floor: the wall ends 0.25 m below it, not 0.75 m"""
     return _slopes(0.75 / depth, -0.75 / depth, rows)
 
 
-def wall_share__top_undivided(depth, rows):
+def wall_share__divides_only_the_lower_end(depth, rows):
     """the upper end of the wall is not divided by the depth"""
     return _slopes(0.75, -0.25 / depth, rows)
 
 
-def wall_share__bottom_undivided(depth, rows):
+def wall_share__divides_only_the_upper_end(depth, rows):
     """the lower end of the wall is not divided by the depth"""
     return _slopes(0.75 / depth, -0.25, rows)
 
 
-def wall_share__floor(depth, rows):
-    """a pixel that is partly covered counts as well; give the share, not"""
+def wall_share__drops_partly_covered_pixels(depth, rows):
+    """a pixel that is partly covered counts as well; give the share, not only whole pixels"""
     return np.floor(_slopes(0.75 / depth, -0.25 / depth, rows))
 
 
-def wall_share__mirror(depth, rows):
-    """compare with the picture: which rows does the wall reach, from which"""
+def wall_share__mirrors_the_upper_half(depth, rows):
+    """compare with the picture: which rows does the wall reach, from which slope to which?"""
     r = _slopes(0.75 / depth, -0.25 / depth, rows)
     h = (rows + 1) // 2
     return np.concatenate([r[:h], r[: rows - h][::-1]])
 
 
-def wall_share__normal(depth, rows):
+def wall_share__divides_by_the_sum(depth, rows):
     """each row has a share of its own; do not divide them by their sum"""
     r = _slopes(0.75 / depth, -0.25 / depth, rows)
     return r / r.sum()
 
 
-def wall_share__max(depth, rows):
-    """a far wall covers no row completely; do not divide by the largest"""
+def wall_share__divides_by_the_largest(depth, rows):
+    """a far wall covers no row completely; do not divide by the largest share"""
     r = _slopes(0.75 / depth, -0.25 / depth, rows)
     return r / r.max()
 
 
-def wall_share__slope1(depth, rows):
+def wall_share__ends_the_image_at_slope_1(depth, rows):
     """the image ends at the slope tan 30 degrees (`slope`), not at 1"""
     h = 2 / rows
     u = 1 - h * np.arange(rows)
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__tan60(depth, rows):
-    """the image ends at the slope tan 30 degrees (`slope`), half of its"""
+def wall_share__takes_60_degrees_up_and_down(depth, rows):
+    """the image ends at the slope tan 30 degrees (`slope`), half of its field of view of 60"""
     s = np.tan(np.pi / 3)
     h = 2 * s / rows
     u = s - h * np.arange(rows)
     return np.clip((np.minimum(0.75 / depth, u) - np.maximum(-0.25 / depth, u - h)) / h, 0, 1)
 
 
-def wall_share__total(depth, rows):
+def wall_share__returns_one_number(depth, rows):
     """came back; return a numpy array"""
     return min(1, 1 / depth / (2 * SLOPE))
 

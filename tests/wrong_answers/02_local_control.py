@@ -170,7 +170,7 @@ def resolve__has_no_damping(policies):
 
 
 def resolve__solves_inside_the_loop(policies):
-    """solve once, after the sums; do not add up"""
+    """solve once, after the sums; do not add up what each policy wants"""
     wanted = np.zeros(2)
     for jacobian, acceleration, metric in policies:
         own = jacobian.T @ metric @ jacobian + 1e-6 * np.eye(2)
@@ -410,22 +410,22 @@ def _toward(offsets, near):
     return offsets / np.maximum(d, near)
 
 
-def goal_policy__fixed_near(offsets, velocities, gain, damping, near):
+def goal_policy__ignores_near(offsets, velocities, gain, damping, near):
     """another near never changes your answer; use the argument"""
     return gain * _toward(offsets, 0.35) - damping * velocities, _eyes(offsets)
 
 
-def goal_policy__fixed_gain(offsets, velocities, gain, damping, near):
+def goal_policy__ignores_the_gain(offsets, velocities, gain, damping, near):
     """another gain never changes your answer; use the argument"""
     return 2.4 * _toward(offsets, near) - damping * velocities, _eyes(offsets)
 
 
-def goal_policy__fixed_damping(offsets, velocities, gain, damping, near):
+def goal_policy__ignores_the_damping(offsets, velocities, gain, damping, near):
     """another damping never changes your answer; use the argument"""
     return gain * _toward(offsets, near) - 3.0 * velocities, _eyes(offsets)
 
 
-def goal_policy__minimum(offsets, velocities, gain, damping, near):
+def goal_policy__takes_the_minimum(offsets, velocities, gain, damping, near):
     """divide by the larger of distance and `near`, not by the smaller"""
     d = np.linalg.norm(offsets, axis=-1, keepdims=True)
     return gain * offsets / np.minimum(d, near) - damping * velocities, _eyes(offsets)
@@ -438,44 +438,44 @@ def goal_policy__stops_within_near(offsets, velocities, gain, damping, near):
     return pull - damping * velocities, _eyes(offsets)
 
 
-def goal_policy__damps_speed_of_all(offsets, velocities, gain, damping, near):
+def goal_policy__damps_by_the_speed(offsets, velocities, gain, damping, near):
     """the velocity is damped component by component, not its length"""
     speed = np.linalg.norm(velocities, axis=-1, keepdims=True)
     return gain * _toward(offsets, near) - damping * speed, _eyes(offsets)
 
 
-def goal_policy__damps_pull(offsets, velocities, gain, damping, near):
-    """only the pull is multiplied by the gain, only the velocity by the"""
+def goal_policy__puts_gain_and_damping_in_one_bracket(offsets, velocities, gain, damping, near):
+    """only the pull is multiplied by the gain, only the velocity by the damping"""
     return (gain - damping) * _toward(offsets, near) - velocities, _eyes(offsets)
 
 
-def goal_policy__away(offsets, velocities, gain, damping, near):
-    """it pushes away from the goal: the offset runs from the point to its"""
+def goal_policy__pushes_away(offsets, velocities, gain, damping, near):
+    """it pushes away from the goal: the offset runs from the point to its goal"""
     return -gain * _toward(offsets, near) - damping * velocities, _eyes(offsets)
 
 
-def goal_policy__metric_gain(offsets, velocities, gain, damping, near):
+def goal_policy__puts_the_gain_into_the_metric(offsets, velocities, gain, damping, near):
     """the metric is the identity itself; the gain does not belong in it"""
     return gain * _toward(offsets, near) - damping * velocities, gain * _eyes(offsets)
 
 
-def goal_policy__metric_ones(offsets, velocities, gain, damping, near):
+def goal_policy__fills_the_metric_with_ones(offsets, velocities, gain, damping, near):
     """the metric is the identity: ones on the diagonal only"""
     return gain * _toward(offsets, near) - damping * velocities, np.ones((*np.shape(offsets), 2))
 
 
-def goal_policy__only_rows(offsets, velocities, gain, damping, near):
-    """your code stops with AxisError: axis 1 is out of bounds for array of"""
+def goal_policy__needs_rows(offsets, velocities, gain, damping, near):
+    """your code stops with AxisError: axis 1 is out of bounds for array of dimension 1"""
     d = np.linalg.norm(offsets, axis=1)[:, None]
     return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
 
 
-def goal_policy__swapped(offsets, velocities, gain, damping, near):
+def goal_policy__exchanges_its_answers(offsets, velocities, gain, damping, near):
     """the two are exchanged: give the accelerations first"""
     return _eyes(offsets), gain * _toward(offsets, near) - damping * velocities
 
 
-def goal_policy__manhattan(offsets, velocities, gain, damping, near):
+def goal_policy__adds_up_components(offsets, velocities, gain, damping, near):
     """divide by the length of the offset, not by the sum of its components"""
     d = np.abs(offsets).sum(-1, keepdims=True)
     return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
@@ -487,7 +487,7 @@ def goal_policy__changes_velocities(offsets, velocities, gain, damping, near):
     return gain * _toward(offsets, near) - velocities, _eyes(offsets)
 
 
-def goal_policy__squared(offsets, velocities, gain, damping, near):
+def goal_policy__divides_by_the_square(offsets, velocities, gain, damping, near):
     """divide by the length of the offset, not by its square"""
     d = (offsets**2).sum(-1, keepdims=True)
     return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
@@ -517,80 +517,82 @@ def _near(distances):
     return np.maximum(distances, 0.01)
 
 
-def obstacle_policy__fixed_floor_a_metre(distances, closing, push, brake, weight, fade):
+def obstacle_policy__begins_at_10_centimetres(distances, closing, push, brake, weight, fade):
     """the smallest distance is 0.01 m, 1 cm, not 10 cm"""
     d = np.maximum(distances, 0.1)
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__fixed_fade(distances, closing, push, brake, weight, fade):
+def obstacle_policy__ignores_fade(distances, closing, push, brake, weight, fade):
     """another fade never changes your answer; use the argument"""
     d = _near(distances)
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / 0.08)
 
 
-def obstacle_policy__adds_floor(distances, closing, push, brake, weight, fade):
+def obstacle_policy__adds_a_centimetre(distances, closing, push, brake, weight, fade):
     """0.01 m is the smallest distance; it is not added to every distance"""
     d = distances + 0.01
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__squared_distance(distances, closing, push, brake, weight, fade):
+def obstacle_policy__divides_by_the_square(distances, closing, push, brake, weight, fade):
     """divide by the distance itself, not by its square"""
     d = _near(distances)
     return (push + brake * np.maximum(closing, 0)) / d**2, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__gaussian(distances, closing, push, brake, weight, fade):
+def obstacle_policy__fades_with_the_square(distances, closing, push, brake, weight, fade):
     """the exponent is the distance divided by `fade`, not squared"""
     d = _near(distances)
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-((d / fade) ** 2))
 
 
-def obstacle_policy__brake_when_receding(distances, closing, push, brake, weight, fade):
-    """the brake acts while the distance shrinks (closing > 0), not while it"""
+def obstacle_policy__brakes_only_what_recedes(distances, closing, push, brake, weight, fade):
+    """the brake acts while the distance shrinks (closing > 0), not while it grows"""
     d = _near(distances)
     return (push + brake * np.maximum(-closing, 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__push_only_when_closing(distances, closing, push, brake, weight, fade):
-    """an obstacle pushes even if it does not come nearer: only the brake"""
+def obstacle_policy__pushes_only_what_comes_nearer(distances, closing, push, brake, weight, fade):
+    """an obstacle pushes even if it does not come nearer: only the brake depends on closing"""
     d = _near(distances)
     return np.where(closing > 0, push + brake * closing, 0) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__same_for_push_and_brake(distances, closing, push, brake, weight, fade):
-    """the brake is missing its own factor: it is brake, not push, that"""
+def obstacle_policy__takes_the_push_for_the_brake(distances, closing, push, brake, weight, fade):
+    """the brake is missing its own factor: it is brake, not push, that multiplies closing"""
     d = _near(distances)
     return (push + push * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__nearest_only(distances, closing, push, brake, weight, fade):
-    """each obstacle has its own distance; do not use the nearest one's for"""
+def obstacle_policy__takes_the_nearest_for_all(distances, closing, push, brake, weight, fade):
+    """each obstacle has its own distance; do not use the nearest one's for all"""
     d = np.full_like(distances, _near(distances).min())
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__normalised_weights(distances, closing, push, brake, weight, fade):
+def obstacle_policy__divides_the_metrics_by_their_sum(
+    distances, closing, push, brake, weight, fade
+):
     """each metric stands alone; do not divide them by their sum"""
     d = _near(distances)
     m = np.exp(-d / fade)
     return (push + brake * np.maximum(closing, 0)) / d, weight * m / m.sum()
 
 
-def obstacle_policy__abs_distance(distances, closing, push, brake, weight, fade):
-    """a negative distance is nearer than 0.01 m too: np.maximum, not the"""
+def obstacle_policy__drops_the_sign_of_the_distance(distances, closing, push, brake, weight, fade):
+    """a negative distance is nearer than 0.01 m too: np.maximum, not the absolute value"""
     d = np.maximum(np.abs(distances), 0.01)
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__changes(distances, closing, push, brake, weight, fade):
+def obstacle_policy__changes_its_arguments(distances, closing, push, brake, weight, fade):
     """your function changes its argument 1; make a new array"""
     distances[distances < 0.01] = 0.01
     return (push + brake * np.maximum(closing, 0)) / distances, weight * np.exp(-distances / fade)
 
 
-def obstacle_policy__cut_off(distances, closing, push, brake, weight, fade):
+def obstacle_policy__cuts_the_metric_off(distances, closing, push, brake, weight, fade):
     """only distances below 0.01 m are limited, and no obstacle is left out"""
     d = _near(distances)
     m = weight * np.exp(-d / fade)
@@ -598,13 +600,13 @@ def obstacle_policy__cut_off(distances, closing, push, brake, weight, fade):
     return (push + brake * np.maximum(closing, 0)) / d, m
 
 
-def obstacle_policy__max_of_all(distances, closing, push, brake, weight, fade):
-    """each obstacle has its own closing speed; do not use the largest for"""
+def obstacle_policy__takes_the_fastest_for_all(distances, closing, push, brake, weight, fade):
+    """each obstacle has its own closing speed; do not use the largest for all"""
     d = _near(distances)
     return (push + brake * max(closing.max(), 0)) / d, weight * np.exp(-d / fade)
 
 
-def obstacle_policy__lists(distances, closing, push, brake, weight, fade):
+def obstacle_policy__returns_lists(distances, closing, push, brake, weight, fade):
     """the accelerations: a list came back; return a numpy array"""
     d = _near(distances)
     return list((push + brake * np.maximum(closing, 0)) / d), list(weight * np.exp(-d / fade))
@@ -631,25 +633,25 @@ def _total(policies):
     return f, m
 
 
-def resolve__strong_damping(policies):
+def resolve__adds_too_much_to_the_diagonal(policies):
     """with J the identity its acceleration comes back as it is (1.98 at"""
     f, m = _total(policies)
     return np.linalg.solve(m + 1e-2 * np.eye(2), f)
 
 
-def resolve__damping_everywhere(policies):
+def resolve__adds_to_the_whole_matrix(policies):
     """1e-6 belongs to the diagonal only: 1e-6 * np.eye(2)"""
     f, m = _total(policies)
     return np.linalg.solve(m + 1e-6, f)
 
 
-def resolve__damping_per_policy_big(policies):
+def resolve__adds_for_every_policy(policies):
     """with J the identity its acceleration comes back as it is (1.998 at"""
     f, m = _total(policies)
     return np.linalg.solve(m + 1e-3 * len(policies) * np.eye(2), f)
 
 
-def resolve__transposed(policies):
+def resolve__exchanges_j_and_its_transpose(policies):
     """J and J^T are exchanged: force J^T M a and metric J^T M J"""
     f, m = np.zeros(2), 1e-6 * np.eye(2)
     for j, a, w in policies:
@@ -660,39 +662,39 @@ def resolve__transposed(policies):
     return np.linalg.solve(m, f)
 
 
-def resolve__metric_squared(policies):
-    """the metric M counts twice; it stands once in the force and once in"""
+def resolve__counts_the_metric_twice(policies):
+    """the metric M counts twice; it stands once in the force and once in the metric"""
     f, m = np.zeros(2), 1e-6 * np.eye(2)
     for j, a, w in policies:
         f, m = f + j.T @ w @ w @ a, m + j.T @ w @ w @ j
     return np.linalg.solve(m, f)
 
 
-def resolve__multiplies(policies):
-    """the force is multiplied by the metric; solve metric @ u = force"""
+def resolve__multiplies_instead_of_solving(policies):
+    """the force is multiplied by the metric; solve metric @ u = force instead"""
     f, m = _total(policies)
     return (m + 1e-6 * np.eye(2)) @ f
 
 
-def resolve__diagonal_only(policies):
-    """the diagonal of the metric is not enough; solve with the whole 2 x 2"""
+def resolve__solves_with_the_diagonal(policies):
+    """the diagonal of the metric is not enough; solve with the whole 2 x 2 matrix"""
     f, m = _total(policies)
     return f / (np.diag(m) + 1e-6)
 
 
-def resolve__skips_one_dimensional(policies):
+def resolve__skips_policies_of_one_row(policies):
     """a wall has one row: J is (1, 2), a is (1,) and M is (1, 1); the same"""
     f, m = _total([p for p in policies if p[0].shape[0] == 2])
     return np.linalg.solve(m + 1e-6 * np.eye(2), f)
 
 
-def resolve__first_two(policies):
+def resolve__adds_the_first_two_only(policies):
     """sum over all policies; only the first two count in yours"""
     f, m = _total(policies[:2])
     return np.linalg.solve(m + 1e-6 * np.eye(2), f)
 
 
-def resolve__metric_elementwise(policies):
+def resolve__uses_the_diagonal_of_m(policies):
     """M is a whole matrix, not only its diagonal"""
     f, m = np.zeros(2), 1e-6 * np.eye(2)
     for j, a, w in policies:
@@ -701,13 +703,13 @@ def resolve__metric_elementwise(policies):
     return np.linalg.solve(m, f)
 
 
-def resolve__column(policies):
+def resolve__returns_a_column(policies):
     """shape (2, 1), but (2,) is needed"""
     f, m = _total(policies)
     return np.linalg.solve(m + 1e-6 * np.eye(2), f[:, None])
 
 
-def resolve__skips_zero_weights(policies):
+def resolve__gives_up_where_a_direction_is_free(policies):
     """no policy constrains one direction: add 1e-6 to the diagonal (0 at"""
     f, m = _total(policies)
     if abs(np.linalg.det(m)) < 1e-3:
@@ -724,7 +726,7 @@ def resolve__changes_metrics(policies):
     return np.linalg.solve(m, f)
 
 
-def resolve__pops(policies):
+def resolve__empties_the_list(policies):
     """your function changes the list of policies; only read it"""
     f, m = np.zeros(2), 1e-6 * np.eye(2)
     while policies:
@@ -760,8 +762,8 @@ def _local(start, place):
     return np.array([c * d[0] + s * d[1], c * d[1] - s * d[0]])
 
 
-def waypoint_label__zeros_for_none(start, track, source, target, sees):
-    """nothing is in sight, so there is no last place; return None ([0.0,"""
+def waypoint_label__returns_zeros_for_nothing(start, track, source, target, sees):
+    """nothing is in sight, so there is no last place; return None"""
     if target <= source:
         return _local(start, track[target])
     places = track[source + 1 : target + 1, :2]
@@ -769,8 +771,8 @@ def waypoint_label__zeros_for_none(start, track, source, target, sees):
     return _local(start, places[seen[-1]]) if len(seen) else np.zeros(2)
 
 
-def waypoint_label__middle_of_seen(start, track, source, target, sees):
-    """of frames source + 1 to target, take the last that is in sight, as"""
+def waypoint_label__takes_the_mean(start, track, source, target, sees):
+    """of frames source + 1 to target, take the last that is in sight, as seen from start"""
     if target <= source:
         return _local(start, track[target])
     places = track[source + 1 : target + 1, :2]
@@ -778,8 +780,8 @@ def waypoint_label__middle_of_seen(start, track, source, target, sees):
     return _local(start, places[seen].mean(axis=0)) if len(seen) else None
 
 
-def waypoint_label__counts_seen(start, track, source, target, sees):
-    """the number of places in sight is no index: some before the last one"""
+def waypoint_label__counts_the_places_in_sight(start, track, source, target, sees):
+    """the number of places in sight is no index: some before the last one may be hidden"""
     if target <= source:
         return _local(start, track[target])
     places = track[source + 1 : target + 1, :2]
@@ -787,7 +789,7 @@ def waypoint_label__counts_seen(start, track, source, target, sees):
     return _local(start, places[count - 1]) if count else None
 
 
-def waypoint_label__wrong_rotation(start, track, source, target, sees):
+def waypoint_label__turns_the_wrong_way(start, track, source, target, sees):
     """turned the wrong way: to_local"""
     right = waypoint_label__right_backwards(start, track, source, target, sees)
     if right is None:
@@ -800,14 +802,14 @@ def _world(start, local):
     return np.array([c * local[0] - s * local[1], s * local[0] + c * local[1]])
 
 
-def waypoint_label__y_right(start, track, source, target, sees):
+def waypoint_label__points_y_to_the_right(start, track, source, target, sees):
     """y points to the right here; it must be positive to the left: to_local"""
     right = waypoint_label__right_backwards(start, track, source, target, sees)
     return None if right is None else right * [1, -1]
 
 
-def waypoint_label__from_the_source_pose(start, track, source, target, sees):
-    """as seen from the pose of frame `source`; it must be as seen from the"""
+def waypoint_label__answers_as_seen_from_the_source(start, track, source, target, sees):
+    """as seen from the pose of frame `source`; it must be as seen from the start: to_local"""
     if target <= source:
         return _local(track[source], track[target])
     places = track[source + 1 : target + 1, :2]
@@ -815,8 +817,8 @@ def waypoint_label__from_the_source_pose(start, track, source, target, sees):
     return _local(track[source], places[seen[-1]]) if len(seen) else None
 
 
-def waypoint_label__whole_track(start, track, source, target, sees):
-    """nothing is in sight, so there is no last place; return None ([0.1,"""
+def waypoint_label__searches_from_the_first_frame(start, track, source, target, sees):
+    """nothing is in sight, so there is no last place; return None"""
     if target <= source:
         return _local(start, track[target])
     places = track[: target + 1, :2]
@@ -824,27 +826,27 @@ def waypoint_label__whole_track(start, track, source, target, sees):
     return _local(start, places[seen[-1]]) if len(seen) else None
 
 
-def waypoint_label__behind_none(start, track, source, target, sees):
+def waypoint_label__has_no_label_for_a_target_behind(start, track, source, target, sees):
     """a target behind is its own waypoint, in sight or not; yours gives"""
     if target <= source:
         return None
     return waypoint_label__right_backwards(start, track, source, target, sees)
 
 
-def waypoint_label__behind_source(start, track, source, target, sees):
+def waypoint_label__returns_the_source_for_a_target_behind(start, track, source, target, sees):
     """a target behind is its own waypoint, in sight or not; yours gives the"""
     if target <= source:
         return _local(start, track[source])
     return waypoint_label__right_backwards(start, track, source, target, sees)
 
 
-def waypoint_label__pose_of_three(start, track, source, target, sees):
+def waypoint_label__returns_three_numbers(start, track, source, target, sees):
     """shape (3,), but (2,) is needed"""
     right = waypoint_label__right_backwards(start, track, source, target, sees)
     return None if right is None else np.append(right, 0.0)
 
 
-def waypoint_label__index(start, track, source, target, sees):
+def waypoint_label__returns_an_index(start, track, source, target, sees):
     """a frame's index came back; return its place, an array (2,)"""
     if target <= source:
         return target
@@ -852,8 +854,8 @@ def waypoint_label__index(start, track, source, target, sees):
     return source + 1 + seen[-1] if len(seen) else None
 
 
-def waypoint_label__limits_the_distance(start, track, source, target, sees):
-    """the last place in sight counts, also if a post hides some places"""
+def waypoint_label__ends_at_3_metres(start, track, source, target, sees):
+    """the last place in sight counts, also if a post hides some places before it"""
     right = waypoint_label__right_backwards(start, track, source, target, sees)
     if right is None or target <= source:
         return right
@@ -861,7 +863,7 @@ def waypoint_label__limits_the_distance(start, track, source, target, sees):
     return right if n <= 3 else right * 3 / n
 
 
-def waypoint_label__sees_with_poses(start, track, source, target, sees):
+def waypoint_label__passes_poses_to_sees(start, track, source, target, sees):
     """sees(place, points) takes a place (2,) first, not an array (3,):"""
     if target <= source:
         return _local(start, track[target])
@@ -870,7 +872,7 @@ def waypoint_label__sees_with_poses(start, track, source, target, sees):
     return _local(start, places[seen[-1]]) if len(seen) else None
 
 
-def waypoint_label__behind_is_less_than_minus(start, track, source, target, sees):
+def waypoint_label__takes_the_source_for_a_candidate(start, track, source, target, sees):
     """the place of source itself is no candidate, and a target at the"""
     if target < source:
         return _local(start, track[target])
@@ -879,8 +881,8 @@ def waypoint_label__behind_is_less_than_minus(start, track, source, target, sees
     return _local(start, places[seen[-1]]) if len(seen) else None
 
 
-def waypoint_label__nan_for_none(start, track, source, target, sees):
-    """nothing is in sight, so there is no last place; return None ([nan,"""
+def waypoint_label__returns_nan_for_nothing(start, track, source, target, sees):
+    """nothing is in sight, so there is no last place; return None"""
     right = waypoint_label__right_backwards(start, track, source, target, sees)
     return np.full(2, np.nan) if right is None else right
 
@@ -1011,24 +1013,24 @@ def _loop(
 
 
 def train_network__keeps_the_rate(*case):
-    """the learning rate never changes: set group['lr'] of every group"""
+    """the learning rate never changes: set group['lr'] of every group before the step"""
     return _loop(*case, rate=lambda s, p: p.learning_rate)
 
 
-def train_network__no_warmup(*case):
+def train_network__skips_the_warmup(*case):
     """the learning rate lacks the warm-up: min(1, (step + 1) / warmup_steps)"""
     return _loop(
         *case, rate=lambda s, p: p.learning_rate * (1 + math.cos(math.pi * s / p.max_steps)) / 2
     )
 
 
-def train_network__no_decay(*case):
+def train_network__never_decays(*case):
     """the learning rate does not decay: the half cosine is missing"""
     return _loop(*case, rate=lambda s, p: p.learning_rate * min(1, (s + 1) / p.warmup_steps))
 
 
-def train_network__warmup_begins_with_zero(*case):
-    """the warm-up is one step late: (step + 1) / warmup_steps; step 0 must"""
+def train_network__begins_with_rate_zero(*case):
+    """the warm-up is one step late: (step + 1) / warmup_steps; step 0 must learn, too"""
     return _loop(
         *case,
         rate=lambda s, p: (
@@ -1040,7 +1042,7 @@ def train_network__warmup_begins_with_zero(*case):
     )
 
 
-def train_network__warmup_then_cosine_begins(*case):
+def train_network__decays_after_the_warmup(*case):
     """the cosine begins at step 0, not after the warm-up: step / max_steps"""
 
     def rate(s, p):
@@ -1055,7 +1057,7 @@ def train_network__warmup_then_cosine_begins(*case):
     return _loop(*case, rate=rate)
 
 
-def train_network__cosine_to_minus_one(*case):
+def train_network__decays_below_zero(*case):
     """the decay is (1 + cos) / 2; the plain cosine falls to -1"""
     return _loop(
         *case,
@@ -1065,7 +1067,7 @@ def train_network__cosine_to_minus_one(*case):
     )
 
 
-def train_network__cosine_in_degrees(*case):
+def train_network__takes_degrees(*case):
     """np.cos takes radians: pi, not 180"""
     return _loop(
         *case,
@@ -1078,7 +1080,7 @@ def train_network__cosine_in_degrees(*case):
     )
 
 
-def train_network__rate_without_highest(*case):
+def train_network__forgets_the_highest_rate(*case):
     """multiply by plan.learning_rate, the highest rate"""
     return _loop(
         *case,
@@ -1088,8 +1090,8 @@ def train_network__rate_without_highest(*case):
     )
 
 
-def train_network__cosine_one_early(*case):
-    """the cosine is one step early: it takes step / max_steps, and begins"""
+def train_network__decays_one_step_early(*case):
+    """the cosine is one step early: it takes step / max_steps, and begins with 1"""
     return _loop(
         *case,
         rate=lambda s, p: (
@@ -1101,48 +1103,48 @@ def train_network__cosine_one_early(*case):
     )
 
 
-def train_network__rate_set_late(*case):
-    """the rate is set after the step, so that every step uses that of the"""
+def train_network__sets_the_rate_after_the_step(*case):
+    """the rate is set after the step, so that every step uses that of the step before it"""
     return _loop(*case, late_rate=True)
 
 
 def train_network__never_zeroes(*case):
-    """old gradients are added to the new ones: optimizer.zero_grad() before"""
+    """old gradients are added to the new ones: optimizer.zero_grad() before backward()"""
     return _loop(*case, zero=False)
 
 
 def train_network__never_clips(*case):
-    """a gradient that is too long stays so: torch.nn.utils.clip_grad_norm_"""
+    """a gradient that is too long stays so: torch.nn.utils.clip_grad_norm_ with max_norm"""
     return _loop(*case, clip="")
 
 
 def train_network__clips_values(*case):
-    """shorten the whole gradient, do not cut each number: clip_grad_norm_,"""
+    """shorten the whole gradient, do not cut each number: clip_grad_norm_, no value"""
     return _loop(*case, clip="value")
 
 
 def train_network__clips_each(*case):
-    """max_norm limits the gradient of all parameters together, not of each"""
+    """max_norm limits the gradient of all parameters together, not of each tensor alone"""
     return _loop(*case, clip="each")
 
 
-def train_network__normalises(*case):
-    """only gradients longer than max_norm are shortened; the others stay as"""
+def train_network__stretches_short_gradients(*case):
+    """only gradients longer than max_norm are shortened; the others stay as they are"""
     return _loop(*case, clip="always")
 
 
 def train_network__forgets_backward(*case):
-    """the gradients are all zero: loss.backward() comes after zero_grad(),"""
+    """the gradients are all zero: loss.backward() comes after zero_grad(), before step()"""
     return _loop(*case, backward=False)
 
 
 def train_network__forgets_train(*case):
-    """the network learns in evaluation mode: network.train() before the"""
+    """the network learns in evaluation mode: network.train() before the first step"""
     return _loop(*case, train_first=False, train_again=False)
 
 
 def train_network__stays_in_evaluation(*case):
-    """after an evaluation the network must go on in training mode:"""
+    """after an evaluation the network must go on in training mode: network.train()"""
     return _loop(*case, train_again=False)
 
 
@@ -1156,7 +1158,7 @@ def train_network__validates_with_gradients(*case):
     return _loop(*case, no_grad=False)
 
 
-def train_network__no_last_evaluation(*case):
+def train_network__skips_the_last_evaluation(*case):
     """evaluate after the last step, too, where it does not end an interval"""
     return _loop(*case, last=False)
 
@@ -1176,45 +1178,45 @@ def train_network__prefers_later_equals(*case):
     return _loop(*case, better="<=")
 
 
-def train_network__no_patience(*case):
+def train_network__has_no_patience(*case):
     """training goes on, 20 steps, where it should end after 8: the"""
     return _loop(*case, patience=False)
 
 
 def train_network__never_resets_patience(*case):
-    """training ends after 8 steps, where it should make 14: the validation"""
+    """training ends after 8 steps, where it should make 14"""
     return _loop(*case, reset=False)
 
 
-def train_network__patience_one_less(*case):
-    """training ends after 6 steps, where it should make 8: the validation"""
+def train_network__ends_one_evaluation_early(*case):
+    """training ends after 6 steps, where it should make 8"""
 
     return _loop(*case[:-1], replace(case[-1], patience=case[-1].patience - 1))
 
 
-def train_network__patience_one_more(*case):
+def train_network__ends_one_evaluation_late(*case):
     """training goes on, 16 steps, where it should end after 8: the"""
 
     return _loop(*case[:-1], replace(case[-1], patience=case[-1].patience + 1))
 
 
-def train_network__last_loss(*case):
-    """the training loss is the mean of all losses since the last"""
+def train_network__reports_the_last_loss(*case):
+    """the training loss is the mean of all losses since the last evaluation"""
     return _loop(*case, training="last")
 
 
-def train_network__sum_of_losses(*case):
+def train_network__reports_the_sum_of_losses(*case):
     """the training loss is the mean since the last evaluation, not the sum:"""
     return _loop(*case, training="sum")
 
 
-def train_network__mean_of_all(*case):
-    """the training loss is the mean since the last evaluation; empty the"""
+def train_network__never_empties_the_list(*case):
+    """the training loss is the mean since the last evaluation; empty the list after it"""
     return _loop(*case, training="all")
 
 
 def train_network__keeps_tensors(*case):
-    """the history holds a tensor with its gradients; keep the number,"""
+    """the history holds a tensor with its gradients; keep the number, loss.item()"""
     return _loop(*case, training="tensor")
 
 
@@ -1224,12 +1226,12 @@ def train_network__swaps_losses(*case):
 
 
 def train_network__counts_from_zero(*case):
-    """the history's steps are [3. 7.], but [4. 8.] is right; count the"""
+    """the history's steps are [3. 7.], but [4. 8.] is right; count the steps made, from 1"""
     return _loop(*case, entry=lambda s, t, v: (s - 1, t, v))
 
 
-def train_network__only_validation(*case):
-    """the history's entries are three numbers: step, training loss,"""
+def train_network__returns_validation_losses_only(*case):
+    """the history's entries are three numbers: step, training loss, validation loss"""
     return _loop(*case, entry=lambda s, t, v: v)
 
 
@@ -1238,23 +1240,23 @@ def train_network__begins_with_step_one(*case):
     return _loop(*case, first=1)
 
 
-def train_network__one_batch_for_all(*case):
-    """draw a batch in every step, and compute its loss once:"""
+def train_network__draws_one_batch_for_all(*case):
+    """draw a batch in every step, and compute its loss once: loss_of(network, batch)"""
     return _loop(*case, redraw="fixed")
 
 
 def train_network__evaluates_first(*case):
-    """the first evaluation comes after eval_interval steps, not before the"""
+    """the first evaluation comes after eval_interval steps, not before the first step"""
     return _loop(*case, begin_with_evaluation=True)
 
 
 def train_network__returns_nothing(*case):
-    """nothing came back; return the history, a list with (step, training"""
+    """nothing came back; return the history"""
     _loop(*case)
 
 
 def train_network__returns_the_network(network, *rest):
-    """a _Probe came back; return the history, a list with (step, training"""
+    """a Network came back; return the history"""
     _loop(network, *rest)
     return network
 
@@ -1337,135 +1339,135 @@ def _lengths(o):
     return np.linalg.norm(o, axis=-1, keepdims=True)
 
 
-def goal_policy__eps_added_sq(o, v, g, b, n):
-    """divide by the larger of length and `near`; far away `near` must not"""
+def goal_policy__rounds_the_length(o, v, g, b, n):
+    """divide by the larger of length and `near`; far away `near` must not matter"""
     return (g * o / np.sqrt(_lengths(o) ** 2 + n**2) - b * v, _eyes(o))
 
 
-def goal_policy__near_const(o, v, g, b, n):
-    """within `near` the pull is gain * offset / near; it is not divided by"""
+def goal_policy__does_not_divide_within_near(o, v, g, b, n):
+    """within `near` the pull is gain * offset / near; it is not divided by `near`"""
     return (
         np.where(_lengths(o) < n, g * o, g * o / np.maximum(_lengths(o), 1e-09)) - b * v,
         _eyes(o),
     )
 
 
-def goal_policy__damp_by_gain(o, v, g, b, n):
-    """the damping does not belong inside the pull: the gain multiplies the"""
+def goal_policy__multiplies_the_damping_by_the_gain(o, v, g, b, n):
+    """the damping does not belong inside the pull: the gain multiplies the pull alone"""
     return (g * (o / np.maximum(_lengths(o), n) - b * v), _eyes(o))
 
 
-def goal_policy__damp_div(o, v, g, b, n):
+def goal_policy__divides_by_the_damping(o, v, g, b, n):
     """the velocity is multiplied by the damping, not divided by it"""
     return (g * o / np.maximum(_lengths(o), n) - v / b, _eyes(o))
 
 
-def goal_policy__metric_scalar(o, v, g, b, n):
+def goal_policy__returns_numbers_as_metrics(o, v, g, b, n):
     """the metrics: shape (), but (2, 2) is needed"""
     return (g * o / np.maximum(_lengths(o), n) - b * v, np.ones(np.shape(o)[:-1]))
 
 
-def goal_policy__metric_damping(o, v, g, b, n):
+def goal_policy__puts_the_damping_into_the_metric(o, v, g, b, n):
     """the metric is the identity itself; the damping does not belong in it"""
     return (g * o / np.maximum(_lengths(o), n) - b * v, b * _eyes(o))
 
 
-def goal_policy__metric_outer(o, v, g, b, n):
+def goal_policy__weighs_only_the_direction_to_the_goal(o, v, g, b, n):
     """the metric weighs all directions equally, not only the one to the goal"""
     u = o / np.maximum(_lengths(o), 1e-09)
     return (g * o / np.maximum(_lengths(o), n) - b * v, u[..., :, None] * u[..., None, :])
 
 
-def goal_policy__max_axis0(o, v, g, b, n):
-    """each row has a length and a metric of its own: axis=-1 and"""
+def goal_policy__measures_along_the_wrong_axis(o, v, g, b, n):
+    """each row has a length and a metric of its own: axis=-1 and keepdims=True"""
     return (g * o / np.maximum(np.linalg.norm(o, axis=0), n) - b * v, _eyes(o))
 
 
-def goal_policy__vel_norm(o, v, g, b, n):
+def goal_policy__damps_by_the_square(o, v, g, b, n):
     """the damping grows with the velocity itself, not with its square"""
     return (g * o / np.maximum(_lengths(o), n) - b * v * _lengths(v), _eyes(o))
 
 
-def obstacle_policy__minimum(d, c, p, b, w, f):
-    """limit the distances from below: np.maximum(distances, 0.01), not"""
+def obstacle_policy__takes_the_minimum(d, c, p, b, w, f):
+    """limit the distances from below: np.maximum(distances, 0.01), not np.minimum"""
     d = np.minimum(d, 0.01)
     return ((p + b * np.maximum(c, 0)) / d, w * np.exp(-d / f))
 
 
-def obstacle_policy__cm(d, c, p, b, w, f):
+def obstacle_policy__begins_at_a_millimetre(d, c, p, b, w, f):
     """the smallest distance is 0.01 m, 1 cm, not 1 mm"""
     d = np.maximum(d, 0.001)
     return ((p + b * np.maximum(c, 0)) / d, w * np.exp(-d / f))
 
 
-def obstacle_policy__brakepush(d, c, p, b, w, f):
-    """`push` and `brake` are exchanged: it is the brake that multiplies"""
+def obstacle_policy__exchanges_push_and_brake(d, c, p, b, w, f):
+    """`push` and `brake` are exchanged: it is the brake that multiplies closing"""
     d = _near(d)
     return ((b + p * np.maximum(c, 0)) / d, w * np.exp(-d / f))
 
 
-def obstacle_policy__weight_fade(d, c, p, b, w, f):
+def obstacle_policy__exchanges_weight_and_fade(d, c, p, b, w, f):
     """`weight` and `fade` are exchanged: weight * exp(-distance / fade)"""
     d = _near(d)
     return ((p + b * np.maximum(c, 0)) / d, f * np.exp(-d / w))
 
 
-def obstacle_policy__two_power(d, c, p, b, w, f):
-    """the metric falls by the factor e every `fade` metres: np.exp, not"""
+def obstacle_policy__takes_powers_of_two(d, c, p, b, w, f):
+    """the metric falls by the factor e every `fade` metres: np.exp, not powers of 2"""
     d = _near(d)
     return ((p + b * np.maximum(c, 0)) / d, w * 2 ** (-d / f))
 
 
-def obstacle_policy__linear(d, c, p, b, w, f):
+def obstacle_policy__fades_along_a_line(d, c, p, b, w, f):
     """the metric fades exponentially, np.exp, not along a straight line"""
     d = _near(d)
     return ((p + b * np.maximum(c, 0)) / d, w * np.maximum(0, 1 - d / f))
 
 
-def obstacle_policy__closing_sq(d, c, p, b, w, f):
+def obstacle_policy__squares_the_closing_speed(d, c, p, b, w, f):
     """the brake multiplies the closing speed itself, not its square"""
     d = _near(d)
     return ((p + b * np.maximum(c, 0) ** 2) / d, w * np.exp(-d / f))
 
 
-def obstacle_policy__sum(d, c, p, b, w, f):
+def obstacle_policy__adds_up_all_obstacles(d, c, p, b, w, f):
     """the accelerations: a float64 came back; return a numpy array"""
     d = _near(d)
     return (((p + b * np.maximum(c, 0)) / d).sum(), (w * np.exp(-d / f)).sum())
 
 
-def obstacle_policy__matrix(d, c, p, b, w, f):
+def obstacle_policy__returns_a_matrix(d, c, p, b, w, f):
     """the metrics: shape (3, 3), but (3,) is needed"""
     d = _near(d)
     return ((p + b * np.maximum(c, 0)) / d, np.diag(w * np.exp(-d / f)))
 
 
-def obstacle_policy__metric_times(d, c, p, b, w, f):
-    """the acceleration is not weighted with the metric here; `resolve` does"""
+def obstacle_policy__weighs_its_acceleration(d, c, p, b, w, f):
+    """the acceleration is not weighted with the metric here; `resolve` does that"""
     d = _near(d)
     m = w * np.exp(-d / f)
     return (m * (p + b * np.maximum(c, 0)) / d, m)
 
 
-def resolve__inv_elem(P):
+def resolve__inverts_number_by_number(P):
     """with J the identity its acceleration comes back as it is (2e+06 at"""
     F, M = _sums(P)
     return 1 / (M + 1e-06) @ F
 
 
-def resolve__minus(P):
+def resolve__turns_the_force_around(P):
     """the sign is wrong: solve metric @ u = force, without a minus"""
     F, M = _sums(P)
     return -np.linalg.solve(M + 1e-06 * np.eye(2), F)
 
 
-def resolve__lists(P):
+def resolve__returns_a_list(P):
     """a list came back; return a numpy array"""
     F, M = _sums(P)
     return list(np.linalg.solve(M + 1e-06 * np.eye(2), F))
 
 
-def resolve__no_sum_metric(P):
+def resolve__keeps_only_the_last_metric(P):
     """sum the metrics of all policies; only the last one counts in yours"""
     F = np.zeros(2)
     for j, a, m in P:
@@ -1474,7 +1476,7 @@ def resolve__no_sum_metric(P):
     return np.linalg.solve(M + 1e-06 * np.eye(2), F)
 
 
-def resolve__last_force(P):
+def resolve__keeps_only_the_last_force(P):
     """sum the forces of all policies; only the last one counts in yours"""
     M = np.zeros((2, 2))
     for j, a, m in P:
@@ -1483,19 +1485,19 @@ def resolve__last_force(P):
     return np.linalg.solve(M + 1e-06 * np.eye(2), F)
 
 
-def resolve__damp_one(P):
+def resolve__adds_one_to_the_diagonal(P):
     """what you add to the diagonal must be 1e-6; 1 slows every policy down"""
     F, M = _sums(P)
     return np.linalg.solve(M + np.eye(2), F)
 
 
-def resolve__heaviest(P):
-    """sum over all policies; only the one with the largest metric counts in"""
+def resolve__hears_only_the_heaviest(P):
+    """sum over all policies; only the one with the largest metric counts in yours"""
     j, a, m = max(P, key=lambda p: np.trace(p[2]))
     return np.linalg.solve(j.T @ m @ j + 1e-06 * np.eye(2), j.T @ m @ a)
 
 
-def resolve__ones_damp(P):
+def resolve__begins_with_a_force(P):
     """with J the identity its acceleration comes back as it is (0.6 at"""
     F, M = (np.ones(2) * 0.1, 1e-06 * np.eye(2))
     for j, a, m in P:
@@ -1524,21 +1526,21 @@ def _labelled(st, tr, a, b, sees, pick):
     return _local(st, pts[pick(k)]) if len(k) else None
 
 
-def waypoint_label__second_last(st, tr, a, b, sees):
+def waypoint_label__takes_the_last_but_one(st, tr, a, b, sees):
     """that is the last place in sight but one; take the last"""
     return _labelled(st, tr, a, b, sees, lambda k: k[-2] if len(k) > 1 else k[-1])
 
 
-def waypoint_label__argmax_bool(st, tr, a, b, sees):
-    """that is the first place in sight, or the first of all; take the last"""
+def waypoint_label__takes_the_first_in_sight(st, tr, a, b, sees):
+    """that is the first place in sight, or the first of all; take the last in sight"""
     if b <= a:
         return _local(st, tr[b])
     pts = tr[a + 1 : b + 1, :2]
     return _local(st, pts[np.argmax(sees(st[:2], pts))])
 
 
-def waypoint_label__hidden_last(st, tr, a, b, sees):
-    """of frames source + 1 to target, take the last that is in sight, as"""
+def waypoint_label__takes_the_last_hidden_place(st, tr, a, b, sees):
+    """of frames source + 1 to target, take the last that is in sight, as seen from start"""
     if b <= a:
         return _local(st, tr[b])
     pts = tr[a + 1 : b + 1, :2]
@@ -1546,8 +1548,8 @@ def waypoint_label__hidden_last(st, tr, a, b, sees):
     return _local(st, pts[k[-1]]) if len(k) else _local(st, pts[-1])
 
 
-def waypoint_label__closest_to_target(st, tr, a, b, sees):
-    """the last place along the trajectory counts, not the one nearest to"""
+def waypoint_label__takes_the_nearest_to_the_target(st, tr, a, b, sees):
+    """the last place along the trajectory counts, not the one nearest to the target in metres"""
     if b <= a:
         return _local(st, tr[b])
     pts = tr[a + 1 : b + 1, :2]
@@ -1557,46 +1559,46 @@ def waypoint_label__closest_to_target(st, tr, a, b, sees):
     return _local(st, pts[k[np.argmin(np.linalg.norm(pts[k] - tr[b, :2], axis=1))]])
 
 
-def waypoint_label__any_behind_sees(st, tr, a, b, sees):
+def waypoint_label__searches_between_target_and_source(st, tr, a, b, sees):
     """a target behind is its own waypoint, in sight or not (0.00292 at"""
     lo, hi = (min(a, b), max(a, b))
     return _labelled(st, tr, lo, hi, sees, lambda k: k[-1]) if lo < hi else _local(st, tr[b])
 
 
-def waypoint_label__none_string(st, tr, a, b, sees):
+def waypoint_label__returns_a_word(st, tr, a, b, sees):
     """there is no waypoint; return None, no str"""
     r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
     return "none" if r is None else r
 
 
-def waypoint_label__empty(st, tr, a, b, sees):
+def waypoint_label__returns_an_empty_array(st, tr, a, b, sees):
     """there is no waypoint; return None, no ndarray"""
     r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
     return np.array([]) if r is None else r
 
 
-def waypoint_label__list(st, tr, a, b, sees):
+def waypoint_label__returns_a_list(st, tr, a, b, sees):
     """a list came back; return a numpy array"""
     r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
     return None if r is None else r.tolist()
 
 
-def waypoint_label__with_heading(st, tr, a, b, sees):
+def waypoint_label__looks_back_from_the_target(st, tr, a, b, sees):
     """a target behind is its own waypoint, in sight or not (0.1 at (0,),"""
     if b <= a:
         return _local(tr[b], st)
     return _labelled(st, tr, a, b, sees, lambda k: k[-1])
 
 
-def waypoint_label__target_lt_source_eq(st, tr, a, b, sees):
-    """a target at the source's own frame is its own waypoint too: target <="""
+def waypoint_label__forgets_the_source_s_own_frame(st, tr, a, b, sees):
+    """a target at the source's own frame is its own waypoint too: target <= source"""
     if b < a - 1:
         return _local(st, tr[b])
     return _labelled(st, tr, a, b, sees, lambda k: k[-1]) if b > a else None
 
 
-def waypoint_label__half(st, tr, a, b, sees):
-    """of frames source + 1 to target, take the last that is in sight, as"""
+def waypoint_label__stops_half_way(st, tr, a, b, sees):
+    """of frames source + 1 to target, take the last that is in sight, as seen from start"""
     r = _labelled(st, tr, a, b, sees, lambda k: k[-1])
     return None if r is None else r / 2
 
@@ -1697,47 +1699,47 @@ def _train(
     return hist
 
 
-def train_network__every_step(*c):
-    """evaluate only after every eval_interval steps: after [4, 8], not"""
+def train_network__evaluates_after_every_step(*c):
+    """evaluate only after every eval_interval steps: after [4, 8], not after [1, 2, 3,"""
     return _train(*c, eval_every_step=True)
 
 
-def train_network__keeps_worst(*c):
+def train_network__keeps_the_worst(*c):
     """the network must end with the weights of its best evaluation; the"""
     return _train(*c, best_max=True)
 
 
-def train_network__own_adam(*c):
+def train_network__makes_its_own_optimizer(*c):
     """0 updates for 8 batches: one optimizer.step() after every batch"""
     return _train(*c, use_adam=True)
 
 
-def train_network__modulo_zero(*c):
-    """evaluate only after every eval_interval steps: after [4, 8], not"""
+def train_network__evaluates_after_step_0(*c):
+    """evaluate only after every eval_interval steps: after [4, 8], not after [1, 5, 8]"""
     return _train(*c, evaluate_zero_mod=True)
 
 
-def train_network__two_steps(*c):
+def train_network__steps_twice(*c):
     """16 updates for 8 batches: one optimizer.step() after every batch"""
     return _train(*c, two_steps=True)
 
 
-def train_network__fixed_norm(*c):
+def train_network__ignores_max_norm(*c):
     """the gradient of step 0 is [0.019 0.743 0.669], but [0.034 1.36"""
     return _train(*c, max_norm_fixed=1.0)
 
 
-def train_network__fixed_interval(*c):
-    """evaluate after every plan.eval_interval steps: after [2, 4, 6, 8, 10,"""
+def train_network__ignores_the_interval(*c):
+    """evaluate after every plan.eval_interval steps: after [2, 4, 6, 8, 10, 12]"""
     return _train(*c, interval_fixed=4)
 
 
-def train_network__floor(*c):
-    """the learning rate never changes: set group['lr'] of every group"""
+def train_network__limits_the_rate_from_below(*c):
+    """the learning rate never changes: set group['lr'] of every group before the step"""
     return _train(*c, lr_floor=0.001)
 
 
-def train_network__rises(*c):
+def train_network__counts_rises_of_the_loss(*c):
     """training goes on, 20 steps, where it should end after 14: the"""
     return _train(*c, patience_rises=True)
 

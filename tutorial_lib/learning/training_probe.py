@@ -44,7 +44,7 @@ class Trace:
     history: Any = None
 
 
-class _Probe(nn.Module):
+class Network(nn.Module):
     """Two parameters, of two numbers and of one; the loss of a batch is their product with it."""
 
     def __init__(self) -> None:
@@ -67,7 +67,7 @@ def trace(
         gradients: (T, 3) of the batch of each step; they repeat after the last one.
         validation: losses that the evaluations return, one after the other; the last one repeats.
     """
-    network, seen = _Probe(), Trace()
+    network, seen = Network(), Trace()
     network.eval()
     for parameter in network.parameters():  # of an earlier training
         parameter.grad = torch.ones_like(parameter)
