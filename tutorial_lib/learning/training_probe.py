@@ -53,6 +53,7 @@ class Network(nn.Module):
         self.single = nn.Parameter(torch.tensor([0.5], dtype=torch.float64))
 
     def weights(self) -> Array:
+        """All parameters (3,) in a row."""
         return torch.cat([self.pair, self.single]).detach().numpy().copy()
 
 
