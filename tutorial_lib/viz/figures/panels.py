@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.labels import FONT, SIZE, label
+from tutorial_lib.viz.canvas.labels import SIZE, label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
 TITLE = 30
@@ -150,7 +150,7 @@ def _scaled(picture: Picture, scale: float) -> Picture:
 def line_of_text(text: str, width: int) -> Picture:
     """A white line with a text, in smaller letters where it would not fit."""
     line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
-    (wide, _), _ = cv2.getTextSize(text, FONT, SIZE, 1)
+    wide, _ = text_size(text)
     label(line, text, 1, TITLE - 10, SIZE * min(1.0, (width - 2) / max(wide, 1)))
     return line
 
