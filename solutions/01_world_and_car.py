@@ -181,7 +181,7 @@ for axis, error, name in (
         spot = {"textcoords": "offset points", "xytext": (-4, -18), "fontsize": 13}
         axis.annotate(str(lap) if error else "", track[8 * lap][:2], **spot)
     axis.set(title=name, ylim=(-0.5, 2.7), aspect="equal", xlabel="x / m", ylabel="y / m")
-axes[1].legend(loc="center")
+axes[1].legend(loc="center", fontsize=10)
 show(from_figure(figure))
 
 # %% [markdown]
