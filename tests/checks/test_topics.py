@@ -69,3 +69,11 @@ def test_an_exercise_that_was_not_attempted_stays_so():
 
     with pytest.raises(NotImplementedError):
         judge(stub)
+
+
+def test_an_answer_of_an_odd_form_gets_a_sentence():
+    def fail(*_):
+        raise TypeError("unhashable")
+
+    with pytest.raises(WrongAnswer, match="product, one half: a set came back whose form"):
+        judge_topics("product", lambda a, b: {a}, TOPICS, product, FAULTS, form=fail)

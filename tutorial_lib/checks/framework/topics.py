@@ -71,7 +71,8 @@ def judge_topics(
     for topic in topics:
         what = f"{name}, {topic.about}"
         for case in topic.cases:
-            got = form(what, attempt(what, topic.words, student, *case, invoke=invoke), *case)
+            answer = attempt(what, topic.words, student, *case, invoke=invoke)
+            got = _formed(form, what, answer, *case)
             want = right(*case)
             if same(got, want, *case):
                 continue
@@ -95,6 +96,21 @@ def attempt(what: str, words: str, student: Function, *case: Any, invoke: Functi
         said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
         stops = f"your code stops with {said}{_line(error, student)}"
         raise WrongAnswer(f"{what}: {stops}.\n{words}") from None
+
+
+def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # noqa: ANN401
+    """An answer of the right form.
+
+    Raises:
+        WrongAnswer: when it has another, however odd.
+    """
+    try:
+        return form(what, answer, *case)
+    except WrongAnswer:
+        raise
+    except Exception:
+        words = "came back whose form is not the one that the docstring names"
+        raise WrongAnswer(f"{what}: a {type(answer).__name__} {words}") from None
 
 
 def _line(error: Exception, student: Function) -> str:
