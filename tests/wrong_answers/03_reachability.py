@@ -745,6 +745,235 @@ def fit_temperature__right_by_a_simplex(logits, labels):
     return min(max(float(np.exp(-found.x[0])), 0.05), 20.0)
 
 
+def mine_pairs__takes_the_first_hopeless_ones(*case):
+    """begin with the highest"""
+    return _mined(*case, order=lambda probability: np.arange(len(probability)))
+
+
+def mine_pairs__begins_with_the_lowest(*case):
+    """is there; begin with the highest"""
+    return _mined(*case, order=np.argsort)
+
+
+def mine_pairs__takes_any_number_of_a_start(*case):
+    """hard negatives begin at frame"""
+    return _mined(*_changed(case, each=1000))
+
+
+def mine_pairs__takes_any_number(*case):
+    """at most 30 in all"""
+    return _mined(*_changed(case, most=1000))
+
+
+def mine_pairs__cuts_before_it_counts(*case):
+    """a pair that is left out must not count"""
+    return _mined(*case, early=True)
+
+
+def mine_pairs__mines_whatever_is_even(*case):
+    """only those above sure, 0.8, are rolled out"""
+    return _mined(*_changed(case, sure=np.nextafter(case[5], 0)))
+
+
+def mine_pairs__has_a_threshold_of_its_own(*case):
+    """a threshold of 0.8: pair"""
+    return _mined(*_changed(case, sure=0.5))
+
+
+def mine_pairs__rolls_everything_out(*case):
+    """is hopeless: it is labelled 0 without a rollout"""
+    probability, labels, roll_out, sure = case[0], case[3], case[4], case[5]
+    rows = np.flatnonzero(np.isnan(labels) & (probability > sure))
+    return rows, roll_out(rows), np.ones(len(rows))
+
+
+def mine_pairs__compares_with_nan(*case):
+    """has been rolled out already"""
+    probability, _, hopeless, labels, roll_out, sure = case[:6]
+    new = (labels != 2.0) & (probability > sure)
+    rows = np.flatnonzero(new & ~hopeless)
+    return rows, roll_out(rows), np.ones(len(rows))
+
+
+def mine_pairs__forgets_the_easy_ones(*case):
+    """all pairs whose label is known belong to the training set"""
+    pairs, labels, weights = _mined(*case)
+    new = np.isnan(case[3][pairs])
+    return pairs[new], labels[new], weights[new]
+
+
+def mine_pairs__keeps_the_surest_of_the_others(*case):
+    """every seed gives the same pairs to roll out"""
+    return _mined(*case, draw=lambda rows, rng: rows)
+
+
+def mine_pairs__draws_from_the_surest(*case):
+    """is never drawn in 40 attempts"""
+    return _mined(
+        *case, draw=lambda rows, rng: rng.permutation(rows[: max(30, 3 * len(rows) // 4)])
+    )
+
+
+def mine_pairs__draws_by_itself(*case):
+    """draw by rng, not by np.random"""
+    return _mined(*case, draw=lambda rows, rng: np.random.permutation(rows))  # noqa: NPY002
+
+
+def mine_pairs__draws_with_repeats(*case):
+    """comes 2 times; each comes once"""
+    return _mined(*case, draw=lambda rows, rng: rng.choice(rows, len(rows)) if len(rows) else rows)
+
+
+def mine_pairs__rolls_out_before_it_draws(*case):
+    """its outcome is not used"""
+    return _mined(*case, early_rollouts=True)
+
+
+def mine_pairs__draws_too_many(*case):
+    """draw as many as hard negatives"""
+    return _mined(*case, count=lambda negatives: 10 * negatives)
+
+
+def mine_pairs__takes_the_share_of_the_easy_ones(*case):
+    """of the weight of all"""
+    return _mined(*case, weight=lambda share, easy, mined: share * easy / max(mined, 1))
+
+
+def mine_pairs__weighs_all_alike(*case):
+    """share is 30%, so each weighs"""
+    return _mined(*case, weight=lambda share, easy, mined: 1.0)
+
+
+def mine_pairs__gives_the_share_to_each(*case):
+    """so each weighs 0.5643, not 0.3"""
+    return _mined(*case, weight=lambda share, easy, mined: share)
+
+
+def mine_pairs__divides_by_nothing(*case):
+    """there may be no mined pair at all"""
+    return _mined(*case, weight=lambda share, easy, mined: share / (1 - share) * easy / int(mined))
+
+
+def mine_pairs__labels_negatives_as_reached(*case):
+    """is hopeless and is labelled 0: its label is 0, not 1"""
+    pairs, labels, weights = _mined(*case)
+    return pairs, np.where(case[2][pairs] & np.isnan(case[3][pairs]), 1.0, labels), weights
+
+
+def mine_pairs__sorts_the_pairs_alone(*case):
+    """pairs and labels must stand in the same order"""
+    pairs, labels, weights = _mined(*case)
+    return np.sort(pairs), labels, weights
+
+
+def mine_pairs__fills_in_the_labels(*case):
+    """changes labels"""
+    case[3][np.isnan(case[3]) & case[2]] = 0.0
+    return _mined(*case)
+
+
+def mine_pairs__returns_a_mask(*case):
+    """the pairs are bool"""
+    chosen = np.isin(np.arange(len(case[0])), _mined(*case)[0])
+    return chosen, chosen * 1.0, chosen * 1.0
+
+
+def mine_pairs__right_in_pure_python(
+    probability, starts, hopeless, labels, roll_out, sure, most, each, share, rng
+):
+    count = len(probability)
+    weights = {i: 1.0 for i in range(count) if labels[i] == labels[i]}
+    found = {i: float(labels[i]) for i in weights}
+    new = [i for i in range(count) if i not in found and probability[i] > sure]
+    negatives = []
+    for i in sorted((i for i in new if hopeless[i]), key=lambda i: -probability[i]):
+        if len(negatives) == most:
+            break
+        if sum(starts[j] == starts[i] for j in negatives) < each:
+            negatives.append(i)
+    others = [i for i in new if not hopeless[i]]
+    rng.shuffle(others)
+    others = others[: len(negatives)]
+    mined = others + negatives
+    for i in mined:
+        weights[i] = share * len(found) / (1 - share) / len(mined)
+    results = [float(roll_out([i])[0]) for i in others] + [0.0] * len(negatives)
+    found.update(zip(mined, results, strict=True))
+    return (
+        np.array(list(found)),
+        np.array(list(found.values())),
+        np.array([weights[i] for i in found]),
+    )
+
+
+def mine_pairs__right_by_ranks(
+    probability, starts, hopeless, labels, roll_out, sure, most, each, share, rng
+):
+    new = np.isnan(labels) & (probability > sure)
+    rows = np.flatnonzero(new & hopeless)
+    rows = rows[np.argsort(probability[rows])[::-1]]
+    same = starts[rows][:, None] == starts[rows]
+    rows = rows[np.tril(same, -1).sum(axis=1) < each][:most]
+    others = np.flatnonzero(new & ~hopeless)
+    drawn = rng.choice(others, min(len(rows), len(others)), replace=False)
+    found = labels.copy()
+    found[rows] = 0.0
+    if drawn.size:
+        found[drawn] = roll_out(drawn)
+    pairs = np.flatnonzero(~np.isnan(found))
+    mined = np.isnan(labels[pairs])
+    total = (~mined).sum() / (1 - share)
+    return pairs, found[pairs], np.where(mined, share * total / max(mined.sum(), 1), 1.0)
+
+
+def _changed(case, **changes):
+    names = ("sure", "most", "each", "share")
+    rules = [changes.get(name, value) for name, value in zip(names, case[5:9], strict=True)]
+    return (*case[:5], *rules, case[9])
+
+
+def _mined(
+    probability,
+    starts,
+    hopeless,
+    labels,
+    roll_out,
+    sure,
+    most,
+    each,
+    share,
+    rng,
+    order=lambda p: np.argsort(-p),
+    draw=lambda rows, rng: rng.permutation(rows),
+    count=lambda n: n,
+    early=False,
+    early_rollouts=False,
+    weight=lambda share, easy, mined: share / (1 - share) * easy / max(mined, 1),
+):
+    """The rule, and what may be wrong with it."""
+    new, chosen = np.isnan(labels) & (probability > sure), []
+    hard = [i for i in order(probability) if new[i] and hopeless[i]]
+    for i in hard[:most] if early else hard:
+        if len(chosen) < most and sum(starts[j] == starts[i] for j in chosen) < each:
+            chosen.append(i)
+    others = np.flatnonzero(new & ~hopeless)
+    others = others[np.argsort(-probability[others])]
+    if early_rollouts:
+        roll_out(others)
+    drawn = draw(others, rng)[: count(len(chosen))]
+    outcomes = np.zeros(len(drawn))
+    if len(drawn) and not early_rollouts:
+        outcomes = roll_out(drawn)
+    easy = np.flatnonzero(~np.isnan(labels))
+    mined = np.array([*chosen, *drawn], dtype=int)
+    each_weighs = weight(share, len(easy), len(mined))
+    return (
+        np.append(easy, mined),
+        np.concatenate([labels[easy], np.zeros(len(chosen)), outcomes]),
+        np.append(np.ones(len(easy)), np.full(len(mined), each_weighs)),
+    )
+
+
 def _float(moments):
     return moments.any(axis=0).astype(float)
 
