@@ -7,14 +7,14 @@ import json
 import os
 import subprocess
 import sys
+import time
 from dataclasses import fields
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, parse_worlds
-from tutorial_lib.experiments.demos.navigation_demo import run_map_demo
-from tutorial_lib.experiments.demos.oracle_demo import run_demo
+from tutorial_lib.experiments.demos.navigation_demo import run_demo
 from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
@@ -63,7 +63,10 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument(
         "--oracle",
         action="store_true",
-        help="drive by an oracle that knows the floor plan and its pose, not by sight",
+        help="show beside it an oracle on the same task, which knows the floor plan and its pose",
+    )
+    demo.add_argument(
+        "--learn", action="store_true", help="learn the map again, and keep it for later demos"
     )
     demo.set_defaults(run=_demo)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
@@ -136,14 +139,21 @@ def _demo(options: argparse.Namespace) -> int:
         plan = import_map(options.map, seed=options.seed)
     else:
         plan = generate(options.family, options.seed)
-    run = run_demo if options.oracle else run_map_demo
-    outcome = run(plan, options.seed, Path.cwd())
-    verdict = "reached the goal" if outcome.reached else "MISSED the goal"
-    print(
-        f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}: {verdict} after "
-        f"{outcome.seconds} s and {outcome.driven} m (geodesic {outcome.geodesic} m).\n"
-        f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json."
+    begun = time.monotonic()
+
+    def say(text: str) -> None:
+        print(f"{time.monotonic() - begun:5.1f} s  {text}", flush=True)
+
+    outcome = run_demo(
+        plan, options.seed, Path.cwd(), oracle=options.oracle, learn=options.learn, say=say
     )
+    drives = [("by sight", outcome), *([("oracle", outcome.oracle)] if outcome.oracle else [])]
+    print(f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:")
+    for name, drive in drives:
+        verdict = "reached the goal" if drive.reached else "MISSED the goal"
+        words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
+        print(f"  {name}: {verdict} {words}")
+    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
     return 0 if outcome.reached else MISSED
 
 

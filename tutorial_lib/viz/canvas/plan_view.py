@@ -85,6 +85,14 @@ class PlanView:
         size = max(2, round(radius * self.scale * 2**_SHIFT))
         cv2.circle(picture, (x, y), size, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
 
+    def ring(
+        self, picture: Picture, centre: ArrayLike, radius: float, colour: tuple[int, int, int]
+    ) -> None:
+        """Draw a circle of `radius` metres, two pixels wide."""
+        x, y = self._fixed(centre)[0].tolist()
+        size = round(radius * self.scale * 2**_SHIFT)
+        cv2.circle(picture, (x, y), size, colour, 2, cv2.LINE_AA, _SHIFT)
+
     def points(
         self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], radius: float
     ) -> None:
