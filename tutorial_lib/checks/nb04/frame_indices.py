@@ -23,6 +23,9 @@ def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa:
     except (TypeError, ValueError):
         words = "return whole numbers, the indices of the frames"
         raise WrongAnswer(f"{what}: the {kind} holds other things; {words}") from None
+    if np.asarray(got).dtype == bool:
+        words = "return the indices, as np.flatnonzero gives them"
+        raise WrongAnswer(f"{what}: these are True and False; {words}")
     if numbers.ndim != 1:
         raise WrongAnswer(f"{what}: shape {numbers.shape}, but a flat list of frames is needed")
     if not np.isfinite(numbers).all() or (numbers % 1).any():

@@ -71,7 +71,7 @@ def _form(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401 
     """Frames in rising order."""
     if isinstance(got, int | np.integer):
         raise WrongAnswer(f"{what}: return the indices of the frames, not how many there are")
-    return np.sort(frame_indices(what, got))
+    return np.sort(frame_indices(what, list(got) if isinstance(got, set) else got))
 
 
 def _difference(

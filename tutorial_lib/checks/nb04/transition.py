@@ -73,6 +73,8 @@ def _changed(
         stays = {"searches on": State.SEARCH, "searches blindly": State.DEAD_RECKONING}
         return stays.get(fault, State.LOST), active, visited
     if state == State.DEAD_RECKONING:
+        if fault == "no end":
+            return state, active, visited
         if fault == "moves on blindly":
             active, visited = move_on(active, visited, reach, overlap, at, rules)
         late = waited > rules.timeout and fault != "never lost"
@@ -104,6 +106,7 @@ def _changed(
 
 
 _FAULTS = {
+    "dead reckoning must end, too: in FOLLOW, or in LOST": "no end",
     "a robot that is done keeps its anchors: DONE before move_on": "moves at the end",
     "RE of exactly a threshold is not above it": "even",
     "a robot that found no anchor keeps active and visited as they were": "best all the same",
