@@ -151,9 +151,9 @@ def _compare(what: str, memory: Memory, seen: tuple[Any, ...], got: Answer, want
         raise WrongAnswer(f"{what}: {_wrong_place(memory, seen, mine, right)}")
     if not np.allclose(got[1], want[1], atol=1e-6):
         raise WrongAnswer(f"{what}: {_wrong_target(seen, got[1], right)}")
-    if abs(mine.waited - right.waited) > 1e-6:
+    if not abs(mine.waited - right.waited) <= 1e-6:
         raise WrongAnswer(f"{what}: {_wrong_clock(memory, mine, right)}")
-    if abs(mine.nearest - right.nearest) > 1e-6:
+    if not np.isclose(mine.nearest, right.nearest, atol=1e-6):
         raise WrongAnswer(f"{what}: {_wrong_nearest(memory, mine, right)}")
 
 
