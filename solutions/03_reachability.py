@@ -112,6 +112,7 @@ def frame_near(pose):
 
 
 CELL = 0.42  # metres from one start to the next
+LONGEST = 8.0  # metres of the shortest path, to keep the rollouts short
 
 
 def starts_around(target, reach=2.1, step=CELL):
@@ -120,7 +121,8 @@ def starts_around(target, reach=2.1, step=CELL):
     places = goal[:2] + np.stack(np.meshgrid(aside, aside), axis=-1).reshape(-1, 2)
     poses = np.column_stack([places, np.full(len(places), goal[2])])
     poses = poses[is_free(scene, car, poses)]
-    return reachability_pairs(recorded, paths, poses, np.full(len(poses), target))
+    pairs = reachability_pairs(recorded, paths, poses, np.full(len(poses), target))
+    return pairs.subset(pairs.geodesic < LONGEST)
 
 
 def draw_target(view, picture, goal):
@@ -159,7 +161,7 @@ show(side_by_side(panels, [f"target {name}" for name in TARGETS]))
 # %% [markdown]
 # The green arrow is the heading, of the target and of every start; the circles have radii of 1 m and 2 m. **Predict** for both targets: from which starts will the car arrive? From all starts within one metre? From starts *ahead* of the target, so that it has to come back? From starts *beside* it? From the other side of a wall?
 #
-# Then run the cells (about 10 s): a car drives from every start, with $\mathcal C$. The first is worth reading, since it makes all rollouts of this notebook. To arrive means to come within 0.30 m, in time and without a collision. On the right is what RE predicts beforehand, from the two images alone.
+# Then run the cells (about 5 s): a car drives from every start, with $\mathcal C$. The first is worth reading, since it makes all rollouts of this notebook. To arrive means to come within 0.30 m, in time and without a collision. On the right is what RE predicts beforehand, from the two images alone.
 
 
 # %%
@@ -179,13 +181,23 @@ visual_policy = by_waypoints(waypoints)  # C, as a policy factory
 
 # %% hidden=true
 # Drive from every start of both grids, and draw where the car arrives
-arrived, probabilities, rows = {}, {}, []
-for name, target in tqdm(TARGETS.items(), "targets"):
+both = list(grids.values())
+pairs = reachability_pairs(
+    recorded,
+    paths,
+    np.concatenate([grid.starts for grid in both]),
+    np.concatenate([grid.targets for grid in both]),
+)
+reached = roll_out(recorded, pairs, visual_policy)[0].reached
+predicted = reachability.calibration(
+    all_logits(reachability, recorded, pairs.starts, pairs.targets)
+)
+cuts = [len(both[0])]
+arrived = dict(zip(grids, np.split(reached, cuts), strict=True))
+probabilities = dict(zip(grids, np.split(predicted, cuts), strict=True))
+rows = []
+for name, target in TARGETS.items():
     grid = grids[name]
-    arrived[name] = roll_out(recorded, grid, visual_policy)[0].reached
-    probabilities[name] = reachability.calibration(
-        all_logits(reachability, recorded, grid.starts, grid.targets)
-    )
     maps = [map_around(target, grid, values) for values in (arrived[name], probabilities[name])]
     rows.append(side_by_side(maps, [f"{name}: outcome", "RE's prediction"]))
 show(stacked([*rows, probability_bar("does not arrive", "arrives")]))
@@ -339,7 +351,7 @@ def rollout_labels(times, gaps, touched, geodesic):
 rollout_labels = check_rollout_labels.use(rollout_labels)
 
 # %% [markdown]
-# Now we collect labels (about 10 s): in four buildings in which neither network was trained, up to 120 pairs each. We keep only pairs whose two images overlap by at least a tenth, both ways, since only for these do the images contain information about the outcome. (The others are the subject of section 5.) **Predict:** what share arrives? And of those that do not, how
+# Now we collect labels (about 10 s): in four buildings in which neither network was trained, up to 150 pairs each. We keep only pairs whose two images overlap by at least a tenth, both ways, since only for these do the images contain information about the outcome, and whose shortest path is less than 8 m, so that no rollout takes long. (Those that do not overlap are the subject of section 5.) **Predict:** what share arrives? And of those that do not, how
 # many collide?
 
 # %% hidden=true
@@ -353,8 +365,8 @@ for i, (name, seed) in enumerate(tqdm(SEEDS.items(), "buildings")):
         place = scene_of(local_world(seed))
         world = RecordedWorld(place, demonstrate(local_world(seed), place, 8, seed=0))
     geodesics = paths if world is recorded else GridPaths(world.scene.clearance)
-    drawn = draw_reachability_pairs(world, geodesics, 65, np.random.default_rng(i))
-    drawn = drawn.subset(np.flatnonzero(drawn.seen)[:120])
+    drawn = draw_reachability_pairs(world, geodesics, 90, np.random.default_rng(i))
+    drawn = drawn.subset(np.flatnonzero(drawn.seen & (drawn.geodesic < LONGEST))[:150])
     rollouts, touched = roll_out(world, drawn, visual_policy)
     goals = world.poses[drawn.targets]
     gaps = np.linalg.norm(rollouts.poses[:, :, :2] - goals[:, :2], axis=2)
@@ -489,7 +501,7 @@ def reliability_diagram(predicted, came_true, bins):
 reliability_diagram = check_reliability_diagram.use(reliability_diagram)
 
 # %% [markdown]
-# First a quickly trained network. It uses the frozen encoder of $\mathcal C_{WP}$: its features of the five image comparisons of each pair. On top of them two small layers are trained, on nothing but the 240 rollouts in the *apartment* and the *maze*, until they fit them well. The *ring of corridors* and the *office* are held out.
+# First a quickly trained network. It uses the frozen encoder of $\mathcal C_{WP}$: its features of the five image comparisons of each pair. On top of them two small layers are trained, on nothing but the 300 rollouts in the *apartment* and the *maze*, until they fit them well. The *ring of corridors* and the *office* are held out.
 #
 # **Predict:** how will its reliability diagram look for the rollouts on which it was trained? And in the ring of corridors: will the points lie above the diagonal (the car arrives more often than predicted) or below (it arrives less often)?
 
@@ -714,7 +726,7 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # %% [markdown]
 # ### Mine the hard pairs yourself
 #
-# The quick network of section 4 has seen no hard pair at all: its 240 pairs overlap. Now you mine some for it. The pool holds the pairs that have been rolled out already, and all pairs of 60 frames of each training building, for which there is only the network's prediction. From the pool a training set is made, in four steps:
+# The quick network of section 4 has seen no hard pair at all: its 300 pairs overlap. Now you mine some for it. The pool holds the pairs that have been rolled out already, and the pairs of 60 frames of each training building, for which there is only the network's prediction. From the pool a training set is made, in four steps:
 #
 # 1. **Easy pairs**: every pair that has a label already. Weight 1 each.
 # 2. **[[Hard negative]]s**: of the pairs without a label that are *hopeless*, far and occluded, those with a prediction above `sure`, the highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that is left out because its start has enough already does not count. The label is 0, without a rollout.
@@ -768,7 +780,7 @@ def mine_pairs(probability, starts, hopeless, labels, roll_out, sure, most, each
 mine_pairs = check_mine_pairs.use(mine_pairs)
 
 # %% [markdown]
-# Now the pool of the apartment and the maze, your training set of it, and a second quick network, trained on it from the same initial weights (about 6 s). Both networks are then queried for all pairs of 60 frames of the *office*, which neither has seen. **Predict:** how many far, occluded pairs of the office will each be sure of? And will the second be worse on the 120 ordinary pairs of the office?
+# Now the pool of the apartment and the maze, your training set of it, and a second quick network, trained on it from the same initial weights (about 6 s). Both networks are then queried for all pairs of 60 frames of the *office*, which neither has seen. **Predict:** how many far, occluded pairs of the office will each be sure of? And will the second be worse on the 150 ordinary pairs of the office?
 
 # %% hidden=true
 # Query the quick network for all pairs of 60 frames in three buildings, mine, and train again
@@ -781,6 +793,8 @@ def all_pairs(name, count=60):
     here, there = (grid.ravel() for grid in np.meshgrid(chosen, chosen, indexing="ij"))
     here, there = here[here != there], there[here != there]
     pairs = reachability_pairs(world, paths_there, world.poses[here], there)
+    kept = pairs.far_and_occluded | (pairs.geodesic < LONGEST)  # the others take long to roll out
+    pairs, here, there = pairs.subset(kept), here[kept], there[kept]
     seen = waypoints.encode(Simulation(world.scene, world.poses[chosen]).observe())
     targets = encoded(waypoints, world, chosen).encoded
     rows, columns = np.searchsorted(chosen, here), np.searchsorted(chosen, there)
@@ -851,7 +865,7 @@ for _ in range(301):
 lines = []
 office, office_features, _ = queried["office"]
 reached = buildings["office"]["labels"]
-for name, network in (("240 easy pairs", quick), ("easy and mined pairs", mined)):
+for name, network in (("300 easy pairs", quick), ("easy and mined pairs", mined)):
     far = sigmoid(quick_logits(network, office_features))[office.far_and_occluded]
     ordinary = quick_logits(network, features["office"])
     loss = reach_loss(ordinary, reached, np.ones(len(reached)))
@@ -1019,7 +1033,7 @@ for group in (too_high, too_low):
     display(show(side_by_side([case_picture(case) for case in group])))
 
 # %% [markdown]
-# Three cases are anecdotes. What do the mistakes have in common? The labels above the images name six conditions that could mislead RE. For all 480 pairs we compare its mean prediction with the share that arrived, with and without each of them. **Predict:** where will the two differ most?
+# Three cases are anecdotes. What do the mistakes have in common? The labels above the images name six conditions that could mislead RE. For all 600 pairs we compare its mean prediction with the share that arrived, with and without each of them. **Predict:** where will the two differ most?
 
 # %% hidden=true
 # Compare prediction and outcome with and without each condition
