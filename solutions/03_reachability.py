@@ -112,7 +112,7 @@ def frame_near(pose):
 
 
 CELL = 0.42  # metres from one start to the next
-LONGEST = 8.0  # metres of the shortest path, to keep the rollouts short
+LONGEST = 6.0  # metres of the shortest path, to keep the rollouts short
 
 
 def starts_around(target, reach=2.1, step=CELL):
@@ -351,7 +351,7 @@ def rollout_labels(times, gaps, touched, geodesic):
 rollout_labels = check_rollout_labels.use(rollout_labels)
 
 # %% [markdown]
-# Now we collect labels (about 10 s): in four buildings in which neither network was trained, up to 150 pairs each. We keep only pairs whose two images overlap by at least a tenth, both ways, since only for these do the images contain information about the outcome, and whose shortest path is less than 8 m, so that no rollout takes long. (Those that do not overlap are the subject of section 5.) **Predict:** what share arrives? And of those that do not, how
+# Now we collect labels (about 10 s): in four buildings in which neither network was trained, up to 150 pairs each. We keep only pairs whose two images overlap by at least a tenth, both ways, since only for these do the images contain information about the outcome, and whose shortest path is less than 6 m, so that no rollout takes long. (Those that do not overlap are the subject of section 5.) **Predict:** what share arrives? And of those that do not, how
 # many collide?
 
 # %% hidden=true
@@ -726,7 +726,7 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # %% [markdown]
 # ### Mine the hard pairs yourself
 #
-# The quick network of section 4 has seen no hard pair at all: its 300 pairs overlap. Now you mine some for it. The pool holds the pairs that have been rolled out already, and the pairs of 60 frames of each training building, for which there is only the network's prediction. From the pool a training set is made, in four steps:
+# The quick network of section 4 has seen no hard pair at all: its 300 pairs overlap. Now you mine some for it. The pool holds the pairs that have been rolled out already, and the pairs of 45 frames of each training building, for which there is only the network's prediction. From the pool a training set is made, in four steps:
 #
 # 1. **Easy pairs**: every pair that has a label already. Weight 1 each.
 # 2. **[[Hard negative]]s**: of the pairs without a label that are *hopeless*, far and occluded, those with a prediction above `sure`, the highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that is left out because its start has enough already does not count. The label is 0, without a rollout.
@@ -768,8 +768,7 @@ def mine_pairs(probability, starts, hopeless, labels, roll_out, sure, most, each
     easy, mined = np.flatnonzero(known), np.array([*negatives, *drawn], dtype=int)
     found = labels.copy()
     found[negatives] = 0.0
-    if len(drawn):
-        found[drawn] = roll_out(drawn)
+    found[drawn] = roll_out(drawn)
     weight = share / (1 - share) * len(easy) / max(len(mined), 1)
     pairs = np.concatenate([easy, mined])
     return pairs, found[pairs], np.where(known[pairs], 1.0, weight)
@@ -780,13 +779,13 @@ def mine_pairs(probability, starts, hopeless, labels, roll_out, sure, most, each
 mine_pairs = check_mine_pairs.use(mine_pairs)
 
 # %% [markdown]
-# Now the pool of the apartment and the maze, your training set of it, and a second quick network, trained on it from the same initial weights (about 6 s). Both networks are then queried for all pairs of 60 frames of the *office*, which neither has seen. **Predict:** how many far, occluded pairs of the office will each be sure of? And will the second be worse on the 150 ordinary pairs of the office?
+# Now the pool of the apartment and the maze, your training set of it, and a second quick network, trained on it from the same initial weights (about 6 s). Both networks are then queried for all pairs of 45 frames of the *office*, which neither has seen. **Predict:** how many far, occluded pairs of the office will each be sure of? And will the second be worse on the 150 ordinary pairs of the office?
 
 # %% hidden=true
-# Query the quick network for all pairs of 60 frames in three buildings, mine, and train again
+# Query the quick network for all pairs of 45 frames in three buildings, mine, and train again
 
 
-def all_pairs(name, count=60):
+def all_pairs(name, count=45):
     """All pairs of some frames of a building, with their features."""
     world, paths_there = buildings[name]["recorded"], buildings[name]["paths"]
     chosen = np.linspace(0, len(world.poses) - 1, count).round().astype(int)
@@ -833,7 +832,8 @@ def roll_out_pool(pairs):
             chosen = queried[name][0].subset(within[pairs[mine]])
             rollouts, _ = roll_out(buildings[name]["recorded"], chosen, visual_policy)
             found[mine] = rollouts.reached
-    print(f"{len(pairs)} confident pairs rolled out, {found.mean():.0%} arrive")
+    if len(pairs):
+        print(f"{len(pairs)} confident pairs rolled out, {found.mean():.0%} arrive")
     return found
 
 
@@ -905,7 +905,7 @@ if sure.any():
 #
 # ## 6 · Slide the target along a trajectory
 #
-# This is the longest trajectory of the apartment. The car starts on it, and you slide the target along it, from 1 m behind to 8 m ahead; with the second slider you turn the car at its start. The curve is RE for every target; the square is the actual outcome: every position of the sliders was rolled out beforehand (about 4 s).
+# This is the longest trajectory of the apartment. The car starts on it, and you slide the target along it, from 1 m behind to 6 m ahead; with the second slider you turn the car at its start. The curve is RE for every target; the square is the actual outcome: every position of the sliders was rolled out beforehand (about 4 s).
 #
 # **Predict, then move the sliders.** Where will RE fall: gradually with the distance, or at certain places? Which ones? And what happens to the curve when the car is turned by 60°, or by 120°?
 
@@ -914,7 +914,7 @@ if sure.any():
 lengths = recorded.arc[recorded.last] - recorded.arc[recorded.first]
 longest = int(lengths.argmax())
 begin = recorded.frame_at(np.array([recorded.first[longest]]), np.array([3.0]))
-metres_ahead = np.arange(-1.0, 8.01, 0.25)
+metres_ahead = np.arange(-1.0, 6.01, 0.25)
 along = recorded.frame_at(np.repeat(begin, len(metres_ahead)), metres_ahead)
 prepared = encoded(reachability, recorded, along)
 
@@ -964,7 +964,7 @@ def slide(metres_to_the_target, turned_by_degrees):
     return side_by_side([map_part, side]), f"RE {probability[target]:.2f}, {joint} {ending}"
 
 
-sliders(slide, metres_to_the_target=(-1.0, 8.0, 0.5, 3.0), turned_by_degrees=(-120, 120, 60, 0))
+sliders(slide, metres_to_the_target=(-1.0, 6.0, 0.5, 3.0), turned_by_degrees=(-120, 120, 60, 0))
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>

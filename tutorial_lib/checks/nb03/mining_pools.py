@@ -64,6 +64,7 @@ POOLS: dict[str, Pool] = {
     "hardly any that are not hopeless": replace(_pool(5, hopeless=0.97), each=3, most=60),
     "nothing that is sure": replace(_pool(6), sure=0.9995),
     "nothing hopeless": replace(_pool(7), hopeless=np.zeros(400, dtype=bool)),
+    "a single hard negative": replace(_pool(8, hopeless=1.1), most=1),
     "12 pairs": replace(_pool(9, 12, known=0.3), sure=0.2, share=0.1),
 }
 

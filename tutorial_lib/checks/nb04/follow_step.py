@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.nb04.follower_answers import calling, whole
+from tutorial_lib.checks.nb04.observations import RULES
 from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory
 from tutorial_lib.checks.nb04.transition import transition
 from tutorial_lib.geometry import Array, to_local, to_world
@@ -79,6 +81,25 @@ def _example() -> tuple[Any, ...]:
     return memory, *corridor.observe(memory), STORIES["undisturbed"].rules
 
 
+def _exact(
+    memory: Memory, ahead: float, reach: float, rules: FollowerSettings = RULES
+) -> tuple[Any, ...]:
+    """A step in which the only anchor of a path lies straight ahead."""
+    seen = np.array([reach]), np.array([0.3]), np.array([[ahead, 0.0]]), np.zeros(3)
+    return memory, *seen, rules
+
+
+_ON_ITS_WAY = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), 1.0, 1.05)
+_EXACT = {
+    "exactly rules.at from the waypoint": _exact(_ON_ITS_WAY, 0.25, 0.97),
+    "at the waypoint, RE of exactly rules.p_lose": _exact(_ON_ITS_WAY, 0.1, 0.4),
+    "exactly 0.05 m nearer": _exact(_ON_ITS_WAY, 1.0, 0.97),
+    "without progress for exactly rules.effort": _exact(
+        _ON_ITS_WAY._replace(waited=0.0), 1.5, 0.97, replace(RULES, effort=0.1)
+    ),
+}
+
+
 @check(follow_step, _example(), calls=10_000)
 def check_follow_step(student: Callable[..., Any]) -> None:
     """Seventeen drives along a corridor: left alone, blind, pushed, behind a chair, and lost."""
@@ -101,6 +122,14 @@ def check_follow_step(student: Callable[..., Any]) -> None:
             if target is None:
                 break
             corridor.drive(target)
+    for name, (memory, *seen) in _EXACT.items():
+        what = f"follow_step, {name}"
+        got = _form(what, invoke(what, partial(student, memory, *seen)))
+        want = follow_step(memory, *seen)
+        if (got[0].state, got[1] is None) != (want[0].state, want[1] is None):
+            words = f"{got[0].state.name} came back, {want[0].state.name} is right"
+            raise WrongAnswer(f"{what}: {words}; exactly a threshold is neither above nor below it")
+        _compare(what, memory, seen, got, want)
 
 
 def _form(what: str, got: Any) -> Answer:  # noqa: ANN401 - students' answers
