@@ -87,7 +87,7 @@ torch.set_num_threads(1)  # the networks are small: a second thread would mostly
 #
 # RE is the **[[reachability estimator]]**, and it belongs to *this controller*: put $\mathcal C$ at the pose where it sees $o_\text{current}$, give it the target $\hat o_\text{target}$ with its context, and let it drive. RE predicts the probability that it arrives.
 #
-# In simulation we can simply try. Below is an apartment in which no network was trained, with 24 recorded trajectories, and two frames of those trajectories as targets. We start a [[rollout]] from each point of a grid around each target: *all with the same heading as the target*, so that they differ only in where they start.
+# In simulation we can simply try. Below is an apartment in which no network was trained, with 24 recorded trajectories, and two frames of those trajectories as targets. We start a [[rollout]] from each point of a grid around each target: *all with the same heading as the target*, so that they differ only in where they start. (Starts whose shortest path is 6 m or longer are left out, so that no rollout takes long.)
 
 # %% hidden=true
 # Draw two targets, from above and as the camera sees them
@@ -649,16 +649,16 @@ show(from_figure(figure))
 # <details><summary>What changed, and what did not?</summary>
 # The AUC does not change: an increasing function keeps the ranking, and the AUC depends on nothing but the ranking. (The constant has no ranking at all, 0.5; 0 or 1 has thrown most of it away.) Calibration adds no information to a network. It makes its probabilities honest.
 #
-# The ECE alone says little. A constant prediction of the share that arrives is calibrated by definition, and useless, since it does not distinguish any two targets. Look at ECE <i>and</i> AUC, or at Brier and log loss, which reward both. The log loss penalises confident errors most: it is very high for "0 or 1", though its AUC is good.
+# The ECE alone says little. A constant prediction of the share that arrives is calibrated by definition, and useless, since it does not distinguish any two targets. (The one in the table is the share of another building, so it is off by the difference of the two.) Look at ECE <i>and</i> AUC, or at Brier and log loss, which reward both. The log loss penalises confident errors most: it is very high for "0 or 1", though its AUC is good.
 #
 # And note the last line: with so few rollouts, even exactly right probabilities would not lie on the diagonal. Smaller differences mean nothing here. The results page at the end has many more.
 # </details>
-# <details><summary>The library's raw network is wrong in another way. In which, and why?</summary>
-# Compare its mean prediction with the share that arrived: its predictions are too low nearly everywhere. It is not over-confident but <i>pessimistic</i>. Its training pairs were harder than these: in the last part of its training about every seventh target was one on which it had been wrong before (section 5 explains why that is needed), and there many more rollouts fail. A temperature does not help: it changes the spread of the predictions,
-# not their level. A shift of the logits would, and the isotonic function contains one. Diagnose before you recalibrate: look at the diagram first.
+# <details><summary>Is the library's raw network wrong, too?</summary>
+# Hardly, as far as 150 rollouts can tell: its ECE, its mean prediction and its T are those that exact probabilities might have by chance. T is even below 1: if anything, the raw network is too modest. That is no wonder. In the last part of its training about every seventh target was one on which it had been wrong before (section 5 explains why that is needed), and there many more rollouts fail. The isotonic function was fitted on far more rollouts than we have here, and its place is at the upper end, where maps query:
+# which of the three lines is best cannot be decided with this page's data. The results page at the end has more. Diagnose before you recalibrate: look at the diagram first, and at how much could be chance.
 # </details>
 # <details><summary>Why must a calibration be fitted on rollouts on which the network was not trained?</summary>
-# Look at the quick network on its training buildings: it is right there, so the best temperature would be about 1, and nothing would change. Its confidence is justified on what it has memorised, and not elsewhere; rollouts that it has memorised cannot show that.
+# Look at the quick network on its training buildings: it is right there, however sure it is, so the best temperature would be far below 1 and make it even surer. Its confidence is justified on what it has memorised, and not elsewhere; rollouts that it has memorised cannot show that.
 # </details>
 # <details><summary>In section 1 the calibrated RE was too optimistic for targets beside the car. Is it calibrated or not?</summary>
 # It is, <i>for pairs like those on which it was fitted</i>: starts on trajectories or a little aside, and images that overlap. Calibration is a statement about an average over a distribution of pairs. The grid of section 1 is another distribution, and there it need not hold. Before you trust a probability, ask on which pairs it was measured, and whether yours are like them. The next section is about the pairs that a map queries.
@@ -877,7 +877,8 @@ table(headings, lines, best, words)
 
 # %% [markdown]
 # <details><summary>What did mining change?</summary>
-# MINED
+# The second network is sure of far fewer look-alikes in a building that it has never seen, above 0.5 as well as above 0.9: less than half as many. On the ordinary pairs both are about as good; differences of a hundredth in the AUC mean nothing with 150 rollouts. Sixty hard negatives from two buildings do not make it immune: with about a million pairs to query, a tenth of the look-alikes above 0.9 is still a disaster, and the library's network needed thousands of mined pairs. The confident pairs keep it from
+# learning that whatever looks good is a trap: a third of them do arrive.
 # </details>
 #
 # So the question "is it calibrated?" has at least two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. We can measure the second too: of all the pairs above that are not simply neighbours on one trajectory, take those with RE > 0.9, roll out up to 40 of them, and count. **Predict** what share arrives; RE's mean is the share that it expects.
@@ -1055,13 +1056,12 @@ print(
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# Of the three where RE was too confident, look first at the maps. Where the car has not moved at all, its body touches a wall or nearly so at the side or behind, where no camera looks: what blocks it is not in the images. The other one stops just outside the circle of 0.30 m, where the images are almost identical. Those where RE was too low have one thing in common: the target's heading is very different from the heading at the
-# start, so that the two images share little. The path was easy all the same, and the label depends on the position only.
+# Of the three where RE was too confident, look first at the maps. The first two stop just outside the circle of 0.30 m, one of them beside a wall, without having moved: where the images are almost identical, the car takes the place for the target. In the third the target lies beside the car, as in section 1. Those where RE was too low have one thing in common: the two images share little. The path was easy all the same, and RE has no way to know: what lies between is in neither image.
 #
-# In the table RE's mean prediction follows the share that arrives from line to line: it has learnt that targets beside the car, with little overlap or turned away are harder. (Differences of five points, or ten where there are few pairs, mean nothing.) A tight place causes failures too seldom to show in the mean. Only where a wall stands between car and target is it far too optimistic: the two views share something around a corner, the path is longer than it seems, and such pairs are rare in its training data.
+# In the table RE's mean prediction follows the share that arrives from line to line: it has learnt that targets behind or beside the car, with little overlap or turned away are harder. (Differences of five points, or ten where there are few pairs, mean nothing.) A tight place causes failures too seldom to show in the mean. For targets beside the car it is too optimistic, and where a wall stands between by far: the two views share something around a corner, the path is longer than it seems, and such pairs are rare in its training data.
 # </details>
 # <details><summary>Which of these could a better network fix, and which not?</summary>
-# The wall between could be learnt from more examples of it. The wall behind the car could not: RE sees what the camera sees. (The laser sees it, and our car has one. RE for the laser is one of the lines of the results page.) And the last centimetres are chance: at the edge of the circle one of them decides, and the right prediction there is a number between 0 and 1.
+# The wall between could be learnt from more examples of it. What neither image shows could not. (The laser's field of view is twice as wide, and our car has one. RE for the laser is one of the lines of the results page.) And the last centimetres are chance: at the edge of the circle one of them decides, and the right prediction there is a number between 0 and 1.
 # </details>
 #
 # ### Find the bug
