@@ -459,7 +459,7 @@ show(follower_machine())
 # - **Search**: take the anchor with the highest $\mathcal{RE}$ if it exceeds $p_\text{search}$. Otherwise give up: without a waypoint there is nothing to drive to.
 # - **Follow**: drive to $\mathcal C_{WP}(o_\text{current}, \hat o_\text{active})$, and advance the active anchor in time.
 # - **Dead reckoning**: $\mathcal{RE}(o_\text{current}, \hat o_\text{active})$ has become low: a person blocks the view, or the car has been pushed. Either may pass. So drive on to the *last waypoint* by odometry, and keep looking.
-# - **Lost**: dead reckoning has lasted too long. Stop.
+# - **Lost**: dead reckoning has lasted too long, or the car has come no nearer to its anchor for too long. Stop.
 #
 # Here are our values, with $p_\text{search} = p_\text{follow} = 0.92$ as in the paper. The paper has no $p_\text{lose}$: it also leaves Follow at $p_\text{follow}$. **Predict** what a car does if both thresholds are equal and its $\mathcal{RE}$ fluctuates between 0.91 and 0.93.
 
@@ -742,7 +742,7 @@ def anchor_paths(guide, kept):
 # %% [markdown]
 # Five cars start where the tour leaves the first room, and follow it at the same time without interacting. The first is left alone. After 12 s the second is pushed aside by half a metre, the third is turned by 40°, and the fifth is kidnapped: placed in another room. By then the fourth has met a person, who walks towards it, waits, and turns back.
 #
-# **Predict** for each: does it recover, and what does it do until then? The odometers do not register that the cars were moved.
+# **Predict** for each: does it recover, and what does it do until then? (About 3 s.) The odometers do not register that the cars were moved.
 
 # %% hidden=true
 # Drive five cars, and disturb four of them
@@ -816,7 +816,7 @@ show(stacked(strips, CASES[1:], gap=4))
 # - It leaves dead reckoning only after five steps in a row, by any anchor near the active one; and it has arrived only after five steps.
 # - At the end of dead reckoning it need not just stand at the last waypoint: as long as $\mathcal{RE}$ of the active anchor is above `p_try`, 0.2, it drives to a new waypoint that $\mathcal C_{WP}$ predicts for that anchor. The clock keeps running.
 # - **It searches for the heading.** A waypoint is a position without a heading. A car that is at an anchor, sees little of what was seen there (overlap below `rules.facing`), and cannot reach the next anchor yet, gets a waypoint *beside* it: it turns to one side as long as the overlap grows, and to the other when it shrinks. Only then does the anchor count as visited.
-# - After `rules.effort` seconds without coming nearer, the anchor counts as visited all the same; if that does not help either, the car is lost, in Follow too.
+# - After `rules.effort` seconds without coming nearer, the anchor counts as visited all the same; only if that does not help either, the car is lost. Yours is lost at once.
 #
 # Both follow all 24 trajectories. The **[[cover rate]]** (paper, IV-B) is the length that is followed before the car strays from the trajectory by more than a metre, touches something or gives up, over the length of all trajectories. For comparison, *random* drives to random waypoints, and the *oracle* is given its pose and the trajectory.
 # **Predict** the four numbers. (The cell takes about 10 s.)
@@ -941,7 +941,7 @@ show(numbered_views(away_view, picture, places, images, **options))
 
 # %% [markdown]
 # The paper's second test is *noise* in the controls: speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$ ten times a second. Your follower, with $k = 5$, follows the longest of eight trajectories in an office that no network has seen, once undisturbed and four times with noise.
-# **Predict:** how many of the four will arrive?
+# **Predict:** how many of the four will arrive? (The cell takes about 7 s.)
 
 # %% hidden=true
 # Follow a long trajectory, without noise and four times with it
@@ -1148,7 +1148,7 @@ show(stacked([side_by_side(row, gap=20) for row in rows], gap=10))
 # The library's car searches for the heading, and often that saves it. But it steers by the overlap, and where anchors lie so close together with opposite headings, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that skips the manoeuvre, and follows the trajectory from 4 m on, counts as a failure here, too: a short cut covers nothing.)
 # </details>
 #
-# If this is the cause, then the same trajectories must work from the point where the car is under way. That can be tested: the same 24 trajectories without their first 2 m, new anchors, the same follower. The experiment of section 7 begins its trajectories in the same way. **Predict** the cover rate.
+# If this is the cause, then the same trajectories must work from the point where the car is under way. That can be tested: the same 24 trajectories without their first 2 m, new anchors, the same follower. The experiment of section 7 begins its trajectories in the same way. **Predict** the cover rate. (The cell takes about 6 s.)
 
 # %% hidden=true
 # Follow the same trajectories without their first metres
