@@ -706,7 +706,8 @@ def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
     Returns poses (T + 1, N, 3) and states (T, N).
     """
     world, rng = guide.recorded.scene, np.random.default_rng(0)
-    simulation = Simulation(world, starts, people=people, control_noise=noise, rng=rng)
+    simulation = Simulation(world, starts, people=people)
+    noise = np.broadcast_to(noise, len(starts))[:, None]  # sigma of each car
     memories, over = [Memory() for _ in starts], np.zeros(len(starts), dtype=bool)
     track, states = [simulation.poses], []
     while not over.all() and len(states) < limit:
@@ -726,7 +727,7 @@ def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
         if going.any():
             moving = robots[going]
             actions[moving] = controller.act(seen[going], points[moving])
-        simulation.step(actions)
+        simulation.step(actions * rng.normal(1.0, noise, actions.shape))
         track.append(simulation.poses)
         states.append(np.array([memory.state for memory in memories]))
     return np.array(track), np.array(states)
@@ -950,22 +951,20 @@ office_trajectories = demonstrate("office", office, 8, seed=0, controller=RMPCon
 longest = max(office_trajectories, key=lambda trajectory: trajectory.arc_length[-1])
 far = Guide(RecordedWorld(office, [longest]), "k5")
 far_path = far.anchors(0, 0.99)
-quiet_track, quiet_states = follow(far, anchor_paths(far, [far_path]), longest.poses[:1])
-starts = np.tile(longest.poses[0], (4, 1))
-noisy_track, _ = follow(far, anchor_paths(far, [far_path] * 4), starts, noise=1 / 3)
-noisy = [covered(longest.poses, noisy_track[:, index]) for index in range(4)]
+starts, sigmas = np.tile(longest.poses[0], (5, 1)), np.array([0.0, *[1 / 3] * 4])
+office_track, office_states = follow(far, anchor_paths(far, [far_path] * 5), starts, noise=sigmas)
+quiet, *noisy = (covered(longest.poses, office_track[:, index]) for index in range(5))
+arrived = int(np.argmax(office_states[:, 0] == State.DONE)) + 1
 print(f"{len(far_path)} anchors for {len(longest)} frames over {longest.arc_length[-1]:.1f} m")
-print(
-    f"followed: {covered(longest.poses, quiet_track[:, 0]):.1f} m, in {len(quiet_states) * STEP:.0f} s"
-)
+print(f"followed: {quiet:.1f} m, in {arrived * STEP:.0f} s")
 print("with noise:", ", ".join(f"{followed:.1f}" for followed in noisy), "m")
 
 office_view = PlanView(office, 1500, 960)
 picture = office_view.base.copy()
 draw_frames(office_view, picture, longest.poses, 1.2)
-for index in range(4):
-    office_view.polyline(picture, noisy_track[:, index, :2], colours.PERSON, 2)
-draw_states(office_view, picture, quiet_track[:-1, 0], quiet_states[:, 0], 2)
+for index in range(1, 5):
+    office_view.polyline(picture, office_track[:, index, :2], colours.PERSON, 2)
+draw_states(office_view, picture, office_track[:-1, 0], office_states[:, 0], 2)
 draw_anchors(office_view, picture, longest.poses[far_path], size=5)
 show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 
