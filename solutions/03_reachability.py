@@ -808,7 +808,7 @@ def quick_logits(network, features):
         return network(features)[:, 0].double().numpy()
 
 
-queried = {name: all_pairs(name) for name in (*TRAIN, *TEST)}
+queried = {name: all_pairs(name) for name in tqdm((*TRAIN, *TEST), "buildings")}
 pool = torch.cat([x, *(queried[name][1] for name in TRAIN)])
 easy = len(x)
 sizes = [easy, *(len(queried[name][0]) for name in TRAIN)]
