@@ -729,25 +729,25 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 # The quick network of section 4 has seen no hard pair at all: its 300 pairs overlap. Now you mine some for it. The pool holds the pairs that have been rolled out already, and the pairs of 45 frames of each training building, for which there is only the network's prediction. From the pool a training set is made, in four steps:
 #
 # 1. **Easy pairs**: every pair that has a label already. Weight 1 each.
-# 2. **[[Hard negative]]s**: of the pairs without a label that are *hopeless*, far and occluded, those with a prediction above `sure`, the highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that is left out because its start has enough already does not count. The label is 0, without a rollout.
-# 3. **Confident pairs**: of those without a label that are *not* hopeless, with a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They are rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts are what takes time, so no other pair is rolled out, and none twice.
+# 2. **[[Hard negative]]s**: of the pairs without a label that are far and occluded (`occluded`), those with a prediction above `sure`, the highest first: at most `most` of them, and at most `each` with the same start frame, or a single odd place would fill the list. A pair that is left out because its start has enough already does not count. The label is 0, without a rollout.
+# 3. **Confident pairs**: of those without a label that are *not* occluded, with a prediction above `sure`, as many as there are hard negatives (all, if there are fewer), drawn at random with `rng`, each at most once. They are rolled out: `roll_out(pairs)` takes an array of indices and returns their labels. Rollouts are what takes time, so no other pair is rolled out, and none twice.
 # 4. **Weights**: all mined pairs, hard negatives and confident ones, weigh the same, such that together they have the share `share` of the whole weight, that of the easy ones included.
 #
-# Why step 3, if hopeless pairs are the problem? **Think first**, what would the network learn if every pair that it is sure of came with the label 0?
+# Why step 3, if occluded pairs are the problem? **Think first**, what would the network learn if every pair that it is sure of came with the label 0?
 #
 # ### Exercise 5 · `mine_pairs` (large, 35 minutes)
 #
-# <details><summary>Hint 1: concept</summary>Four groups of pairs: known; hopeless and sure; not hopeless and sure; all others. Make a mask of each, then shorten the second and the third one. Keep pairs, labels and weights in the same order until the end.</details>
+# <details><summary>Hint 1: concept</summary>Four groups of pairs: known; occluded and sure; not occluded and sure; all others. Make a mask of each, then shorten the second and the third one. Keep pairs, labels and weights in the same order until the end.</details>
 # <details><summary>Hint 2: approach</summary>Whether a label is known: np.isnan. For the hard negatives go through np.argsort(-probability) with a loop, a list of the chosen, and a dictionary that counts how often each start was taken. For the others rng.permutation of their indices, cut off after as many as you need. With E easy pairs of weight 1 and M mined ones of weight w, the share is M w / (E + M w): solve it for w, and mind M = 0.</details>
 # <details><summary>Hint 3: one line</summary>At most two words with the same first letter: <code>for word in words: if count.get(word[0], 0) &lt; 2: …</code> What are the words here, what the letter, and which other two conditions join this one?</details>
 
 
 # %% exercise="mine_pairs"
-def mine_pairs(probability, starts, hopeless, labels, roll_out, sure, most, each, share, rng):
+def mine_pairs(probability, starts, occluded, labels, roll_out, sure, most, each, share, rng):
     """A training set of the pairs whose labels are known, and of mined ones.
 
     probability: (P,) the network's predictions, all different. starts: (P,) index of the frame at
-    which each pair begins. hopeless: (P,) True where a pair is far and occluded. labels: (P,) 1, 0,
+    which each pair begins. occluded: (P,) True where a pair is far and occluded. labels: (P,) 1, 0,
     or nan where a pair has not been rolled out. roll_out: function that takes indices (M,) of pairs
     and returns labels (M,). sure: only pairs with a greater probability are mined. most, each: hard
     negatives at most, in all and of one start. share: of the mined pairs in the weight of all, less
@@ -761,10 +761,10 @@ def mine_pairs(probability, starts, hopeless, labels, roll_out, sure, most, each
     negatives, taken = [], {}
     for pair in np.argsort(-probability):
         count = taken.get(starts[pair], 0)
-        if new[pair] and hopeless[pair] and count < each and len(negatives) < most:
+        if new[pair] and occluded[pair] and count < each and len(negatives) < most:
             negatives.append(pair)
             taken[starts[pair]] = count + 1
-    drawn = rng.permutation(np.flatnonzero(new & ~hopeless))[: len(negatives)]
+    drawn = rng.permutation(np.flatnonzero(new & ~occluded))[: len(negatives)]
     easy, mined = np.flatnonzero(known), np.array([*negatives, *drawn], dtype=int)
     found = labels.copy()
     found[negatives] = 0.0
@@ -815,7 +815,7 @@ sizes = [easy, *(len(queried[name][0]) for name in TRAIN)]
 building_of = np.repeat([-1, 0, 1], sizes)
 within = np.concatenate([np.arange(size) for size in sizes])
 labels = np.where(building_of < 0, np.pad(y.double().numpy(), (0, len(pool) - easy)), np.nan)
-hopeless = np.concatenate(
+occluded = np.concatenate(
     [np.zeros(easy, dtype=bool), *(queried[name][0].far_and_occluded for name in TRAIN)]
 )
 begins = np.concatenate(
@@ -840,7 +840,7 @@ def roll_out_pool(pairs):
 chosen, chosen_labels, chosen_weights = mine_pairs(
     sigmoid(quick_logits(quick, pool)),
     begins.astype(int),
-    hopeless,
+    occluded,
     labels,
     roll_out_pool,
     sure=0.5,
@@ -850,7 +850,7 @@ chosen, chosen_labels, chosen_weights = mine_pairs(
     rng=np.random.default_rng(0),
 )
 added = np.isnan(labels[chosen])
-print(f"{(~added).sum()} easy pairs, {(added & hopeless[chosen]).sum()} hard negatives")
+print(f"{(~added).sum()} easy pairs, {(added & occluded[chosen]).sum()} hard negatives")
 torch.manual_seed(0)
 mined = nn.Sequential(nn.Linear(x.shape[1], 64), nn.ReLU(), nn.Linear(64, 1))
 optimizer = torch.optim.Adam(mined.parameters(), 1e-3)

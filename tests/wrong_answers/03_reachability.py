@@ -745,7 +745,7 @@ def fit_temperature__right_by_a_simplex(logits, labels):
     return min(max(float(np.exp(-found.x[0])), 0.05), 20.0)
 
 
-def mine_pairs__takes_the_first_hopeless_ones(*case):
+def mine_pairs__takes_the_first_occluded_ones(*case):
     """begin with the highest"""
     return _mined(*case, order=lambda probability: np.arange(len(probability)))
 
@@ -781,7 +781,7 @@ def mine_pairs__has_a_threshold_of_its_own(*case):
 
 
 def mine_pairs__rolls_everything_out(*case):
-    """is hopeless: it is labelled 0 without a rollout"""
+    """is occluded: it is labelled 0 without a rollout"""
     probability, labels, roll_out, sure = case[0], case[3], case[4], case[5]
     rows = np.flatnonzero(np.isnan(labels) & (probability > sure))
     return rows, roll_out(rows), np.ones(len(rows))
@@ -789,9 +789,9 @@ def mine_pairs__rolls_everything_out(*case):
 
 def mine_pairs__compares_with_nan(*case):
     """has been rolled out already"""
-    probability, _, hopeless, labels, roll_out, sure = case[:6]
+    probability, _, occluded, labels, roll_out, sure = case[:6]
     new = (labels != 2.0) & (probability > sure)
-    rows = np.flatnonzero(new & ~hopeless)
+    rows = np.flatnonzero(new & ~occluded)
     return rows, roll_out(rows), np.ones(len(rows))
 
 
@@ -855,7 +855,7 @@ def mine_pairs__divides_by_nothing(*case):
 
 
 def mine_pairs__labels_negatives_as_reached(*case):
-    """is hopeless and is labelled 0: its label is 0, not 1"""
+    """is occluded and is labelled 0: its label is 0, not 1"""
     pairs, labels, weights = _mined(*case)
     return pairs, np.where(case[2][pairs] & np.isnan(case[3][pairs]), 1.0, labels), weights
 
@@ -879,19 +879,19 @@ def mine_pairs__returns_a_mask(*case):
 
 
 def mine_pairs__right_in_pure_python(
-    probability, starts, hopeless, labels, roll_out, sure, most, each, share, rng
+    probability, starts, occluded, labels, roll_out, sure, most, each, share, rng
 ):
     count = len(probability)
     weights = {i: 1.0 for i in range(count) if labels[i] == labels[i]}
     found = {i: float(labels[i]) for i in weights}
     new = [i for i in range(count) if i not in found and probability[i] > sure]
     negatives = []
-    for i in sorted((i for i in new if hopeless[i]), key=lambda i: -probability[i]):
+    for i in sorted((i for i in new if occluded[i]), key=lambda i: -probability[i]):
         if len(negatives) == most:
             break
         if sum(starts[j] == starts[i] for j in negatives) < each:
             negatives.append(i)
-    others = [i for i in new if not hopeless[i]]
+    others = [i for i in new if not occluded[i]]
     rng.shuffle(others)
     others = others[: len(negatives)]
     mined = others + negatives
@@ -907,14 +907,14 @@ def mine_pairs__right_in_pure_python(
 
 
 def mine_pairs__right_by_ranks(
-    probability, starts, hopeless, labels, roll_out, sure, most, each, share, rng
+    probability, starts, occluded, labels, roll_out, sure, most, each, share, rng
 ):
     new = np.isnan(labels) & (probability > sure)
-    rows = np.flatnonzero(new & hopeless)
+    rows = np.flatnonzero(new & occluded)
     rows = rows[np.argsort(probability[rows])[::-1]]
     same = starts[rows][:, None] == starts[rows]
     rows = rows[np.tril(same, -1).sum(axis=1) < each][:most]
-    others = np.flatnonzero(new & ~hopeless)
+    others = np.flatnonzero(new & ~occluded)
     drawn = rng.choice(others, min(len(rows), len(others)), replace=False)
     found = labels.copy()
     found[rows] = 0.0
@@ -935,7 +935,7 @@ def _changed(case, **changes):
 def _mined(
     probability,
     starts,
-    hopeless,
+    occluded,
     labels,
     roll_out,
     sure,
@@ -952,11 +952,11 @@ def _mined(
 ):
     """The rule, and what may be wrong with it."""
     new, chosen = np.isnan(labels) & (probability > sure), []
-    hard = [i for i in order(probability) if new[i] and hopeless[i]]
+    hard = [i for i in order(probability) if new[i] and occluded[i]]
     for i in hard[:most] if early else hard:
         if len(chosen) < most and sum(starts[j] == starts[i] for j in chosen) < each:
             chosen.append(i)
-    others = np.flatnonzero(new & ~hopeless)
+    others = np.flatnonzero(new & ~occluded)
     others = others[np.argsort(-probability[others])]
     if early_rollouts:
         roll_out(others)

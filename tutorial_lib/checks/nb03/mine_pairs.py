@@ -20,7 +20,7 @@ Pairs = NDArray[np.intp]
 def mine_pairs(
     probability: Array,
     starts: Pairs,
-    hopeless: NDArray[np.bool_],
+    occluded: NDArray[np.bool_],
     labels: Array,
     roll_out: Callable[[Pairs], Array],
     sure: float,
@@ -34,7 +34,7 @@ def mine_pairs(
     Args:
         probability: (P,) predicted.
         starts: (P,) the frame at which each begins.
-        hopeless: (P,) far and occluded.
+        occluded: (P,) far and occluded.
         labels: (P,) 1, 0, or nan where nobody has rolled the pair out.
         roll_out: labels (M,) of pairs (M,).
         sure: probability above which a pair is mined.
@@ -51,10 +51,10 @@ def mine_pairs(
     negatives, counts = [], {}
     for pair in np.argsort(-probability):
         start = starts[pair]
-        if len(negatives) < most and new[pair] and hopeless[pair] and counts.get(start, 0) < each:
+        if len(negatives) < most and new[pair] and occluded[pair] and counts.get(start, 0) < each:
             negatives.append(pair)
             counts[start] = counts.get(start, 0) + 1
-    candidates = np.flatnonzero(new & ~hopeless)
+    candidates = np.flatnonzero(new & ~occluded)
     drawn = rng.permutation(candidates)[: len(negatives)]
     outcomes = roll_out(drawn) if len(drawn) else np.zeros(0)
     mined = np.append(np.array(negatives, dtype=int), drawn)
@@ -77,7 +77,7 @@ _EXAMPLE_POOL = POOLS["400 pairs"]
 
 
 def _arguments(pool: Pool, roll_out: Callable[[Pairs], Array], seed: int) -> tuple[Any, ...]:
-    masks = pool.probability, pool.starts, pool.hopeless, pool.labels
+    masks = pool.probability, pool.starts, pool.occluded, pool.labels
     rules = pool.sure, pool.most, pool.each, pool.share
     return *masks, roll_out, *rules, np.random.default_rng(seed)
 
@@ -103,10 +103,10 @@ def _answer(
 ) -> tuple[Rollouts, tuple[Pairs, Array, Array]]:
     """A student's pairs, labels and weights, of the right form."""
     rollouts = Rollouts(what, pool)
-    before = [array.copy() for array in (pool.probability, pool.starts, pool.hopeless, pool.labels)]
+    before = [array.copy() for array in (pool.probability, pool.starts, pool.occluded, pool.labels)]
     arguments = _arguments(pool, rollouts, seed)
     got = calling(_HINTS)(what, lambda: student(*arguments))
-    names = ("probability", "starts", "hopeless", "labels")
+    names = ("probability", "starts", "occluded", "labels")
     for name, old, new in zip(names, before, arguments, strict=False):
         if not np.array_equal(old, new, equal_nan=name == "labels"):
             new[:] = old
@@ -131,8 +131,8 @@ def _demand_pairs(
     """Demand the right pairs, each once."""
     values, counts = np.unique(pairs, return_counts=True)
     known, hard = ~np.isnan(pool.labels), _negatives(pool)
-    candidates = np.flatnonzero(pool.new & ~pool.hopeless)
-    drawn = np.array([p for p in values if not known[p] and not pool.hopeless[p]], dtype=int)
+    candidates = np.flatnonzero(pool.new & ~pool.occluded)
+    drawn = np.array([p for p in values if not known[p] and not pool.occluded[p]], dtype=int)
     missing = np.setdiff1d(np.flatnonzero(known), values)
     told = f"RE {{:.4g}}, and sure is {pool.sure}"
     words = ""
@@ -145,16 +145,16 @@ def _demand_pairs(
         words = f"pair {low[0]} has {told.format(pool.probability[low[0]])}; only pairs above it"
         words += " are mined"
     else:
-        words = _wrong_negatives(pool, values[~known[values] & pool.hopeless[values]], hard)
+        words = _wrong_negatives(pool, values[~known[values] & pool.occluded[values]], hard)
     if not words and len(drawn) != min(len(hard), len(candidates)):
-        words = f"{len(drawn)} pairs that are not hopeless, but there are {len(hard)} hard"
+        words = f"{len(drawn)} pairs that are not occluded, but there are {len(hard)} hard"
         words += f" negatives and {len(candidates)} candidates; draw as many as hard negatives"
         words += ", or all candidates if there are fewer"
     unused = np.setdiff1d(rollouts.made, drawn)
     if not words and unused.size:
         words = f"pair {unused[0]} was rolled out, and its outcome is not used; draw first"
     if not words and (made := np.setdiff1d(drawn, rollouts.made)).size:
-        words = f"pair {made[0]} is not hopeless and was not rolled out; its label is unknown"
+        words = f"pair {made[0]} is not occluded and was not rolled out; its label is unknown"
     if words:
         raise WrongAnswer(f"{what}: {words}")
 
@@ -164,7 +164,7 @@ def _negatives(pool: Pool) -> list[int]:
     chosen, counts = [], {}
     for pair in np.argsort(-pool.probability):
         start = int(pool.starts[pair])
-        fits = pool.new[pair] and pool.hopeless[pair] and counts.get(start, 0) < pool.each
+        fits = pool.new[pair] and pool.occluded[pair] and counts.get(start, 0) < pool.each
         if fits and len(chosen) < pool.most:
             chosen.append(int(pair))
             counts[start] = counts.get(start, 0) + 1
@@ -175,7 +175,7 @@ def _wrong_negatives(pool: Pool, got: Pairs, want: list[int]) -> str:
     """What is wrong with the hard negatives; empty if nothing is."""
     number, counts = len(got), np.bincount(pool.starts[got], minlength=1)
     if not number and want:
-        return f"no hard negative among yours, but {len(want)} hopeless pairs are above sure"
+        return f"no hard negative among yours, but {len(want)} occluded pairs are above sure"
     if counts.max() > pool.each:
         words = f"{counts.max()} hard negatives begin at frame {counts.argmax()}"
         return f"{words}; at most {pool.each} of each start"
@@ -185,7 +185,7 @@ def _wrong_negatives(pool: Pool, got: Pairs, want: list[int]) -> str:
     if not missing.size:
         return ""
     best = int(missing[np.argmax(pool.probability[missing])])
-    words = f"pair {best} is hopeless with RE {pool.probability[best]:.4g} and is missing"
+    words = f"pair {best} is occluded with RE {pool.probability[best]:.4g} and is missing"
     if extra.size:
         worst = int(extra[np.argmin(pool.probability[extra])])
         other = f"pair {worst} with RE {pool.probability[worst]:.4g} is there"
@@ -198,11 +198,11 @@ def _wrong_negatives(pool: Pool, got: Pairs, want: list[int]) -> str:
 def _demand_labels(what: str, pool: Pool, pairs: Pairs, labels: Array) -> None:
     """Demand the right label of each pair."""
     known = ~np.isnan(pool.labels[pairs])
-    rolled = np.where(pool.hopeless[pairs], 0.0, pool.outcomes[pairs])
+    rolled = np.where(pool.occluded[pairs], 0.0, pool.outcomes[pairs])
     wrong = np.flatnonzero(~np.isclose(labels, np.where(known, pool.labels[pairs], rolled)))
     if wrong.size:
         i = int(wrong[0])
-        kind = "hopeless and is labelled 0" if pool.hopeless[pairs[i]] else "rolled out"
+        kind = "occluded and is labelled 0" if pool.occluded[pairs[i]] else "rolled out"
         kind = "known" if known[i] else kind
         right = pool.labels[pairs[i]] if known[i] else rolled[i]
         words = f"pair {pairs[i]} is {kind}: its label is {right:.0f}, not {labels[i]:.3g}"
@@ -231,14 +231,14 @@ def _demand_chance(student: Callable[..., Any], pool: Pool) -> None:
     what, draws = "mine_pairs", []
     for seed in (0, *range(40)):
         pairs = _answer(what, student, pool, seed)[1][0]
-        draws.append(set(pairs[np.isnan(pool.labels[pairs]) & ~pool.hopeless[pairs]].tolist()))
+        draws.append(set(pairs[np.isnan(pool.labels[pairs]) & ~pool.occluded[pairs]].tolist()))
     if draws[0] != draws[1]:
         words = "the same seed draws other pairs; draw by rng, not by np.random"
         raise WrongAnswer(f"{what}: {words}")
     if all(draw == draws[0] for draw in draws):
         words = "every seed gives the same pairs to roll out; draw them at random, by rng"
         raise WrongAnswer(f"{what}: {words}")
-    never = set(np.flatnonzero(pool.new & ~pool.hopeless).tolist()) - set().union(*draws)
+    never = set(np.flatnonzero(pool.new & ~pool.occluded).tolist()) - set().union(*draws)
     if never:
         pair = min(never)
         words = f"pair {pair}, RE {pool.probability[pair]:.4g}, is never drawn in 40 attempts"

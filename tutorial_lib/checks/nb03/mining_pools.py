@@ -18,7 +18,7 @@ class Pool:
     Attributes:
         probability: (P,) predicted.
         starts: (P,) the frame at which each begins.
-        hopeless: (P,) far and occluded.
+        occluded: (P,) far and occluded.
         labels: (P,) 1, 0, or nan where nobody has rolled the pair out.
         outcomes: (P,) what a rollout returns.
         sure: probability above which a pair is mined.
@@ -29,7 +29,7 @@ class Pool:
 
     probability: Array
     starts: NDArray[np.intp]
-    hopeless: NDArray[np.bool_]
+    occluded: NDArray[np.bool_]
     labels: Array
     outcomes: Array
     sure: float = 0.5
@@ -43,13 +43,13 @@ class Pool:
         return np.isnan(self.labels) & (self.probability > self.sure)
 
 
-def _pool(seed: int, count: int = 400, known: float = 0.2, hopeless: float = 0.6) -> Pool:
+def _pool(seed: int, count: int = 400, known: float = 0.2, occluded: float = 0.6) -> Pool:
     rng = np.random.default_rng(seed)
     outcomes = rng.integers(2, size=count).astype(float)
     return Pool(
         rng.permutation(count) / count,
         rng.integers(max(count // 10, 1), size=count),
-        rng.random(count) < hopeless,
+        rng.random(count) < occluded,
         np.where(rng.random(count) < known, outcomes, np.nan),
         outcomes,
     )
@@ -61,10 +61,10 @@ POOLS: dict[str, Pool] = {
     "one of each start": replace(_pool(2), each=1, most=100),
     "many of each start, but few in all": replace(_pool(3), each=9, most=7),
     "a threshold of 0.8": replace(_pool(4), sure=0.8, share=0.5),
-    "hardly any that are not hopeless": replace(_pool(5, hopeless=0.97), each=3, most=60),
+    "hardly any that are not occluded": replace(_pool(5, occluded=0.97), each=3, most=60),
     "nothing that is sure": replace(_pool(6), sure=0.9995),
-    "nothing hopeless": replace(_pool(7), hopeless=np.zeros(400, dtype=bool)),
-    "a single hard negative": replace(_pool(8, hopeless=1.1), most=1),
+    "nothing occluded": replace(_pool(7), occluded=np.zeros(400, dtype=bool)),
+    "a single hard negative": replace(_pool(8, occluded=1.1), most=1),
     "12 pairs": replace(_pool(9, 12, known=0.3), sure=0.2, share=0.1),
 }
 
@@ -97,8 +97,8 @@ class Rollouts:
         pool, words = self.pool, ""
         if not np.isnan(pool.labels[pair]):
             words = "has been rolled out already; its label is known"
-        elif pool.hopeless[pair]:
-            words = "is hopeless: it is labelled 0 without a rollout"
+        elif pool.occluded[pair]:
+            words = "is occluded: it is labelled 0 without a rollout"
         elif not pool.probability[pair] > pool.sure:
             words = f"has RE {pool.probability[pair]:.4g}; only those above sure, {pool.sure}, are"
             words = f"{words} rolled out"

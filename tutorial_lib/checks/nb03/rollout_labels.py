@@ -17,7 +17,7 @@ from tutorial_lib.checks.nb03.rollout_stories import (
     Case,
     at_limits,
     random_rollouts,
-    told,
+    rollouts_of,
 )
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array
@@ -44,7 +44,7 @@ def _so_far(touched: Touches) -> Touches:
 
 
 _CASES: dict[str, Case] = {
-    "single stories": told(),
+    "single stories": rollouts_of(),
     "exactly at the limits": at_limits(),
     "uneven times": random_rollouts(9, 40, 1),
     "as many moments as cars": random_rollouts(12, 12, 2),
@@ -219,7 +219,7 @@ _FAULTS: dict[str, Callable[..., Array]] = {
 
 def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
     """A line for each story: when it is near, when it touches, its time limit, both labels."""
-    times, gaps, touched, geodesic = told()
+    times, gaps, touched, geodesic = rollouts_of()
     picture = np.full((36 + 26 * len(STORIES), 760, 3), 255, np.uint8)
 
     def write(text: str, x: int, y: int, colour: tuple[int, int, int] = colours.INK) -> None:

@@ -38,7 +38,7 @@ STORIES: tuple[Story, ...] = (
 )
 
 
-def told(stories: Sequence[Story] = STORIES) -> Case:
+def rollouts_of(stories: Sequence[Story] = STORIES) -> Case:
     """The arguments for these stories, every 0.1 s for half a minute."""
     times = np.arange(301) / 10
     gaps = np.stack([np.interp(times, 5.0 * np.arange(7), s[1]) for s in stories], axis=1)
