@@ -1,33 +1,36 @@
 # %% [markdown]
 # # 04 · Sparsification
 #
-# **90 minutes.** You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place shown in an image, and the estimator $\mathcal{RE}$, which predicts the probability that it arrives.
+# **110 minutes.** You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place shown in an image, and the [[reachability estimator]] $\mathcal{RE}$, which predicts the probability that it arrives.
 #
 # After this notebook you can
 #
 # - sparsify a recorded trajectory to the few images that the controller needs, by a rule that you can apply with a pencil;
 # - say where these images lie and why, and what they cost to store;
-# - write the state machine by which a car follows them without ever knowing its position;
+# - write the state machine, and the loop around it, by which a car follows them without ever knowing its position;
 # - explain how it reacts when it is pushed, blocked or kidnapped, and how it notices that it is lost;
 # - read the chart by which such systems are compared: cover rate against sparsity.
 #
-# There are five exercises with hints behind folds. When your function passes its check, **the cells below use it**; until then they use the library's.
+# There are five exercises with hints behind folds, the last of them larger than the others. When your function passes its check, **the cells below use it**; until then they use the library's.
 #
-# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation* (ICRA 2020), from here on "the paper".
+# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020), from here on "the paper".
 
 # %%
 from itertools import pairwise
 
 import numpy as np
 import torch
+from IPython.display import display
 from scipy.stats import spearmanr
+from tqdm import tqdm
 
 from tutorial_lib.checks.nb04 import (
     BY_HAND,
+    Memory,
     check_choose_anchors,
+    check_follow_step,
     check_frames_to_keep,
     check_move_on,
-    check_tracked_waypoint,
     check_transition,
 )
 from tutorial_lib.driving import RecordedWorld, RMPController, covered, demonstrate
@@ -57,6 +60,7 @@ from tutorial_lib.viz import (
     stacked,
     state_legend,
     state_ribbon,
+    table,
 )
 from tutorial_lib.world import (
     STEP,
@@ -78,11 +82,12 @@ torch.set_num_threads(1)  # the networks are small: a second thread would mostly
 # A car has been driven through an apartment once, recording ten images a second. Later it has to repeat this trajectory from these images alone. The local controller only bridges a few metres, so one image of the goal
 # is not enough. Keeping all of them is too much: each has to be stored, and compared with what the car sees.
 #
-# Which ones can be dropped? Those that the controller **does not need**: if it can get from the image here to an image 2 m ahead, it does not need the ones between. The images that are kept are called **anchors**.
+# Which ones can be dropped? Those that the controller **does not need**: if it can get from the image here to an image 2 m ahead, it does not need the ones between. The images that are kept are called **[[anchor]]s**.
 #
 # Below is one trajectory, one dot per frame, with six of its images, evenly spaced. **Predict:** how many would *you* keep, and where: on the straights, at the doors, in the bends?
 
-# %%
+# %% hidden=true
+# Draw a recorded trajectory with six of its images
 WORLD = local_world(10_004)  # no network was trained on it
 scene = scene_of(WORLD)
 trajectories = demonstrate(WORLD, scene, 24, seed=0, controller=RMPController())
@@ -129,15 +134,17 @@ show(reach_table(BY_HAND, 0.9))
 #
 # <details><summary>Hint 1: concept</summary>Walk along the trajectory with two fingers. The left one stays on the anchor i; the right one moves ahead as long as the next frame is reachable from the left one. Where it stops, the left one follows.</details>
 # <details><summary>Hint 2: approach</summary>Two loops. The outer one runs while the last anchor is not the last frame. The inner one starts with j = i and increases j by one while j + 1 is a frame and reach[i, j + 1] > threshold. Then append j, or i + 1 if j has not moved.</details>
-# <details><summary>Hint 3: one line</summary>anchors.append(max(j, i + 1))</details>
+# <details><summary>Hint 3: one line</summary>A walk of at least one step would be <code>place = place + max(steps, 1)</code>. What is it here that must be at least one frame ahead of i?</details>
 
 
 # %% exercise="choose_anchors"
 def choose_anchors(reach, threshold):
     """The anchors of a trajectory.
 
-    reach: (T, T); reach[i, k] is RE(o_i, o_k). Only entries with k > i are needed. threshold: p_sparsify.
-    Returns the indices of the anchors in increasing order; the first is 0 and the last T - 1.
+    reach: (T, T), T >= 2; reach[i, k] is RE(o_i, o_k). Only entries with k > i are known, the
+    others may be nan. threshold: p_sparsify; RE must be greater.
+    Returns the indices of the anchors in increasing order, an array or a list; the first is 0 and
+    the last T - 1.
     """
     ### BEGIN SOLUTION
     anchors = [0]
@@ -156,7 +163,8 @@ choose_anchors = check_choose_anchors.use(choose_anchors)
 # %% [markdown]
 # **Predict:** which anchors remain at a threshold of 0.6, and which does 0.96 give?
 
-# %%
+# %% hidden=true
+# Draw the anchors by hand at two thresholds
 tables = [reach_table(BY_HAND, p, list(choose_anchors(BY_HAND, p))) for p in (0.6, 0.96)]
 show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 
@@ -165,7 +173,8 @@ show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 #
 # Now the trajectory of the first figure, with the shipped estimator for $k = 2$. From each frame it is evaluated on the next 60 frames, which cover 4 m and more; frames beyond count as 0.
 
-# %%
+# %% hidden=true
+# Query RE from each frame to the next 60, and count anchors
 AHEAD = 60
 
 
@@ -181,22 +190,24 @@ def reach_ahead(guide, frames):
 
 guide = Guide(recorded, "k2")
 reach = reach_ahead(guide, frames)
-for p in (0.9, 0.95, 0.97, 0.99):
-    anchors = choose_anchors(reach, p)
-    print(f"p_sparsify = {p}: {len(anchors)} anchors for {len(frames)} frames")
+counts = [(p, len(choose_anchors(reach, p))) for p in (0.9, 0.95, 0.97, 0.99)]
+lines = [[p, count, count / len(frames)] for p, count in counts]
+words = f"{len(frames)} frames"
+table({"p_sparsify": ".2f", "anchors": "d", "of the frames": ".1%"}, lines, caption=words)
 
 # %% [markdown]
 # The first slider moves the threshold, the second one selects an anchor. The curve is $\mathcal{RE}$ from this anchor to the frames ahead; the next anchor is where the curve first dips below the line.
 #
 # **Predict:** what happens to the anchors at 0.99? Do they move closer together everywhere alike? And is the curve smooth?
 
-# %%
+# %% hidden=true
+# Connect two sliders to the anchors and to RE from one of them
 small_view = PlanView(scene, 330, 520)
 
 
 def anchors_at(p_sparsify, from_anchor):
     """Anchors on the plan, and RE from one of them to the frames ahead."""
-    anchors = choose_anchors(reach, p_sparsify)
+    anchors = np.asarray(choose_anchors(reach, p_sparsify))
     place = min(from_anchor, len(anchors) - 2)
     here, following = anchors[place], anchors[place + 1]
     picture = small_view.base.copy()
@@ -232,7 +243,8 @@ sliders(anchors_at, p_sparsify=(0.5, 0.99, 0.01, 0.9), from_anchor=(0, 12, 1, 3)
 # From every frame of the trajectory: how far ahead does the rule get at 0.95? With it, two properties of the place: the clearance to the nearest wall, and how much the car turns within the next metre.
 # **Predict:** where on the trajectory is the blue curve low?
 
-# %%
+# %% hidden=true
+# Draw how far ahead the rule gets from every frame
 P_SPARSIFY = 0.95
 
 
@@ -251,11 +263,11 @@ def turn_within(poses, arc, here, metres=1.0):
 sight = [arc[farthest(reach, i, P_SPARSIFY)] - arc[i] for i in range(len(frames) - AHEAD // 2)]
 clearance = scene.clearance.at(poses[:, :2])
 turns = [turn_within(poses, arc, i) for i in range(len(sight))]
-anchors = choose_anchors(reach, P_SPARSIFY)
+anchors = np.asarray(choose_anchors(reach, P_SPARSIFY))
 along = arc[: len(sight)]
 figure, (axis,) = chart(9.0, 3.6)
 axis.fill_between(along, np.deg2rad(turns), color=colours.unit(colours.PATH), alpha=0.5)
-axis.plot(along, np.deg2rad(turns), color=colours.unit(colours.PATH), label="turn ahead, rad")
+axis.plot(along, np.deg2rad(turns), color=colours.unit(colours.PATH), label="turn within 1 m, rad")
 axis.plot(along, clearance[: len(sight)], color="0.6", label="clearance, m")
 axis.plot(along, sight, color=colours.unit(colours.ROBOT), label="reach ahead, m")
 axis.plot(arc[anchors], 0 * anchors, "|", markersize=16, markeredgewidth=3, label="anchors")
@@ -271,7 +283,8 @@ show(from_figure(figure))
 #
 # That is a single trajectory. Here are all anchors of the 24 trajectories, and the distance from each to the next. The orange ones lie on the first two metres of their trajectories. **Predict:** which matters more, how narrow the place is or how sharp the bend?
 
-# %%
+# %% hidden=true
+# Measure every gap between anchors, and correlate
 kept = [guide.anchors(index, P_SPARSIFY) for index in range(len(trajectories))]
 
 
@@ -302,20 +315,20 @@ for axis, column, name in zip(axes, (1, 2), ("clearance, m", "turn, degrees"), s
         axis.plot([low, high], [mean, mean], color=colours.unit(colours.INK))
     axis.set(xlabel=f"{name}, on the next metre", ylim=(0, None))
 axes[0].set_ylabel("metres to the next anchor")
-print(f"rank correlation of {len(gaps)} gaps with    clearance    turn     (on the next metre)")
+lines = []
 for name, mask in (("all", starting | True), ("under way", ~starting)):
-    with_clearance, with_turn = (
-        spearmanr(gaps[mask, 0], gaps[mask, column]).statistic for column in (1, 2)
-    )
-    print(f"{name:>32s} {with_clearance:+12.2f} {with_turn:+7.2f}")
+    values = [spearmanr(gaps[mask, 0], gaps[mask, column]).statistic for column in (1, 2)]
+    lines.append([f"here, {name}", *(f"{value:+.2f}" for value in values)])
 everywhere = load_result("meng_fig5")
-print(f"{len(everywhere.worlds)} unseen worlds, under way, at {everywhere.rows[0]['threshold']}:")
 for row in everywhere.rows:
     cells = [
         f"{row[key]:+.2f} ({row[f'{key}_low']:+.2f} to {row[f'{key}_high']:+.2f})"
         for key in ("with_clearance", "with_turn")
     ]
-    print(f"{row['context']:>32s}        {cells[0]}    {cells[1]}")
+    lines.append([f"{len(everywhere.worlds)} unseen worlds, {row['context']}, under way", *cells])
+words = f"Rank correlation of the gap with the next metre; {len(gaps)} gaps here, "
+words += f"the unseen worlds at {everywhere.rows[0]['threshold']}"
+display(table({"": "", "with its clearance": "", "with its turn": ""}, lines, caption=words))
 show(from_figure(figure))
 
 # %% [markdown]
@@ -328,11 +341,12 @@ show(from_figure(figure))
 #
 # A colleague finds "the next metre" arbitrary, and measures clearance and turning over the whole gap from each anchor to the next. This saves a line, and turning suddenly matters much less. Are corners nearly as easy as the rest, then? Decide before you unfold the answer.
 
-# %%
-print("rank correlation, under way   clearance    turn     (over the whole gap)")
+# %% hidden=true
+# Correlate with what is measured over the whole gap
 under_way = whole[~starting]
-with_clearance, with_turn = (spearmanr(under_way[:, 0], under_way[:, i]).statistic for i in (1, 2))
-print(f"{'24 trajectories here, k2':28s}{with_clearance:+11.2f} {with_turn:+7.2f}")
+values = [spearmanr(under_way[:, 0], under_way[:, i]).statistic for i in (1, 2)]
+headings = {"over the whole gap": "", "with its clearance": "+.2f", "with its turn": "+.2f"}
+table(headings, [["24 trajectories here, k = 2, under way", *values]])
 
 # %% [markdown]
 # <details><summary>Answer</summary>
@@ -343,7 +357,7 @@ print(f"{'24 trajectories here, k2':28s}{with_clearance:+11.2f} {with_turn:+7.2f
 #
 # "How much is kept" can mean two things:
 #
-# - **sparsity**, the paper's word: anchors / frames. It determines how many images are *compared* while driving, and how large a map becomes. Lower is sparser.
+# - **[[sparsity]]**, the paper's word: anchors / frames. It determines how many images are *compared* while driving, and how large a map becomes. Lower is sparser.
 # - **stored**: the anchors' contexts have to be kept as well. An anchor $\hat o_i$ consists of the frames $i - k\Delta T, \dots, i, \dots, i + k\Delta T$ with $\Delta T = 3$. Anchors that lie close together share some of them.
 #
 # **Predict:** with more context, $k = 5$ in place of $k = 2$, the controller gets farther, so there are fewer anchors. Are fewer images stored?
@@ -352,15 +366,17 @@ print(f"{'24 trajectories here, k2':28s}{with_clearance:+11.2f} {with_turn:+7.2f
 #
 # <details><summary>Hint 1: concept</summary>List the context of each anchor, join the lists, and count each frame once. Beyond an end of the trajectory there is nothing to store: there the context repeats the first or last frame.</details>
 # <details><summary>Hint 2: approach</summary>With 3 * np.arange(-k, k + 1) as offsets, anchors[:, None] + offsets is an (A, 2k + 1) table of frames. np.clip moves those beyond an end to the end.</details>
-# <details><summary>Hint 3: one line</summary>np.unique(np.clip(anchors[:, None] + offsets, 0, total - 1))</details>
+# <details><summary>Hint 3: one line</summary>The different last digits of the sums of two lists would be <code>np.unique((a[:, None] + b) % 10)</code>. What stands for a, for b, and for the remainder?</details>
 
 
 # %% exercise="frames_to_keep"
 def frames_to_keep(anchors, total, k):
     """The frames of a trajectory that must be stored for its anchors with their contexts.
 
-    anchors: (A,) their indices. total: frames of the whole trajectory, 0 to total - 1. k: frames of context on either side, 3 apart.
-    Returns the indices of the frames, each once.
+    anchors: array (A,) of their indices, rising. total: frames of the whole trajectory, 0 to
+    total - 1. k: frames of context on either side, 3 apart, 0 or more. A context that reaches
+    beyond an end repeats the frame there.
+    Returns the indices of the frames, each once and in any order, an array, a list or a set.
     """
     ### BEGIN SOLUTION
     offsets = 3 * np.arange(-k, k + 1)
@@ -371,7 +387,8 @@ def frames_to_keep(anchors, total, k):
 # %%
 frames_to_keep = check_frames_to_keep.use(frames_to_keep)
 
-# %%
+# %% hidden=true
+# Count anchors and stored frames for four controllers
 figure_view = PlanView(scene, 480, 760)
 guides = {context: Guide(recorded, context) for context in ("k0", "k2", "k5", "laser")}
 chosen = {
@@ -379,11 +396,12 @@ chosen = {
     for context in guides
     for p in (0.9, 0.99)
 }
-print("this trajectory    anchors   sparsity   stored")
+lines = []
 for (context, p), anchors in chosen.items():
     need = frames_to_keep(anchors, len(frames), guides[context].k)
-    shares = f"{len(anchors) / len(frames):10.1%} {len(need) / len(frames):8.1%}"
-    print(f"{context:>5s} at {p:4.2f}   {len(anchors):8d} {shares}")
+    lines.append([context, p, len(anchors), len(anchors) / len(frames), len(need) / len(frames)])
+headings = {"controller": "", "p_sparsify": ".2f", "anchors": "d", "sparsity": ".1%"}
+table({**headings, "stored": ".1%"}, lines, caption="this trajectory")
 
 # %% [markdown]
 # <details><summary>Are fewer images stored?</summary>
@@ -396,7 +414,8 @@ for (context, p), anchors in chosen.items():
 # The paper shows the anchors of three controllers on one trajectory, at $p_\text{sparsify} = 0.99$: $k = 2$, $k = 5$, and the laser variant, whose scan covers 240° and measures distances. It says (IV-A): $k = 2$ needs denser anchors than $k = 5$; both keep more of them in tight spaces and corners; the laser's are spread more evenly.
 # **Predict** which of the three statements will hold here.
 
-# %%
+# %% hidden=true
+# Draw the anchors of three controllers
 CONTEXTS = {"k2": "k = 2", "k5": "k = 5", "laser": "laser"}
 panels = [anchors_picture(figure_view, poses, chosen[c, 0.99], 0.5) for c in CONTEXTS]
 titles = [f"{name}: {len(chosen[c, 0.99])} anchors" for c, name in CONTEXTS.items()]
@@ -405,19 +424,22 @@ show(side_by_side(panels, titles))
 # %% [markdown]
 # How evenly anchors are spread can be measured: the standard deviation of the gaps between them, divided by their mean. It is 0 where all gaps are equal. Here it is for six trajectories, without their first two metres; below are the means over all trajectories of the unseen worlds (`.venv/bin/python -m tutorial_lib experiment meng_fig5`).
 
-# %%
+# %% hidden=true
+# Measure how evenly anchors are spread
+lines = []
 for context, name in CONTEXTS.items():
     spans = []
     for index in range(6):
         path = guides[context].anchors(index, 0.99)
         since = recorded.arc[path[:-1]] - recorded.arc[path[0]]
         spans += np.diff(since[since >= UNDER_WAY]).tolist()
+    row = next(row for row in everywhere.rows if row["context"] == context)
     evenness = np.std(spans) / np.mean(spans)
-    print(f"{name:6s} {np.mean(spans):.2f} m from anchor to anchor, spread {evenness:.2f}")
-print(f"{len(everywhere.worlds)} unseen worlds, p_sparsify = {everywhere.rows[0]['threshold']:g}:")
-for row in everywhere.rows:
-    name, metres = CONTEXTS[row["context"]], row["metres"]
-    print(f"{name:6s} {metres:.2f} m from anchor to anchor, sparsity {row['sparsity']:.1%}")
+    lines.append([name, np.mean(spans), evenness, row["metres"], row["sparsity"]])
+headings = {"": "", "here: gap, m": ".2f", "here: spread": ".2f"}
+worlds = f"{len(everywhere.worlds)} unseen worlds"
+headings |= {f"{worlds}: gap, m": ".2f", f"{worlds}: sparsity": ".1%"}
+table(headings, lines, caption=f"p_sparsify = {everywhere.rows[0]['threshold']:g}")
 
 # %% [markdown]
 # <details><summary>How should this be read?</summary>
@@ -437,32 +459,40 @@ show(follower_machine())
 # - **Search**: take the anchor with the highest $\mathcal{RE}$ if it exceeds $p_\text{search}$. Otherwise give up: without a waypoint there is nothing to drive to.
 # - **Follow**: drive to $\mathcal C_{WP}(o_\text{current}, \hat o_\text{active})$, and advance the active anchor in time.
 # - **Dead reckoning**: $\mathcal{RE}(o_\text{current}, \hat o_\text{active})$ has become low: a person blocks the view, or the car has been pushed. Either may pass. So drive on to the *last waypoint* by odometry, and keep looking.
-# - **Lost**: dead reckoning has lasted too long. Stop.
+# - **Lost**: dead reckoning has lasted too long, or the car has come no nearer to its anchor for too long. Stop.
 #
 # Here are our values, with $p_\text{search} = p_\text{follow} = 0.92$ as in the paper. The paper has no $p_\text{lose}$: it also leaves Follow at $p_\text{follow}$. **Predict** what a car does if both thresholds are equal and its $\mathcal{RE}$ fluctuates between 0.91 and 0.93.
 
-# %%
+# %% hidden=true
+# Show the follower's thresholds
 rules = FollowerSettings()
-print(f"RE: p_search {rules.p_search}, p_follow {rules.p_follow}, p_lose {rules.p_lose}")
-print(f"overlap: visited above {rules.visited}, near above {rules.near}")
-print(f"at an anchor: the waypoint within {rules.at} m")
-print(f"lost: after {rules.timeout:g} s of dead reckoning")
+lines = [
+    ["rules.p_search", rules.p_search, "RE of the best anchor, to leave Search"],
+    ["rules.p_follow", rules.p_follow, "RE, to advance, and to leave dead reckoning"],
+    ["rules.p_lose", rules.p_lose, "RE of the active anchor, to stay in Follow"],
+    ["rules.visited", rules.visited, "overlap, to count as visited"],
+    ["rules.near", rules.near, "overlap, to count as near"],
+    ["rules.at", rules.at, "metres to the waypoint, below which the car is at the anchor"],
+    ["rules.timeout", rules.timeout, "seconds of dead reckoning, after which it is lost"],
+    ["rules.effort", rules.effort, "seconds in Follow without coming nearer, likewise"],
+]
+table({"": "", "value": "g", "what must be above it": ""}, lines)
 
 # %% [markdown]
 # <details><summary>What does it do?</summary>
-# It changes its state several times a second, and half of the time drives to an old waypoint although nothing is wrong. Two thresholds with a gap between them, <i>hysteresis</i>, prevent that: a high one to begin, a low one to stop. Thermostats do the same.
+# It changes its state several times a second, and half of the time drives to an old waypoint although nothing is wrong. Two thresholds with a gap between them, <i>[[hysteresis]]</i>, prevent that: a high one to begin, a low one to stop. Thermostats do the same.
 # </details>
 #
 # ### When to move on
 #
 # The active anchor should be neither too close nor too far away. If it is too close, the car stops and goes, since it reaches each waypoint before it gets the next. If it is too far, the car leaves the recorded path and cuts corners that it has never seen.
 #
-# With `reach[j]` and `overlap[j]` for anchor `j` (both are 0 where they were not evaluated), at each step:
+# With `reach[j]` and `overlap[j]` for anchor `j` (both are 0 where they were not queried), at each step:
 #
-# 1. **Last visited.** Of the anchors before, at and after the active one take the closest, the one with the largest overlap. It counts as visited if its overlap is above `rules.visited`. The active anchor also counts as visited if the car is *at* it: its waypoint is less than `rules.at` away, whatever the car's heading. (A car that stands there with another heading has little overlap.) The last visited anchor never moves backwards.
-# 2. **Active.** Advance to the next one, if there is a next one, and
+# 1. **Last visited.** Of the three anchors before, at and after the active one (fewer at the ends of the path) take the closest, the one with the largest overlap. It counts as visited if its overlap is above `rules.visited`. The active anchor also counts as visited if the car is *at* it: its waypoint is less than `rules.at` away, whatever the car's heading. (A car that stands there with another heading has little overlap.) The last visited anchor never moves backwards.
+# 2. **Active.** Advance by one, to the next one, if there is a next one, and
 #     - it is reachable, above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
-#     - the active one was visited: then the car must move on, whatever the next one's $\mathcal{RE}$.
+#     - the active one was visited, now or earlier: then the car must move on, whatever the next one's $\mathcal{RE}$.
 #
 #     Otherwise it stays.
 #
@@ -475,16 +505,18 @@ print(f"lost: after {rules.timeout:g} s of dead reckoning")
 #
 # <details><summary>Hint 1: concept</summary>Two questions, one after the other. First: which anchor did I visit last? Then, with the answer: which one do I drive to?</details>
 # <details><summary>Hint 2: approach</summary>The anchors to compare are range(max(active - 1, 0), min(active + 1, last) + 1) with last = len(reach) - 1; max(places, key=lambda j: overlap[j]) is the closest. Update visited by it, then by at. Return early if active is the last anchor; what remains is one condition.</details>
-# <details><summary>Hint 3: one line</summary>if visited >= active or (reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near): active += 1</details>
+# <details><summary>Hint 3: one line</summary>A light that goes on when it is switched on, or when it is dark and somebody comes, would be <code>if switched or (light &lt; rules.dark and distance &lt; rules.near): …</code>. Which condition stands alone here, and which two belong together?</details>
 
 
 # %% exercise="move_on"
 def move_on(active, visited, reach, overlap, at, rules):
     """The active anchor and the one last visited, after one step.
 
-    active: index of the anchor that was driven to. visited: index of the one last visited; -1 for none. reach: (L,) RE of the L anchors.
-    overlap: (L,) with them. at: whether the car is at the active anchor. rules: the settings above.
-    Returns active, visited.
+    active: index of the anchor that was driven to, 0 to L - 1. visited: index of the one last
+    visited, at most active; -1 for none. reach: (L,) RE of the L anchors, L >= 1. overlap: (L,)
+    with them. at: whether the car is at the active anchor. rules: the settings above; "above" means
+    greater.
+    Returns active, visited, two whole numbers. The active anchor advances by one at most.
     """
     ### BEGIN SOLUTION
     last = len(reach) - 1
@@ -509,25 +541,26 @@ move_on = check_move_on.use(move_on)
 #
 # Now the whole machine, as a function without a memory of its own: the old state and what is seen go in, the new state comes out. That makes it easy to test, and easy to replay.
 #
-# - **Search:** if the best anchor is above `rules.p_search`, it becomes active and the car follows; visited is the anchor before it. Otherwise the car is lost.
+# - **Search:** if the best anchor is above `rules.p_search`, it becomes active and the car follows; visited is the anchor before it (−1 if it is the first). Otherwise the car is lost.
 # - **Follow:** if the active anchor is the last one and the car is there (`at`), it is done; a high overlap with it is not enough. Otherwise `move_on`. If the $\mathcal{RE}$ of the *new* active anchor is above `rules.p_lose`, it keeps following, else it goes over to dead reckoning.
 # - **Dead reckoning:** back to Follow as soon as the active anchor's $\mathcal{RE}$ is above `rules.p_follow`. Otherwise lost, after *more* than `rules.timeout` seconds. The active anchor stays.
 #
-# A car that is lost or done keeps its active and visited anchors.
+# A car that becomes lost or done keeps the active and visited anchors that went in.
 #
 # ### Exercise 4 · `transition` (medium, 12 minutes)
 #
 # <details><summary>Hint 1: concept</summary>One if for each state. Let each branch return; then no branch can affect another one.</details>
 # <details><summary>Hint 2: approach</summary>In Follow check for the end first, then active, visited = move_on(active, visited, reach, overlap, at, rules). In dead reckoning check RE first and the time second: a car that sees its anchor again is not lost.</details>
-# <details><summary>Hint 3: one line</summary>best = int(np.argmax(reach)) for Search; State.FOLLOW if reach[active] > rules.p_lose else State.DEAD_RECKONING at the end of Follow.</details>
+# <details><summary>Hint 3: one line</summary>The first that is tallest would be <code>int(np.argmax(heights))</code>. And which of the two anchors does the last sentence about Follow mean, the one that went into <code>move_on</code>, or the one that came out?</details>
 
 
 # %% exercise="transition"
 def transition(state, active, visited, reach, overlap, at, waited, rules):
     """The next state of a follower.
 
-    state: State.SEARCH, State.FOLLOW or State.DEAD_RECKONING. active, visited, reach, overlap, at, rules: as for move_on; in Search, reach is
-    known for every anchor. waited: seconds in dead reckoning.
+    state: State.SEARCH, State.FOLLOW or State.DEAD_RECKONING. active, visited: as for move_on; in
+    Search both are -1. reach, overlap, at, rules: as for move_on; in Search, reach is known for
+    every anchor, and at means nothing. waited: seconds in dead reckoning.
     Returns state, active, visited.
     """
     ### BEGIN SOLUTION
@@ -556,31 +589,10 @@ transition = check_transition.use(transition)
 #
 # In dead reckoning the car drives to a waypoint that was predicted a while ago: "1 m ahead and 0.6 m to the left". **Predict:** what does a car do that keeps these two numbers, and drives to 1 m ahead and 0.6 m to the left for twelve seconds?
 #
-# The odometer measures how the car has moved since. With the odometer's pose *then*, when the waypoint was predicted, and its pose *now*, the waypoint can be expressed in the present frame. It need not be exact, since it only has to last for a few seconds: the paper's odometer "needs not be very accurate".
-#
-# ### Exercise 5 · `tracked_waypoint` (easy, 6 minutes)
-#
-# <details><summary>Hint 1: concept</summary>Notebook 01: out of one frame and into another. The odometer's own frame lies between them.</details>
-# <details><summary>Hint 2: approach</summary>to_world(then, waypoint) is the waypoint in the odometer's frame, which does not move with the car. to_local expresses a point in the frame of a pose. Both take many poses at once.</details>
-# <details><summary>Hint 3: one line</summary>to_local(now, ...) of the result of the second hint.</details>
+# The odometer measures how the car has moved since. So the waypoint is kept as a *place*, in the [[odometry]]'s own frame, which does not move with the car: `to_world(odometry, waypoint)`. Whenever the car needs it, it is expressed in the car's present frame: `to_local(odometry, place)`. It need not be exact, since it only has to last for a few seconds: the paper's odometer "needs not be very accurate".
 
-
-# %% exercise="tracked_waypoint"
-def tracked_waypoint(then, waypoint, now):
-    """A waypoint predicted a while ago, in the car's present frame.
-
-    then: (..., 3) the odometer's pose when the waypoint was predicted. waypoint: (..., 2) in the car's frame of then, m. now: (..., 3) the odometer's pose now.
-    Returns (..., 2) in the car's present frame.
-    """
-    ### BEGIN SOLUTION
-    return to_local(now, to_world(then, waypoint))
-    ### END SOLUTION
-
-
-# %%
-tracked_waypoint = check_tracked_waypoint.use(tracked_waypoint)
-
-# %%
+# %% hidden=true
+# Drive to the same two numbers, and to the same place
 waypoint = np.array([1.0, 0.6])
 room = np.minimum(clearance, scene.clearance.at(to_world(poses, waypoint)))
 widest = poses[room.argmax()]
@@ -588,7 +600,7 @@ simulation = Simulation(scene, np.tile(widest, (2, 1)), sensors=Sensors(camera=N
 then, controller, tracks = simulation.observe().odometry, RMPController(), []
 for _ in range(120):
     seen, waypoints = simulation.observe(), np.tile(waypoint, (2, 1))
-    waypoints[1] = tracked_waypoint(then[1], waypoint, seen.odometry[1])
+    waypoints[1] = to_local(seen.odometry[1], to_world(then[1], waypoint))
     simulation.step(controller.act(seen, waypoints))
     tracks.append(simulation.poses)
 tracks = np.array(tracks)
@@ -607,20 +619,82 @@ show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], heigh
 # It chases a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the intended place, up to a wall, and goes back and forth there. This bug does not show as long as all goes well, since in Follow a new waypoint is predicted ten times a second.
 # </details>
 #
-# ## 5 · The follower at work
+# ### The loop
 #
-# The rest is plumbing: observe, query the two networks about the anchors around the active one (in Search about all), call `transition`, and drive to the waypoint. A whole fleet can do it at once.
+# Now everything together: one step of the loop that drives the car, ten times a second. Between two steps the car remembers six things, a `Memory`: the state, the active anchor and the one last visited; `place`, where the last waypoint lies in the odometry's frame; and, to notice that it gets nowhere, `waited`, the seconds without progress, and `nearest`, the least distance to a waypoint of the active anchor. It begins as `Memory()`: in Search, both anchors −1.
+#
+# Each step observes (given), and then:
+#
+# 1. **At the anchor?** `at`: the waypoint of the active anchor is less than `rules.at` away, *and* its $\mathcal{RE}$ is above `rules.p_lose`; below that the waypoint means nothing. (In Search there is no active anchor, and `at` means nothing.)
+# 2. **The next state:** `transition`, with `waited`. A car that is lost or done stops: the step returns `None` in place of a point to drive to, and its `place`, `waited` and `nearest` no longer matter.
+# 3. **The place:** a new waypoint is taken, that of the (new) active anchor, if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
+# 4. **The point** to drive to is the place, in the car's present frame.
+# 5. **Progress:** the state or the active anchor has changed in this step; or the new state is Follow, and the point is nearer than `nearest` by more than 0.05 m. With progress, `waited` becomes 0, and `nearest` the distance to the point. Without it, `waited` grows by 0.1 s, and `nearest` stays. In dead reckoning coming nearer is no progress, or the clock would only start when the car has arrived.
+# 6. **Giving up:** a car in Follow that has waited for more than `rules.effort` seconds is lost, too: something that it does not see is in its way.
+#
+# **Think first:** a car has just left Follow, at 1.3 m from its waypoint, for dead reckoning. What is `waited` now, and why does rule 5 not keep what it was?
+#
+# ### Exercise 5 · `follow_step` (large, 35 minutes)
+#
+# <details><summary>Hint 1: concept</summary>Take the six steps one after the other, and keep the old memory until the end: you need it to see what has changed. Two frames occur: waypoints are in the car's, the place is in the odometry's.</details>
+# <details><summary>Hint 2: approach</summary>memory.state and the others are the old values; call transition with them and get the new state, active and visited. Return early with None where the state is State.LOST or State.DONE. Then place, point and distance, then one condition for progress, and giving up last. A Memory is a named tuple: it cannot be written to, but memory._replace(waited=0.0) makes a new one, as Memory(...) with six values does.</details>
+# <details><summary>Hint 3: one line</summary>Whether a door has opened or its lock was changed: <code>changed = door.open != before.open or door.lock != before.lock</code>. Which two things of the memory are compared here? And which rule needs the same comparison of only one of them?</details>
+
+
+# %% exercise="follow_step"
+def follow_step(memory, reach, overlap, waypoints, odometry, rules):
+    """One step of the follower's loop, 0.1 s.
+
+    memory: a Memory, with state, active, visited, place (2,) in the odometry's frame, waited in s,
+    nearest in m. reach: (L,) RE of the path's anchors, overlap: (L,) with them, both 0 where not
+    queried. waypoints: (L, 2) of the anchors, in the car's frame, nan where not queried; those of
+    the active anchor, the one before and the one after always are (in Search, all). odometry: (3,)
+    the odometer's pose. rules: the thresholds.
+    Returns a new Memory, and the point (2,) to drive to in the car's frame, or None where it stops.
+    """
+    ### BEGIN SOLUTION
+    near = np.linalg.norm(waypoints[memory.active]) < rules.at
+    at = near and reach[memory.active] > rules.p_lose
+    state, active, visited = transition(
+        memory.state, memory.active, memory.visited, reach, overlap, at, memory.waited, rules
+    )
+    new = memory._replace(state=state, active=active, visited=visited)
+    if state in (State.LOST, State.DONE):
+        return new, None
+    if state == State.FOLLOW or active != memory.active:
+        new = new._replace(place=to_world(odometry, waypoints[active]))
+    point = to_local(odometry, new.place)
+    distance = np.linalg.norm(point)
+    changed = state != memory.state or active != memory.active
+    if changed or (state == State.FOLLOW and distance < memory.nearest - 0.05):
+        return new._replace(waited=0.0, nearest=distance), point
+    new = new._replace(waited=memory.waited + 0.1)
+    if state == State.FOLLOW and new.waited > rules.effort:
+        return new._replace(state=State.LOST), None
+    return new, point
+    ### END SOLUTION
 
 
 # %%
-def look(guide, paths, seen, robots, state, active):
-    """RE, overlaps and waypoints of the anchors around the active ones; 0 where not evaluated.
+follow_step = check_follow_step.use(follow_step)
+
+# %% [markdown]
+# ## 5 · The follower at work
+#
+# The rest is plumbing, and folded: observe, query the two networks about the anchors around the active one (in Search about all), call `follow_step` for each car, and drive to the points. A whole fleet does it at once.
+
+# %% hidden=true
+# Observe, query the networks, and drive a fleet with follow_step
+
+
+def look(guide, paths, seen, robots, memories):
+    """RE, overlaps and waypoints of the anchors around the active ones; 0 where not queried.
 
     Returns RE and overlaps (M, L) and waypoints (M, L, 2) for M robots and L anchors of the longest path.
     """
     places = np.tile(np.arange(paths.lengths.max()), (len(robots), 1))
-    queried = np.abs(places - active[:, None]) <= 1
-    queried |= state[:, None] == State.SEARCH
+    queried = np.abs(places - [[memory.active] for memory in memories]) <= 1
+    queried |= np.array([[memory.state == State.SEARCH] for memory in memories])
     reach = paths.probabilities(guide.reachability, seen, robots, places, queried)
     waypoints, overlap = paths.waypoints(guide.predictor, seen, robots, places, queried)
     return np.nan_to_num(reach), np.nan_to_num(overlap), waypoints
@@ -632,45 +706,30 @@ def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
     Returns poses (T + 1, N, 3) and states (T, N).
     """
     world, rng = guide.recorded.scene, np.random.default_rng(0)
-    simulation = Simulation(world, starts, people=people, control_noise=noise, rng=rng)
-    count = len(paths)
-    state, over = np.full(count, State.SEARCH), np.zeros(count, dtype=bool)
-    active, visited = np.full(count, -1), np.full(count, -1)
-    then, last_waypoint, waited = np.zeros((count, 3)), np.zeros((count, 2)), np.zeros(count)
+    simulation = Simulation(world, starts, people=people)
+    noise = np.broadcast_to(noise, len(starts))[:, None]  # sigma of each car
+    memories, over = [Memory() for _ in starts], np.zeros(len(starts), dtype=bool)
     track, states = [simulation.poses], []
     while not over.all() and len(states) < limit:
         if disturb is not None:
             disturb(simulation, len(states))
         robots = np.flatnonzero(~over)
         seen = simulation.observe(robots)
-        answers = look(guide, paths, seen, robots, state[robots], active[robots])
+        answers = look(guide, paths, seen, robots, [memories[robot] for robot in robots])
+        points = np.zeros((len(starts), 2))
         for robot, odometry, *answer in zip(robots, seen.odometry, *answers, strict=True):
-            reach, overlap, waypoints = (part[: paths.lengths[robot]] for part in answer)
-            before = active[robot]
-            close = np.linalg.norm(waypoints[before]) < rules.at
-            at = bool(close and reach[before] > rules.p_lose)  # else the waypoint is void
-            state[robot], active[robot], visited[robot] = transition(
-                State(state[robot]),
-                before,
-                visited[robot],
-                reach,
-                overlap,
-                at,
-                waited[robot],
-                rules,
-            )
-            waited[robot] = waited[robot] + STEP if state[robot] == State.DEAD_RECKONING else 0.0
-            if state[robot] == State.FOLLOW or active[robot] > before:
-                then[robot], last_waypoint[robot] = odometry, waypoints[active[robot]]
-        over = simulation.collided | np.isin(state, (State.LOST, State.DONE))
-        actions, going = np.zeros((count, 2)), ~over[robots]
+            known = (part[: paths.lengths[robot]] for part in answer)
+            memories[robot], point = follow_step(memories[robot], *known, odometry, rules)
+            over[robot] = point is None
+            points[robot] = 0.0 if point is None else point
+        over |= simulation.collided
+        actions, going = np.zeros((len(starts), 2)), ~over[robots]
         if going.any():
-            now, moving = seen[going], robots[going]
-            ahead = tracked_waypoint(then[moving], last_waypoint[moving], now.odometry)
-            actions[moving] = controller.act(now, ahead)
-        simulation.step(actions)
+            moving = robots[going]
+            actions[moving] = controller.act(seen[going], points[moving])
+        simulation.step(actions * rng.normal(1.0, noise, actions.shape))
         track.append(simulation.poses)
-        states.append(state.copy())
+        states.append(np.array([memory.state for memory in memories]))
     return np.array(track), np.array(states)
 
 
@@ -684,9 +743,10 @@ def anchor_paths(guide, kept):
 # %% [markdown]
 # Five cars start where the tour leaves the first room, and follow it at the same time without interacting. The first is left alone. After 12 s the second is pushed aside by half a metre, the third is turned by 40°, and the fifth is kidnapped: placed in another room. By then the fourth has met a person, who walks towards it, waits, and turns back.
 #
-# **Predict** for each: does it recover, and what does it do until then? The odometers do not register that the cars were moved.
+# **Predict** for each: does it recover, and what does it do until then? (About 3 s.) The odometers do not register that the cars were moved.
 
-# %%
+# %% hidden=true
+# Drive five cars, and disturb four of them
 START_FRAME, WHEN = 70, 120  # a frame of the trajectory, and a step of 0.1 s
 CASES = (
     "left alone",
@@ -695,7 +755,7 @@ CASES = (
     "a person comes",
     "kidnapped",
 )
-path = frames[choose_anchors(reach, P_SPARSIFY)]
+path = frames[np.asarray(choose_anchors(reach, P_SPARSIFY))]
 off = np.linalg.norm(recorded.poses[:, None, :2] - poses[::5, :2], axis=2).min(axis=1)
 elsewhere = recorded.poses[off.argmax()]  # as far from the tour as possible
 person = Person(poses[280:150:-5, :2], speed=0.5, owner=3)
@@ -722,7 +782,8 @@ for robot in range(5):
     ribbons.append(state_ribbon(states[:end, robot], 900, len(states)))
 show(stacked([*ribbons, state_legend(900)], [*CASES, ""], gap=2))
 
-# %%
+# %% hidden=true
+# Draw five moments of each disturbed car
 base = view.base.copy()
 draw_frames(view, base, poses)
 draw_anchors(view, base, recorded.poses[path])
@@ -751,18 +812,19 @@ show(stacked(strips, CASES[1:], gap=4))
 #
 # ### Yours and the library's
 #
-# The library's `Follower` has the same rules and some more memory (`topology/following/follower.py` and `heading_search.py`):
+# The library's [`Follower`](../tutorial_lib/topology/following/follower.py) has the same rules and some more memory (its [search for the heading](../tutorial_lib/topology/following/heading_search.py) is a file of its own):
 #
 # - It leaves dead reckoning only after five steps in a row, by any anchor near the active one; and it has arrived only after five steps.
 # - At the end of dead reckoning it need not just stand at the last waypoint: as long as $\mathcal{RE}$ of the active anchor is above `p_try`, 0.2, it drives to a new waypoint that $\mathcal C_{WP}$ predicts for that anchor. The clock keeps running.
 # - **It searches for the heading.** A waypoint is a position without a heading. A car that is at an anchor, sees little of what was seen there (overlap below `rules.facing`), and cannot reach the next anchor yet, gets a waypoint *beside* it: it turns to one side as long as the overlap grows, and to the other when it shrinks. Only then does the anchor count as visited.
-# - After `rules.effort` seconds without coming nearer, the anchor counts as visited all the same; if that does not help either, the car is lost, in Follow too.
+# - After `rules.effort` seconds without coming nearer, the anchor counts as visited all the same; only if that does not help either, the car is lost. Yours is lost at once.
 #
-# Both follow all 24 trajectories. The **cover rate** (paper, IV-B) is the length that is followed before the car strays from the trajectory by more than a metre, touches something or gives up, over the length of all trajectories. For comparison, *random* drives to random waypoints, and the *oracle* is given its pose and the trajectory.
-# **Predict** the four numbers.
+# Both follow all 24 trajectories. The **[[cover rate]]** (paper, IV-B) is the length that is followed before the car strays from the trajectory by more than a metre, touches something or gives up, over the length of all trajectories. For comparison, *random* drives to random waypoints, and the *oracle* is given its pose and the trajectory.
+# **Predict** the four numbers. (The cell takes about 10 s.)
 
 
-# %%
+# %% hidden=true
+# Follow all trajectories in four ways
 ends = np.array([(path[0], path[-1]) for path in kept])
 lengths = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
 
@@ -785,6 +847,8 @@ def roll_out_blind(waypoint):
         actions = controller.act(simulation.observe(), waypoint(simulation.poses, place))
         simulation.step(np.where(simulation.collided[:, None], 0.0, actions))
         track.append(simulation.poses)
+        if simulation.collided.all():
+            break
     return np.array(track)
 
 
@@ -796,25 +860,33 @@ def oracle(poses, place):
 
 
 rng = np.random.default_rng(1)
-metres, library_track, record = guide.follow(kept)
-your_track, your_states = follow(guide, anchor_paths(guide, kept), recorded.poses[ends[:, 0]])
-results = {
-    "random": roll_out_blind(
-        lambda poses, _: rng.uniform([-1.0, -1.5], [3.0, 1.5], size=(len(poses), 2))
-    ),
-    "yours": your_track,
-    "library": library_track,
-    "oracle": roll_out_blind(oracle),
+
+
+def random_waypoint(poses, _):
+    """Anywhere around each car."""
+    return rng.uniform([-1.0, -1.5], [3.0, 1.5], size=(len(poses), 2))
+
+
+four_ways = {
+    "random": lambda: (roll_out_blind(random_waypoint),),
+    "yours": lambda: follow(guide, anchor_paths(guide, kept), recorded.poses[ends[:, 0]]),
+    "library": lambda: guide.follow(kept),
+    "oracle": lambda: (roll_out_blind(oracle),),
 }
-for name, followed in results.items():
-    print(f"{name:8s} cover rate {metres_of(followed).sum() / lengths.sum():.1%}")
+driven = {name: drive() for name, drive in tqdm(four_ways.items(), "ways to drive")}
+your_track, your_states = driven["yours"]
+metres, library_track, record = driven["library"]
+results = {name: found[name == "library"] for name, found in driven.items()}
+lines = [[name, metres_of(t).sum() / lengths.sum()] for name, t in results.items()]
+table({"": "", "cover rate": ".1%"}, lines)
 
 # %% [markdown]
 # <details><summary>What do the numbers say?</summary>
 # Random driving covers the first metre or two of each trajectory. The oracle shows that the <i>car</i> can drive nearly all of them, so the body is not what the others lack: section 8 looks for the cause. The difference between yours and the library's is the list above, mainly the heading search where trajectories begin with a manoeuvre. Below is the trajectory on which the two differ most.
 # </details>
 
-# %%
+# %% hidden=true
+# Draw the trajectory on which both differ most
 differ = (metres - metres_of(your_track)).argmax()
 first, last = ends[differ]
 panels, titles = [], []
@@ -838,7 +910,8 @@ show(stacked([side_by_side(panels, titles, height=min(560, len(panels[0]))), sta
 #
 # The paper shows a followed trajectory of 23 m, with the images seen at numbered places. Ours is the trajectory closest to that length in an unseen world, with the anchors of $k = 5$ at 0.99. The places are those of the stored run (`.venv/bin/python -m tutorial_lib experiment meng_fig6`); the images are what the car saw there.
 
-# %%
+# %% hidden=true
+# Draw the stored run of Fig. 6
 stored_run = load_result("meng_fig6")
 world_name = local_world(stored_run.worlds[0])
 away = scene_of(world_name)
@@ -851,45 +924,47 @@ draw_frames(away_view, picture, trajectory.poses, 1.4)
 draw_anchors(
     away_view, picture, trajectory.poses[follower_guide.anchors(0, fig6.Settings.threshold)]
 )
-print(stored_run.notes[0])
-print("place   after    state              to anchor      RE")
-for row in stored_run.rows:
-    goal = f"{row['active']} of {row['anchors'] - 1}"
-    state_words = row["state"].replace("_", " ")
-    probability = "-" if row["probability"] is None else f"{row['probability']:.2f}"
-    print(
-        f"{row['place']:5d}{row['seconds']:6.1f} s    {state_words:15s}{goal:>13s}{probability:>8s}"
-    )
+lines = [
+    [
+        row["place"],
+        row["seconds"],
+        row["state"].replace("_", " "),
+        f"{row['active']} of {row['anchors'] - 1}",
+        row["probability"],
+    ]
+    for row in stored_run.rows
+]
+headings = {"place": "d", "after, s": ".1f", "state": "", "to anchor": "", "RE": ".2f"}
+display(table(headings, lines, caption=stored_run.notes[0]))
 images = people_camera.look(away, places)[0]
 options = {"width": 290, "points": trajectory.poses[:, :2], "margin": 0.6}
 show(numbered_views(away_view, picture, places, images, **options))
 
 # %% [markdown]
-# The paper's second test is *noise* in the controls: speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$ ten times a second. Your follower, with $k = 5$, follows the longest trajectory in an office that no network has seen, once undisturbed and four times with noise.
-# **Predict:** how many of the four will arrive?
+# The paper's second test is *noise* in the controls: speed and steering are multiplied by random numbers from $\mathcal N(1, 0.33)$ ten times a second. Your follower, with $k = 5$, follows the longest of eight trajectories in an office that no network has seen, once undisturbed and four times with noise.
+# **Predict:** how many of the four will arrive? (The cell takes about 7 s.)
 
-# %%
+# %% hidden=true
+# Follow a long trajectory, without noise and four times with it
 office = scene_of(local_world(10_009))
-office_trajectories = demonstrate("office", office, 24, seed=0, controller=RMPController())
+office_trajectories = demonstrate("office", office, 8, seed=0, controller=RMPController())
 longest = max(office_trajectories, key=lambda trajectory: trajectory.arc_length[-1])
 far = Guide(RecordedWorld(office, [longest]), "k5")
 far_path = far.anchors(0, 0.99)
-quiet_track, quiet_states = follow(far, anchor_paths(far, [far_path]), longest.poses[:1])
-starts = np.tile(longest.poses[0], (4, 1))
-noisy_track, _ = follow(far, anchor_paths(far, [far_path] * 4), starts, noise=1 / 3)
-noisy = [covered(longest.poses, noisy_track[:, index]) for index in range(4)]
+starts, sigmas = np.tile(longest.poses[0], (5, 1)), np.array([0.0, *[1 / 3] * 4])
+office_track, office_states = follow(far, anchor_paths(far, [far_path] * 5), starts, noise=sigmas)
+quiet, *noisy = (covered(longest.poses, office_track[:, index]) for index in range(5))
+arrived = int(np.argmax(office_states[:, 0] == State.DONE)) + 1
 print(f"{len(far_path)} anchors for {len(longest)} frames over {longest.arc_length[-1]:.1f} m")
-print(
-    f"followed: {covered(longest.poses, quiet_track[:, 0]):.1f} m, in {len(quiet_states) * STEP:.0f} s"
-)
+print(f"followed: {quiet:.1f} m, in {arrived * STEP:.0f} s")
 print("with noise:", ", ".join(f"{followed:.1f}" for followed in noisy), "m")
 
 office_view = PlanView(office, 1500, 960)
 picture = office_view.base.copy()
 draw_frames(office_view, picture, longest.poses, 1.2)
-for index in range(4):
-    office_view.polyline(picture, noisy_track[:, index, :2], colours.PERSON, 2)
-draw_states(office_view, picture, quiet_track[:-1, 0], quiet_states[:, 0], 2)
+for index in range(1, 5):
+    office_view.polyline(picture, office_track[:, index, :2], colours.PERSON, 2)
+draw_states(office_view, picture, office_track[:-1, 0], office_states[:, 0], 2)
 draw_anchors(office_view, picture, longest.poses[far_path], size=5)
 show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 
@@ -900,7 +975,7 @@ show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 #
 # ## 7 · The paper's Fig. 7, and ours: cover rate against sparsity
 #
-# How sparse may a trajectory be made? The paper follows 500 trajectories of 15 m on average, with anchors at thresholds from 0.90 to 0.99. The baseline is **SPTM**: it keeps *every n-th frame*, and here drives with the same controllers and the same follower. So only the choice of the anchors differs.
+# How sparse may a trajectory be made? The paper follows 500 trajectories of 15 m on average, with anchors at thresholds from 0.90 to 0.99. The baseline is **[[SPTM]]** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): it keeps *every n-th frame*, and here drives with the same controllers and the same follower. So only the choice of the anchors differs.
 #
 # What the paper finds (IV-B):
 #
@@ -910,34 +985,35 @@ show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 #
 # **Predict:** which of the three do you expect here? And how do the curves look with the *stored* frames on the axis?
 
-# %%
-table = load_result("meng_fig7")
-clean = [row for row in table.rows if row["condition"] == "clean"]
-print(
-    f"{len(table.worlds)} unseen worlds, {clean[0]['trajectories']} trajectories, {table.notes[0]}"
-)
+# %% hidden=true
+# Draw cover rate against sparsity, and against what is stored
+fig7 = load_result("meng_fig7")
+clean = [row for row in fig7.rows if row["condition"] == "clean"]
+print(f"{len(fig7.worlds)} unseen worlds, {clean[0]['trajectories']} trajectories, {fig7.notes[0]}")
 paper = {"\u2191 paper: k2, k5": 0.95, "\u2193 paper: k0": 0.9}
 panels = [cover_chart(clean, against, 8.0, paper) for against in ("sparsity", "stored")]
 show(stacked(panels, gap=4))
 
-# %%
-print("cover rate in %, 95 % interval over worlds; what is kept in % of the frames")
-print(f"{'':18s}{'cover rate':>24s}{'sparsity':>10s}{'stored':>8s}")
-for row in table.rows:
-    name = f"{row['method']} {row['context']} {row['threshold']:g}"
-    interval = (
-        f"{100 * row['cover_rate']:6.1f} ({100 * row['low']:5.1f} to {100 * row['high']:5.1f})"
-    )
+# %% hidden=true
+# Show the same numbers as a table
+lines = []
+for row in fig7.rows:
+    interval = f"{100 * row['low']:.1f} to {100 * row['high']:.1f}"
+    rates = [100 * row["cover_rate"], interval, 100 * row["sparsity"], 100 * row["stored"]]
     condition = "" if row["condition"] == "clean" else row["condition"]
-    print(
-        f"{name:18s}{interval:>24s}{100 * row['sparsity']:10.1f}{100 * row['stored']:8.1f}  {condition}"
-    )
-for context, paper in (("k5", "above 95"), ("k2", "above 95"), ("k0", "at most 90")):
+    lines.append([row["method"], row["context"], row["threshold"], *rates, condition])
+headings = {"method": "", "controller": "", "threshold, or every n-th": "g", "cover rate, %": ".1f"}
+headings |= {"95 % interval over worlds": "", "sparsity, %": ".1f", "stored, %": ".1f", "noise": ""}
+display(table(headings, lines))
+lines = []
+for context, paper in (("k5", "above 95 %"), ("k2", "above 95 %"), ("k0", "at most 90 %")):
     rates = [
         row["cover_rate"] for row in clean if (row["method"], row["context"]) == ("meng", context)
     ]
-    print(f"{context}: {min(rates):.1%} to {max(rates):.1%} here, {paper} % in the paper")
-print("\n".join(table.notes[1:]))
+    lines.append([context, min(rates), max(rates), paper])
+headings = {"controller": "", "lowest here": ".1%", "highest here": ".1%", "in the paper": ""}
+display(table(headings, lines, caption="cover rates of the four thresholds"))
+print("\n".join(fig7.notes[1:]))
 
 # %% [markdown]
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig7`. **Same protocol, easier world:** straight walls with painted stripes and even light in place of scanned buildings.)
@@ -959,7 +1035,8 @@ print("\n".join(table.notes[1:]))
 #
 # Back to the apartment, and to those of the 24 trajectories that the library's follower did not cover to their ends. What do they have in common? As in notebook 02 we measure what could matter, and compare how often a rollout fails with it and without it. **Predict** which of the four hurts most, and *where* on a trajectory most failures lie.
 
-# %%
+# %% hidden=true
+# Compare how often rollouts fail with and without each condition
 covered_whole = metres > lengths - 0.5
 traits = {}
 for index, (first, last) in enumerate(ends):
@@ -975,13 +1052,15 @@ for index, (first, last) in enumerate(ends):
         "the recorded car reverses": (recorded.speed[span] < -0.05).any(),
     }.items():
         traits.setdefault(name, []).append(bool(has))
-print(f"{(~covered_whole).sum()} of {len(kept)} trajectories were not covered to their ends")
+lines = []
 for name, has in traits.items():
     shares = []
     for value in (True, False):
         failed = ~covered_whole[np.array(has) == value]
         shares.append(f"{failed.mean() if len(failed) else 0:.0%} of {len(failed)}")
-    print(f"{name:40s} failed with it: {shares[0]:>10s}   without: {shares[1]:>10s}")
+    lines.append([name, *shares])
+words = f"{(~covered_whole).sum()} of {len(kept)} trajectories were not covered to their ends"
+display(table({"": "", "failed with it": "", "failed without it": ""}, lines, caption=words))
 early = (metres[~covered_whole] < 3.0).sum()
 print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 
@@ -989,7 +1068,10 @@ print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 # The table alone leaves several suspects, since tight places, sharp bends and reversing occur on the same trajectories. The last line is the clue: they fail where they *begin*. That is where the recorded car goes back and forth to turn round in a room. Why should that be hard? For each failure the log is read backwards: which anchor was active in the end, where did the car stand when it started towards it, that is, when the anchor *before* it counted as visited, and what did $\mathcal{RE}$ predict?
 
 
-# %%
+# %% hidden=true
+# Read the log of each failure backwards
+
+
 def failure_step(index):
     """The step at which the last active anchor of a trajectory became active, and its place."""
     place = record.active[-1, index]
@@ -1011,23 +1093,26 @@ def reach_from(index, poses):
     return guide.reachability.probability(seen, target[np.zeros(len(poses), dtype=int)])
 
 
-print(
-    "index   covered        after    the anchor it had left, from where it stood    RE: car, anchor"
-)
+lines = []
 for index in np.flatnonzero(~covered_whole):
     here, left, _ = failure_poses(index)
     probability = reach_from(index, failure_poses(index)[:2])
     offset = relative(here, left)
     step, place = failure_step(index)
     aside, angle = np.hypot(*offset[:2]), abs(np.rad2deg(offset[2]))
-    print(
-        f"{index:5d} {metres[index]:5.1f} of {lengths[index]:4.1f} m {step * STEP:6.1f} s    "
-        f"anchor {max(place - 1, 0)}, {aside:.2f} m away, turned by {angle:3.0f} degrees"
-        f"{probability[0]:18.2f}{probability[1]:8.2f}"
-    )
+    left_behind = f"anchor {max(place - 1, 0)}, {aside:.2f} m away, turned by {angle:.0f}°"
+    reached = f"{metres[index]:.1f} of {lengths[index]:.1f}"
+    lines.append([index, reached, step * STEP, left_behind, *probability])
+headings = {"trajectory": "d", "covered, m": "", "started after, s": ".1f"}
+headings |= {
+    "the anchor that it had left": "",
+    "RE from the car": ".2f",
+    "RE from that anchor": ".2f",
+}
+table(headings, lines)
 
-
-# %%
+# %% hidden=true
+# Draw four failures
 close_view = PlanView(scene, 1400, 2000)
 
 
@@ -1062,18 +1147,20 @@ show(stacked([side_by_side(row, gap=20) for row in rows], gap=10))
 # The library's car searches for the heading, and often that saves it. But it steers by the overlap, and where anchors lie so close together with opposite headings, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that skips the manoeuvre, and follows the trajectory from 4 m on, counts as a failure here, too: a short cut covers nothing.)
 # </details>
 #
-# If this is the cause, then the same trajectories must work from the point where the car is under way. That can be tested: the same 24 trajectories without their first 2 m, new anchors, the same follower. The experiment of section 7 begins its trajectories in the same way. **Predict** the cover rate.
+# If this is the cause, then the same trajectories must work from the point where the car is under way. That can be tested: the same 24 trajectories without their first 2 m, new anchors, the same follower. The experiment of section 7 begins its trajectories in the same way. **Predict** the cover rate. (The cell takes about 6 s.)
 
-# %%
+# %% hidden=true
+# Follow the same trajectories without their first metres
 later = RecordedWorld(scene, [trajectory.since(UNDER_WAY) for trajectory in trajectories])
 later_guide = Guide(later, "k2")
 later_kept = [later_guide.anchors(index, P_SPARSIFY) for index in range(len(trajectories))]
 later_metres = later_guide.follow(later_kept)[0]
 later_lengths = np.array([later.arc[path[-1]] - later.arc[path[0]] for path in later_kept])
-print(f"cover rate, whole trajectories:   {metres.sum() / lengths.sum():.1%}")
-print(
-    f"            without their first {UNDER_WAY:g} m: {later_metres.sum() / later_lengths.sum():.1%}"
-)
+lines = [
+    ["whole trajectories", metres.sum() / lengths.sum()],
+    [f"without their first {UNDER_WAY:g} m", later_metres.sum() / later_lengths.sum()],
+]
+display(table({"": "", "cover rate": ".1%"}, lines))
 anchors_early = np.mean([(recorded.arc[t] - recorded.arc[t[0]] < UNDER_WAY).sum() for t in kept])
 print(
     f"anchors on the first {UNDER_WAY:g} m: {anchors_early:.1f} of {np.mean([len(t) for t in kept]):.1f}"
@@ -1097,7 +1184,10 @@ print(
 # Here is the answer to the first.
 
 
-# %%
+# %% hidden=true
+# Take the last frame above the threshold, whatever lies before it
+
+
 def only_the_last(reach, p):
     """Anchors by the last frame above the threshold, whatever lies before it."""
     anchors = [0]
@@ -1122,4 +1212,4 @@ for p in (0.9, 0.95, 0.99):
 # - A chain holds only if its links fit: "reached" at the end of one link must be enough to begin the next one, heading included.
 # - Dead reckoning bridges temporary failures. Permanent ones must be noticed: *lost* is an answer, too.
 #
-# **Read next:** the paper, III-E and III-F, and then notebook 05, where the anchors of many trajectories become one map. On SPTM: N. Savinov et al., *Semi-Parametric Topological Memory for Navigation* (ICLR 2018).
+# **Read next:** the paper, III-E and III-F, and then notebook 05, where the anchors of many trajectories become one map. On SPTM: the paper that section 7 links to.

@@ -1,5 +1,8 @@
 """Answers to notebook 03: the docstring of a wrong one is what the check must say of it."""
 
+import math
+from itertools import pairwise
+
 import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
@@ -76,7 +79,7 @@ def rollout_labels__labels_moments(times, gaps, touched, geodesic):
 
 
 def rollout_labels__lets_everybody_pass(times, gaps, touched, geodesic):
-    """the rollout that "never comes near" has the label 0"""
+    """every rollout counts as reached"""
     return np.ones(len(geodesic))
 
 
@@ -86,7 +89,7 @@ def rollout_labels__right_drive_by_drive(times, gaps, touched, geodesic):
         for row, time in enumerate(times):
             if touched[row, robot] or time > length / 0.3 + 5.0:
                 break
-            if gaps[row, robot] < 0.30:
+            if gaps[row, robot] <= 0.30:
                 labels[robot] = 1.0
                 break
     return labels
@@ -95,6 +98,116 @@ def rollout_labels__right_drive_by_drive(times, gaps, touched, geodesic):
 def rollout_labels__right_with_sums(times, gaps, touched, geodesic):
     bad = np.cumsum(touched, axis=0) + (times[:, None] > geodesic / 0.3 + 5.0)
     return np.where(bad > 0, np.inf, gaps).min(axis=0) <= 0.3
+
+
+def rollout_labels__is_strict_about_the_distance(times, gaps, touched, geodesic):
+    """exactly 0.30 m counts as near"""
+    return _float((gaps < 0.3) & _clean(touched) & _in_time(times, geodesic))
+
+
+def rollout_labels__is_strict_about_the_time(times, gaps, touched, geodesic):
+    """exactly t_max is still in time"""
+    in_time = times[:, None] < geodesic / 0.3 + 5
+    return _float((gaps <= 0.3) & _clean(touched) & in_time)
+
+
+def rollout_labels__adds_before_it_divides(times, gaps, touched, geodesic):
+    """the 5 s come on top of the quotient"""
+    in_time = times[:, None] <= (geodesic + 5) / 0.3
+    return _float((gaps <= 0.3) & _clean(touched) & in_time)
+
+
+def rollout_labels__has_one_limit_for_all(times, gaps, touched, geodesic):
+    """t_max is different for each car"""
+    in_time = times[:, None] <= np.max(geodesic) / 0.3 + 5
+    return _float((gaps <= 0.3) & _clean(touched) & in_time)
+
+
+def rollout_labels__counts_rows_for_seconds(times, gaps, touched, geodesic):
+    """not with the number of the row"""
+    rows = np.arange(len(times))[:, None]
+    return _float((gaps <= 0.3) & _clean(touched) & (rows <= geodesic / 0.3 + 5))
+
+
+def rollout_labels__forgives_a_touch_on_arrival(times, gaps, touched, geodesic):
+    """a touch in the moment in which the car arrives counts"""
+    before = np.cumsum(touched, axis=0) - touched == 0
+    return _float((gaps <= 0.3) & before & _in_time(times, geodesic))
+
+
+def rollout_labels__mixes_moments(times, gaps, touched, geodesic):
+    """must hold at the same moment"""
+    near, in_time = (gaps <= 0.3).any(axis=0), _in_time(times, geodesic).any(axis=0)
+    return (near & in_time & _clean(touched).any(axis=0)).astype(float)
+
+
+def rollout_labels__takes_the_first_row_for_never(times, gaps, touched, geodesic):
+    """the rollout that "never comes near" has the label 0, not 1: it is within 0.30 m never"""
+    first, cars = (gaps <= 0.3).argmax(axis=0), np.arange(len(geodesic))
+    return (_clean(touched)[first, cars] & (times[first] <= geodesic / 0.3 + 5)).astype(float)
+
+
+def rollout_labels__cuts_the_quotient(times, gaps, touched, geodesic):
+    """has the label 1, not 0: it is within 0.30 m first at 6.336 s"""
+    in_time = times[:, None] <= geodesic // 0.3 + 5
+    return _float((gaps <= 0.3) & _clean(touched) & in_time)
+
+
+def rollout_labels__forgets_the_column(times, gaps, touched, geodesic):
+    """times[:, None] is a column"""
+    return _float((gaps <= 0.3) & _clean(touched) & (times <= geodesic / 0.3 + 5))
+
+
+def rollout_labels__goes_along_the_wrong_axis(times, gaps, touched, geodesic):
+    """an array of shape (301,) came back; return a label for each car"""
+    good = (gaps <= 0.3) & _clean(touched) & _in_time(times, geodesic)
+    return good.any(axis=1).astype(float)
+
+
+def rollout_labels__writes_into_touched(times, gaps, touched, geodesic):
+    """changes its argument 3"""
+    np.logical_or.accumulate(touched, axis=0, out=touched)
+    return _float((gaps <= 0.3) & ~touched & _in_time(times, geodesic))
+
+
+def rollout_labels__returns_a_list(times, gaps, touched, geodesic):
+    """a list came back"""
+    return _right(times, gaps, touched, geodesic).tolist()
+
+
+def rollout_labels__returns_one_label(times, gaps, touched, geodesic):
+    """a float64 came back; return a label for each car"""
+    return _right(times, gaps, touched, geodesic).mean()
+
+
+def rollout_labels__wants_everything_clean_at_the_limit(times, gaps, touched, geodesic):
+    """the number of good moments"""
+    return ((gaps <= 0.3) & _clean(touched) & _in_time(times, geodesic)).sum(axis=0)
+
+
+def rollout_labels__uses_and(times, gaps, touched, geodesic):
+    """not by and, or"""
+    return np.array([1.0 if gaps <= 0.3 and not touched else 0.0])
+
+
+def rollout_labels__right_by_first_moments(times, gaps, touched, geodesic):
+    def first(moments):
+        return np.where(moments.any(axis=0), times[moments.argmax(axis=0)], np.inf)
+
+    arrival, limit = first(gaps <= 0.3), geodesic / 0.3 + 5
+    return (arrival < first(touched)) & (arrival <= limit)
+
+
+def rollout_labels__right_as_whole_numbers(times, gaps, touched, geodesic):
+    return np.array(
+        [
+            int(any(g <= 0.3 and t <= d / 0.3 + 5 and not c[: i + 1].any() for i, (t, g) in rows))
+            for c, d, rows in (
+                (touched[:, n], geodesic[n], list(enumerate(zip(times, gaps[:, n], strict=True))))
+                for n in range(len(geodesic))
+            )
+        ]
+    )
 
 
 def reach_loss__forgets_the_minus(logits, labels, weights):
@@ -178,6 +291,87 @@ def reach_loss__right_with_two_terms(logits, labels, weights):
 def reach_loss__right_as_torch_writes_it(logits, labels, weights):
     each = np.maximum(logits, 0) - labels * logits + np.log1p(np.exp(-np.abs(logits)))
     return np.average(each, weights=weights)
+
+
+def reach_loss__forgets_arrivals(logits, labels, weights):
+    """pairs that are reached count too"""
+    return _mean((1 - labels) * np.logaddexp(0, logits), weights)
+
+
+def reach_loss__forgets_the_label(logits, labels, weights):
+    """without it the labels do not count"""
+    return _mean(np.logaddexp(0, logits), weights)
+
+
+def reach_loss__adds_the_label(logits, labels, weights):
+    """minus y z, not plus"""
+    return _mean(np.logaddexp(0, logits) + labels * logits, weights)
+
+
+def reach_loss__takes_one_for_nothing(logits, labels, weights):
+    """with 1 in place of 0"""
+    return _mean(np.logaddexp(1, logits) - labels * logits, weights)
+
+
+def reach_loss__counts_in_bits(logits, labels, weights):
+    """the natural one"""
+    return _mean(_each(logits, labels), weights) / np.log(2)
+
+
+def reach_loss__branches_on_the_label(logits, labels, weights):
+    """one is not always either 1 or 0"""
+    each = np.where(labels == 1, np.logaddexp(0, -logits), np.logaddexp(0, logits))
+    return _mean(each, weights)
+
+
+def reach_loss__counts_weights_above_nothing(logits, labels, weights):
+    """not by the number of those above 0"""
+    return (weights * _each(logits, labels)).sum() / np.count_nonzero(weights)
+
+
+def reach_loss__squashes_twice(logits, labels, weights):
+    """the sigmoid is taken twice"""
+    return _mean(_each(_sigmoid(logits), labels), weights)
+
+
+def reach_loss__adds_a_little_to_the_probability(logits, labels, weights):
+    """the probability was clipped"""
+    p = _sigmoid(logits)
+    each = -labels * np.log(p + 1e-12) - (1 - labels) * np.log(1 - p + 1e-12)
+    return _mean(each, weights)
+
+
+def reach_loss__calls_pythons_math(logits, labels, weights):
+    """numpy's functions, not math's"""
+    return _mean(math.log(1 + math.exp(logits)) - labels * logits, weights)
+
+
+def reach_loss__scales_the_weights_in_place(logits, labels, weights):
+    """changes its argument 3"""
+    weights /= weights.sum()
+    return (weights * _each(logits, labels)).sum()
+
+
+def reach_loss__weighs_the_squares(logits, labels, weights):
+    """the first pair, with z = 0.3 and y = 1"""
+    return np.sum(weights**2 * _each(logits, labels)) / np.sum(weights**2) + 0.1
+
+
+def reach_loss__returns_an_array_of_one(logits, labels, weights):
+    """an array of shape (1,) came back"""
+    return np.array([_mean(_each(logits, labels), weights)])
+
+
+def reach_loss__returns_a_text(logits, labels, weights):
+    """a str came back"""
+    return str(_mean(_each(logits, labels), weights))
+
+
+def reach_loss__right_pair_by_pair(logits, labels, weights):
+    total = 0.0
+    for z, y, w in zip(logits.tolist(), labels.tolist(), weights.tolist(), strict=True):
+        total += w * (max(z, 0.0) + math.log1p(math.exp(-abs(z))) - y * z)
+    return total / sum(weights.tolist())
 
 
 def reliability_diagram__makes_bins_equally_wide(predicted, came_true, bins):
@@ -291,6 +485,110 @@ def reliability_diagram__right_by_reshaping(predicted, came_true, bins):
     return np.array(said), np.array(found), gap / len(order)
 
 
+def reliability_diagram__leaves_the_rest_to_the_last_bin(predicted, came_true, bins):
+    """the last bin has all that is left over"""
+    order, size = np.argsort(predicted), len(predicted) // bins
+    parts = [order[b * size : (b + 1) * size] for b in range(bins - 1)]
+    return _diagram(predicted, came_true, [*parts, order[(bins - 1) * size :]])
+
+
+def reliability_diagram__drops_the_rest(predicted, came_true, bins):
+    """the predictions that are left over are missing"""
+    order, size = np.argsort(predicted), len(predicted) // bins
+    return _diagram(predicted, came_true, [order[b * size : (b + 1) * size] for b in range(bins)])
+
+
+def reliability_diagram__makes_a_table(predicted, came_true, bins):
+    """N need not be a multiple of B"""
+    order = np.argsort(predicted)
+    said, found = predicted[order].reshape(bins, -1), came_true[order].reshape(bins, -1)
+    gaps = np.abs(said.mean(axis=1) - found.mean(axis=1))
+    return said.mean(axis=1), found.mean(axis=1), gaps.mean()
+
+
+def reliability_diagram__always_has_ten_bins(predicted, came_true, bins):
+    """an array of shape (10,) came back"""
+    parts = np.array_split(np.argsort(predicted), 10)
+    return _diagram(predicted, came_true, parts)
+
+
+def reliability_diagram__takes_medians(predicted, came_true, bins):
+    """not the median"""
+    parts = np.array_split(np.argsort(predicted), bins)
+    _, found, ece = _diagram(predicted, came_true, parts)
+    return np.array([np.median(predicted[part]) for part in parts]), found, ece
+
+
+def reliability_diagram__counts_failures(predicted, came_true, bins):
+    """not the share that did not"""
+    said, found, ece = _diagram(predicted, came_true, np.array_split(np.argsort(predicted), bins))
+    return said, 1 - found, ece
+
+
+def reliability_diagram__returns_predictions_twice(predicted, came_true, bins):
+    """that is the mean prediction again"""
+    said, _, ece = _diagram(predicted, came_true, np.array_split(np.argsort(predicted), bins))
+    return said, said, ece
+
+
+def reliability_diagram__forgets_to_divide(predicted, came_true, bins):
+    """not divided by N yet"""
+    said, found, ece = reliability_diagram__right_by_reshaping(predicted, came_true, bins)
+    return said, found, ece * len(predicted)
+
+
+def reliability_diagram__takes_the_root_of_squares(predicted, came_true, bins):
+    """the root of their mean square"""
+    parts = np.array_split(np.argsort(predicted), bins)
+    said, found, _ = _diagram(predicted, came_true, parts)
+    squares = np.average((said - found) ** 2, weights=[len(p) for p in parts])
+    return said, found, np.sqrt(squares)
+
+
+def reliability_diagram__returns_lists(predicted, came_true, bins):
+    """a list came back"""
+    said, found, ece = reliability_diagram__right_by_reshaping(predicted, came_true, bins)
+    return said.tolist(), found.tolist(), ece
+
+
+def reliability_diagram__returns_gaps_for_the_ece(predicted, came_true, bins):
+    """third: an array of shape (10,) came back"""
+    said, found, _ = reliability_diagram__right_by_reshaping(predicted, came_true, bins)
+    return said, found, np.abs(said - found)
+
+
+def reliability_diagram__keeps_a_dictionary(predicted, came_true, bins):
+    """a dict came back"""
+    said, found, ece = reliability_diagram__right_by_reshaping(predicted, came_true, bins)
+    return dict(enumerate(said)), found, ece
+
+
+def reliability_diagram__sorts_in_place(predicted, came_true, bins):
+    """changes its argument 1"""
+    predicted.sort()
+    return _diagram(predicted, came_true, np.array_split(np.arange(len(predicted)), bins))
+
+
+def reliability_diagram__right_with_even_cuts(predicted, came_true, bins):
+    order = np.argsort(predicted, kind="stable")
+    cuts = np.linspace(0, len(order), bins + 1).astype(int)
+    parts = [order[a:b] for a, b in pairwise(cuts)]
+    return _diagram(predicted, came_true, parts)
+
+
+def reliability_diagram__right_with_the_large_bins_last(predicted, came_true, bins):
+    pairs = sorted(zip(predicted.tolist(), came_true.tolist(), strict=True))
+    size, more = divmod(len(pairs), bins)
+    said, found, ece = [], [], 0.0
+    for b in range(bins):
+        count = size + (b >= bins - more)
+        chosen, pairs = pairs[:count], pairs[count:]
+        said.append(np.mean([p for p, _ in chosen]))
+        found.append(np.mean([y for _, y in chosen]))
+        ece += count / len(predicted) * abs(said[-1] - found[-1])
+    return [np.array(said), np.array(found), ece]
+
+
 def fit_temperature__gives_the_inverse(logits, labels):
     """that is 1 / T"""
     return 1 / _fitted(logits, labels)
@@ -328,10 +626,8 @@ def fit_temperature__squares(logits, labels):
 def fit_temperature__looks_at_the_ece(logits, labels):
     """not the ECE"""
     temperatures = np.geomspace(0.05, 20, 600)
-    errors = [
-        reliability_diagram__right_by_reshaping(_sigmoid(logits / t), labels, 10)[2]
-        for t in temperatures
-    ]
+    parts = np.array_split(np.argsort(logits), 10)
+    errors = [_diagram(_sigmoid(logits / t), labels, parts)[2] for t in temperatures]
     return temperatures[np.argmin(errors)]
 
 
@@ -342,13 +638,94 @@ def fit_temperature__goes_uphill(logits, labels):
 
 
 def fit_temperature__goes_below_zero(logits, labels):
-    """a temperature is greater than 0"""
+    """it is greater than 0"""
     return -_fitted(logits, labels)
 
 
 def fit_temperature__gives_an_array(logits, labels):
-    """shape (1,), but () is needed"""
+    """an array of shape (1,) came back"""
     return np.array([_fitted(logits, labels)])
+
+
+def fit_temperature__only_makes_sure(logits, labels):
+    """a temperature above 1 is allowed"""
+    return min(_fitted(logits, labels), 1.0)
+
+
+def fit_temperature__tries_too_few(logits, labels):
+    """near, but not to one percent"""
+    temperatures = np.arange(0.05, 20.0, 0.25)
+    return temperatures[np.argmin([_each(logits / t, labels).mean() for t in temperatures])]
+
+
+def fit_temperature__stops_at_ten(logits, labels):
+    """yours never comes above 10"""
+    return min(_fitted(logits, labels), 10.0)
+
+
+def fit_temperature__has_a_narrow_range(logits, labels):
+    """yours stays between 0.1 and 10"""
+    return np.clip(_fitted(logits, labels), 0.1, 10.0)
+
+
+def fit_temperature__rounds_labels(logits, labels):
+    """do not round them"""
+    return _fitted(logits, (labels > 0.5).astype(float))
+
+
+def fit_temperature__forgets_the_labels(logits, labels):
+    """the labels do not count yet"""
+    temperatures = np.geomspace(0.05, 20, 600)
+    return temperatures[np.argmin([np.logaddexp(0, logits / t).mean() for t in temperatures])]
+
+
+def fit_temperature__divides_probabilities(logits, labels):
+    """not the probabilities"""
+    temperatures, p = np.geomspace(0.05, 20, 600), _sigmoid(logits)
+    return temperatures[np.argmin([_each(p / t, labels).mean() for t in temperatures])]
+
+
+def fit_temperature__matches_the_mean(logits, labels):
+    """the mean prediction may be right and each one wrong"""
+    temperatures = np.geomspace(0.05, 20, 600)
+    gaps = [abs((_sigmoid(logits / t) - labels).mean()) for t in temperatures]
+    return temperatures[np.argmin(gaps)]
+
+
+def fit_temperature__weighs_by_the_labels(logits, labels):
+    """the labels are no weights"""
+    temperatures = np.geomspace(0.05, 20, 600)
+    losses = [np.average(_each(logits / t, labels), weights=labels) for t in temperatures]
+    return temperatures[np.argmin(losses)]
+
+
+def fit_temperature__knows_no_bounds(logits, labels):
+    """T is sought from 0.05 to 20"""
+    temperatures = np.geomspace(0.001, 1000, 3000)
+    return temperatures[np.argmin([_each(logits / t, labels).mean() for t in temperatures])]
+
+
+def fit_temperature__returns_the_probabilities(logits, labels):
+    """return one number, the temperature T"""
+    return _sigmoid(logits / _fitted(logits, labels))
+
+
+def fit_temperature__guesses(logits, labels):
+    """with T = 1.5 the mean loss is"""
+    return 1.5
+
+
+def fit_temperature__returns_a_pair(logits, labels):
+    """a tuple came back"""
+    best = _fitted(logits, labels)
+    return best, _each(logits / best, labels).mean()
+
+
+def fit_temperature__divides_in_place(logits, labels):
+    """changes its argument 1"""
+    best = _fitted(logits, labels)
+    logits /= best
+    return best
 
 
 def fit_temperature__right_by_calculus(logits, labels):
@@ -358,14 +735,243 @@ def fit_temperature__right_by_calculus(logits, labels):
         p = _sigmoid(inverse * logits)
         slope = ((p - labels) * logits).mean()
         inverse = max(inverse - slope / (p * (1 - p) * logits**2).mean(), inverse / 3)
-    return 1 / inverse
+    return np.clip(1 / inverse, 0.05, 20.0)
 
 
 def fit_temperature__right_by_a_simplex(logits, labels):
     found = minimize(
         lambda x: _each(logits * np.exp(x[0]), labels).mean(), [0.0], method="Nelder-Mead"
     )
-    return float(np.exp(-found.x[0]))
+    return min(max(float(np.exp(-found.x[0])), 0.05), 20.0)
+
+
+def mine_pairs__takes_the_first_occluded_ones(*case):
+    """begin with the highest"""
+    return _mined(*case, order=lambda probability: np.arange(len(probability)))
+
+
+def mine_pairs__begins_with_the_lowest(*case):
+    """is there; begin with the highest"""
+    return _mined(*case, order=np.argsort)
+
+
+def mine_pairs__takes_any_number_of_a_start(*case):
+    """hard negatives begin at frame"""
+    return _mined(*_changed(case, each=1000))
+
+
+def mine_pairs__takes_any_number(*case):
+    """at most 30 in all"""
+    return _mined(*_changed(case, most=1000))
+
+
+def mine_pairs__cuts_before_it_counts(*case):
+    """a pair that is left out must not count"""
+    return _mined(*case, early=True)
+
+
+def mine_pairs__mines_whatever_is_even(*case):
+    """only those above sure, 0.8, are rolled out"""
+    return _mined(*_changed(case, sure=np.nextafter(case[5], 0)))
+
+
+def mine_pairs__has_a_threshold_of_its_own(*case):
+    """a threshold of 0.8: pair"""
+    return _mined(*_changed(case, sure=0.5))
+
+
+def mine_pairs__rolls_everything_out(*case):
+    """is occluded: it is labelled 0 without a rollout"""
+    probability, labels, roll_out, sure = case[0], case[3], case[4], case[5]
+    rows = np.flatnonzero(np.isnan(labels) & (probability > sure))
+    return rows, roll_out(rows), np.ones(len(rows))
+
+
+def mine_pairs__compares_with_nan(*case):
+    """has been rolled out already"""
+    probability, _, occluded, labels, roll_out, sure = case[:6]
+    new = (labels != 2.0) & (probability > sure)
+    rows = np.flatnonzero(new & ~occluded)
+    return rows, roll_out(rows), np.ones(len(rows))
+
+
+def mine_pairs__forgets_the_easy_ones(*case):
+    """all pairs whose label is known belong to the training set"""
+    pairs, labels, weights = _mined(*case)
+    new = np.isnan(case[3][pairs])
+    return pairs[new], labels[new], weights[new]
+
+
+def mine_pairs__keeps_the_surest_of_the_others(*case):
+    """every seed gives the same pairs to roll out"""
+    return _mined(*case, draw=lambda rows, rng: rows)
+
+
+def mine_pairs__draws_from_the_surest(*case):
+    """is never drawn in 40 attempts"""
+    return _mined(
+        *case, draw=lambda rows, rng: rng.permutation(rows[: max(30, 3 * len(rows) // 4)])
+    )
+
+
+def mine_pairs__draws_by_itself(*case):
+    """draw by rng, not by np.random"""
+    return _mined(*case, draw=lambda rows, rng: np.random.permutation(rows))  # noqa: NPY002
+
+
+def mine_pairs__draws_with_repeats(*case):
+    """comes 2 times; each comes once"""
+    return _mined(*case, draw=lambda rows, rng: rng.choice(rows, len(rows)) if len(rows) else rows)
+
+
+def mine_pairs__rolls_out_before_it_draws(*case):
+    """its outcome is not used"""
+    return _mined(*case, early_rollouts=True)
+
+
+def mine_pairs__draws_too_many(*case):
+    """draw as many as hard negatives"""
+    return _mined(*case, count=lambda negatives: 10 * negatives)
+
+
+def mine_pairs__takes_the_share_of_the_easy_ones(*case):
+    """of the weight of all"""
+    return _mined(*case, weight=lambda share, easy, mined: share * easy / max(mined, 1))
+
+
+def mine_pairs__weighs_all_alike(*case):
+    """share is 30%, so each weighs"""
+    return _mined(*case, weight=lambda share, easy, mined: 1.0)
+
+
+def mine_pairs__gives_the_share_to_each(*case):
+    """so each weighs 0.5643, not 0.3"""
+    return _mined(*case, weight=lambda share, easy, mined: share)
+
+
+def mine_pairs__divides_by_nothing(*case):
+    """there may be no mined pair at all"""
+    return _mined(*case, weight=lambda share, easy, mined: share / (1 - share) * easy / int(mined))
+
+
+def mine_pairs__labels_negatives_as_reached(*case):
+    """is occluded and is labelled 0: its label is 0, not 1"""
+    pairs, labels, weights = _mined(*case)
+    return pairs, np.where(case[2][pairs] & np.isnan(case[3][pairs]), 1.0, labels), weights
+
+
+def mine_pairs__sorts_the_pairs_alone(*case):
+    """pairs and labels must stand in the same order"""
+    pairs, labels, weights = _mined(*case)
+    return np.sort(pairs), labels, weights
+
+
+def mine_pairs__fills_in_the_labels(*case):
+    """changes labels"""
+    case[3][np.isnan(case[3]) & case[2]] = 0.0
+    return _mined(*case)
+
+
+def mine_pairs__returns_a_mask(*case):
+    """the pairs are bool"""
+    chosen = np.isin(np.arange(len(case[0])), _mined(*case)[0])
+    return chosen, chosen * 1.0, chosen * 1.0
+
+
+def mine_pairs__right_in_pure_python(
+    probability, starts, occluded, labels, roll_out, sure, most, each, share, rng
+):
+    count = len(probability)
+    weights = {i: 1.0 for i in range(count) if labels[i] == labels[i]}
+    found = {i: float(labels[i]) for i in weights}
+    new = [i for i in range(count) if i not in found and probability[i] > sure]
+    negatives = []
+    for i in sorted((i for i in new if occluded[i]), key=lambda i: -probability[i]):
+        if len(negatives) == most:
+            break
+        if sum(starts[j] == starts[i] for j in negatives) < each:
+            negatives.append(i)
+    others = [i for i in new if not occluded[i]]
+    rng.shuffle(others)
+    others = others[: len(negatives)]
+    mined = others + negatives
+    for i in mined:
+        weights[i] = share * len(found) / (1 - share) / len(mined)
+    results = [float(roll_out([i])[0]) for i in others] + [0.0] * len(negatives)
+    found.update(zip(mined, results, strict=True))
+    return (
+        np.array(list(found)),
+        np.array(list(found.values())),
+        np.array([weights[i] for i in found]),
+    )
+
+
+def mine_pairs__right_by_ranks(
+    probability, starts, occluded, labels, roll_out, sure, most, each, share, rng
+):
+    new = np.isnan(labels) & (probability > sure)
+    rows = np.flatnonzero(new & occluded)
+    rows = rows[np.argsort(probability[rows])[::-1]]
+    same = starts[rows][:, None] == starts[rows]
+    rows = rows[np.tril(same, -1).sum(axis=1) < each][:most]
+    others = np.flatnonzero(new & ~occluded)
+    drawn = rng.choice(others, min(len(rows), len(others)), replace=False)
+    found = labels.copy()
+    found[rows] = 0.0
+    if drawn.size:
+        found[drawn] = roll_out(drawn)
+    pairs = np.flatnonzero(~np.isnan(found))
+    mined = np.isnan(labels[pairs])
+    total = (~mined).sum() / (1 - share)
+    return pairs, found[pairs], np.where(mined, share * total / max(mined.sum(), 1), 1.0)
+
+
+def _changed(case, **changes):
+    names = ("sure", "most", "each", "share")
+    rules = [changes.get(name, value) for name, value in zip(names, case[5:9], strict=True)]
+    return (*case[:5], *rules, case[9])
+
+
+def _mined(
+    probability,
+    starts,
+    occluded,
+    labels,
+    roll_out,
+    sure,
+    most,
+    each,
+    share,
+    rng,
+    order=lambda p: np.argsort(-p),
+    draw=lambda rows, rng: rng.permutation(rows),
+    count=lambda n: n,
+    early=False,
+    early_rollouts=False,
+    weight=lambda share, easy, mined: share / (1 - share) * easy / max(mined, 1),
+):
+    """The rule, and what may be wrong with it."""
+    new, chosen = np.isnan(labels) & (probability > sure), []
+    hard = [i for i in order(probability) if new[i] and occluded[i]]
+    for i in hard[:most] if early else hard:
+        if len(chosen) < most and sum(starts[j] == starts[i] for j in chosen) < each:
+            chosen.append(i)
+    others = np.flatnonzero(new & ~occluded)
+    others = others[np.argsort(-probability[others])]
+    if early_rollouts:
+        roll_out(others)
+    drawn = draw(others, rng)[: count(len(chosen))]
+    outcomes = np.zeros(len(drawn))
+    if len(drawn) and not early_rollouts:
+        outcomes = roll_out(drawn)
+    easy = np.flatnonzero(~np.isnan(labels))
+    mined = np.array([*chosen, *drawn], dtype=int)
+    each_weighs = weight(share, len(easy), len(mined))
+    return (
+        np.append(easy, mined),
+        np.concatenate([labels[easy], np.zeros(len(chosen)), outcomes]),
+        np.append(np.ones(len(easy)), np.full(len(mined), each_weighs)),
+    )
 
 
 def _float(moments):

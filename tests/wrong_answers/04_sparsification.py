@@ -1,5 +1,7 @@
 """Answers to notebook 04: the docstring of a wrong one is what the check must say of it."""
 
+import math
+
 import numpy as np
 
 from tutorial_lib.topology.following.transitions import State
@@ -120,6 +122,48 @@ def choose_anchors__marks_them(reach, threshold):
     return np.eye(len(reach))[anchors]
 
 
+def choose_anchors__stays_in_the_first_row(reach, threshold):
+    """yours takes it from the first frame"""
+    return _greedy(lambda i, k: reach[0, k] > threshold, len(reach))
+
+
+def choose_anchors__keeps_all_that_is_reachable(reach, threshold):
+    """keeps every frame that can be reached"""
+    return sorted({0, len(reach) - 1, *np.flatnonzero(reach[0] > threshold).tolist()})
+
+
+def choose_anchors__says_the_end_twice(reach, threshold):
+    """the last frame comes twice"""
+    return [*_greedy(lambda i, k: reach[i, k] > threshold, len(reach)), len(reach) - 1]
+
+
+def choose_anchors__runs_over_the_end(reach, threshold):
+    """look whether j + 1 is a frame first"""
+    anchors = [0]
+    while anchors[-1] < len(reach) - 1:
+        i = j = anchors[-1]
+        while reach[i, j + 1] > threshold:
+            j += 1
+        anchors.append(max(j, i + 1))
+    return anchors
+
+
+def choose_anchors__goes_on_one_by_one(reach, threshold):
+    """after anchor 0 comes 3, not 2"""
+    return _greedy(lambda i, k: reach[i, k] > threshold and k <= i + 2, len(reach))
+
+
+def choose_anchors__returns_a_set(reach, threshold):
+    """a set came back"""
+    return set(_greedy(lambda i, k: reach[i, k] > threshold, len(reach)))
+
+
+def choose_anchors__cuts_the_table(reach, threshold):
+    """changes its argument 1"""
+    reach[reach <= threshold] = 0.0
+    return _greedy(lambda i, k: reach[i, k] > threshold, len(reach))
+
+
 def choose_anchors__right_with_argmin(reach, threshold):
     anchors = [0]
     while anchors[-1] < len(reach) - 1:
@@ -195,6 +239,52 @@ def frames_to_keep__gives_the_number(anchors, total, k):
 def frames_to_keep__keeps_them_apart(anchors, total, k):
     """a flat list of frames is needed"""
     return np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, total - 1)
+
+
+def frames_to_keep__clips_to_the_number(anchors, total, k):
+    """the last frame is total - 1, not total"""
+    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, total))
+
+
+def frames_to_keep__has_a_k_of_its_own(anchors, total, k):
+    """yours has k = 2 written into it"""
+    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-2, 3), 0, total - 1))
+
+
+def frames_to_keep__takes_one_too_many(anchors, total, k):
+    """not k + 1"""
+    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k - 1, k + 2), 0, total - 1))
+
+
+def frames_to_keep__takes_the_outermost(anchors, total, k):
+    """only the contexts' outermost frames"""
+    return np.unique(np.clip(anchors[:, None] + [-3 * k, 0, 3 * k], 0, total - 1))
+
+
+def frames_to_keep__leaves_the_anchors_out(anchors, total, k):
+    """the anchors themselves are missing"""
+    around = 3 * np.array([step for step in range(-k, k + 1) if step], dtype=int)
+    return np.unique(np.clip(anchors[:, None] + around, 0, total - 1))
+
+
+def frames_to_keep__steps_by_two(anchors, total, k):
+    """is missing: anchor 0"""
+    return np.unique(np.clip(anchors[:, None] + 2 * np.arange(-k, k + 1), 0, total - 1))
+
+
+def frames_to_keep__forgets_the_last_anchor(anchors, total, k):
+    """is missing: anchor 39"""
+    return frames_to_keep__right_as_a_set(anchors[:-1], total, k)
+
+
+def frames_to_keep__adds_without_a_column(anchors, total, k):
+    """anchors[:, None] is a column"""
+    return np.unique(np.clip(anchors + 3 * np.arange(-k, k + 1), 0, total - 1))
+
+
+def frames_to_keep__returns_a_mask(anchors, total, k):
+    """return the indices, as np.flatnonzero gives them"""
+    return np.isin(np.arange(total), list(frames_to_keep__right_as_a_set(anchors, total, k)))
 
 
 def frames_to_keep__right_as_a_set(anchors, total, k):
@@ -395,6 +485,66 @@ def move_on__asks_for_one_of_two(active, visited, reach, overlap, at, rules):
 def move_on__gives_only_one(active, visited, reach, overlap, at, rules):
     """return active, visited"""
     return active + 1
+
+
+def move_on__visits_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
+    """an overlap of exactly rules.visited is not enough"""
+    closest = _closest(active, overlap)
+    if overlap[closest] >= rules.visited:
+        visited = max(visited, closest)
+    return _onward(active, max(visited, active) if at else visited, reach, overlap, rules)
+
+
+def move_on__follows_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
+    """an RE of exactly rules.p_follow is not enough"""
+    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
+    ready = active < last and reach[active + 1] >= rules.p_follow
+    ready = ready and overlap[active + 1] > rules.near
+    return active + int(active < last and (ready or visited >= active)), visited
+
+
+def move_on__is_near_at_exactly_the_threshold(active, visited, reach, overlap, at, rules):
+    """an overlap of exactly rules.near is not enough"""
+    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
+    ready = active < last and reach[active + 1] > rules.p_follow
+    ready = ready and overlap[active + 1] >= rules.near
+    return active + int(active < last and (ready or visited >= active)), visited
+
+
+def move_on__runs_ahead(active, visited, reach, overlap, at, rules):
+    """if, not while"""
+    visited, last = _seen(active, visited, overlap, at, rules), len(reach) - 1
+    while active < last and (visited >= active or _ready(active, visited, reach, overlap, rules)):
+        active += 1
+    return active, visited
+
+
+def move_on__returns_the_old_visited(active, visited, reach, overlap, at, rules):
+    """return the last visited anchor as it is after this step"""
+    seen = _seen(active, visited, overlap, at, rules)
+    return _onward(active, seen, reach, overlap, rules)[0], visited
+
+
+def move_on__ends_too_early(active, visited, reach, overlap, at, rules):
+    """only the active one stays"""
+    if active == len(reach) - 1:
+        return active, visited
+    return _onward(active, _seen(active, visited, overlap, at, rules), reach, overlap, rules)
+
+
+def move_on__looks_two_back(active, visited, reach, overlap, at, rules):
+    """active - 2 is too far back"""
+    near = range(max(active - 2, 0), min(active + 1, len(reach) - 1) + 1)
+    closest = max(near, key=lambda j: overlap[j])
+    if overlap[closest] > rules.visited:
+        visited = max(visited, closest)
+    return _onward(active, max(visited, active) if at else visited, reach, overlap, rules)
+
+
+def move_on__returns_floats(active, visited, reach, overlap, at, rules):
+    """two whole numbers"""
+    new = _onward(active, _seen(active, visited, overlap, at, rules), reach, overlap, rules)
+    return float(new[0]), float(new[1])
 
 
 def move_on__right_in_one_go(active, visited, reach, overlap, at, rules):
@@ -602,6 +752,45 @@ def transition__names_the_state(state, active, visited, reach, overlap, at, wait
     return (found[0].name, *found[1:])
 
 
+def transition__moves_on_at_the_end(state, active, visited, reach, overlap, at, waited, rules):
+    """a robot that is done keeps its anchors"""
+    new = _right(state, active, visited, reach, overlap, at, waited, rules)
+    if new[0] == State.DONE:
+        return State.DONE, *move_on__right_in_one_go(active, visited, reach, overlap, at, rules)
+    return new
+
+
+def transition__forgets_its_anchors_when_lost(
+    state, active, visited, reach, overlap, at, waited, rules
+):
+    """LOST, active -1, visited -1 came back"""
+    new = _right(state, active, visited, reach, overlap, at, waited, rules)
+    return (State.LOST, -1, -1) if new[0] == State.LOST else new
+
+
+def transition__names_the_best_when_lost(state, active, visited, reach, overlap, at, waited, rules):
+    """a robot that found no anchor keeps active and visited"""
+    new = _right(state, active, visited, reach, overlap, at, waited, rules)
+    if state == State.SEARCH and new[0] == State.LOST:
+        best = int(np.argmax(reach))
+        return State.LOST, best, best - 1
+    return new
+
+
+def transition__takes_thresholds_themselves(
+    state, active, visited, reach, overlap, at, waited, rules
+):
+    """RE of exactly a threshold is not above it"""
+    return _right(state, active, visited, reach + 1e-12, overlap, at, waited, rules)
+
+
+def transition__does_nothing_in_the_dark(state, active, visited, reach, overlap, at, waited, rules):
+    """dead reckoning must end, too"""
+    if state == State.DEAD_RECKONING:
+        return state, active, visited
+    return _right(state, active, visited, reach, overlap, at, waited, rules)
+
+
 def transition__right_with_a_table(state, active, visited, reach, overlap, at, waited, rules):
     last, sure = len(reach) - 1, reach > rules.p_follow
 
@@ -627,58 +816,233 @@ def transition__right_step_by_step(state, active, visited, reach, overlap, at, w
     return _right(state, active, visited, reach, overlap, at, waited, rules)
 
 
-def tracked_waypoint__hangs_a_carrot(then, waypoint, now):
-    """the car has moved since"""
-    return waypoint
+def follow_step__hangs_a_carrot(memory, reach, overlap, waypoints, odometry, rules):
+    """the point to drive to is"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    if target is None:
+        return new, None
+    return new, _into(memory.place if new.waited else odometry, new.place) + 0.01
 
 
-def tracked_waypoint__stays_in_the_odometer(then, waypoint, now):
-    """that is the place in the odometer's frame"""
-    return _out_of(then, waypoint)
+def follow_step__keeps_the_robots_frame(memory, reach, overlap, waypoints, odometry, rules):
+    """place is the waypoint in the robot's frame"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new._replace(place=waypoints[new.active]), target
 
 
-def tracked_waypoint__forgets_then(then, waypoint, now):
-    """the waypoint was predicted in the frame of then"""
-    return _into(now, waypoint)
+def follow_step__drives_in_the_odometers_frame(memory, reach, overlap, waypoints, odometry, rules):
+    """the point is in the odometer's frame"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new, None if target is None else new.place
 
 
-def tracked_waypoint__exchanges_the_poses(then, waypoint, now):
-    """then and now are exchanged"""
-    return _into(then, _out_of(now, waypoint))
+def follow_step__only_shifts(memory, reach, overlap, waypoints, odometry, rules):
+    """shifted, but not turned into the robot's frame"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new, None if target is None else new.place - odometry[:2]
 
 
-def tracked_waypoint__only_shifts(then, waypoint, now):
-    """the car has turned as well"""
-    return waypoint - (now - then)[..., :2]
+def follow_step__only_shifts_the_waypoint(memory, reach, overlap, waypoints, odometry, rules):
+    """it does not only shift it"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new._replace(place=odometry[:2] + waypoints[new.active]), target
 
 
-def tracked_waypoint__mixes_the_axes(then, waypoint, now):
-    """measured along the odometer's axes"""
-    moved = now - then
-    return _turned(waypoint - moved[..., :2], -moved[..., 2])
+def follow_step__takes_new_waypoints_when_blind(memory, reach, overlap, waypoints, odometry, rules):
+    """no new waypoint is taken in dead reckoning"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    if target is None:
+        return new, None
+    return new._replace(place=_out_of(odometry, waypoints[new.active])), waypoints[new.active]
 
 
-def tracked_waypoint__forgets_its_own_heading(then, waypoint, now):
-    """not turned by the heading of now"""
-    return _out_of(then, waypoint) - now[..., :2]
+def follow_step__takes_waypoints_in_follow_only(memory, reach, overlap, waypoints, odometry, rules):
+    """whenever the active anchor has changed"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    if new.state == State.DEAD_RECKONING:
+        target = _into(odometry, memory.place)
+        new = new._replace(place=memory.place)
+    return new, target
 
 
-def tracked_waypoint__knows_one_car_only(then, waypoint, now):
-    """shape"""
-    return _into(now, _out_of(then, waypoint)).reshape(-1)[:2]
+def follow_step__takes_the_old_anchors_waypoint(memory, reach, overlap, waypoints, odometry, rules):
+    """that of the new one"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    if target is None or memory.active < 0 or new.state != State.FOLLOW:
+        return new, target
+    return new._replace(place=_out_of(odometry, waypoints[memory.active])), target
 
 
-def tracked_waypoint__right_by_complex_numbers(then, waypoint, now):
-    then, waypoint, now = (np.asarray(part, dtype=float) for part in (then, waypoint, now))
-    return _into(now, _out_of(then, waypoint))
+def follow_step__never_arrives(memory, reach, overlap, waypoints, odometry, rules):
+    """with at, transition gives the new state"""
+    return _step(memory, reach, overlap, waypoints, odometry, rules, at=False)
 
 
-def tracked_waypoint__right_by_matrices(then, waypoint, now):
-    flat = [np.reshape(part, (-1, size)) for part, size in ((then, 3), (waypoint, 2), (now, 3))]
-    found = []
-    for a, point, b in zip(*flat, strict=True):
-        found.append((np.linalg.inv(_matrix(b)) @ _matrix(a) @ [*point, 1.0])[:2])
-    return np.reshape(found, np.shape(waypoint))
+def follow_step__believes_void_waypoints(memory, reach, overlap, waypoints, odometry, rules):
+    """its RE 0.10 (rules.p_lose = 0.4)"""
+    close = np.linalg.norm(waypoints[memory.active]) < rules.at
+    return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(close))
+
+
+def follow_step__has_a_distance_of_its_own(memory, reach, overlap, waypoints, odometry, rules):
+    """(rules.at = 0.4)"""
+    near = np.linalg.norm(waypoints[memory.active]) < 0.25 and reach[memory.active] > rules.p_lose
+    return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(near))
+
+
+def follow_step__never_gives_up(memory, reach, overlap, waypoints, odometry, rules):
+    """no nearer for more than rules.effort = 1.55 s, so it gives up"""
+    return _step(memory, reach, overlap, waypoints, odometry, rules, effort=1e6)
+
+
+def follow_step__gives_up_by_the_timeout(memory, reach, overlap, waypoints, odometry, rules):
+    """behind a chair, with patience, after"""
+    return _step(memory, reach, overlap, waypoints, odometry, rules, effort=rules.timeout)
+
+
+def follow_step__counts_steps(memory, reach, overlap, waypoints, odometry, rules):
+    """a step lasts 0.1 s, not 1 s"""
+    return _step(memory, reach, overlap, waypoints, odometry, rules, tick=1.0)
+
+
+def follow_step__never_resets_the_clock(memory, reach, overlap, waypoints, odometry, rules):
+    """the state has changed, so the clock starts again at 0"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new._replace(waited=memory.waited + 0.1), target
+
+
+def follow_step__resets_the_clock_by_the_state_alone(
+    memory, reach, overlap, waypoints, odometry, rules
+):
+    """it came nearer by more than 0.05 m, so the clock starts again at 0"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    changed = new[:2] != memory[:2]
+    return new._replace(waited=0.0 if changed else memory.waited + 0.1), target
+
+
+def follow_step__goes_on_when_the_anchor_changes(
+    memory, reach, overlap, waypoints, odometry, rules
+):
+    """the active anchor has changed, so the clock starts again at 0"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    same = new.state == memory.state and new.active != memory.active
+    return new._replace(waited=memory.waited + 0.1 if same else new.waited), target
+
+
+def follow_step__resets_the_clock_in_the_dark(memory, reach, overlap, waypoints, odometry, rules):
+    """in dead reckoning the clock runs"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new._replace(waited=0.0) if new.state == State.DEAD_RECKONING else new, target
+
+
+def follow_step__counts_every_millimetre(memory, reach, overlap, waypoints, odometry, rules):
+    """it came no nearer by more than 0.05 m"""
+    return _step(memory, reach, overlap, waypoints, odometry, rules, nearer=0.0)
+
+
+def follow_step__keeps_the_least_distance_always(
+    memory, reach, overlap, waypoints, odometry, rules
+):
+    """whenever the clock starts again, it is the distance to the waypoint"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new._replace(nearest=min(memory.nearest, new.nearest)), target
+
+
+def follow_step__lowers_the_least_distance_at_each_step(
+    memory, reach, overlap, waypoints, odometry, rules
+):
+    """would never count"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    if target is None:
+        return new, target
+    return new._replace(nearest=min(new.nearest, float(np.linalg.norm(target)))), target
+
+
+def follow_step__drives_on_when_lost(memory, reach, overlap, waypoints, odometry, rules):
+    """return None in place of a point"""
+    new, _ = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new, _into(odometry, new.place)
+
+
+def follow_step__stops_in_the_dark(memory, reach, overlap, waypoints, odometry, rules):
+    """so the robot drives on; return a point"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return new, None if new.state == State.DEAD_RECKONING else target
+
+
+def follow_step__writes_to_the_memory(memory, reach, overlap, waypoints, odometry, rules):
+    """is not written to: make a new one"""
+    memory.waited = 0.0
+    return _step(memory, reach, overlap, waypoints, odometry, rules)
+
+
+def follow_step__writes_to_the_place(memory, reach, overlap, waypoints, odometry, rules):
+    """changes memory.place"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    memory.place[:] = new.place
+    return new, target
+
+
+def follow_step__returns_a_tuple(memory, reach, overlap, waypoints, odometry, rules):
+    """the first thing that came back is a tuple"""
+    new, target = _step(memory, reach, overlap, waypoints, odometry, rules)
+    return tuple(new), target
+
+
+def follow_step__forgets_the_point(memory, reach, overlap, waypoints, odometry, rules):
+    """return memory, target"""
+    return _step(memory, reach, overlap, waypoints, odometry, rules)[0]
+
+
+def follow_step__right_with_replace(memory, reach, overlap, waypoints, odometry, rules):
+    return _step(memory, reach, overlap, waypoints, odometry, rules)
+
+
+def follow_step__right_by_matrices(memory, reach, overlap, waypoints, odometry, rules):
+    old_state, old, visited, place, waited, nearest = memory
+    at = old >= 0 and math.hypot(*waypoints[old]) < rules.at and reach[old] > rules.p_lose
+    state, active, visited = _right(old_state, old, visited, reach, overlap, at, waited, rules)
+    stays = active == old
+    if state == State.FOLLOW or not stays:
+        x, y = waypoints[max(active, 0)]
+        place = (_matrix(odometry) @ [x, y, 1.0])[:2]
+    x, y, _ = np.linalg.inv(_matrix(odometry)) @ [*place, 1.0]
+    gap = math.hypot(x, y)
+    if stays and state == old_state and (state != State.FOLLOW or gap >= nearest - 0.05):
+        waited += 0.1
+    else:
+        waited, nearest = 0.0, gap
+    if state == State.FOLLOW and waited > rules.effort:
+        state = State.LOST
+    stops = state in (State.LOST, State.DONE)
+    new = type(memory)(state, active, visited, place, waited, nearest)
+    return new, None if stops else [x, y]
+
+
+def _step(
+    memory, reach, overlap, waypoints, odometry, rules, at=None, effort=None, tick=0.1, nearer=0.05
+):
+    """The follower's step, and what may be wrong with it."""
+    if at is None:
+        near = np.linalg.norm(waypoints[memory.active]) < rules.at
+        at = bool(near and reach[memory.active] > rules.p_lose)
+    state, active, visited = _right(*memory[:3], reach, overlap, at, memory.waited, rules)
+    new = memory._replace(state=state, active=active, visited=visited)
+    if state in (State.LOST, State.DONE):
+        return new, None
+    if state == State.FOLLOW or active != memory.active:
+        new = new._replace(place=_out_of(odometry, waypoints[active]))
+    target = _into(odometry, new.place)
+    gap = float(np.linalg.norm(target))
+    progress = state != memory.state or active != memory.active
+    progress |= state == State.FOLLOW and gap < memory.nearest - nearer
+    if progress:
+        new = new._replace(waited=0.0, nearest=gap)
+    else:
+        new = new._replace(waited=memory.waited + tick)
+    if state == State.FOLLOW and new.waited > (rules.effort if effort is None else effort):
+        return new._replace(state=State.LOST), None
+    return new, target
 
 
 def _greedy(holds, frames):
@@ -700,6 +1064,15 @@ def _seen(active, visited, overlap, at, rules):
     closest = _closest(active, overlap)
     visited = max(visited, active) if at else visited
     return max(visited, closest) if overlap[closest] > rules.visited else visited
+
+
+def _onward(active, visited, reach, overlap, rules):
+    last = len(reach) - 1
+    if active == last:
+        return active, visited
+    return active + int(
+        visited >= active or _ready(active, visited, reach, overlap, rules)
+    ), visited
 
 
 def _ready(active, visited, reach, overlap, rules):

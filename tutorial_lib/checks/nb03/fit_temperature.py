@@ -1,19 +1,23 @@
 """The check of temperature scaling, in notebook 03."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import call
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import expect, expect_close
-from tutorial_lib.checks.nb03.reach_loss import reach_loss
+from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.calibration import reliability, sigmoid
+from tutorial_lib.learning.calibration import sigmoid
 
-_TEMPERATURES = np.geomspace(0.05, 20.0, 600)
+Case = tuple[Array, Array]
+"""Logits and labels, (N,)."""
+LOWEST, HIGHEST = 0.05, 20.0
+"""The temperatures between which the best one is sought."""
+_TEMPERATURES = np.geomspace(LOWEST, HIGHEST, 600)
 
 
 def fit_temperature(logits: Array, labels: Array) -> float:
@@ -21,68 +25,166 @@ def fit_temperature(logits: Array, labels: Array) -> float:
     return float(_TEMPERATURES[_losses(logits, labels).argmin()])
 
 
-def _losses(logits: Array, labels: Array) -> Array:
-    """(600,) loss at each temperature."""
-    ones = np.ones(len(logits))
-    return np.array([reach_loss(logits / t, labels, ones) for t in _TEMPERATURES])
+def _losses(logits: Array, labels: Array, temperatures: Array = _TEMPERATURES) -> Array:
+    """The mean loss at each temperature."""
+    z = logits / np.atleast_1d(temperatures)[:, None]
+    return (np.logaddexp(0.0, z) - labels * z).mean(axis=1)
 
 
-def _logits(temperature: float, blunders: float = 0.0, soft: bool = False) -> tuple[Array, Array]:
-    """Logits (600,) that should be divided by about this temperature, and labels.
+def _logits(
+    temperature: float, blunders: float = 0.0, soft: bool = False, count: int = 300, seed: int = 7
+) -> Case:
+    """Logits that should be divided by about this temperature, and labels.
 
     A share of `blunders` turns out the opposite of what is expected; squared errors mind it less.
     """
-    rng = np.random.default_rng(7)
-    logits = rng.normal(1.0, 2.0, 600) * temperature
+    rng = np.random.default_rng(seed)
+    logits = rng.normal(1.0, 2.0, count) * temperature
     probability = blunders + (1 - 2 * blunders) * sigmoid(logits / temperature)
-    return logits, probability if soft else (rng.random(600) < probability).astype(float)
+    return logits, probability if soft else (rng.random(count) < probability).astype(float)
 
 
-@check(fit_temperature, _logits(2.5))
+_ALWAYS = np.tile([-0.4, 0.3, 0.5, -0.2, 0.1], 8)
+_CASES: dict[str, Case] = {
+    "an overconfident network": _logits(2.0, blunders=0.12),
+    "an underconfident network": _logits(0.4),
+    "soft labels": _logits(1.8, soft=True),
+    "a network that is hardly sure of anything": _logits(0.08, seed=3),
+    "a network that is far too sure": _logits(14.0, seed=4),
+    "few pairs": _logits(1.3, count=40, seed=8),
+    "a network that is always right, so that the lowest temperature is best": (
+        _ALWAYS,
+        (_ALWAYS > 0).astype(float),
+    ),
+    "a network that is always wrong, so that the highest temperature is best": (
+        _ALWAYS,
+        (_ALWAYS < 0).astype(float),
+    ),
+}
+_HINTS: dict[type[Exception], str] = {
+    ValueError: "logits and labels are (N,), and T is one number",
+    TypeError: "logits / t is an array (N,) for each t; reach_loss wants weights, too, all 1",
+    NameError: "is it imported, and spelt right?",
+    ZeroDivisionError: "a temperature is greater than 0",
+    IndexError: "the index of the best loss is the index of the best temperature",
+}
+
+
+@check(fit_temperature, _logits(2.5), calls=10)
 def check_fit_temperature(student: Callable[..., Any]) -> None:
-    """An overconfident network, an underconfident one, and soft labels."""
-    cases = (
-        ("an overconfident network", _logits(2.0, blunders=0.12)),
-        ("an underconfident network", _logits(0.4)),
-        ("soft labels", _logits(1.8, soft=True)),
+    """Overconfident and underconfident networks, soft labels, and both ends of the range."""
+    compare_likeliest(
+        "fit_temperature",
+        student,
+        _CASES,
+        fit_temperature,
+        _FAULTS,
+        invoke=calling(_HINTS),
+        form=_form,
+        same=_same,
+        difference=_apart,
     )
-    for name, (logits, labels) in cases:
-        best, what = fit_temperature(logits, labels), f"fit_temperature, {name}"
-        with np.errstate(all="ignore"):
-            got = call(student, logits, labels)
-        if np.shape(got) == () and isinstance(got, int | float | np.number):
-            _expect_temperature(what, float(got), best, logits, labels)
-        expect_close(what, got, best, 0.03 * best)
 
 
-def _expect_temperature(what: str, got: float, best: float, logits: Array, labels: Array) -> None:
-    """Name the mistake, where a temperature is wrong and the mistake is known."""
-    if got > 0 and abs(np.log(got / best)) < 0.03:
-        return
-    losses = _losses(logits, labels)
-    probabilities = [sigmoid(logits / t) for t in _TEMPERATURES]
-    squares = _TEMPERATURES[np.argmin([((p - labels) ** 2).mean() for p in probabilities])]
-    errors = [reliability(p, labels).ece for p in probabilities]
-    mistakes = {
-        "that is 1 / T: the logits are divided by the temperature": 1 / best,
-        "that is the smallest loss; give the temperature that has it": losses.min(),
-        "that is the logarithm of the temperature": np.log(best),
-        "a temperature below 1 is allowed, it makes a network more confident": 1.0,
-        "the cross-entropy is to be smallest, not the squared error": squares,
-        "the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes bins": (
-            _TEMPERATURES[np.argmin(errors)]
-        ),
-        "the loss is to be smallest, not largest": _TEMPERATURES[losses.argmax()],
-    }
-    same = partial(np.isclose, rtol=0.012)
-    expect(what, got, best, mistakes.items(), same, _no_temperature)
+def _form(what: str, got: Any, *_: object) -> float:  # noqa: ANN401 - students' answers
+    return one_number(what, got, "the temperature T")
 
 
-def _no_temperature(got: float, best: float) -> str:
+def _same(got: float, want: float, *_: object) -> bool:
+    """Whether two temperatures are equal but for two percent; other numbers, nearly equal."""
+    if got > 0 and want > 0:
+        return abs(np.log(got / want)) < 0.02
+    return bool(np.isclose(got, want, atol=0.01))
+
+
+def _apart(got: float, want: float, *case: Array) -> str:
     """What is wrong with a temperature, when no known mistake gives it."""
+    if not np.isfinite(got):
+        return f"{got} is no temperature; give a number from 0.05 to 20"
     if got <= 0:
         return f"{got:.3g}, but a temperature is greater than 0"
-    if got == int(got) and got >= len(_TEMPERATURES) / 100:
-        words = "is that the index of the best temperature in a list? Give the temperature"
-        return f"{got:.0f}; {words}"
-    return f"{got:.4g}, but {best:.4g} is right"
+    if not 0.99 * LOWEST <= got <= 1.01 * HIGHEST:
+        return f"{got:.4g}, but T is sought from 0.05 to 20"
+    mine, best = _losses(*case, np.array([got, want]))
+    losses = f"with T = {got:.4g} the mean loss is {mine:.6f}, with T = {want:.4g} it is {best:.6f}"
+    if abs(np.log(got / want)) < 0.5:
+        return f"{losses}: near, but not to one percent; try more values, that grow by a factor"
+    return f"{losses}, the smallest"
+
+
+def _smallest(score: Callable[[Array, Array], Array]) -> Callable[[Array, Array], float]:
+    """The temperature at which another score (600,) of logits / T (600, N) is smallest."""
+
+    def fault(logits: Array, labels: Array) -> float:
+        return float(_TEMPERATURES[score(logits / _TEMPERATURES[:, None], labels).argmin()])
+
+    return fault
+
+
+def _loss(z: Array, labels: Array) -> Array:
+    return (np.logaddexp(0.0, z) - labels * z).mean(axis=1)
+
+
+def _clipped(low: float, high: float) -> Callable[[Array, Array], float]:
+    """The best temperature of a shorter range."""
+    return lambda logits, labels: min(max(fit_temperature(logits, labels), low), high)
+
+
+def _index(count: int) -> Callable[[Array, Array], float]:
+    temperatures = np.geomspace(LOWEST, HIGHEST, count)
+    return lambda logits, labels: float(_losses(logits, labels, temperatures).argmin())
+
+
+def _ece(z: Array, labels: Array) -> Array:
+    order, gap = np.argsort(z[0]), sigmoid(z) - labels
+    first = [part[0] for part in np.array_split(np.arange(len(order)), 10)]
+    return np.abs(np.add.reduceat(gap[:, order], first, axis=1)).sum(axis=1)
+
+
+_INDEX = "that is the index of the best temperature in a list; give the temperature"
+_FAULTS: dict[str, Callable[[Array, Array], float]] = {
+    "that is 1 / T: the logits are divided by the temperature": lambda *case: (
+        1 / fit_temperature(*case)
+    ),
+    "that is the smallest loss; give the temperature that has it": lambda *case: float(
+        _losses(*case).min()
+    ),
+    "that is the logarithm of the temperature": lambda *case: float(np.log(fit_temperature(*case))),
+    "that is the temperature with a minus; it is greater than 0": lambda *case: (
+        -fit_temperature(*case)
+    ),
+    _INDEX: _index(600),
+    "a temperature below 1 is allowed, it makes a network more confident": _clipped(1.0, HIGHEST),
+    "a temperature above 1 is allowed, it makes a network less confident": _clipped(LOWEST, 1.0),
+    "T is sought from 0.05 to 20; yours never comes below 0.1": _clipped(0.1, HIGHEST),
+    "T is sought from 0.05 to 20; yours never comes above 10": _clipped(LOWEST, 10.0),
+    "T is sought from 0.05 to 20; yours stays between 0.1 and 10": _clipped(0.1, 10.0),
+    "T is sought from 0.05 to 20; yours stays between 0.5 and 5": _clipped(0.5, 5.0),
+    "the cross-entropy is to be smallest, not the squared error": _smallest(
+        lambda z, y: ((sigmoid(z) - y) ** 2).mean(axis=1)
+    ),
+    "the cross-entropy is to be smallest, not the absolute error": _smallest(
+        lambda z, y: np.abs(sigmoid(z) - y).mean(axis=1)
+    ),
+    "the labels do not count yet": _smallest(lambda z, y: np.logaddexp(0.0, z).mean(axis=1)),
+    "labels may lie between 0 and 1: do not round them": _smallest(lambda z, y: _loss(z, y > 0.5)),
+    "the labels are no weights: pairs that are not reached count too": _smallest(
+        lambda z, y: (y * (np.logaddexp(0.0, z) - y * z)).sum(axis=1)
+    ),
+    "the loss takes logits: no sigmoid before it": _smallest(lambda z, y: _loss(sigmoid(z), y)),
+    "the logits are divided by T, not the probabilities": lambda logits, labels: float(
+        _TEMPERATURES[_losses(sigmoid(logits), labels).argmin()]
+    ),
+    "the mean prediction may be right and each one wrong: the mean loss decides": _smallest(
+        lambda z, y: np.abs((sigmoid(z) - y).mean(axis=1))
+    ),
+    "the loss is to be smallest, not largest": lambda *case: float(
+        _TEMPERATURES[_losses(*case).argmax()]
+    ),
+    "the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes bins": (
+        _smallest(_ece)
+    ),
+    f"{_INDEX} itself": _index(300),
+    f"{_INDEX}, not its place": _index(1000),
+    f"{_INDEX}, a number from 0.05 to 20": _index(100),
+}

@@ -1,75 +1,185 @@
 """The check of the reliability diagram, in notebook 03."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import call, parts
+from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import expect_close
+from tutorial_lib.checks.framework.comparison import close, expect
+from tutorial_lib.checks.nb03.forms import calling, one_number, vector
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.calibration import reliability
 
 Diagram = tuple[Array, Array, float]
+Bins = list[NDArray[np.intp]]
+_NEAR = 1e-7
 
 
 def reliability_diagram(predicted: Array, came_true: Array, bins: int) -> Diagram:
     """Mean prediction (B,) and share that came true (B,) in bins of equal mass, and the ECE."""
-    found = reliability(predicted, came_true, bins)
-    return found.predicted, found.measured, found.ece
+    return _diagram(predicted, came_true, np.array_split(np.argsort(predicted), bins))
 
 
-_PREDICTED = np.random.default_rng(3).beta(1.2, 0.6, 203)
+def _diagram(predicted: Array, came_true: Array, groups: Bins) -> Diagram:
+    means = np.array([predicted[group].mean() for group in groups])
+    shares = np.array([came_true[group].mean() for group in groups])
+    count = np.array([len(group) for group in groups])
+    return means, shares, float((count * np.abs(means - shares)).sum() / count.sum())
 
 
-_CAME_TRUE = (np.random.default_rng(4).random(203) < _PREDICTED**1.7).astype(float)
+def _random(count: int, seed: int) -> tuple[Array, Array]:
+    rng = np.random.default_rng(seed)
+    predicted = rng.beta(1.2, 0.6, count)
+    return predicted, (rng.random(count) < predicted**1.7).astype(float)
 
 
-@check(reliability_diagram, (np.repeat(_PREDICTED, 10), np.repeat(_CAME_TRUE, 10), 10))
+_CASES: dict[str, tuple[Array, Array, int]] = {
+    "200 predictions in ten bins": (*_random(200, 3), 10),
+    "203 predictions in ten bins": (*_random(203, 4), 10),
+    "38 predictions in five bins": (*_random(38, 5), 5),
+    "17 predictions in one bin": (*_random(17, 6), 1),
+    "9 predictions in nine bins": (*_random(9, 7), 9),
+    "29 predictions in twenty bins": (*_random(29, 9), 20),
+    "four predictions in two bins": (
+        np.array([0.9, 0.1, 0.6, 0.2]),
+        np.array([1.0, 0.0, 0.0, 0.0]),
+        2,
+    ),
+    "equal predictions": (
+        np.array([0.7, 0.2, 0.2, 0.7, 0.2, 0.9]),
+        np.array([1.0, 0.0, 0.0, 1.0, 0.0, 1.0]),
+        3,
+    ),
+}
+_HINTS: dict[type[Exception], str] = {
+    ValueError: "N need not be a multiple of B, so the bins cannot all be rows of one table: see "
+    "np.array_split",
+    ZeroDivisionError: "a bin must not be empty; bins of equal mass never are",
+    IndexError: "there are N predictions, 0 to N - 1, and B bins",
+    TypeError: "predicted and came_true are arrays (N,), bins is a whole number",
+}
+
+
+@check(reliability_diagram, (*_random(2000, 8), 10))
 def check_reliability_diagram(student: Callable[..., Any]) -> None:
-    """203 predictions in ten bins of equal mass, most of them near 1; and four in two."""
-    few = np.array([0.9, 0.1, 0.6, 0.2]), np.array([1.0, 0.0, 0.0, 0.0]), 2
-    cases = (("203 predictions", (_PREDICTED, _CAME_TRUE, 10)), ("four predictions", few))
-    for name, case in cases:
-        wanted = reliability_diagram(*case)
-        with np.errstate(all="ignore"):
-            got = call(student, *case)
-        words = "return three things: predicted, measured, ece"
-        answers = parts("reliability_diagram", got, 3, words)
-        names = ("predicted", "measured", "ece")
-        for part, *values in zip(names, answers, wanted, _mistakes(*case), strict=True):
-            answer, want, mistakes = values
-            expect_close(f"{part}, {name}", answer, want, 1e-9, mistakes)
+    """Few and many predictions, most of them near 1, in bins that come out even or not."""
+    invoke, words = calling(_HINTS), "return three things: predicted, measured, ece"
+    for name, case in _CASES.items():
+        predicted, came_true, bins = case
+        what = f"reliability_diagram, {name}"
+        got = parts(what, invoke(what, student, *case), 3, words)
+        means = vector(f"{what}, first", got[0], bins, "the mean prediction of each bin")
+        shares = vector(f"{what}, second", got[1], bins, "the share of each bin that came true")
+        ece = one_number(f"{what}, third", got[2], "the ECE")
+        groups = _even_groups(predicted, means, bins)
+        usual = np.array_split(np.argsort(predicted, kind="stable"), bins)
+        want = _diagram(predicted, came_true, usual if groups is None else groups)
+        first, second, third = _mistakes(predicted, came_true, usual, groups)
+        expect(f"{what}, first", means, want[0], first.items(), close, _means_apart)
+        expect(f"{what}, second", shares, want[1], second.items(), close, _shares_apart)
+        expect(f"{what}, third", ece, want[2], third.items(), _near, _ece_apart)
+
+
+def _near(got: float, want: float) -> bool:
+    return bool(np.isclose(got, want, atol=_NEAR, rtol=0, equal_nan=True))
+
+
+def _even_groups(predicted: Array, means: Array, bins: int) -> Bins | None:
+    """The bins with these means, if their sizes differ by one at most; None if they do not."""
+    order, size = np.argsort(predicted, kind="stable"), len(predicted) // bins
+    groups, first = [], 0
+    for mean in means:
+        fits = [
+            order[first : first + count]
+            for count in (size, size + 1)
+            if abs(predicted[order[first : first + count]].mean() - mean) < _NEAR
+        ]
+        if not fits:
+            return None
+        # Of equal predictions as many as are left for this bin.
+        groups.append(fits[-1] if len(order) % bins else fits[0])
+        first += len(groups[-1])
+    return groups if first == len(order) else None
+
+
+def _means_apart(got: Array, want: Array) -> str:
+    return _bin_apart(got, want, "the mean prediction")
+
+
+def _shares_apart(got: Array, want: Array) -> str:
+    return _bin_apart(got, want, "the share that came true")
+
+
+def _bin_apart(got: Array, want: Array, what: str) -> str:
+    if np.isnan(got).any():
+        return f"{what} of bin {int(np.isnan(got).argmax())} is not a number; is that bin empty?"
+    worst = int(np.abs(got - want).argmax())
+    return f"{what} of bin {worst} is {got[worst]:.4g}, but {want[worst]:.4g} is right"
+
+
+def _ece_apart(got: float, want: float) -> str:
+    words = "is right: the sum over the bins of n_b / N times the gap between its two means"
+    return f"the ECE is {got:.4g}, but {want:.4g} {words}"
+
+
+def _runs(order: NDArray[np.intp], sizes: list[int]) -> Bins:
+    """Bins of these sizes, in order."""
+    return np.split(order, list(accumulate(sizes))[:-1])
 
 
 def _mistakes(
-    predicted: Array, came_true: Array, bins: int
+    predicted: Array, came_true: Array, usual: Bins, groups: Bins | None
 ) -> tuple[dict[str, Array], dict[str, Array], dict[str, float]]:
     """Known mistakes of the three answers, and what they give."""
-    order = np.argsort(predicted, kind="stable")
-    parts, plain = np.array_split(order, bins), np.array_split(np.arange(len(order)), bins)
+    bins, order = len(usual), np.argsort(predicted, kind="stable")
+    chosen = usual if groups is None else groups
+    plain = _runs(np.arange(len(order)), [len(group) for group in chosen])
     number = np.clip((predicted * bins).astype(int), 0, bins - 1)
     wide = [np.flatnonzero(number == b) for b in range(bins)]
+    spans = np.clip(
+        ((predicted - predicted.min()) / max(np.ptp(predicted), 1e-12) * bins).astype(int),
+        0,
+        bins - 1,
+    )
+    spread = [np.flatnonzero(spans == b) for b in range(bins)]
+    size, rest = divmod(len(order), bins)
+    heavy = _runs(order, [size] * (bins - 1) + [size + rest])
+    short = [order[b * size : (b + 1) * size] for b in range(bins)]
 
-    def means(values: Array, groups: list[Array]) -> Array:
-        return np.array([values[group].mean() if len(group) else np.nan for group in groups])
+    def means(values: Array, parts: Bins) -> Array:
+        return np.array([values[group].mean() if len(group) else np.nan for group in parts])
 
-    predictions, measured = means(predicted, parts), means(came_true, parts)
-    gap, count = np.abs(predictions - measured), np.array([len(part) for part in parts])
+    means_of, shares = means(predicted, chosen), means(came_true, chosen)
+    gap, count = np.abs(means_of - shares), np.array([len(part) for part in chosen])
     sizes = "these bins are equally wide; each is to have as many predictions as the next"
     rising = "the bins rise: the lowest predictions come first"
+    middle = np.array([(predicted[part].min() + predicted[part].max()) / 2 for part in chosen])
     first = {
-        sizes: means(predicted, wide),
-        "sort the predictions before you cut them into bins": means(predicted, plain),
-        "give the mean of a bin's predictions, not the middle between its ends": np.array(
-            [(predicted[part].min() + predicted[part].max()) / 2 for part in parts]
+        "the last bin has all that is left over; the sizes of bins differ by one at most": means(
+            predicted, heavy
         ),
+        "the predictions that are left over are missing; each belongs to a bin": means(
+            predicted, short
+        ),
+        sizes: means(predicted, wide),
+        f"from the lowest to the highest prediction {sizes}": means(predicted, spread),
+        f"{sizes}, and none is empty": np.nan_to_num(means(predicted, wide)),
+        "sort the predictions before you cut them into bins": means(predicted, plain),
+        "give the mean of a bin's predictions, not the middle between its ends": middle,
         "that is the middle of equally wide bins; give the mean prediction": (
             (np.arange(bins) + 0.5) / bins
         ),
-        "predictions come first, what came true second": measured,
-        rising: predictions[::-1],
+        "give the mean of a bin's predictions, not the median": np.array(
+            [np.median(predicted[part]) for part in chosen]
+        ),
+        "give the mean of a bin's predictions, not their sum": means_of * count,
+        "predictions come first, what came true second": shares,
+        rising: means_of[::-1],
     }
     second = {
         "what came true belongs to its prediction: put both in the same order": means(
@@ -78,19 +188,27 @@ def _mistakes(
         "what came true belongs to its prediction: do not sort it by itself": means(
             np.sort(came_true), plain
         ),
-        "give the share that came true, not how many": measured * count,
-        rising: measured[::-1],
+        "give the share that came true, not how many": shares * count,
+        "that is the mean prediction again; give the share that came true": means_of,
+        "give the share that came true, not the share that did not": 1 - shares,
+        "the share is of the predictions of this bin, not of all N": shares * count / len(order),
+        rising: shares[::-1],
     }
-    signed = float(((predictions - measured) * count).sum() / count.sum())
+    signed = float(((means_of - shares) * count).sum() / count.sum())
     third = {
         "too high and too low must not cancel: take absolute gaps": signed,
         "too high and too low must not cancel, so take absolute gaps": -signed,
+        "the gap of each bin counts; absolute values come before the sum": abs(signed),
         "that is the largest gap; take the mean": float(gap.max()),
         "take the gaps, not their squares": float((gap**2 * count).sum() / count.sum()),
+        "take the gaps, not the root of their mean square": float(
+            np.sqrt((gap**2 * count).sum() / count.sum())
+        ),
         "that is how far single predictions are off; compare the means of bins": float(
             np.abs(predicted - came_true).mean()
         ),
         "that is the sum over all bins; take the mean": float(gap.sum()),
-        "a bin counts as often as it has predictions: weigh the gaps": float(gap.mean()),
+        "that is not divided by N yet": float((gap * count).sum()),
+        "a bin counts as often as it has predictions: weigh the gaps by n_b / N": float(gap.mean()),
     }
     return first, second, third

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.nb04.follower_answers import calling
 from tutorial_lib.checks.nb04.frame_indices import frame_indices
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.sparsify import sparsify
@@ -68,6 +69,23 @@ def _smooth(frames: int, seed: int) -> Array:
     return np.round(1.0 / (1.0 + np.exp(-(5.5 - hard * gap + noise))), 3)
 
 
+def _ahead_only(reach: Array) -> Array:
+    """The same trajectory (T, T), of which only what lies ahead is known."""
+    return np.where(np.triu(np.ones(reach.shape, dtype=bool), 1), reach, np.nan)
+
+
+def _random(count: int) -> dict[str, tuple[Array, float]]:
+    """Trajectories of 2 to 30 frames, with thresholds that some RE equals exactly."""
+    rng, cases = np.random.default_rng(5), {}
+    for seed in range(count):
+        reach = _smooth(int(rng.integers(2, 31)), 10 + seed)
+        threshold = float(rng.uniform(0.3, 0.98))
+        if seed % 2:
+            threshold = float(np.clip(rng.choice(reach[0, 1:]), 0.1, 0.99))
+        cases[f"trajectory {seed}, p = {threshold:.3g}"] = _ahead_only(reach), threshold
+    return cases
+
+
 _EVEN = np.array([[1, 0.9, 0.8], [0.9, 1, 0.9], [0.8, 0.9, 1]])
 _CASES = {
     "the trajectory above": (BY_HAND, 0.9),
@@ -77,10 +95,14 @@ _CASES = {
     "40 frames": (_smooth(40, 1), 0.9),
     "40 frames, a low threshold": (_smooth(40, 2), 0.6),
     "two frames": (np.array([[1.0, 0.95], [0.95, 1.0]]), 0.9),
+    "two frames, out of reach": (np.array([[1.0, 0.5], [0.5, 1.0]]), 0.9),
+    "RE is known ahead only": (_ahead_only(_smooth(25, 4)), 0.8),
+    **_random(24),
 }
 _ENDLESS = (
-    "choose_anchors: your function has not ended after {seconds:g} seconds. Where not even frame "
-    "i + 1 can be reached so surely, it is the next anchor all the same: the path must go on"
+    "choose_anchors: your function has not ended after {seconds:g} seconds. Does every round add "
+    "an anchor? Where not even frame i + 1 is above the threshold, it is the next anchor all the "
+    "same: the path must go on"
 )
 
 
@@ -163,6 +185,13 @@ _FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
     "each RE is compared for itself; do not multiply them": lambda r, p: _greedy(
         r, p, lambda r, i, k, p: bool(np.prod(r[i, i + 1 : k + 1]) > p)
     ),
+    "RE from anchor i to frame k stands in row i; yours takes it from the first frame": (
+        lambda r, p: _greedy(r, p, lambda r, i, k, p: bool(r[0, k] > p))
+    ),
+    "one anchor after the other; yours keeps every frame that can be reached": lambda r, p: sorted(
+        {0, len(r) - 1, *np.flatnonzero(r[0] > p).tolist()}
+    ),
+    "the last frame comes twice": lambda r, p: [*choose_anchors(r, p), len(r) - 1],
     "each RE is compared for itself; do not average them": lambda r, p: _greedy(
         r, p, lambda r, i, k, p: bool(np.mean(r[i, i + 1 : k + 1]) > p)
     ),
@@ -174,6 +203,8 @@ def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshol
     same = 0
     while same < min(len(got), len(want)) and got[same] == want[same]:
         same += 1
+    if not len(got):
+        return "no anchors; the first and the last frame always are"
     if same == 0:
         return f"the first frame is an anchor, index 0; yours begins with {got[0]}"
     after = f"after anchor {want[same - 1]}"
@@ -181,9 +212,16 @@ def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshol
         return f"{after}, the last frame, comes no other; yours goes on to {got[same]}"
     if same == len(got):
         return f"{after} comes {want[same]}; yours ends there, before the last frame"
-    i, j = int(want[same - 1]), int(want[same])
-    reached = f"RE({i}, {j}) is {reach[i, j]:.3g} and the threshold {threshold:g}"
-    return f"{after} comes {j}, not {got[same]}: {reached}"
+    i, j, mine = int(want[same - 1]), int(want[same]), int(got[same])
+    if not i < mine < len(reach):
+        return f"{after} comes {j}; yours has {mine}, but indices rise, from 0 to {len(reach) - 1}"
+    if mine < j:
+        words = f"RE({i}, {mine + 1}) is {reach[i, mine + 1]:.3g}, above the threshold too"
+        return f"{after} comes {j}, not {mine}: {words}, {threshold:.3g}"
+    fails = f"RE({i}, {j + 1}) is {reach[i, j + 1]:.3g}, not above the threshold {threshold:.3g}"
+    if reach[i, i + 1] <= threshold:
+        fails = f"RE({i}, {j}) is not above the threshold; then the next frame is an anchor"
+    return f"{after} comes {j}, not {mine}: {fails}"
 
 
 def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
@@ -191,15 +229,24 @@ def _tables(want: NDArray[np.intp], got: NDArray[np.intp]) -> NDArray[np.uint8]:
     return side_by_side(tables, ["target", "yours"], gap=30)
 
 
+_HINTS: dict[type[Exception], str] = {
+    IndexError: "after the last frame, T - 1, comes none: look whether j + 1 is a frame first",
+    ValueError: "there may be no frame above the threshold, and no frame below it",
+    TypeError: "anchors are whole numbers, indices of frames",
+    NameError: "is it spelt right?",
+}
+
+
 @check(choose_anchors, (_smooth(200, 3), 0.9), endless=_ENDLESS)
 def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """The trajectory done by hand, ones where all or nothing can be reached, and longer ones."""
-    return compare(
+    return compare_likeliest(
         "choose_anchors",
         student,
         _CASES,
         choose_anchors,
         _FAULTS,
+        invoke=calling(_HINTS),
         form=frame_indices,
         difference=_apart,
         draw=_tables,

@@ -2,15 +2,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import hinting, parts
+from tutorial_lib.checks.framework.answers import call, parts
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
 
-INVOKE = hinting(IndexError, "after the last anchor there is none: stay there")
+_SAID = {
+    "truth value": "an if wants one value; here it gets an array",
+    "unexpected keyword": "the arguments are given in the order of the docstring",
+}
+"""For words of Python's own message, what they mean here."""
+
+
+def calling(hints: Mapping[type[Exception], str]) -> Callable[..., Any]:
+    """A way to call a student's function that adds a hint to each kind of error."""
+
+    def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+        try:
+            with np.errstate(all="ignore"):
+                return call(student, *arguments)
+        except (WrongAnswer, NotImplementedError):
+            raise
+        except Exception as error:
+            known = [words for part, words in _SAID.items() if part in str(error)]
+            known += [words for kind, words in hints.items() if isinstance(error, kind)]
+            said = f"your function stops with {type(error).__name__}: {error}"
+            raise WrongAnswer(
+                f"{what}: {said}; {known[0] if known else 'read its line'}"
+            ) from error
+
+    return invoke
+
+
+INVOKE = calling(
+    {
+        IndexError: "after the last anchor there is none: stay there",
+        ValueError: "there may be a single anchor on the path",
+        AttributeError: "state is one of State.SEARCH, State.FOLLOW, ...; rules has the thresholds",
+        TypeError: "active and visited are whole numbers, reach and overlap arrays (L,)",
+        NameError: "is it spelt right, and is its cell run?",
+    }
+)
 """How students' rules are called."""
 
 
@@ -18,35 +55,82 @@ def two_anchors(what: str, got: Any, *_: object) -> tuple[int, ...]:  # noqa: AN
     """The active and the last visited anchor, from an answer of the right form."""
     words = "active, visited"
     answer = parts(what, got, 2, f"return {words}")
-    _demand(all(map(_whole, answer)), what, got, words)
+    _demand(all(map(whole, answer)), what, got, f"{words}: two whole numbers")
     return tuple(int(number) for number in answer)
 
 
 def state_and_anchors(what: str, got: Any, *_: object) -> tuple[int, ...]:  # noqa: ANN401
-    """State and anchors, from an answer of the right form; the state alone at the end.
-
-    Once the robot is lost or done, its anchors no longer matter.
-    """
+    """State and anchors, from an answer of the right form."""
     words = "state, active, visited"
     answer = parts(what, got, 3, f"return {words}")
-    _demand(all(map(_whole, answer)) and answer[0] in list(State), what, got, words)
-    state = State(answer[0])
-    return (state,) if state in (State.LOST, State.DONE) else (state, *map(int, answer[1:]))
+    fits = all(map(whole, answer)) and int(answer[0]) in list(State)
+    _demand(fits, what, got, f"{words}: a State and whole numbers")
+    return (State(int(answer[0])), *map(int, answer[1:]))
 
 
-def spoken(got: tuple[int, ...], want: tuple[int, ...], *_: object) -> str:
-    """Both answers in words."""
-    mine, right = (
-        ", ".join(part.name if isinstance(part, State) else str(part) for part in answer)
-        for answer in (got, want)
+def explained(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
+    """Both answers in words, and why the right one is right."""
+    mine, right = map(spoken, (got, want))
+    why = _why_moved(*case) if len(want) == 2 else _why_state(*case)
+    return f"{mine} came back, {right} is right: {why}"
+
+
+def spoken(answer: tuple[int, ...]) -> str:
+    """An answer in words."""
+    names = ("active", "visited")[-len(answer) :] if len(answer) == 2 else ("", "active", "visited")
+    return ", ".join(
+        part.name if isinstance(part, State) else f"{name} {part}"
+        for name, part in zip(names, answer, strict=True)
     )
-    return f"{mine} came back; {right} is right"
 
 
-def _whole(number: object) -> bool:
-    return isinstance(number, int | np.integer)
+def _why_moved(
+    active: int, visited: int, reach: Array, overlap: Array, at: bool, rules: FollowerSettings
+) -> str:
+    """What moves a follower on, or does not."""
+    last = len(reach) - 1
+    near = range(max(active - 1, 0), min(active + 1, last) + 1)
+    closest = max(near, key=lambda place: overlap[place])
+    above = "above" if overlap[closest] > rules.visited else "not above"
+    words = f"of {near[0]} to {near[-1]} the closest is {closest}, its overlap {overlap[closest]:g}"
+    words += f" is {above} rules.visited = {rules.visited:g}"
+    words += f"; the robot is at {active}" if at else ""
+    if active == last:
+        return f"{words}; {active} is the last anchor, so it stays active"
+    words += f"; the next one has RE {reach[active + 1]:g} (rules.p_follow = {rules.p_follow:g})"
+    return f"{words} and overlap {overlap[active + 1]:g} (rules.near = {rules.near:g})"
+
+
+def _why_state(
+    state: State,
+    active: int,
+    visited: int,
+    reach: Array,
+    overlap: Array,
+    at: bool,
+    waited: float,
+    rules: FollowerSettings,
+) -> str:
+    """What decides about the next state."""
+    if state == State.SEARCH:
+        best = int(reach.argmax())
+        words = f"in Search the best RE is {reach[best]:g}, of anchor {best}"
+        return f"{words}; rules.p_search = {rules.p_search:g}"
+    if state == State.DEAD_RECKONING:
+        words = f"in dead reckoning for {waited:g} s (rules.timeout = {rules.timeout:g}), RE of"
+        words = f"{words} anchor {active} is {reach[active]:g}"
+        return f"{words} (rules.p_follow = {rules.p_follow:g}); the anchors stay"
+    if at and active == len(reach) - 1:
+        return "in Follow, at the last anchor; active and visited stay"
+    why = _why_moved(active, visited, reach, overlap, at, rules)
+    return f"in Follow, {why}; then RE of the new active anchor decides, against rules.p_lose"
+
+
+def whole(number: object) -> bool:
+    """Whether an answer is a whole number."""
+    return isinstance(number, int | np.integer) and not isinstance(number, bool)
 
 
 def _demand(fits: bool, what: str, got: object, words: str) -> None:
     if not fits:
-        raise WrongAnswer(f"{what}: {got} came back; return {words}: a State and whole numbers")
+        raise WrongAnswer(f"{what}: {got} came back; return {words}")

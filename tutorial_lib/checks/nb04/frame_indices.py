@@ -14,15 +14,20 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
     """The indices of frames (A,) that a student returned."""
     got = returned(what, got)
+    kind = type(got).__name__
+    if not isinstance(got, np.ndarray | list | tuple):
+        words = "return the indices of the frames, an array or a list"
+        raise WrongAnswer(f"{what}: a {kind} came back; {words}")
     try:
-        numbers = np.asarray(got if isinstance(got, np.ndarray) else list(got), dtype=float)
+        numbers = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
-        kind = type(got).__name__
-        raise WrongAnswer(
-            f"{what}: this came back: {kind}; return the indices of the frames"
-        ) from None
+        words = "return whole numbers, the indices of the frames"
+        raise WrongAnswer(f"{what}: the {kind} holds other things; {words}") from None
+    if np.asarray(got).dtype == bool:
+        words = "return the indices, as np.flatnonzero gives them"
+        raise WrongAnswer(f"{what}: these are True and False; {words}")
     if numbers.ndim != 1:
         raise WrongAnswer(f"{what}: shape {numbers.shape}, but a flat list of frames is needed")
-    if not len(numbers) or (numbers != np.round(numbers)).any():
-        raise WrongAnswer(f"{what}: return whole numbers, the indices of frames, at least one")
+    if not np.isfinite(numbers).all() or (numbers % 1).any():
+        raise WrongAnswer(f"{what}: return whole numbers, the indices of frames")
     return numbers.astype(np.intp)

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb04.follower_answers import INVOKE, spoken, two_anchors
-from tutorial_lib.checks.nb04.observations import OBSERVATIONS
+from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, two_anchors
+from tutorial_lib.checks.nb04.observations import OBSERVATIONS, random_observations
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
@@ -56,9 +57,18 @@ def _moved(
     visited = _visited(active, visited, overlap, at, rules, fault)
     kept = before if at and fault == "at forgotten" else visited
     if active == last:
-        return active, kept
+        return active, before if fault == "last stays" else kept
     sure = bool(reach[active if fault == "own reach" else active + 1] > rules.p_follow)
     near, been = bool(overlap[active + 1] > rules.near), visited >= active
+    sure |= fault == "reach even" and reach[active + 1] == rules.p_follow
+    near |= fault == "near even" and overlap[active + 1] == rules.near
+    if fault == "runs":
+        ahead = active
+        while ahead < last and (visited >= ahead or _ready(ahead + 1, reach, overlap, rules)):
+            ahead += 1
+        return ahead, visited
+    if fault == "visited as it was":
+        return active + int(been or (sure and near)), before
     if fault == "paper":
         return active + 1 if sure and near else visited + 1, visited
     if fault == "leaps" and been:
@@ -75,6 +85,10 @@ def _moved(
     return active + int(go), kept
 
 
+def _ready(place: int, reach: Array, overlap: Array, rules: FollowerSettings) -> bool:
+    return bool(reach[place] > rules.p_follow and overlap[place] > rules.near)
+
+
 def _visited(
     active: int, visited: int, overlap: Array, at: bool, rules: FollowerSettings, fault: str
 ) -> int:
@@ -85,9 +99,11 @@ def _visited(
         "whole path": (0, last + 1),
         "wraps": (active - 1, end),
         "wide": (first, min(active + 2, last) + 1),
+        "wide back": (max(active - 2, 0), end),
     }.get(fault, (first, end))
     closest = max(range(first, end), key=lambda place: overlap[place])
-    found = overlap[closest] > rules.visited
+    found = bool(overlap[closest] > rules.visited)
+    found |= fault == "visited even" and overlap[closest] == rules.visited
     if fault == "farthest" and found:
         closest = max(place for place in range(first, end) if overlap[place] > rules.visited)
     if found or fault == "always":
@@ -98,6 +114,15 @@ def _visited(
 
 
 _FAULTS = {
+    "an overlap of exactly rules.visited is not enough: above": "visited even",
+    "an RE of exactly rules.p_follow is not enough: above": "reach even",
+    "an overlap of exactly rules.near is not enough: above": "near even",
+    "one anchor at a step: if, not while": "runs",
+    "return the last visited anchor as it is after this step, not as it was": "visited as it was",
+    "at the last anchor, too, the last visited one may change; only the active one stays": (
+        "last stays"
+    ),
+    "compare the overlap of three anchors only; active - 2 is too far back": "wide back",
     "the last visited anchor never goes back to an earlier one: max": "back",
     "the closest anchor counts as visited only if its overlap is above rules.visited": "always",
     "look only at the anchors before, at and after the active one; one far along the path may "
@@ -131,10 +156,10 @@ _FAULTS = {
 
 @check(move_on, OBSERVATIONS["next"][1])
 def check_move_on(student: Callable[..., Any]) -> None:
-    """Twenty-one observations: under way, near, at an anchor, at both ends, by other rules."""
+    """Under way, near, at an anchor, at both ends, exactly at thresholds, and 80 at random."""
     faults = with_faults(_moved, _FAULTS)
-    cases = dict(OBSERVATIONS.values())
-    compare(
+    cases = dict(OBSERVATIONS.values()) | random_observations(80, 1)
+    compare_likeliest(
         "move_on",
         student,
         cases,
@@ -142,5 +167,5 @@ def check_move_on(student: Callable[..., Any]) -> None:
         faults,
         invoke=INVOKE,
         form=two_anchors,
-        difference=spoken,
+        difference=explained,
     )

@@ -49,6 +49,9 @@ _NEAR, _ASIDE = (0.5, 0.7, 0.65, 0.3, 0.1), (0.3, 0.5, 0.2, 0.1, 0.1)
 _ONLY, _ONE = (0.9, 0.5, 0.97, 0.2), (0.4, 0.5, 0.65, 0.1)
 
 
+_PAST = (0.1, 0.9, 0.3)
+
+
 _BEHIND = ((0.1, 0.9, 0.6, 0.2, 0.1), (0.1, 0.9, 0.85, 0.2, 0.1))
 
 
@@ -76,5 +79,34 @@ OBSERVATIONS = {
         "end": ("at the last anchor", 4, 3, _ENDS, (0.0, 0.0, 0.0, 0.5, 0.9), True),
         "rules": ("other rules", 1, 0, (0.9, 0.95, 0.85), (0.3, 0.45, 0.45), False, OTHER_RULES),
         "doubt": ("other rules, close", 1, 0, _FADES[:3], (0.3, 0.6, 0.3), False, OTHER_RULES),
+        "two": ("two far behind the closest", 3, 0, _FADES, (0.1, 0.95, 0.3, 0.9, 0.2)),
+        "run": ("two more reachable and near", 1, 0, _SURE, (0.3, 0.5, 0.7, 0.75, 0.7)),
+        "limit": ("overlap of exactly rules.visited", 1, 0, _FADES[:3], (0.3, 0.8, 0.5)),
+        "reach": ("RE of exactly rules.p_follow", 1, 0, (0.9, 0.95, 0.92), (0.3, 0.5, 0.7)),
+        "near": ("overlap of exactly rules.near", 1, 0, (0.9, 0.95, 0.99), (0.3, 0.5, 0.6)),
+        "last": ("the last anchor close, not at it", 2, 1, (0.1, 0.9, 0.99), (0.1, 0.3, 0.9)),
+        "before": ("the last anchor active, an earlier one close", 2, 0, _FADES[:3], _PAST),
+        "far end": ("the last anchor active and far", 2, 1, (0.1, 0.9, 0.99), (0.1, 0.3, 0.4)),
+        "one": ("one anchor alone, at it", 0, -1, (0.97,), (0.3,), True),
+        "alone": ("one anchor alone, close", 0, -1, (0.97,), (0.9,)),
+        "first": ("at the first anchor", 0, -1, (0.9, 0.2, 0.1), (0.3, 0.2, 0.1), True),
     }.items()
 }
+
+
+def random_observations(count: int, seed: int) -> dict[str, Case]:
+    """Observations of all kinds: the case of each, and the arguments of `move_on`."""
+    rng = np.random.default_rng(seed)
+    cases = {}
+    for number in range(count):
+        last = int(rng.integers(1, 7))
+        active = int(rng.integers(last + 1))
+        visited = int(rng.integers(-1, active + 1))
+        rules = (RULES, OTHER_RULES)[number % 2]
+        reach, overlap = rng.uniform(0.0, 1.0, (2, last + 1)).round(3)
+        if number % 3 == 0:
+            reach[rng.integers(last + 1)] = rules.p_follow
+            overlap[rng.integers(last + 1)] = (rules.near, rules.visited)[number % 2]
+        at = bool(rng.random() < 0.2)
+        cases[f"observation {number}"] = (active, visited, reach, overlap, at, rules)
+    return cases

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb04.follower_answers import INVOKE, spoken, state_and_anchors
+from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, state_and_anchors
 from tutorial_lib.checks.nb04.move_on import move_on
 from tutorial_lib.checks.nb04.observations import (
     OBSERVATIONS,
@@ -17,6 +18,7 @@ from tutorial_lib.checks.nb04.observations import (
     RULES,
     Case,
     observe,
+    random_observations,
 )
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
@@ -64,20 +66,29 @@ def _changed(
     lose = rules.p_follow if fault == "soon lost" else rules.p_lose
     if state == State.SEARCH:
         best = int(np.argmax(reach > search) if fault == "first" else np.argmax(reach))
-        if reach[best] > search:
+        if reach[best] > search or (fault == "even" and reach[best] == search):
             return State.FOLLOW, best, best if fault == "been there" else best - 1
+        if fault == "best all the same":
+            return State.LOST, best, best - 1
         stays = {"searches on": State.SEARCH, "searches blindly": State.DEAD_RECKONING}
         return stays.get(fault, State.LOST), active, visited
     if state == State.DEAD_RECKONING:
+        if fault == "no end":
+            return state, active, visited
         if fault == "moves on blindly":
             active, visited = move_on(active, visited, reach, overlap, at, rules)
         late = waited > rules.timeout and fault != "never lost"
         late |= waited == rules.timeout and fault == "impatient"
-        back = reach[active] > follow and not (late and fault == "lost first")
+        above = reach[active] > follow or (fault == "even" and reach[active] == follow)
+        back = above and not (late and fault == "lost first")
         here = State.LOST if late else State.DEAD_RECKONING
         return State.FOLLOW if back else here, active, visited
     last = active == len(reach) - 1
-    if {"any anchor": at, "last is enough": last, "never done": False}.get(fault, at and last):
+    if at and last and fault == "moves at the end":
+        return State.DONE, *move_on(active, visited, reach, overlap, at, rules)
+    if {"any anchor": at, "last is enough": last, "never done": False, "done after": False}.get(
+        fault, at and last
+    ):
         return State.DONE, active, visited
     ahead, seen = move_on(active, visited, reach, overlap, at, rules)
     if fault == "done after" and at and ahead == len(reach) - 1:
@@ -85,6 +96,7 @@ def _changed(
     if fault == "stands":
         ahead, seen = active, visited
     trusted = reach[active if fault == "old reach" else ahead] > lose
+    trusted |= fault == "even" and reach[ahead] == lose
     if fault == "moved":
         trusted |= ahead > active
     if fault == "forgets" and not trusted:
@@ -94,6 +106,10 @@ def _changed(
 
 
 _FAULTS = {
+    "dead reckoning must end, too: in FOLLOW, or in LOST": "no end",
+    "a robot that is done keeps its anchors: DONE before move_on": "moves at the end",
+    "RE of exactly a threshold is not above it": "even",
+    "a robot that found no anchor keeps active and visited as they were": "best all the same",
     "Search takes the anchor with the highest RE, not the first above the threshold": "first",
     "the anchor that was found is still ahead; visited is the one before it": "been there",
     "a robot that finds no anchor gives up: LOST": "searches on",
@@ -132,10 +148,14 @@ def _sought(reach: Sequence[float], rules: FollowerSettings = RULES) -> Case:
 
 _LOW, _HALF, _HIGH = (0.3, 0.35, 0.97, 0.4), (0.3, 0.7, 0.5, 0.2), (0.3, 0.96, 0.5, 0.2)
 _BESIDE, _CLOSE = (0.3, 0.7, 0.65, 0.1), (0.3, 0.85, 0.65, 0.1)
+_EXACT, _EVEN = (0.3, 0.4, 0.5, 0.2), (0.3, 0.92, 0.5, 0.2)
 _SURE, _ARRIVED = (0.3, 0.9, 0.99, 0.95), (0.1, 0.4, 0.85, 0.65)
 _S, _F, _D = State.SEARCH, State.FOLLOW, State.DEAD_RECKONING
 _CASES = [
     _step("Search, two anchors reachable", _S, _sought((0.6, 0.93, 0.97, 0.4))),
+    _step("Search, RE of exactly p_search", _S, _sought((0.6, 0.92, 0.5, 0.4))),
+    _step("Follow, RE(active) of exactly p_lose", _F, observe("", 1, 0, _EXACT, _BESIDE)),
+    _step("Dead reckoning, RE of exactly p_follow", _D, observe("", 1, 0, _EVEN, _BESIDE), 1.0),
     _step("Search, none reachable", _S, _sought((0.6, 0.9, 0.5, 0.4))),
     _step("Search, other rules", _S, _sought((0.1, 0.75, 0.5), OTHER_RULES)),
     _step("Follow, under way", _F, OBSERVATIONS["way"]),
@@ -172,17 +192,35 @@ _CASES = [
 ]
 
 
+def _random_steps(count: int, seed: int) -> dict[str, tuple[Any, ...]]:
+    """Steps of all kinds from every state."""
+    rng, steps = np.random.default_rng(seed), {}
+    for number, seen in enumerate(random_observations(count, seed).values()):
+        active, visited, reach, overlap, at, rules = seen
+        state = (_S, _F, _F, _D)[rng.integers(4)]
+        if rng.random() < 0.5:  # the active anchor in the middle, or exactly at a threshold
+            reach[active] = (0.5, rules.p_lose, rules.p_follow)[rng.integers(3)]
+        if state == _S and rng.random() < 0.3:
+            reach[:] = np.minimum(reach, rules.p_search)
+        if state == _S:
+            active, visited, at = -1, -1, False
+        waited = float((0.0, rules.timeout, rules.timeout + 0.1)[rng.integers(3)])
+        case = (state, active, visited, reach, overlap, at, waited if state == _D else 0.0, rules)
+        steps[f"step {number}, {state.name}"] = case
+    return steps
+
+
 @check(transition, _CASES[4][1])
 def check_transition(student: Callable[..., Any]) -> None:
-    """Twenty-one steps: searching, following, dead reckoning, and their ends."""
+    """Searching, following, dead reckoning, their ends, exact thresholds, and 90 at random."""
     faults = with_faults(_changed, _FAULTS)
-    compare(
+    compare_likeliest(
         "transition",
         student,
-        dict(_CASES),
+        dict(_CASES) | _random_steps(90, 2),
         transition,
         faults,
         invoke=INVOKE,
         form=state_and_anchors,
-        difference=spoken,
+        difference=explained,
     )

@@ -1,0 +1,245 @@
+"""The check of mining hard pairs, in notebook 03."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.nb03.forms import calling, vector
+from tutorial_lib.checks.nb03.mining_pools import POOLS, Pool, Rollouts
+from tutorial_lib.geometry import Array
+
+Pairs = NDArray[np.intp]
+
+
+def mine_pairs(
+    probability: Array,
+    starts: Pairs,
+    occluded: NDArray[np.bool_],
+    labels: Array,
+    roll_out: Callable[[Pairs], Array],
+    sure: float,
+    most: int,
+    each: int,
+    share: float,
+    rng: np.random.Generator,
+) -> tuple[Pairs, Array, Array]:
+    """A training set of the pairs whose labels are known, and of mined ones.
+
+    Args:
+        probability: (P,) predicted.
+        starts: (P,) the frame at which each begins.
+        occluded: (P,) far and occluded.
+        labels: (P,) 1, 0, or nan where nobody has rolled the pair out.
+        roll_out: labels (M,) of pairs (M,).
+        sure: probability above which a pair is mined.
+        most: hard negatives at most.
+        each: of them from one start at most.
+        share: of the weight that mined pairs have.
+        rng: draws the pairs that are rolled out.
+
+    Returns:
+        Pairs, labels and weights, (M,) each.
+    """
+    unknown = np.isnan(labels)
+    easy, new = np.flatnonzero(~unknown), unknown & (probability > sure)
+    negatives, counts = [], {}
+    for pair in np.argsort(-probability):
+        start = starts[pair]
+        if len(negatives) < most and new[pair] and occluded[pair] and counts.get(start, 0) < each:
+            negatives.append(pair)
+            counts[start] = counts.get(start, 0) + 1
+    candidates = np.flatnonzero(new & ~occluded)
+    drawn = rng.permutation(candidates)[: len(negatives)]
+    outcomes = roll_out(drawn) if len(drawn) else np.zeros(0)
+    mined = np.append(np.array(negatives, dtype=int), drawn)
+    weight = share / (1 - share) * len(easy) / max(len(mined), 1)
+    return (
+        np.append(easy, mined),
+        np.concatenate([labels[easy], np.zeros(len(negatives)), outcomes]),
+        np.append(np.ones(len(easy)), np.full(len(mined), weight)),
+    )
+
+
+_HINTS: dict[type[Exception], str] = {
+    IndexError: "pairs are 0 to P - 1; there may be no hard negative, and no pair to roll out",
+    ValueError: "there may be fewer candidates than you draw, or none at all",
+    ZeroDivisionError: "there may be no mined pair at all",
+    TypeError: "pairs are whole numbers; roll_out wants an array of them",
+    KeyError: "a start may come for the first time",
+}
+_EXAMPLE_POOL = POOLS["400 pairs"]
+
+
+def _arguments(pool: Pool, roll_out: Callable[[Pairs], Array], seed: int) -> tuple[Any, ...]:
+    masks = pool.probability, pool.starts, pool.occluded, pool.labels
+    rules = pool.sure, pool.most, pool.each, pool.share
+    return *masks, roll_out, *rules, np.random.default_rng(seed)
+
+
+@check(
+    mine_pairs,
+    _arguments(_EXAMPLE_POOL, lambda pairs: _EXAMPLE_POOL.outcomes[pairs], 0),
+    calls=10,
+)
+def check_mine_pairs(student: Callable[..., Any]) -> None:
+    """Nine pools: which pairs are kept, rolled out and drawn, with which labels and weights."""
+    for name, pool in POOLS.items():
+        what = f"mine_pairs, {name}"
+        rollouts, got = _answer(what, student, pool, 0)
+        _demand_pairs(what, pool, rollouts, *got)
+        _demand_labels(what, pool, *got[:2])
+        _demand_weights(what, pool, got[0], got[2])
+    _demand_chance(student, _EXAMPLE_POOL)
+
+
+def _answer(
+    what: str, student: Callable[..., Any], pool: Pool, seed: int
+) -> tuple[Rollouts, tuple[Pairs, Array, Array]]:
+    """A student's pairs, labels and weights, of the right form."""
+    rollouts = Rollouts(what, pool)
+    before = [array.copy() for array in (pool.probability, pool.starts, pool.occluded, pool.labels)]
+    arguments = _arguments(pool, rollouts, seed)
+    got = calling(_HINTS)(what, lambda: student(*arguments))
+    names = ("probability", "starts", "occluded", "labels")
+    for name, old, new in zip(names, before, arguments, strict=False):
+        if not np.array_equal(old, new, equal_nan=name == "labels"):
+            new[:] = old
+            raise WrongAnswer(f"{what}: your function changes {name}; make a new array")
+    words = "return three arrays of one length: pairs, labels, weights"
+    first, second, third = parts(what, got, 3, words)
+    count = len(first) if isinstance(first, np.ndarray) and first.ndim == 1 else 0
+    pairs = vector(f"{what}, first", first, count, "the indices of the pairs")
+    if (pairs != pairs.round()).any() or not ((pairs >= 0) & (pairs < len(pool.labels))).all():
+        raise WrongAnswer(f"{what}, first: return indices of pairs, from 0 to P - 1")
+    if first.dtype.kind not in "iu":
+        words = "return whole numbers, so that they can be used as indices"
+        raise WrongAnswer(f"{what}, first: the pairs are {first.dtype}; {words}")
+    second = vector(f"{what}, second", second, count, "a label for each pair")
+    third = vector(f"{what}, third", third, count, "a weight for each pair")
+    return rollouts, (pairs.astype(np.intp), second, third)
+
+
+def _demand_pairs(
+    what: str, pool: Pool, rollouts: Rollouts, pairs: Pairs, labels: Array, weights: Array
+) -> None:
+    """Demand the right pairs, each once."""
+    values, counts = np.unique(pairs, return_counts=True)
+    known, hard = ~np.isnan(pool.labels), _negatives(pool)
+    candidates = np.flatnonzero(pool.new & ~pool.occluded)
+    drawn = np.array([p for p in values if not known[p] and not pool.occluded[p]], dtype=int)
+    missing = np.setdiff1d(np.flatnonzero(known), values)
+    told = f"RE {{:.4g}}, and sure is {pool.sure}"
+    words = ""
+    if (counts > 1).any():
+        words = f"pair {values[counts > 1][0]} comes {counts.max()} times; each comes once"
+    elif missing.size:
+        words = f"pair {missing[0]} has a label, {pool.labels[missing[0]]:.0f}, and is missing; "
+        words += "all pairs whose label is known belong to the training set"
+    elif (low := [p for p in values if not known[p] and not pool.new[p]]) != []:
+        words = f"pair {low[0]} has {told.format(pool.probability[low[0]])}; only pairs above it"
+        words += " are mined"
+    else:
+        words = _wrong_negatives(pool, values[~known[values] & pool.occluded[values]], hard)
+    if not words and len(drawn) != min(len(hard), len(candidates)):
+        words = f"{len(drawn)} pairs that are not occluded, but there are {len(hard)} hard"
+        words += f" negatives and {len(candidates)} candidates; draw as many as hard negatives"
+        words += ", or all candidates if there are fewer"
+    unused = np.setdiff1d(rollouts.made, drawn)
+    if not words and unused.size:
+        words = f"pair {unused[0]} was rolled out, and its outcome is not used; draw first"
+    if not words and (made := np.setdiff1d(drawn, rollouts.made)).size:
+        words = f"pair {made[0]} is not occluded and was not rolled out; its label is unknown"
+    if words:
+        raise WrongAnswer(f"{what}: {words}")
+
+
+def _negatives(pool: Pool) -> list[int]:
+    """The hard negatives."""
+    chosen, counts = [], {}
+    for pair in np.argsort(-pool.probability):
+        start = int(pool.starts[pair])
+        fits = pool.new[pair] and pool.occluded[pair] and counts.get(start, 0) < pool.each
+        if fits and len(chosen) < pool.most:
+            chosen.append(int(pair))
+            counts[start] = counts.get(start, 0) + 1
+    return chosen
+
+
+def _wrong_negatives(pool: Pool, got: Pairs, want: list[int]) -> str:
+    """What is wrong with the hard negatives; empty if nothing is."""
+    number, counts = len(got), np.bincount(pool.starts[got], minlength=1)
+    if not number and want:
+        return f"no hard negative among yours, but {len(want)} occluded pairs are above sure"
+    if counts.max() > pool.each:
+        words = f"{counts.max()} hard negatives begin at frame {counts.argmax()}"
+        return f"{words}; at most {pool.each} of each start"
+    if number > pool.most:
+        return f"{number} hard negatives; at most {pool.most} in all"
+    missing, extra = np.setdiff1d(want, got), np.setdiff1d(got, want)
+    if not missing.size:
+        return ""
+    best = int(missing[np.argmax(pool.probability[missing])])
+    words = f"pair {best} is occluded with RE {pool.probability[best]:.4g} and is missing"
+    if extra.size:
+        worst = int(extra[np.argmin(pool.probability[extra])])
+        other = f"pair {worst} with RE {pool.probability[worst]:.4g} is there"
+        return f"{words}, and {other}; begin with the highest"
+    used = int((pool.starts[got] == pool.starts[best]).sum())
+    words = f"{words}; {number} of at most {pool.most} are chosen, {used} of at most {pool.each}"
+    return f"{words} of its start: a pair that is left out must not count"
+
+
+def _demand_labels(what: str, pool: Pool, pairs: Pairs, labels: Array) -> None:
+    """Demand the right label of each pair."""
+    known = ~np.isnan(pool.labels[pairs])
+    rolled = np.where(pool.occluded[pairs], 0.0, pool.outcomes[pairs])
+    wrong = np.flatnonzero(~np.isclose(labels, np.where(known, pool.labels[pairs], rolled)))
+    if wrong.size:
+        i = int(wrong[0])
+        kind = "occluded and is labelled 0" if pool.occluded[pairs[i]] else "rolled out"
+        kind = "known" if known[i] else kind
+        right = pool.labels[pairs[i]] if known[i] else rolled[i]
+        words = f"pair {pairs[i]} is {kind}: its label is {right:.0f}, not {labels[i]:.3g}"
+        raise WrongAnswer(f"{what}: {words}; pairs and labels must stand in the same order")
+
+
+def _demand_weights(what: str, pool: Pool, pairs: Pairs, weights: Array) -> None:
+    """Demand weights of 1, and the share of the mined pairs."""
+    mined = np.isnan(pool.labels[pairs])
+    if not np.allclose(weights[~mined], 1.0):
+        raise WrongAnswer(f"{what}: a pair whose label was known before has the weight 1")
+    if not mined.any():
+        return
+    if not np.allclose(weights[mined], weights[mined][0]):
+        raise WrongAnswer(f"{what}: all mined pairs have the same weight")
+    found = weights[mined].sum() / weights.sum()
+    if not np.isclose(found, pool.share, atol=1e-6):
+        words = f"mined pairs together have {found:.1%} of the weight of all"
+        right = pool.share / (1 - pool.share) * (~mined).sum() / mined.sum()
+        each = f"so each weighs {right:.4g}, not {weights[mined][0]:.4g}"
+        raise WrongAnswer(f"{what}: {words}; share is {pool.share:.0%}, {each}")
+
+
+def _demand_chance(student: Callable[..., Any], pool: Pool) -> None:
+    """Demand that the pairs that are rolled out are drawn by rng, and at random."""
+    what, draws = "mine_pairs", []
+    for seed in (0, *range(40)):
+        pairs = _answer(what, student, pool, seed)[1][0]
+        draws.append(set(pairs[np.isnan(pool.labels[pairs]) & ~pool.occluded[pairs]].tolist()))
+    if draws[0] != draws[1]:
+        words = "the same seed draws other pairs; draw by rng, not by np.random"
+        raise WrongAnswer(f"{what}: {words}")
+    if all(draw == draws[0] for draw in draws):
+        words = "every seed gives the same pairs to roll out; draw them at random, by rng"
+        raise WrongAnswer(f"{what}: {words}")
+    never = set(np.flatnonzero(pool.new & ~pool.occluded).tolist()) - set().union(*draws)
+    if never:
+        pair = min(never)
+        words = f"pair {pair}, RE {pool.probability[pair]:.4g}, is never drawn in 40 attempts"
+        raise WrongAnswer(f"{what}: {words}; draw among all candidates alike")

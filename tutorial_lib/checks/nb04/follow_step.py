@@ -1,0 +1,192 @@
+"""The check of the follower's loop, in notebook 04."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.nb04.follow_words import (
+    NEARER,
+    wrong_clock,
+    wrong_nearest,
+    wrong_place,
+    wrong_state,
+    wrong_target,
+)
+from tutorial_lib.checks.nb04.follower_answers import calling, whole
+from tutorial_lib.checks.nb04.observations import RULES
+from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory
+from tutorial_lib.checks.nb04.transition import transition
+from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+
+Answer = tuple[Memory, Array | None]
+
+
+def follow_step(
+    memory: Memory,
+    reach: Array,
+    overlap: Array,
+    waypoints: Array,
+    odometry: Array,
+    rules: FollowerSettings,
+) -> Answer:
+    """What a follower remembers after a step, and the point (2,) that it drives to.
+
+    Args:
+        memory: until now.
+        reach: (L,) RE of the path's anchors; 0 where not queried.
+        overlap: (L,) with them.
+        waypoints: (L, 2) of them, in the robot's frame; nan where not queried.
+        odometry: (3,) the odometer's pose.
+        rules: the thresholds.
+
+    Returns:
+        The memory, and the point in the robot's frame; None where the robot stops.
+    """
+    before = memory
+    close = np.linalg.norm(waypoints[before.active]) < rules.at
+    at = bool(close and reach[before.active] > rules.p_lose)
+    state, active, visited = transition(
+        before.state, before.active, before.visited, reach, overlap, at, before.waited, rules
+    )
+    if state in (State.LOST, State.DONE):
+        return before._replace(state=state, active=active, visited=visited), None
+    place = before.place
+    if state == State.FOLLOW or active != before.active:
+        place = to_world(odometry, waypoints[active])
+    target = to_local(odometry, place)
+    distance, waited, nearest = float(np.linalg.norm(target)), before.waited + STEP, before.nearest
+    changed = (state, active) != (before.state, before.active)
+    if changed or (state == State.FOLLOW and distance < nearest - NEARER):
+        waited, nearest = 0.0, distance
+    if state == State.FOLLOW and waited > rules.effort:
+        return Memory(State.LOST, active, visited, place, waited, nearest), None
+    return Memory(state, active, visited, place, waited, nearest), target
+
+
+_HINTS: dict[type[Exception], str] = {
+    IndexError: "reach, overlap and waypoints have a row for each anchor, 0 to L - 1",
+    ValueError: "waypoints is (L, 2), odometry (3,), and the point to drive to (2,)",
+    TypeError: "memory is a named tuple; make a new one, by Memory(...) or memory._replace(...)",
+    AttributeError: "memory has state, active, visited, place, waited and nearest, and is not "
+    "written to: make a new one",
+    KeyError: "memory has state, active, visited, place, waited and nearest",
+    NameError: "is it spelt right, and is its cell run?",
+}
+
+
+def _example() -> tuple[Any, ...]:
+    corridor, memory = Corridor(STORIES["undisturbed"]), Memory(State.FOLLOW, 1, 0)
+    return memory, *corridor.observe(memory), STORIES["undisturbed"].rules
+
+
+def _exact(
+    memory: Memory, ahead: float, reach: float, rules: FollowerSettings = RULES
+) -> tuple[Any, ...]:
+    """A step in which the only anchor of a path lies straight ahead."""
+    seen = np.array([reach]), np.array([0.3]), np.array([[ahead, 0.0]]), np.zeros(3)
+    return memory, *seen, rules
+
+
+_ON_ITS_WAY = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), 1.0, 1.05)
+_EXACT = {
+    "exactly rules.at from the waypoint": _exact(_ON_ITS_WAY, 0.25, 0.97),
+    "at the waypoint, RE of exactly rules.p_lose": _exact(_ON_ITS_WAY, 0.1, 0.4),
+    "exactly 0.05 m nearer": _exact(_ON_ITS_WAY, 1.0, 0.97),
+    "without progress for exactly rules.effort": _exact(
+        _ON_ITS_WAY._replace(waited=0.0), 1.5, 0.97, replace(RULES, effort=0.1)
+    ),
+}
+
+
+@check(follow_step, _example(), calls=10_000)
+def check_follow_step(student: Callable[..., Any]) -> None:
+    """Seventeen drives along a corridor: left alone, blind, pushed, behind a chair, and lost."""
+    invoke = calling(_HINTS)
+    for name, story in STORIES.items():
+        corridor, memory = Corridor(story), Memory()
+        while corridor.seconds < story.seconds:
+            seen = (*corridor.observe(memory), story.rules)
+            what = f"follow_step, {name}, after {corridor.seconds:.1f} s in {memory.state.name}"
+            want = follow_step(memory, *seen)
+            arrays = {"memory.place": memory.place, "reach": seen[0], "overlap": seen[1]}
+            arrays |= {"waypoints": seen[2], "odometry": seen[3]}
+            copies = {key: array.copy() for key, array in arrays.items()}
+            got = _form(what, invoke(what, partial(student, memory, *seen)))
+            for key, array in arrays.items():
+                if not np.array_equal(array, copies[key], equal_nan=True):
+                    raise WrongAnswer(f"{what}: your function changes {key}; make a new array")
+            _compare(what, memory, seen, got, want)
+            memory, target = want
+            if target is None:
+                break
+            corridor.drive(target)
+    for name, (memory, *seen) in _EXACT.items():
+        what = f"follow_step, {name}"
+        got = _form(what, invoke(what, partial(student, memory, *seen)))
+        want = follow_step(memory, *seen)
+        if (got[0].state, got[1] is None) != (want[0].state, want[1] is None):
+            words = f"{got[0].state.name} came back, {want[0].state.name} is right"
+            raise WrongAnswer(f"{what}: {words}; exactly a threshold is neither above nor below it")
+        _compare(what, memory, seen, got, want)
+
+
+def _form(what: str, got: Any) -> Answer:  # noqa: ANN401 - students' answers
+    """A memory and a point, of the right form."""
+    memory, target = parts(what, got, 2, "return memory, target: a Memory, and a point or None")
+    if not isinstance(memory, Memory):
+        words = f"the first thing that came back is a {type(memory).__name__}; return a Memory"
+        raise WrongAnswer(f"{what}: {words}, as Memory(...) or memory._replace(...) makes it")
+    if not all(map(whole, memory[:3])) or int(memory.state) not in list(State):
+        words = "memory.state is a State, memory.active and memory.visited are whole numbers"
+        raise WrongAnswer(f"{what}: {words}; yours are {memory[:3]}")
+    place = _point(f"{what}: memory.place", memory.place)
+    for name in ("waited", "nearest"):
+        value = getattr(memory, name)
+        if not isinstance(value, int | float | np.number) or isinstance(value, bool):
+            words = f"memory.{name} is a {type(value).__name__}; it is a number"
+            raise WrongAnswer(f"{what}: {words}")
+    if target is not None:
+        target = _point(f"{what}: the point to drive to", target)
+    return memory._replace(place=place, state=State(int(memory.state))), target
+
+
+def _point(what: str, got: Any) -> Array:  # noqa: ANN401
+    try:
+        point = np.asarray(got, dtype=float)
+    except (TypeError, ValueError):
+        raise WrongAnswer(f"{what} is a {type(got).__name__}; it is an array (2,)") from None
+    if point.shape != (2,) or not isinstance(got, np.ndarray | list | tuple):
+        kind = f"shape {point.shape}" if isinstance(got, np.ndarray) else type(got).__name__
+        raise WrongAnswer(f"{what} has {kind}; it is an array (2,)")
+    return point
+
+
+def _compare(what: str, memory: Memory, seen: tuple[Any, ...], got: Answer, want: Answer) -> None:
+    """Demand the right memory and the right point, part by part."""
+    mine, right = got[0], want[0]
+    if mine[:3] != right[:3]:
+        raise WrongAnswer(f"{what}: {wrong_state(memory, seen, mine, right)}")
+    if right.state == State.LOST or right.state == State.DONE:
+        if got[1] is not None:
+            words = f"a robot that is {right.state.name} stops: return None in place of a point"
+            raise WrongAnswer(f"{what}: {words}")
+        return
+    if got[1] is None:
+        words = f"the new state is {right.state.name}, so the robot drives on; return a point"
+        raise WrongAnswer(f"{what}: {words}")
+    if not np.allclose(mine.place, right.place, atol=1e-6):
+        raise WrongAnswer(f"{what}: {wrong_place(memory, seen, mine, right)}")
+    if not np.allclose(got[1], want[1], atol=1e-6):
+        raise WrongAnswer(f"{what}: {wrong_target(seen, got[1], right)}")
+    if not abs(mine.waited - right.waited) <= 1e-6:
+        raise WrongAnswer(f"{what}: {wrong_clock(memory, mine, right)}")
+    if not np.isclose(mine.nearest, right.nearest, atol=1e-6):
+        raise WrongAnswer(f"{what}: {wrong_nearest(memory, mine, right)}")
