@@ -4,7 +4,12 @@ from pathlib import Path
 import pytest
 
 from tutorial_lib.builder.guides import MADE, students_page, teachers_page, write_guides
+from tutorial_lib.builder.page import read_glossary
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.planner import DijkstraPlanner
 
 PROJECT = Path(__file__).resolve().parents[2]
 SOURCE = """# %% [markdown]
@@ -94,3 +99,13 @@ def test_the_pages_of_the_course_are_those_of_its_sources():
     ):
         text = (PROJECT / folder / "README.md").read_text(encoding="utf-8")
         assert text == page(text[: text.index(MADE) + len(MADE)]), "python -m tutorial_lib build"
+
+
+def test_the_thresholds_of_the_glossary_are_those_of_the_library():
+    glossary = read_glossary(PROJECT / "solutions")
+    settings = (FollowerSettings(), MapSettings(), DijkstraPlanner(), agents.meng())
+    names = [name for name in glossary if name.startswith("p_")]
+    assert len(names) >= 10
+    for name in names:
+        (value,) = {getattr(one, name) for one in settings if hasattr(one, name)}
+        assert glossary[name].meaning.startswith(f"Threshold {value:g}"), name

@@ -104,7 +104,8 @@ def _listed(source: Path) -> str:
 
 
 def _row(entry: Entry, sources: list[Path]) -> str:
-    mark = re.compile(rf"\[\[{re.escape(entry.term)}\]\]", re.IGNORECASE)
+    named = rf"\b{entry.term}\b" if "_" in entry.term else rf"\[\[{re.escape(entry.term)}\]\]"
+    mark = re.compile(named, re.IGNORECASE)  # a threshold is used wherever its name stands
     used = [s.stem[:2] for s in sources if mark.search(s.read_text(encoding="utf-8"))]
     symbol = f"${entry.symbol}$" if entry.symbol else ""
     term = f'<a id="{entry.anchor}"></a>{entry.term}'
