@@ -11,6 +11,7 @@ from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array
+from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera
 
 _ABOVE = WALL_HEIGHT - EYE
@@ -252,7 +253,5 @@ def _picture(student: Callable[..., Array]) -> NDArray[np.uint8]:
         grey = np.nan_to_num(np.clip(np.stack(shares, axis=1), 0, 1))
         pixels = (235 - 175 * grey).astype(np.uint8)
         block = cv2.resize(pixels, None, fx=32, fy=12, interpolation=cv2.INTER_NEAREST)
-        block = cv2.copyMakeBorder(block, 26, 6, 6, 6, cv2.BORDER_CONSTANT, value=255)
-        cv2.putText(block, name, (6, 18), cv2.FONT_HERSHEY_SIMPLEX, 0.5, 45, 1, cv2.LINE_AA)
-        blocks.append(block)
-    return np.repeat(np.concatenate(blocks, axis=1)[..., None], 3, axis=2)
+        blocks.append(np.repeat(block[..., None], 3, axis=2))
+    return side_by_side(blocks, ["target", "yours"])

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import label as label_on
 
 
 def labels_from_above(
@@ -30,6 +31,6 @@ def labels_from_above(
             end = start[:2] + np.hypot(*point) * np.array([np.cos(turn), np.sin(turn)])
             cv2.line(block, at(start), at(end), colours.GOAL, 2, cv2.LINE_AA)
             cv2.circle(block, at(end), 7, colours.GOAL, -1, cv2.LINE_AA)
-        cv2.putText(block, name, (8, 20), cv2.FONT_HERSHEY_SIMPLEX, 0.55, colours.INK, 1, 16)
+        label_on(block, name, 8, 20)
         blocks.append(block)
     return np.concatenate(blocks, axis=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import cv2
@@ -22,6 +23,7 @@ from tutorial_lib.checks.nb03.rollout_stories import (
 from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import label
 
 Touches = NDArray[np.bool_]
 
@@ -222,14 +224,13 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
     times, gaps, touched, geodesic = rollouts_of()
     picture = np.full((36 + 26 * len(STORIES), 760, 3), 255, np.uint8)
 
-    def write(text: str, x: int, y: int, colour: tuple[int, int, int] = colours.INK) -> None:
-        cv2.putText(picture, text, (x, y), cv2.FONT_HERSHEY_SIMPLEX, 0.45, colour, 1, cv2.LINE_AA)
+    write = partial(label, picture, size=0.5)
 
     def across(time: float) -> int:
         return round(302 + 11 * time)
 
-    write("green: within 0.30 m    red: touches    bar: t_max", 4, 18, colours.SOLID)
-    write("target  yours", 646, 18, colours.SOLID)
+    write("green: within 0.30 m    red: touches    bar: t_max", 4, 18, colour=colours.SOLID)
+    write("target  yours", 646, 18, colour=colours.SOLID)
     for row, (story, limit) in enumerate(zip(STORIES, time_limit(geodesic), strict=True)):
         y = 44 + 26 * row
         write(story[0], 4, y + 5)
@@ -242,5 +243,5 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
         cv2.line(picture, (x, y - 9), (x, y + 9), colours.INK, 2)
         write(f"{want[row]:.0f}", 666, y + 5)
         right = abs(got[row] - want[row]) < 1e-6
-        write(f"{got[row]:.3g}", 716, y + 5, colours.GOAL if right else colours.LASER)
+        write(f"{got[row]:.3g}", 716, y + 5, colour=colours.GOAL if right else colours.LASER)
     return picture
