@@ -548,3 +548,202 @@ def ask_next__right_with_padding(reach, before, after, p_edge):
     ahead, back = sure[:, before], sure[:, after]
     near = ahead[:-2] | back[2:] | ahead[1:-1] | back[1:-1]
     return near & np.isnan(reach)
+
+
+def _inserted(grown, own, p_reuse, into_from=None, onward_to=None, allowed=None):
+    """The new path, and the vertices that were reused."""
+    path, reused = [], []
+    for i in range(len(own)):
+        before = into_from(i) if into_from else (path[i - 1] if i else own[0])
+        after = onward_to(i) if onward_to else own[min(i + 1, len(own) - 1)]
+        into = grown.reach[before, grown.vertices]
+        onward = grown.reach[grown.vertices, after]
+        if allowed:
+            may = allowed(grown, reused)
+        else:
+            may = np.array([_ahead(grown, v, reused) for v in grown.vertices], dtype=bool)
+        found = reusable__right_with_a_loop(into, onward, may, p_reuse)
+        path.append(int(own[i]) if found < 0 else grown.vertices[found])
+        if found >= 0:
+            reused.append(grown.vertices[found])
+    return path, reused
+
+
+def _ahead(grown, vertex, reused):
+    return all(
+        grown.trajectory[vertex] != grown.trajectory[r] or grown.place[vertex] > grown.place[r]
+        for r in reused
+    )
+
+
+def _added(grown, own, path, places=None, ends=(-1, -1)):
+    new = [int(a) for a in own if int(a) in path]
+    for place, vertex in enumerate(path):
+        if vertex in new:
+            grown.trajectory[vertex] = len(grown.paths)
+            grown.place[vertex] = places(vertex, new) if places else place
+            grown.before[vertex] = path[place - 1] if place else ends[0]
+            grown.after[vertex] = path[place + 1] if place + 1 < len(path) else ends[1]
+    grown.vertices += new
+    grown.paths.append(path)
+    return new
+
+
+def _connected(grown, new, path, scores, others=None, both=True):
+    for v in new:
+        for w in grown.vertices if others is None else others:
+            if v != w:
+                grown.edge_reach[v, w] = scores[v, w]
+                if both:
+                    grown.edge_reach[w, v] = scores[w, v]
+    _driven(grown, path)
+
+
+def _driven(grown, path):
+    for v, w in zip(path[:-1], path[1:], strict=True):
+        grown.driven[v, w] = True
+        grown.edge_reach[v, w] = max(grown.edge_reach[v, w], grown.reach[v, w])
+
+
+def insert__from_the_dropped_anchor(grown, own, scores, p_reuse):
+    """take RE from that one, not from the anchor"""
+    path, _ = _inserted(grown, own, p_reuse, into_from=lambda i: own[max(i - 1, 0)])
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__onward_to_itself(grown, own, scores, p_reuse):
+    """not to the anchor itself"""
+    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i])
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__allows_all(grown, own, scores, p_reuse):
+    """Never backwards"""
+    path, _ = _inserted(
+        grown, own, p_reuse, allowed=lambda g, _: np.ones(len(g.vertices), dtype=bool)
+    )
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__reuses_nothing(grown, own, scores, p_reuse):
+    """your trajectory never reuses a vertex"""
+    path = own.tolist()
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__joins_one_way(grown, own, scores, p_reuse):
+    """join in both directions"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores, both=False)
+
+
+def insert__joins_only_old_ones(grown, own, scores, p_reuse):
+    """the new vertices are joined with each other, too"""
+    path, _ = _inserted(grown, own, p_reuse)
+    old = list(grown.vertices)
+    _connected(grown, _added(grown, own, path), path, scores, old)
+
+
+def insert__joins_by_reach(grown, own, scores, p_reuse):
+    """edges have the RE in scores"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, grown.reach)
+
+
+def insert__only_the_trajectory(grown, own, scores, p_reuse):
+    """not only along the trajectory"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _added(grown, own, path)
+    _driven(grown, path)
+
+
+def insert__drives_over_dropped_anchors(grown, own, scores, p_reuse):
+    """not over anchors that were replaced"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    before = grown.driven.copy()
+    _connected(grown, new, path, scores)
+    grown.driven = before
+    grown.driven[own[:-1], own[1:]] = True
+
+
+def insert__numbers_only_new_ones(grown, own, scores, p_reuse):
+    """the place counts all anchors"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path, places=lambda vertex, some: some.index(vertex))
+    _connected(grown, new, path, scores)
+
+
+def insert__counts_the_path_first(grown, own, scores, p_reuse):
+    """is the number of paths before"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    grown.trajectory[new] += 1
+    _connected(grown, new, path, scores)
+
+
+def insert__the_last_for_none(grown, own, scores, p_reuse):
+    """before is the vertex before on the path"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path, ends=(path[-1], -1))
+    _connected(grown, new, path, scores)
+
+
+def insert__forgets_the_path(grown, own, scores, p_reuse):
+    """paths, but"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    _connected(grown, new, path, scores)
+    grown.paths.pop()
+
+
+def insert__keeps_all_as_vertices(grown, own, scores, p_reuse):
+    """though they were replaced"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    _connected(grown, new, path, scores)
+    grown.vertices += [int(a) for a in own if int(a) not in new]
+
+
+def insert__returns_a_path(grown, own, scores, p_reuse):
+    """change the map that is given, return nothing"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores)
+    return path
+
+
+def insert__writes_into_reach(grown, own, scores, p_reuse):
+    """reach, scores and own are needed again"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores)
+    np.fill_diagonal(grown.reach, 0.0)
+
+
+def insert__goes_beyond_the_end(grown, own, scores, p_reuse):
+    """IndexError"""
+    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i + 1])
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__right_step_by_step(grown, own, scores, p_reuse):
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__right_with_tables(grown, own, scores, p_reuse):
+    path, _ = _inserted(grown, own, p_reuse)
+    path = np.array(path)
+    new = path == own
+    around = np.concatenate([[-1], path, [-1]])
+    grown.before[own[new]], grown.after[own[new]] = around[:-2][new], around[2:][new]
+    grown.trajectory[own[new]], grown.place[own[new]] = len(grown.paths), np.flatnonzero(new)
+    everything = np.append(np.array(grown.vertices, dtype=int), own[new])
+    for rows, columns in ((own[new], everything), (everything, own[new])):
+        kept = np.ix_(rows, columns)
+        grown.edge_reach[kept] = scores[kept]
+    steps = path[:-1], path[1:]
+    grown.driven[steps] = True
+    grown.edge_reach[steps] = np.maximum(grown.edge_reach[steps], grown.reach[steps])
+    grown.vertices = everything
+    grown.paths = [*grown.paths, path]
+    return grown

@@ -45,7 +45,7 @@ from tutorial_lib.viz.figures import (
     state_legend,
     state_ribbon,
 )
-from tutorial_lib.viz.notebook import TeleopController, play, show, sliders, teleop
+from tutorial_lib.viz.notebook import TeleopController, play, show, sliders, table, teleop
 
 __all__ = [
     "Picture",
@@ -92,6 +92,7 @@ __all__ = [
     "stacked",
     "state_legend",
     "state_ribbon",
+    "table",
     "teleop",
     "write_beside",
 ]

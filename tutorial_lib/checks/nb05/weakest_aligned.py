@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import hinting, numbers
+from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
+from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -49,12 +50,16 @@ _CASES = {
     "vertices in no order": (random_reach(5, 7, 5), *MIXED, 2),
     "trajectories that run into another": (random_reach(5, 5, 23), *JOINED, 2),
     "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
+    "three anchors on either side": (random_reach(8, 7, 31), *MIXED, 3),
+    "sequences longer than the trajectories": (random_reach(4, 5, 32), *ONE, 9),
+    "more vertices than anchors": (random_reach(3, 7, 33), *MIXED, 1),
+    "one vertex": (random_reach(4, 1, 34), np.array([-1]), np.array([-1]), 2),
 }
 
 
 @check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
 def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Seven tables: longer and shorter sequences, several trajectories, vertices in no order."""
+    """Tables with longer and shorter sequences, several trajectories, vertices in no order."""
     faults = with_faults(_misaligned, _FAULTS)
     return compare(
         "weakest_aligned",
@@ -62,12 +67,30 @@ def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | No
         _CASES,
         weakest_aligned,
         faults,
-        invoke=hinting(IndexError, "where a trajectory ends the sequence ends, too"),
+        invoke=explained({IndexError: "where a trajectory ends the sequence ends, too"}),
         form=_per_pair,
         same=partial(close, tolerance=1e-9),
-        difference=farthest,
+        difference=_why,
         draw=_tables,
     )
+
+
+def _why(got: Array, want: Array, reach: Array, before: Indices, after: Indices, steps: int) -> str:
+    """The first pair that is wrong, and what counts for it."""
+    if np.isnan(got).any():
+        return "some of it is not a number; every pair has at least its own RE"
+    i, v = (int(n) for n in np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0])
+    pairs = {(i, v): reach[i, v]}
+    for step, beside in ((-1, before), (1, after)):
+        row, column = i + step, beside[v]
+        for _ in range(steps):
+            if not 0 <= row < len(reach) or column < 0:
+                break
+            pairs[row, int(column)] = reach[row, column]
+            row, column = row + step, beside[column]
+    shown = ", ".join(f"{pair}: {value:.2f}" for pair, value in sorted(pairs.items()))
+    words = f"the least of the aligned pairs is {want[i, v]:.2f} ({shown})"
+    return f"for anchor {i} and vertex {v} {words}; yours has {got[i, v]:.2f}"
 
 
 def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:

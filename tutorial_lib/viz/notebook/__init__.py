@@ -1,6 +1,7 @@
 """Widgets and what shows pictures and films as the output of a cell."""
 
 from tutorial_lib.viz.notebook.display import play, show
+from tutorial_lib.viz.notebook.tables import table
 from tutorial_lib.viz.notebook.teleoperation import TeleopController
 from tutorial_lib.viz.notebook.widgets import sliders, teleop
 
@@ -9,5 +10,6 @@ __all__ = [
     "play",
     "show",
     "sliders",
+    "table",
     "teleop",
 ]
