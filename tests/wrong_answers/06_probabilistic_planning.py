@@ -584,7 +584,7 @@ def travel__drives_on_nothing(plan, drive, replans):
 
 
 def travel__never_ends(plan, drive, replans):
-    """your function never ends"""
+    """[2] is right, after vertex 2 could not be reached"""
     while True:
         path = plan(set())
         if path and drive(path) is None:

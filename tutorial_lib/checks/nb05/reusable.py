@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
@@ -29,6 +29,7 @@ _CASES: dict[str, Case] = {
     name: (np.array(into), np.array(onward), np.array(allowed, dtype=bool), p_reuse)
     for name, into, onward, allowed, p_reuse in (
         ("two fit", [0.5, 0.99, 0.98, 0.2], [1.0, 0.98, 0.995, 0.99], [1, 1, 1, 1], 0.97),
+        ("an empty map", [], [], [], 0.97),
         ("none fits", [0.99, 0.4, 0.9], [0.5, 0.99, 0.9], [1, 1, 1], 0.97),
         ("reachable, but leads nowhere", [0.999, 0.3], [0.2, 0.4], [1, 1], 0.9),
         ("leads on, but not reachable", [0.3, 0.2], [0.4, 0.999], [1, 1], 0.9),
@@ -44,7 +45,6 @@ _CASES: dict[str, Case] = {
         ("a low threshold", [0.1, 0.3, 0.2], [0.2, 0.15, 0.3], [1, 1, 1], 0.05),
         ("never reuse", [1.0, 1.0], [1.0, 1.0], [1, 1], 1.0),
         ("one vertex", [0.99], [0.98], [1], 0.97),
-        ("an empty map", [], [], [], 0.97),
     )
 } | {f"vertices drawn at random ({seed})": _random_case(seed) for seed in range(20)}
 
@@ -119,7 +119,7 @@ def check_reusable(student: Callable[..., Any]) -> None:
             IndexError: "is there a vertex that fits? Ask .any() first",
         }
     )
-    compare(
+    case_by_case(
         "reusable",
         student,
         _CASES,

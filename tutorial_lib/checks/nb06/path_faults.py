@@ -97,6 +97,12 @@ FAULTS: dict[str, Callable[..., Found]] = {
     "the path leads backwards, from goal to start; reverse it": _restated(
         lambda path, p, steps: (path[::-1], p)
     ),
+    "the path is right, but the probability is that of the last step alone; multiply all": (
+        _restated(lambda path, p, steps: (path, steps[-1] if steps else 1.0))
+    ),
+    "the path is right, but the probability is that of the first step alone; multiply all": (
+        _restated(lambda path, p, steps: (path, steps[0] if steps else 1.0))
+    ),
     "the start is missing from the path": _restated(lambda path, p, steps: (path[1:], p)),
     "the goal is missing from the path": _restated(lambda path, p, steps: (path[:-1], p)),
     "that is the cost, -log of the probability; invert it: exp(-cost)": _restated(
@@ -110,6 +116,15 @@ FAULTS: dict[str, Callable[..., Found]] = {
     ),
     "the path is right, but that is the least RE on it; multiply": _restated(
         lambda path, p, steps: (path, min(steps, default=1.0))
+    ),
+    "the path is right, but that is the logarithm of its probability; take exp": _restated(
+        lambda path, p, steps: (path, math.log(p))
+    ),
+    "the path is right, but that is the number of its steps; return the product of RE": _restated(
+        lambda path, p, steps: (path, float(len(steps)))
+    ),
+    "the path is right, but that is what is missing to 1; return the product of RE": _restated(
+        lambda path, p, steps: (path, 1.0 - p)
     ),
     "the path is right, but that is the exponential of the cost; the probability is exp(-cost)": (
         _restated(lambda path, p, steps: (path, 1.0 / p))
