@@ -1,5 +1,7 @@
 """Answers to notebook 05: the docstring of a wrong one is what the check must say of it."""
 
+from itertools import pairwise
+
 import numpy as np
 
 
@@ -600,7 +602,7 @@ def _connected(grown, new, path, scores, others=None, both=True):
 
 
 def _driven(grown, path):
-    for v, w in zip(path[:-1], path[1:], strict=True):
+    for v, w in pairwise(path):
         grown.driven[v, w] = True
         grown.edge_reach[v, w] = max(grown.edge_reach[v, w], grown.reach[v, w])
 

@@ -807,3 +807,353 @@ def _back(graph, before, start, goal):
 
 def _product(graph, path):
     return math.prod(graph[v][w] for v, w in pairwise(path))
+
+
+def _left(graph, excluded):
+    return {
+        v: {w: p for w, p in out.items() if w not in excluded}
+        for v, out in graph.items()
+        if v not in excluded
+    }
+
+
+def _navigated(
+    robot,
+    graph,
+    rules,
+    limits,
+    beside=lambda graph, v: {w for w in graph[v] if v in graph[w]},
+    place=lambda active: active,
+    interval=None,
+    refuses=lambda reason, lost: reason and not lost,
+    allowed=lambda limits: limits.replans,
+    gives_up=lambda searched, limits: searched >= limits.search,
+    fresh=True,
+    forgets=False,
+    around=_left,
+    spared=True,
+):
+    """A navigator, some of whose rules can be exchanged."""
+    path, plans, excluded, searched, lost = None, [], set(), 0, 0
+    steps = 0
+    while steps < limits.steps:
+        if path is None and searched % (interval or limits.interval) == 0:
+            near, ends = robot.look()
+            found = decide__right_in_a_loop(around(graph, excluded), near, ends, rules)
+            plans.append(found)
+            if found[0] and refuses(found[2], lost):
+                return "refused", plans, excluded
+            path = found[0] or None
+        if path is None and gives_up(searched, limits):
+            return "gave up", plans, excluded
+        steps += 1
+        if path is None:
+            robot.turn()
+            searched += 1
+            continue
+        said = robot.follow(path)
+        if said == "arrived":
+            return said, plans, excluded
+        if said == "lost":
+            vertex = path[place(robot.active)]
+            if forgets:
+                excluded = set()
+            if vertex >= 0 or not spared:
+                excluded = excluded | {vertex} | beside(graph, vertex)
+            lost += 1
+            if lost > allowed(limits):
+                return "gave up", plans, excluded
+            path, searched = None, 0 if fresh else searched
+    return "late", plans, excluded
+
+
+def navigate__excludes_only_the_vertex(robot, graph, rules, limits):
+    """exclude the vertices beside it, too"""
+    return _navigated(robot, graph, rules, limits, beside=lambda graph, v: set())
+
+
+def navigate__excludes_all_behind_it(robot, graph, rules, limits):
+    """not all that it leads to"""
+    return _navigated(robot, graph, rules, limits, beside=lambda graph, v: set(graph[v]))
+
+
+def navigate__excludes_what_it_left(robot, graph, rules, limits):
+    """not the one before it"""
+    return _navigated(robot, graph, rules, limits, place=lambda active: active - 1)
+
+
+def navigate__looks_at_each_step(robot, graph, rules, limits):
+    """not at each"""
+    return _navigated(robot, graph, rules, limits, interval=1)
+
+
+def navigate__has_an_interval_of_its_own(robot, graph, rules, limits):
+    """is right"""
+    return _navigated(robot, graph, rules, limits, interval=10)
+
+
+def navigate__refuses_when_lost(robot, graph, rules, limits):
+    """takes a refused path rather than none"""
+    return _navigated(robot, graph, rules, limits, refuses=lambda reason, lost: reason)
+
+
+def navigate__never_refuses(robot, graph, rules, limits):
+    """yours drives it"""
+    return _navigated(robot, graph, rules, limits, refuses=lambda reason, lost: False)
+
+
+def navigate__allows_one_less(robot, graph, rules, limits):
+    """yours allows one less"""
+    return _navigated(robot, graph, rules, limits, allowed=lambda limits: limits.replans - 1)
+
+
+def navigate__allows_one_more(robot, graph, rules, limits):
+    """yours allows one more"""
+    return _navigated(robot, graph, rules, limits, allowed=lambda limits: limits.replans + 1)
+
+
+def navigate__gives_up_at_once(robot, graph, rules, limits):
+    """yours gives up at once"""
+    return _navigated(robot, graph, rules, limits, gives_up=lambda searched, limits: True)
+
+
+def navigate__never_gives_up(robot, graph, rules, limits):
+    """after limits.search steps of turning"""
+    return _navigated(robot, graph, rules, limits, gives_up=lambda searched, limits: False)
+
+
+def navigate__counts_all_searches(robot, graph, rules, limits):
+    """each search begins anew"""
+    return _navigated(robot, graph, rules, limits, fresh=False)
+
+
+def navigate__forgets_the_first(robot, graph, rules, limits):
+    """not only the last one"""
+    return _navigated(robot, graph, rules, limits, forgets=True)
+
+
+def navigate__plans_on_the_whole_map(robot, graph, rules, limits):
+    """without(graph, excluded)"""
+    return _navigated(robot, graph, rules, limits, around=lambda graph, excluded: graph)
+
+
+def navigate__cuts_the_map(robot, graph, rules, limits):
+    """your function changes the map"""
+
+    def around(graph, excluded):
+        for vertex in excluded & set(graph):
+            del graph[vertex]
+        return _left(graph, excluded)
+
+    return _navigated(robot, graph, rules, limits, around=around)
+
+
+def navigate__excludes_the_goal(robot, graph, rules, limits):
+    """GOAL and HERE are no vertices of the map"""
+    return _navigated(robot, graph, rules, limits, spared=False)
+
+
+def navigate__says_only_the_ending(robot, graph, rules, limits):
+    """return the ending, the list of plans"""
+    return _navigated(robot, graph, rules, limits)[0]
+
+
+def navigate__is_never_late(robot, graph, rules, limits):
+    """yours calls follow, but look is right"""
+    path = []
+    while True:
+        if not path:
+            path, p, reason = decide__right_in_a_loop(graph, *robot.look(), rules)
+        if not path:
+            robot.turn()
+        elif robot.follow(path) == "arrived":
+            return "arrived", [(path, p, reason)], set()
+
+
+def navigate__right_in_a_while_loop(robot, graph, rules, limits):
+    return _navigated(robot, graph, rules, limits)
+
+
+def navigate__right_by_recursion(robot, graph, rules, limits):
+    plans, left = [], iter(range(limits.steps))
+
+    def search(excluded, lost):
+        for turned, _ in enumerate(left):
+            if not turned % limits.interval:
+                near, ends = robot.look()
+                plans.append(decide__right_in_a_loop(_left(graph, excluded), near, ends, rules))
+                path, _, reason = plans[-1]
+                if path and reason and lost == 0:
+                    return "refused", excluded
+                if path:
+                    return drive(path, robot.follow(path), excluded, lost)
+            if turned == limits.search:
+                return "gave up", excluded
+            robot.turn()
+        return "late", excluded
+
+    def drive(path, said, excluded, lost):
+        while said == "going":
+            if next(left, None) is None:
+                return "late", excluded
+            said = robot.follow(path)
+        if said == "arrived":
+            return said, excluded
+        vertex = path[robot.active]
+        if vertex in graph:
+            twins = [v for v, out in graph.items() if vertex in out and v in graph[vertex]]
+            excluded = excluded | {vertex, *twins}
+        if lost == limits.replans:
+            return "gave up", excluded
+        return search(excluded, lost + 1)
+
+    ending, excluded = search(frozenset(), 0)
+    return [ending, plans, excluded]
+
+
+def travel__gives_up_at_the_goal(plan, drive, replans):
+    """when it cannot be reached, replan. Yours gives up"""
+    excluded = set()
+    for _ in range(replans + 1):
+        path = plan(excluded)
+        if not path:
+            return False, excluded
+        stopped = drive(path)
+        if stopped is None:
+            return True, excluded
+        if path[stopped] == GOAL:
+            break
+        excluded.add(path[stopped])
+    return False, excluded
+
+
+def travel__blames_the_last_vertex_for_the_goal(plan, drive, replans):
+    """Yours excludes the vertex before it"""
+    return _travelled(
+        plan,
+        drive,
+        replans,
+        lambda path, stopped: {path[stopped] if path[stopped] != GOAL else path[stopped - 1]},
+    )
+
+
+def travel__does_not_count_the_goal(plan, drive, replans):
+    """was a plan, too; count it"""
+    excluded, left = set(), replans + 1
+    for _ in range(30):
+        if not left:
+            break
+        path = plan(excluded)
+        if not path:
+            return False, excluded
+        stopped = drive(path)
+        if stopped is None:
+            return True, excluded
+        if path[stopped] != GOAL:
+            excluded.add(path[stopped])
+            left -= 1
+    return False, excluded
+
+
+def travel__returns_nothing_of_the_excluded(plan, drive, replans):
+    """also on arrival"""
+    arrived, excluded = _travelled(plan, drive, replans)
+    return arrived, set() if arrived else excluded
+
+
+def travel__calls_a_refusal_an_arrival(plan, drive, replans):
+    """return False"""
+    excluded = set()
+    for _ in range(replans + 1):
+        path = plan(excluded)
+        if not path:
+            return True, excluded
+        stopped = drive(path)
+        if stopped is None:
+            return True, excluded
+        if path[stopped] != GOAL:
+            excluded.add(path[stopped])
+    return False, excluded
+
+
+def tally__turns_edges_round(trips):
+    """yours are turned round"""
+    return {(w, v): both for (v, w), both in _counted(trips, _judged).items()}
+
+
+def tally__counts_an_edge_once_a_trip(trips):
+    """each time counts"""
+    counts = {}
+    for path, stopped in trips:
+        for edge, (_, passed) in _counted([(path, stopped)], _judged).items():
+            before = counts.get(edge, (0, 0))
+            counts[edge] = (before[0] + 1, before[1] + min(passed, 1))
+    return counts
+
+
+def tally__leaves_out_the_ends(trips):
+    """edges from HERE and to GOAL count as well"""
+    return {edge: both for edge, both in _counted(trips, _judged).items() if min(edge) >= 0}
+
+
+def tally__looks_at_the_index_of_the_vertex(trips):
+    """(tried, passed) ="""
+    counts = {}
+    for path, stopped in trips:
+        for edge in pairwise(path):
+            place = path.index(edge[1])
+            tried, passed = counts.get(edge, (0, 0))
+            if stopped is None or place <= stopped:
+                counts[edge] = (tried + 1, passed + (stopped is None or place < stopped))
+    return counts
+
+
+def decide__drops_all_thresholds(graph, from_here, to_goals, rules):
+    """yours drops every threshold"""
+    path, p = _planned(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    if path:
+        return path, p, "" if p >= rules.least else "too improbable"
+    path, p = _planned(graph, from_here, to_goals, 0.0, 0.0)
+    return path, p, "not on the map" if path else "no path"
+
+
+def decide__gives_a_second_chance(graph, from_here, to_goals, rules):
+    """the second plan only gives the reason"""
+    path, p, reason = _decided(graph, from_here, to_goals, rules)
+    return path, p, "" if reason == "not on the map" and p >= rules.least else reason
+
+
+def join_ends__prunes_the_map(graph, from_here, to_goals, p_here, p_goal):
+    """the map's own edges stay"""
+    pruned = {v: {w: p for w, p in out.items() if p > p_here} for v, out in graph.items()}
+    return _joined(pruned, from_here, to_goals, p_here, p_goal)
+
+
+def join_ends__forgets_the_map(graph, from_here, to_goals, p_here, p_goal):
+    """the new graph has the map's edges, too"""
+    return _joined({v: {} for v in graph}, from_here, to_goals, p_here, p_goal)
+
+
+def most_probable_path__gives_the_last_step(graph, start, goal):
+    """that of the last step alone"""
+    path, _ = _best(graph, start, goal)
+    steps = [graph[v][w] for v, w in pairwise(path)]
+    return path, steps[-1] if steps else float(bool(path))
+
+
+def most_probable_path__gives_a_logarithm(graph, start, goal):
+    """that is the logarithm of its probability"""
+    path, p = _best(graph, start, goal)
+    return path, math.log(p) if path else 0.0
+
+
+def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
+    order, least = {start: [start]}, {start: 1.0}
+    for _ in range(len(graph)):
+        for v in list(order):
+            for w, p in graph[v].items():
+                if least[v] * p > least.get(w, 0.0) * (1 + 1e-12) and w not in order[v]:
+                    least[w], order[w] = least[v] * p, [*order[v], w]
+    if goal not in order:
+        return (), 0
+    return tuple(order[goal]), _product(graph, order[goal])

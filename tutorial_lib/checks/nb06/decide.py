@@ -57,6 +57,7 @@ def _decided(
 
     def found(p_goal: float) -> tuple[list[Vertex], float]:
         p_here = rules.p_goal if fault == "p_goal from here" else rules.p_query
+        p_here = 0.0 if p_goal == 0.0 else p_here  # the fault "no threshold"
         joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
         path, probability = most_probable_path(joined, HERE, GOAL)
         if fault == "last step" and path:
