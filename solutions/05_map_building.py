@@ -16,19 +16,10 @@
 # We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020), from here on "the paper".
 
 # %%
-# %% hidden=true
-# Imports for the buildings and the figures
-import tempfile
-import time
-from dataclasses import dataclass
-from functools import partial
-from itertools import pairwise, permutations
-from pathlib import Path
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
-from IPython.display import display
-from tqdm.auto import tqdm
 
 from tutorial_lib.checks.nb05 import (
     BY_HAND,
@@ -41,6 +32,24 @@ from tutorial_lib.checks.nb05 import (
     check_reusable,
     check_weakest_aligned,
 )
+from tutorial_lib.learning import use_threads
+from tutorial_lib.topology import Anchors, MapSettings, TopoMap, add_trajectory
+from tutorial_lib.viz import edge_table, show, sliders, table
+
+use_threads(1)  # the networks are small: a second thread would mostly wait
+
+# %% hidden=true
+# Imports for the buildings and the figures
+import tempfile
+import time
+from dataclasses import dataclass
+from functools import partial
+from itertools import permutations
+from pathlib import Path
+
+from IPython.display import display
+from tqdm.auto import tqdm
+
 from tutorial_lib.driving import GridPaths, RecordedWorld, demonstrate_between
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments import (
@@ -54,18 +63,8 @@ from tutorial_lib.experiments import (
     vertex_poses,
 )
 from tutorial_lib.geometry import wrap
-from tutorial_lib.learning import ReachabilityNetwork, WaypointNetwork, use_threads
-from tutorial_lib.topology import (
-    Anchors,
-    MapSettings,
-    TopoMap,
-    add_trajectory,
-    anchors_of,
-    likeness,
-    load_map,
-    most_alike,
-    save_map,
-)
+from tutorial_lib.learning import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.topology import anchors_of, likeness, load_map, most_alike, save_map
 from tutorial_lib.viz import (
     PlanView,
     aligned_sequences,
@@ -75,19 +74,13 @@ from tutorial_lib.viz import (
     colours,
     draw_edges,
     draw_topomap,
-    edge_table,
     from_figure,
     hue,
-    show,
     side_by_side,
-    sliders,
     stacked,
-    table,
     write_beside,
 )
 from tutorial_lib.world import Camera, scene_of, world_name
-
-use_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
 # ## 1 · From trajectories to one graph

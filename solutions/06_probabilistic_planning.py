@@ -17,18 +17,13 @@
 # We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020), from here on "the paper".
 
 # %%
-# %% hidden=true
-# Imports for the building, the fleet and the figures
-import copy
 import heapq
 import math
 from itertools import pairwise
 
-import networkx as nx
 import numpy as np
-from IPython.display import display
-from tqdm.auto import tqdm
 
+from tutorial_lib.checks import nb02, nb04, nb05, nb06
 from tutorial_lib.checks.nb06 import (
     BY_HAND,
     GOAL,
@@ -42,6 +37,20 @@ from tutorial_lib.checks.nb06 import (
     check_travel,
     with_false_edge,
 )
+from tutorial_lib.learning import use_threads
+from tutorial_lib.topology import DijkstraPlanner
+from tutorial_lib.viz import graph_picture, show, sliders, table
+
+use_threads(1)  # the networks are small: a second thread would mostly wait
+
+# %% hidden=true
+# Imports for the building, the fleet and the figures
+import copy
+
+import networkx as nx
+from IPython.display import display
+from tqdm.auto import tqdm
+
 from tutorial_lib.driving import RecordedWorld, demonstrate
 from tutorial_lib.experiments import (
     WORMHOLE,
@@ -54,12 +63,9 @@ from tutorial_lib.experiments import (
     make_building,
     vertex_poses,
 )
-from tutorial_lib.experiments import (
-    navigate as run_agent,
-)
+from tutorial_lib.experiments import navigate as run_agent
 from tutorial_lib.interfaces import Goals, Plan
-from tutorial_lib.learning import use_threads
-from tutorial_lib.topology import ASIDE, AnchorPaths, DijkstraPlanner, Follower
+from tutorial_lib.topology import ASIDE, AnchorPaths, Follower
 from tutorial_lib.viz import (
     PlanView,
     camera_picture,
@@ -69,19 +75,13 @@ from tutorial_lib.viz import (
     draw_plan,
     draw_topomap,
     from_figure,
-    graph_picture,
     hue,
     numbered_views,
-    show,
     side_by_side,
-    sliders,
     stacked,
-    table,
     write_beside,
 )
 from tutorial_lib.world import STEP, BicycleCar, Camera, Simulation, map_world, scene_of
-
-use_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
 # ## 1 · A path is a chain of local tasks
@@ -1397,6 +1397,289 @@ table(head, rows, caption="averages over the trials in which it starts")
 #
 # Other pieces can be exchanged in the same way: a class with `localize` (where am I?), with `prepare` and `probability` (another $\mathcal{RE}$), or with `learn` and `start` (a whole agent).
 #
+# ## 11 · Your robot
+#
+# Everything that you wrote in notebooks 02 to 06 now drives one robot, in the apartment of notebook 00. It gets what was observed on trajectories between three places, and one goal image. Every function below is **yours if its check passed** (it is taken from the folder `my_answers`), and the library's otherwise:
+#
+# | part of the robot | functions | notebook |
+# |---|---|---|
+# | the controller's accelerations | `goal_policy`, `obstacle_policy`, `resolve` | 02 |
+# | the images that are kept, and the follower's transitions | `choose_anchors`, `transition` | 04 |
+# | the map | `insert` with `reusable` and `ahead_of`; `weakest_aligned`, `edge_weights` | 05 |
+# | planning and navigating | `navigate` with `decide`, `join_ends` and `most_probable_path` | 06 |
+#
+# The rest is the library's: the networks (yours from notebooks 02 and 03 are trained too briefly to drive a whole apartment), the arcs and speed limits of the controller, and the world.
+#
+# Write your name into the first line. **Predict:** where will it be slow? (About 15 s.)
+
+# %%
+NAME = ""  # yours, for the title of the film
+
+PARTS = {
+    nb02: ("goal_policy", "obstacle_policy", "resolve"),
+    nb04: ("choose_anchors", "transition"),
+    nb05: ("edge_weights", "reusable", "ahead_of", "weakest_aligned", "insert"),
+    nb06: ("most_probable_path", "join_ends", "decide", "navigate"),
+}
+checks = {name: getattr(nb, f"check_{name}") for nb, names in PARTS.items() for name in names}
+mine = {name: one.mine() for name, one in checks.items()}
+is_yours = {name: mine[name] is not one.reference for name, one in checks.items()}
+rows = [
+    [name, one.notebook, "you" if is_yours[name] else "the library"] for name, one in checks.items()
+]
+table({"function": "", "notebook": "", "written by": ""}, rows)
+
+# %% hidden=true
+# The parts of your robot: controller, map and follower
+from functools import partial
+from itertools import pairwise
+
+from tutorial_lib.driving.control.rmp import (
+    RMPController,
+    control_jacobian,
+    heading_policy,
+    point_jacobian,
+)
+from tutorial_lib.experiments.demos.navigation_demo import farthest
+from tutorial_lib.experiments.protocols.navigation_tasks import explored
+from tutorial_lib.geometry import to_local, to_world
+from tutorial_lib.interfaces import Goals
+from tutorial_lib.topology import Anchors, FollowerSettings, State, TopoMap
+from tutorial_lib.topology.mapping.sparsify import contextified
+from tutorial_lib.viz.figures.dashboard import Moment
+from tutorial_lib.world import Scene, generate
+from tutorial_lib.world.sensors import full_circle
+
+if not is_yours["insert"]:  # a function that the library's calls may be yours all the same
+    mine["insert"] = partial(mine["insert"], reusable=mine["reusable"], ahead_of=mine["ahead_of"])
+if not is_yours["decide"]:
+    ends_and_path = {name: mine[name] for name in ("join_ends", "most_probable_path")}
+    mine["decide"] = partial(mine["decide"], **ends_and_path)
+if not is_yours["navigate"]:
+    mine["navigate"] = partial(mine["navigate"], decide=mine["decide"])
+
+
+class YourController(RMPController):
+    """The library's controller, whose accelerations are resolved by your three functions."""
+
+    def _accelerate(self, lasers, controls, carrots, gears, steerings):
+        robots = zip(lasers, controls, carrots, gears, steerings, strict=True)
+        return np.array([mine["resolve"](self._policies(*robot)) for robot in robots])
+
+    def _policies(self, laser, controls, carrot, gear, steering):
+        """Policies of one car: to the carrot, of the steering, and off each laser point."""
+        twist = self.body.twist(controls[None])[0]
+        # At rest no steering turns the car; the policies must see what it will do.
+        moving = np.array([gear * max(abs(controls[0]), self.authority), controls[1]])
+        by_controls = control_jacobian(self.body, moving)
+        goal = self.goal_gain, self.goal_damping, self.near
+        pull = mine["goal_policy"](carrot, twist * [1.0, 0.0], *goal)
+        rate, weight = heading_policy(
+            controls[1:], np.array([steering]), self.heading_gain, self.heading_weight
+        )
+        policies = [(point_jacobian([0.0, 0.0]) @ by_controls, *pull)]
+        policies.append((np.array([[0.0, 1.0]]), rate, weight[None]))
+        near = np.flatnonzero(laser < self.horizon)
+        angles = full_circle(len(laser))[near]
+        points = laser[near, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        shape = self.push, self.brake, self.weight, self.fade
+        for place, radius in self.discs:
+            offsets = points - [place, 0.0]
+            far = np.maximum(np.linalg.norm(offsets, axis=1), 1e-9)
+            rows = -(offsets / far[:, None]) @ point_jacobian([place, 0.0])
+            away, metrics = mine["obstacle_policy"](far - radius, -(rows @ twist), *shape)
+            for row, a, m in zip(rows @ by_controls, away, metrics, strict=True):
+                policies.append((row[None], np.array([a]), np.array([[m]])))
+        return policies
+
+
+class RowsOnDemand:
+    """RE (T, T) between the frames of a trajectory; a row is evaluated when it is looked at."""
+
+    def __init__(self, reachability, observations, prepared, ahead=60):
+        self.parts, self.ahead = (reachability, observations, prepared), ahead
+        self.shape = len(prepared), len(prepared)
+        self.table, self.known = np.zeros(self.shape), np.zeros(len(prepared), dtype=bool)
+
+    def __len__(self):
+        return len(self.table)
+
+    def __getitem__(self, key):
+        rows = np.arange(len(self))[key[0] if isinstance(key, tuple) else key]
+        for row in np.unique(np.atleast_1d(rows)):
+            self._evaluate(int(row))
+        return self.table[key]
+
+    def __array__(self, *_, **__):
+        return self[:]
+
+    def _evaluate(self, row):
+        reachability, observations, prepared = self.parts
+        there = np.arange(row + 1, min(row + 1 + self.ahead, len(self)))
+        if not self.known[row] and len(there):
+            here = observations[np.full(len(there), row)]
+            self.table[row, there] = reachability.probability(here, prepared[there])
+        self.known[row] = True
+
+
+def your_anchors(experience, net, view, k):
+    """The anchors of a trajectory, chosen by you."""
+    seen = experience.observations
+    contexts = contextified(view.of(seen), k)
+    prepared = net.prepare(contexts)
+    kept = np.array(mine["choose_anchors"](RowsOnDemand(net, seen, prepared), 0.99), dtype=int)
+    return Anchors(seen[kept], contexts[kept], experience.timestamps[kept], prepared[kept], net)
+
+
+def your_map(all_anchors, net, p_edge=0.99, p_reuse=0.95, sequence=2):
+    """A topological map of trajectories, built by your functions on RE between all anchors."""
+    everything, trajectories = TopoMap(net), []
+    for index, anchors in enumerate(all_anchors):
+        places = np.arange(len(anchors))
+        parts = *anchors.subset(places), 0 * places + index, places, anchors.prepared
+        trajectories.append(everything.make_vertices(*parts))
+    count, vertices = len(everything), everything.vertices
+    every = np.arange(count)
+    rows = [vertices.between(np.full(count, v), every) for v in tqdm(every, "pairs", leave=False)]
+    grown = nb05.SmallMap.empty(np.array(rows))
+    for own in trajectories:
+        before, after = grown.before.copy(), grown.after.copy()
+        before[own[1:]], after[own[:-1]] = own[:-1], own[1:]
+        beside, scores = (before, after), grown.reach.copy()
+        scores[:, own] = mine["weakest_aligned"](grown.reach[:, own].T, *beside, sequence).T
+        scores[own] = mine["weakest_aligned"](grown.reach[own], *beside, sequence)
+        mine["insert"](grown, own, scores, p_reuse)
+    weights = mine["edge_weights"](grown.edge_reach, grown.driven, p_edge)
+    kept = np.array([int(v) for v in grown.vertices])
+    number = {v: i for i, v in enumerate(kept.tolist())}
+    topomap, contents = TopoMap(net), vertices.contexts[kept]
+    topomap.make_vertices(
+        *(vertices.observations[kept], contents, vertices.timestamps[kept]),
+        *(grown.trajectory[kept], grown.place[kept], vertices.prepared_targets(kept)),
+    )
+    topomap.paths = [[number[int(v)] for v in path] for path in grown.paths]
+    for v, w in np.argwhere(np.isfinite(weights)).tolist():
+        driven = int(grown.driven[v, w])
+        topomap.connect(number[v], number[w], np.exp(-weights[v, w]), driven)
+    return topomap
+
+
+class YourRobot:
+    """One robot for `navigate`; it keeps what the film shows."""
+
+    def __init__(self, scene, start, goal, topomap, system, controller):
+        self.simulation, self.goal, self.topomap = Simulation(scene, start), goal, topomap
+        self.system, self.controller, self.rules = system, controller, FollowerSettings()
+        self.alive, self.path, self.moments = topomap.alive, None, []
+        self.track, self.state, self.at, self.probability = [start[0, :2]], State.SEARCH, 0, 0.0
+        self.progress = tqdm(desc="steps of 0.1 s", leave=False)
+
+    @property
+    def active(self):
+        """The place along the path that it drives to."""
+        return self.at + 1
+
+    def look(self):
+        """RE from here to the vertices, and to the goal image from them and from here."""
+        vertices, alive, seen = self.topomap.vertices, self.alive, self.simulation.observe()
+        near = vertices.into(seen, np.zeros(len(alive), int), alive)
+        prepared = vertices.prepare(self.goal.contexts)
+        far = vertices.onward(alive, prepared, np.zeros(len(alive), int))
+        direct = vertices.query(seen, [0], prepared, [0])
+        names = alive.tolist()
+        ends = dict(zip([*names, HERE], [*far.tolist(), *direct.tolist()], strict=True))
+        return dict(zip(names, near.tolist(), strict=True)), [ends]
+
+    def turn(self):
+        """Turn for a step."""
+        self._drive(self.simulation.observe(), np.array([0.0, ASIDE]))
+
+    def follow(self, path):
+        """Follow a path for a step, by your transitions."""
+        if path is not self.path:
+            self._begin(path)
+        seen, places = self.simulation.observe(), np.arange(self.paths.lengths[0])[None]
+        asked = np.abs(places - self.at) <= 1
+        query = seen, np.zeros(1, int), places, asked
+        reach = np.nan_to_num(self.paths.probabilities(self.system.reachability, *query))[0]
+        waypoints, overlap = self.paths.waypoints(self.system.predictor, *query)
+        before, waypoints, overlap = self.at, waypoints[0], np.nan_to_num(overlap)[0]
+        close = np.linalg.norm(waypoints[before]) < self.rules.at
+        there = bool(close and reach[before] > self.rules.p_lose)
+        state = self.state, before, self.visited, reach, overlap, there, self.waited, self.rules
+        self.state, self.at, self.visited = mine["transition"](*state)
+        self.waited = self.waited + STEP if self.state == State.DEAD_RECKONING else 0.0
+        if self.state == State.FOLLOW or self.at > before:
+            self.waypoint = to_world(seen.odometry[0], waypoints[self.at])
+        if self.state in (State.LOST, State.DONE):
+            return "arrived" if self.state == State.DONE else "lost"
+        self._drive(seen, to_local(seen.odometry[0], self.waypoint))
+        return "going"
+
+    def _begin(self, path):
+        contexts = [self.goal.contexts]
+        if path[1:-1]:
+            contexts.insert(0, self.topomap.vertices.contexts[np.array(path[1:-1])])
+        contexts = np.concatenate(contexts)
+        prepared = (
+            net.prepare(contexts) for net in (self.system.predictor, self.system.reachability)
+        )
+        self.paths, self.path = AnchorPaths.end_to_end(*prepared, [len(contexts)]), path
+        self.state, self.at, self.visited, self.waited = State.FOLLOW, 0, -1, 0.0
+        self.waypoint = self.simulation.observe().odometry[0, :2]
+
+    def _drive(self, seen, waypoint):
+        self.simulation.step(self.controller.act(seen, waypoint[None]))
+        self.track.append(self.simulation.poses[0, :2])
+        self.progress.update()
+        if len(self.track) % 6 == 0:
+            self.film()
+
+    def film(self):
+        """Keep this moment for the film."""
+        simulation, sharp = self.simulation, Camera(rows=64, columns=192)
+        pose, goal = simulation.poses[0], self.target
+        ahead = [] if self.path is None else [v for v in self.path[1 + self.at :] if v >= 0]
+        path = np.array([pose[:2], *self.places[ahead, :2], goal[:2]])
+        image = sharp.look(simulation.scene, pose[None])[0]
+        lines = (
+            ("time", f"{simulation.seconds:.1f} s"),
+            ("state", State(self.state).name.replace("_", " ").lower()),
+            ("images to go", f"{len(ahead)}"),
+            ("speed", f"{simulation.speed[0]:+.2f} m/s"),
+        )
+        seen = simulation.observe()
+        shown = type(seen)(**{**vars(seen), "image": image})
+        parts = pose, simulation.body.footprint, shown, np.array(self.track), path, goal[:2]
+        picture = sharp.look(simulation.scene, goal[None])[0][0]
+        self.moments.append(Moment(*parts, simulation.discs, lines, picture))
+
+
+# %%
+scene = Scene(generate("apartment", 2))
+building = explored("apartment 2", scene, np.random.default_rng(2), 3)
+drawn = draw_trials(building, 20, np.random.default_rng(2))
+trial, rooms, doors = farthest(building, drawn)
+system = agents.meng()
+net, lens, k = system.reachability, system.predictor.view, system.predictor.k
+seen = tqdm(list(experiences(building)), desc="your anchors", leave=False)
+your_topomap = your_map([your_anchors(one, net, lens, k) for one in seen], net)
+goal = goals_of(trial, lens, k)[0]
+robot = YourRobot(scene, trial.starts, goal, your_topomap, system, YourController())
+robot.target, robot.places = trial.goal_poses[0], vertex_poses(building, your_topomap)
+your_graph = {
+    int(v): {int(w): edge["probability"] for w, edge in out.items()}
+    for v, out in your_topomap.graph.adjacency()
+}
+ending, plans, excluded = mine["navigate"](robot, your_graph, DijkstraPlanner(), Limits())
+robot.progress.close()
+gap = np.linalg.norm(robot.track[-1] - robot.target[:2])
+print(f"a map of {len(your_graph)} vertices and {your_topomap.graph.number_of_edges()} edges")
+print(
+    f"{ending} after {robot.simulation.seconds:.0f} s, {gap:.2f} m from the goal; plans: {len(plans)}"
+)
+
+# %% [markdown]
 # ## Optional extras
 #
 # - **Extra 1.** Write a `Patient` planner that takes the metres into account as well. The map knows none, but each vertex has the odometer's pose, `topomap.vertices.observations[np.array(path)].odometry` for the vertices of a `path`: along a trajectory the differences give lengths. Is the car less often late?

@@ -70,6 +70,7 @@ def insert(
     p_reuse: float,
     through: Through = through,
     ahead_of: Callable[..., NDArray[np.bool_]] = edge_rules.ahead_of,
+    reusable: Callable[..., int] = edge_rules.reusable,
 ) -> None:
     """Insert a trajectory into a map (Meng 2020, III-E).
 
@@ -80,12 +81,13 @@ def insert(
         p_reuse: RE above which a vertex takes an anchor's place.
         through: RE by which vertices are judged.
         ahead_of: which vertices may be taken after others.
+        reusable: which of them takes an anchor's place.
     """
     path, reused = [], []
     for i, anchor in enumerate(own):
         into, onward = through(grown, own, path, i)
         allowed = ahead_of(grown.trajectory, grown.place, reused)[grown.vertices]
-        found = edge_rules.reusable(into, onward, allowed, p_reuse)
+        found = reusable(into, onward, allowed, p_reuse)
         if found >= 0:
             reused.append(grown.vertices[found])
         path.append(int(anchor) if found < 0 else grown.vertices[found])

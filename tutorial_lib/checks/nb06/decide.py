@@ -15,6 +15,7 @@ from tutorial_lib.checks.nb06.graphs import (
     GOAL,
     HERE,
     SMALL_MAP,
+    Found,
     Graph,
     Vertex,
     most_probable_path,
@@ -34,6 +35,8 @@ def decide(
     from_here: Mapping[Vertex, float],
     to_goals: Sequence[Mapping[Vertex, float]],
     rules: DijkstraPlanner,
+    join_ends: Callable[..., Graph] = join_ends,
+    most_probable_path: Callable[..., Found] = most_probable_path,
 ) -> Decision:
     """The best path, its probability, and the reason to refuse; see `join_ends`.
 
@@ -42,8 +45,11 @@ def decide(
         from_here: RE from here to vertices.
         to_goals: for each goal image, RE to it.
         rules: `p_query`, `p_goal` and `least`.
+        join_ends: adds the edges of both ends.
+        most_probable_path: plans.
     """
-    return _decided(graph, from_here, to_goals, rules)
+    parts = join_ends, most_probable_path
+    return _decided(graph, from_here, to_goals, rules, parts=parts)
 
 
 def _decided(
@@ -52,14 +58,15 @@ def _decided(
     to_goals: Sequence[Mapping[Vertex, float]],
     rules: DijkstraPlanner,
     fault: str = "",
+    parts: tuple[Callable[..., Graph], Callable[..., Found]] = (join_ends, most_probable_path),
 ) -> Decision:
     """The decision, with a `fault` if one is named."""
 
     def found(p_goal: float) -> tuple[list[Vertex], float]:
         p_here = rules.p_goal if fault == "p_goal from here" else rules.p_query
         p_here = 0.0 if p_goal == 0.0 else p_here  # the fault "no threshold"
-        joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
-        path, probability = most_probable_path(joined, HERE, GOAL)
+        joined = parts[0](graph, from_here, to_goals, p_here, p_goal)
+        path, probability = parts[1](joined, HERE, GOAL)
         if fault == "last step" and path:
             return path, joined[path[-2]][GOAL]
         return path, probability

@@ -13,7 +13,7 @@ from tutorial_lib.checks.framework.comparison import with_faults
 from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
-from tutorial_lib.checks.nb06.untouched import explained
+from tutorial_lib.checks.nb06.untouched import explained, number
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 ENDINGS = ("arrived", "refused", "gave up", "late")
@@ -21,7 +21,13 @@ Navigated = tuple[str, list[Decision], set[Vertex]]
 """How it ended, all decisions, and the vertices that are excluded."""
 
 
-def navigate(robot: Any, graph: Graph, rules: DijkstraPlanner, limits: Limits) -> Navigated:  # noqa: ANN401
+def navigate(
+    robot: Any,  # noqa: ANN401
+    graph: Graph,
+    rules: DijkstraPlanner,
+    limits: Limits,
+    decide: Callable[..., Decision] = decide,
+) -> Navigated:
     """Plan, follow, search and replan, step by step.
 
     Args:
@@ -29,8 +35,9 @@ def navigate(robot: Any, graph: Graph, rules: DijkstraPlanner, limits: Limits) -
         graph: of the map.
         rules: of `decide`.
         limits: of the navigation.
+        decide: plans.
     """
-    return _navigated(robot, graph, rules, limits)
+    return _navigated(robot, graph, rules, limits, decide=decide)
 
 
 def without(graph: Graph, excluded: set[Vertex]) -> Graph:
@@ -48,6 +55,7 @@ def _navigated(
     rules: DijkstraPlanner,
     limits: Limits,
     fault: str = "",
+    decide: Callable[..., Decision] = decide,
 ) -> Navigated:
     """The navigation, with a `fault` if one is named."""
     excluded, plans, lost = set[Vertex](), list[Decision](), 0
@@ -193,14 +201,20 @@ def _form(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
     if not isinstance(ending, str) or ending not in ENDINGS:
         raise WrongAnswer(f"{what}: the ending {ending!r} came back; give one of {ENDINGS}")
     if not isinstance(plans, list | tuple) or any(
-        not isinstance(plan, list | tuple) or len(plan) != 3 for plan in plans
+        not isinstance(plan, list | tuple)
+        or len(plan) != 3
+        or not isinstance(plan[0], list | tuple)
+        for plan in plans
     ):
         raise WrongAnswer(f"{what}: plans is a list of what decide returned, a tuple of 3 each")
     if not isinstance(excluded, set | frozenset | list | tuple) or any(
         isinstance(vertex, list | set | dict) for vertex in excluded
     ):
         raise WrongAnswer(f"{what}: return the set of the vertices that are excluded")
-    shown = [(list(path), float(probability), reason) for path, probability, reason in plans]
+    shown = [
+        (list(path), round(number(what, probability, "as a probability"), 9), reason)
+        for path, probability, reason in plans
+    ]
     return ending, shown, set(excluded), got[1]
 
 
