@@ -1411,7 +1411,7 @@ table(head, rows, caption="averages over the trials in which it starts")
 #
 # The rest is the library's: the networks (yours from notebooks 02 and 03 are trained too briefly to drive a whole apartment), the arcs and speed limits of the controller, and the world.
 #
-# Write your name into the first line. **Predict:** where will it be slow? (About 15 s.)
+# Write your name into the first line. **Predict:** will it face as the goal image does when it arrives? Look at what your `transition` calls arrival. (About 10 s.)
 
 # %%
 NAME = ""  # yours, for the title of the film
@@ -1443,7 +1443,7 @@ from tutorial_lib.driving.control.rmp import (
 )
 from tutorial_lib.experiments.demos.navigation_demo import farthest
 from tutorial_lib.experiments.protocols.navigation_tasks import explored
-from tutorial_lib.geometry import to_local, to_world
+from tutorial_lib.geometry import to_local, to_world, wrap
 from tutorial_lib.topology import Anchors, FollowerSettings, State, TopoMap, anchors_of
 from tutorial_lib.topology.mapping.sparsify import contextified
 from tutorial_lib.viz import faded, play
@@ -1683,8 +1683,10 @@ robot = YourRobot(scene, trial, goal, your_topomap, places, system, YourControll
 ending, plans, excluded = mine["navigate"](robot, your_graph, DijkstraPlanner(), Limits())
 robot.finish()
 gap = np.linalg.norm(robot.track[-1] - trial.goal_poses[0, :2])
+turned = abs(wrap(robot.simulation.poses[0, 2] - trial.goal_poses[0, 2]))
 print(f"your map: {len(your_graph)} vertices, {your_topomap.graph.number_of_edges()} edges")
 print(f"{ending} after {robot.simulation.seconds:.0f} s, {gap:.2f} m from the goal, ", end="")
+print(f"turned by {np.rad2deg(turned):.0f} degrees, ", end="")
 print(f"with {len(plans)} plans, the first of probability {plans[0][1]:.2f}")
 
 # %% hidden=true
@@ -1699,10 +1701,6 @@ play([cv2.resize(film[i], (756, 456)) for i in numbers], 6, count=3)
 
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table above says "the library", there is still something to write.
-#
-# <details><summary>Where is it slow, and why?</summary>
-# It has no sense of the way ahead: it drives from image to image, and slows down wherever the next waypoint is near. Nor does your simple follower turn on the spot when it has arrived with the wrong heading, as the library's does ([`follower.py`](../tutorial_lib/topology/following/follower.py)).
-# </details>
 #
 # ## Optional extras
 #

@@ -61,9 +61,10 @@ def explained(
         return student()
     except (WrongAnswer, NotImplementedError):
         raise
-    except tuple(_USUAL) as error:
+    except Exception as error:
         known = {**_USUAL, **(hints or {})}
-        hint = next(known[kind] for kind in type(error).__mro__ if kind in known)
+        other = "try this case by hand, and print what you have just before that line"
+        hint = next((known[kind] for kind in type(error).__mro__ if kind in known), other)
         line = traceback.extract_tb(error.__traceback__)[-1].line or ""
         place = f" (in: {line.strip()})" if line else ""
         kind = type(error).__name__
