@@ -118,7 +118,7 @@ show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 # There is an edge where $\mathcal{RE}$ is *greater* than `p_edge`, or where a trajectory goes; never from a vertex to itself, even if `driven` says so. Where there is no edge, the weight is $\infty$: `np.inf`. $\log 0$ is $-\infty$; to keep a driven edge finite even there, any $\mathcal{RE}$ below $10^{-12}$ counts as $10^{-12}$.
 #
 # <details><summary>Hint 1: concept</summary>Two steps: which pairs are edges, and what does each one weigh? The first is a Boolean table.</details>
-# <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(kept, False) changes a table in place. np.maximum(x, 0.5) lets no number be below 0.5.</details>
+# <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(table, value) changes a table in place. np.maximum(x, 0.5) lets no number be below 0.5.</details>
 # <details><summary>Hint 3: the shape</summary>np.where(mask, one, other) takes one where mask is True, and other elsewhere. Which of the two is np.inf here?</details>
 
 
@@ -128,7 +128,7 @@ def edge_weights(reach, driven, p_edge):
 
     reach: (V, V) array; reach[i, j] is RE from vertex i to vertex j, 0 to 1.
     driven: (V, V) Boolean array, True where a trajectory goes from i to j.
-    p_edge: there is an edge where RE is greater than this, or where driven is True; none from i to i.
+    p_edge: there is an edge where RE is greater, or where driven is True; none from i to i.
     Returns a new (V, V) array: -log RE where there is an edge (natural logarithm; RE below 1e-12
     counts as 1e-12), np.inf where there is none.
     """
@@ -205,7 +205,7 @@ reachability, predictor = ReachabilityNetwork("reach_k5"), WaypointNetwork("wayp
 class AllPairs:
     """A building, the anchors of its trajectories, and RE between all pairs of them.
 
-    The anchors of all trajectories share one numbering; `trajectories` holds the indices of each, in order.
+    The anchors of all trajectories share one numbering; `trajectories` holds those of each.
     """
 
     building: Building
@@ -386,7 +386,7 @@ reusable = check_reusable.use(reusable)
 # ### Exercise 3 · `ahead_of` (easy, 7 minutes)
 #
 # <details><summary>Hint 1: concept</summary>At first all are allowed. Each vertex that was reused excludes some: those of its own trajectory that are not ahead of it.</details>
-# <details><summary>Hint 2: approach</summary>Begin with np.ones(len(place), dtype=bool). In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
+# <details><summary>Hint 2: approach</summary>Begin with a Boolean array that is True for every vertex. In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
 # <details><summary>Hint 3: the shape</summary>books &= (author != author[mine]) | (year > year[mine]) leaves out what my author wrote until then. In a loop, mine is each of several books.</details>
 
 
@@ -765,7 +765,7 @@ sliders(whole_map, p_edge=(0.8, 0.999, 0.001, 0.99), p_reuse=(0.8, 1.0, 0.01, 0.
 # %% hidden=true
 # An office with symmetric corridors, and its most convincing wormhole
 def building_of(name, count, seed=0):
-    """A building like those of `experiments.protocols.navigation_tasks`, for a world by its name."""
+    """A building like those of the experiments, for a world by its name."""
     scene = scene_of(name)
     paths = GridPaths(scene.clearance)
     places = spread_places(paths, count, np.random.default_rng(seed))
@@ -827,7 +827,7 @@ show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], val
 # Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. A sequence ends, on its side, as soon as there is no next anchor or no next vertex. **Beware:** to numpy, -1 is the last one.
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
-# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost: row, column = row + direction, beside[column]; break if not 0 <= row < len(reach) or column < 0; otherwise take the minimum.</details>
+# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>
 # <details><summary>Hint 3: questions</summary>Do you compare with reach, which stays as it was, or with values that have been lowered already? Do both fingers start again from the pair itself for the second direction?</details>
 
 
@@ -932,8 +932,8 @@ def ask_next(reach, before, after, p_edge):
     reach: (A, V) array, RE from each anchor of a trajectory, in order, to each vertex; np.nan where
     it was not evaluated. before, after: (V,) arrays, as for weakest_aligned.
     p_edge: a pair whose RE is greater is sure.
-    Returns an (A, V) Boolean array, True where to query next: not evaluated yet, and one of the four
-    neighbours of a sure pair.
+    Returns an (A, V) Boolean array, True where to query next: not evaluated yet, and one of the
+    four neighbours of a sure pair.
     """
     ### BEGIN SOLUTION
     found = np.zeros(reach.shape, dtype=bool)

@@ -216,7 +216,7 @@ show(with_places(map_picture.copy()))
 # `HERE` and `GOAL` stand for vertices that are on no map (their values are -1 and -2). There is an edge where $\mathcal{RE}$ is *greater* than the threshold. The edge from `HERE` to `GOAL` comes from `to_goals` and has the threshold `p_goal`, as every edge to `GOAL`. If several images give a value for the same vertex, the greatest counts. The map's own edges stay as they are.
 #
 # <details><summary>Hint 1: concept</summary>A new graph, with everything that was in the old one, and two more vertices. The map itself is needed again for the next plan, and must not change.</details>
-# <details><summary>Hint 2: approach</summary>Copy both levels: {v: dict(out) for v, out in graph.items()}. Add HERE and GOAL with an empty dictionary each. Then go through from_here, and through all of to_goals; leave out vertices that the graph does not have, except HERE in to_goals.</details>
+# <details><summary>Hint 2: approach</summary>Copy both levels: dict(d) copies one dictionary; a comprehension over graph.items() copies each inner one. Add HERE and GOAL with an empty dictionary each. Then go through from_here, and through all of to_goals; leave out vertices that the graph does not have, except HERE in to_goals.</details>
 # <details><summary>Hint 3: the shape</summary>if price &lt; cheapest.get(item, most): cheapest[item] = price keeps the lowest price of each item that is below most. You need the greatest, above a threshold.</details>
 
 
@@ -394,7 +394,7 @@ print(rules)
 # A refusal returns the path and its probability all the same: the user may want to overrule it.
 #
 # <details><summary>Hint 1: concept</summary>Two plans at most, with the functions of exercises 1 and 2. Only the threshold at the goal differs.</details>
-# <details><summary>Hint 2: approach</summary>join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal), then most_probable_path from HERE to GOAL. An empty list is false in Python: if path: ...</details>
+# <details><summary>Hint 2: approach</summary>First join_ends, with the two thresholds of this plan; then most_probable_path from HERE to GOAL. An empty list is false in Python: if path: ...</details>
 # <details><summary>Hint 3: a question</summary>words = "warm" if degrees >= 20 else "cold" chooses between two words. Which two, and which comparison, does the first case need, and which two the second?</details>
 
 
@@ -404,9 +404,9 @@ def decide(graph, from_here, to_goals, rules):
 
     graph, from_here, to_goals: as for join_ends.
     rules: rules.p_query, rules.p_goal and rules.least are probabilities.
-    Returns a tuple of three: the path from HERE to GOAL (a list; empty where there is none even with
-    rules.p_query at both ends), its probability, and the reason not to start: "" to start, or "too
-    improbable", "not on the map" or "no path".
+    Returns a tuple of three: the path from HERE to GOAL (a list; empty where there is none even
+    with rules.p_query at both ends), its probability, and the reason not to start: "" to start, or
+    "too improbable", "not on the map" or "no path".
     """
     ### BEGIN SOLUTION
     joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
@@ -476,7 +476,7 @@ show(
 def travel(plan, drive, replans):
     """Plan, drive, and replan when lost.
 
-    plan: plan(excluded) returns a path (a list), or [] when it refuses; excluded is a set of vertices.
+    plan: plan(excluded) returns a path (a list), or [] when it refuses; excluded is a set.
     drive: drive(path) returns None on arrival, or the place along the path that was not reached.
     replans: how many plans there may be after the first, 0 or more.
     Returns a tuple: True if the goal was reached, False otherwise; and the set of all vertices
@@ -538,7 +538,7 @@ def without(graph, excluded):
 # The check sends robots through all kinds of trouble, and compares what they do, call by call.
 #
 # <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often it was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
-# <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning continue with the next round. path[robot.active] is the vertex that was not reached; GOAL is not a key of graph. When the robot was lost, the next search begins with its counter at 0.</details>
+# <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning continue with the next round. The vertex that was not reached stands on the path at robot.active; GOAL is not a key of graph. When the robot was lost, the next search begins with its counter at 0.</details>
 # <details><summary>Hint 3: questions</summary>What are the variables before the first step, and which of them change when the robot is lost? A path that is refused: in which of the two cases do you return? Is "lost more than limits.replans times" a comparison with &gt; or with &gt;=, and before or after you count?</details>
 
 
@@ -548,8 +548,8 @@ def navigate(robot, graph, rules, limits):
 
     robot: see above. graph: of the map; it stays as it is. rules: for decide.
     limits: limits.replans, and in steps limits.interval, limits.search and limits.steps.
-    Returns a tuple of three: the ending ("arrived", "refused", "gave up" or "late"), the list of all
-    that decide returned, in order, and the set of the excluded vertices.
+    Returns a tuple of three: the ending ("arrived", "refused", "gave up" or "late"), the list of
+    all that decide returned, in order, and the set of the excluded vertices.
     """
     ### BEGIN SOLUTION
     path, searched, lost = [], 0, 0
@@ -890,7 +890,7 @@ table({**head, "through a wormhole": ""}, rows)
 # A trip may come to the same edge more than once: each time counts. Edges from `HERE` and to `GOAL` count like the others, and an edge that no trip tried is left out. An edge has a direction.
 #
 # <details><summary>Hint 1: concept</summary>Edge i (from 1) of a path leads to place i. Compare i with the place where it stopped.</details>
-# <details><summary>Hint 2: approach</summary>for place, edge in enumerate(pairwise(path), 1): on arrival all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>
+# <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>
 # <details><summary>Hint 3: the shape</summary>In wins[team] = (games + 1, won + (goals &gt; 2)) a comparison counts as 1 or 0; and games, won = wins.get(team, (0, 0)) comes before.</details>
 
 
@@ -898,10 +898,10 @@ table({**head, "through a wormhole": ""}, rows)
 def tally(trips):
     """How often each edge was tried, and how often it was passed.
 
-    trips: a list of (path, stopped). path: a list of at least two vertices. stopped: None on arrival,
-    otherwise the place along the path that was not reached, from 1 (the second vertex) on.
-    Returns a dictionary {(v, w): (tried, passed)} of whole numbers, for all edges that were tried at
-    least once.
+    trips: a list of (path, stopped). path: a list of at least two vertices. stopped: None on
+    arrival, otherwise the place along the path that was not reached, from 1 (the second vertex) on.
+    Returns a dictionary {(v, w): (tried, passed)} of whole numbers, for all edges that were tried
+    at least once.
     """
     ### BEGIN SOLUTION
     counts = {}
@@ -1026,9 +1026,8 @@ for axis, calibrated in zip(axes, (False, True), strict=True):
     axis.set(xlabel="probability of the plan", xlim=(low, 1.01), ylim=(low, 1.01))
     axis.set_title("after calibration" if calibrated else "the product of RE")
 axes[0].set_ylabel("arrived")
-print(
-    f"{len(fig9.worlds)} worlds, {sum(row['trials'] for row in fig9.rows if not row['calibrated'])} trials"
-)
+trials = sum(row["trials"] for row in fig9.rows if not row["calibrated"])
+print(f"{len(fig9.worlds)} worlds, {trials} trials")
 print("\n".join(fig9.notes))
 show(from_figure(figure))
 

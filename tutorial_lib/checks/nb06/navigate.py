@@ -220,13 +220,13 @@ def _form(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
 
 def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
     """Where a navigation first goes another way."""
-    for number, (mine, right) in enumerate(zip(got[3], want[3], strict=False)):
+    for call, (mine, right) in enumerate(zip(got[3], want[3], strict=False)):
         if mine == right:
             continue
-        when = f"in call {number + 1} of the robot"
+        when = f"in call {call + 1} of the robot"
         if mine[0] == right[0] == "follow":
             return f"{when} yours follows {list(mine[1:])}; {list(right[1:])} is right"
-        before = f", after {want[3][number - 1][0]}" if number else ""
+        before = f", after {want[3][call - 1][0]}" if call else ""
         return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}"
     if len(got[3]) != len(want[3]):
         least, rest = min(len(got[3]), len(want[3])), max(got[3], want[3], key=len)
