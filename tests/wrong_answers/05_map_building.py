@@ -749,3 +749,321 @@ def insert__right_with_tables(grown, own, scores, p_reuse):
     grown.vertices = everything
     grown.paths = [*grown.paths, path]
     return grown
+
+
+def _wa(reach, before, after, steps, inc=True, mut=False, stop=True):
+    least = reach if mut else reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for d, b in ((-1, before), (1, after)):
+            r, c = i, v
+            for _ in range(steps):
+                r, c = r + d, b[c]
+                if not 0 <= r < len(reach) or c < 0:
+                    break
+                least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def _an(reach, before, after, p, rules=((1, 1), (-1, -1), (0, 1), (0, -1))):
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for a, b in rules:
+            r = i + a
+            c = after[v] if b > 0 else before[v] if b < 0 else v
+            if 0 <= r < len(reach) and c >= 0:
+                f[r, c] = True
+    return f
+
+
+def edge_weights__threshold_of_09(reach, driven, p_edge):
+    """p_edge is an argument; yours always takes 0.9"""
+    kept = (reach > 0.9) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__and(reach, driven, p_edge):
+    """an edge needs RE above p_edge or a trajectory that goes there, not both: |, not"""
+    kept = (reach > p_edge) & driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__diag_zero(reach, driven, p_edge):
+    """yours joins vertex 0 to itself with 0; the diagonal is np.inf"""
+    kept = (reach > p_edge) | driven
+    w = np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+    np.fill_diagonal(w, 0)
+    return w
+
+
+def edge_weights__clip_at_p(reach, driven, p_edge):
+    """a driven edge weighs by its own RE, also where that is below p_edge"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, p_edge)), np.inf)
+
+
+def edge_weights__driven_symmetric(reach, driven, p_edge):
+    """a trajectory goes in one direction: driven[i, j] is no edge from j to i"""
+    kept = (reach > p_edge) | driven | driven.T
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__mutates_driven(reach, driven, p_edge):
+    """your function changes its argument 2; make a new array"""
+    driven |= reach > p_edge
+    np.fill_diagonal(driven, False)
+    return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__log2(reach, driven, p_edge):
+    """the natural logarithm is meant: np.log, not np.log2"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log2(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__big(reach, driven, p_edge):
+    """where there is no edge the weight is np.inf; yours has 1e+09 everywhere"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 1e9)
+
+
+def edge_weights__upper(reach, driven, p_edge):
+    """edges lead in both directions: yours has none from a greater index to a smaller"""
+    kept = np.triu((reach > p_edge) | driven, 1)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__eps6(reach, driven, p_edge):
+    """only RE below 1e-12 counts as 1e-12; yours lets none be below 1e-06"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-6)), np.inf)
+
+
+def edge_weights__neq1(reach, driven, p_edge):
+    """no vertex is joined to itself; the diagonal is inf"""
+    kept = ((reach > p_edge) & (reach < 1)) | driven
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def reusable__has_a_bound_of_its_own(into, onward, allowed, p_reuse):
+    """p_reuse is an argument, and not always"""
+    f = (into > 0.99) & (onward > 0.99) & allowed
+    return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
+
+
+def reusable__truthy(into, onward, allowed, p):
+    """vertex 0 is a vertex like any other, and may be the best"""
+    f = (into > p) & (onward > p) & allowed
+    i = int(np.where(f, into * onward, 0).argmax()) if len(into) else -1
+    return i or -1
+
+
+def reusable__skip0(into, onward, allowed, p):
+    """vertex 0 is a vertex, too; yours looks at the others"""
+    best, b = -1, 0
+    for i in range(1, len(into)):
+        if into[i] > p and onward[i] > p and allowed[i] and into[i] * onward[i] > b:
+            best = i
+            b = into[i] * onward[i]
+    return best
+
+
+def reusable__list(into, onward, allowed, p):
+    """a ndarray came back; return the index of one vertex, a whole number, or -1"""
+    return np.flatnonzero((into > p) & (onward > p) & allowed)
+
+
+def reusable__bool(into, onward, allowed, p):
+    """True came back; return the index of one vertex, a whole number, or -1"""
+    return bool(((into > p) & (onward > p) & allowed).any())
+
+
+def reusable__mutates(into, onward, allowed, p):
+    """your function changes its argument 1; make a new array"""
+    into[~allowed] = 0
+    f = (into > p) & (onward > p)
+    return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
+
+
+def reusable__onward_only_max(into, onward, allowed, p):
+    """the step into the vertex counts, too: into *"""
+    f = (into > p) & (onward > p) & allowed
+    return int(np.where(f, onward, -1).argmax()) if f.any() else -1
+
+
+def ahead_of__max_index(t, p, reused):
+    """the vertices in reused are in the order of reuse: all of them count, not only"""
+    ok = np.ones(len(p), bool)
+    if reused:
+        v = max(reused)
+        ok = (t != t[v]) | (p > p[v])
+    return ok
+
+
+def ahead_of__gt_next(t, p, reused):
+    """not only the next one: all that lie ahead on the trajectory may be"""
+    ok = np.ones(len(p), bool)
+    for v in reused:
+        ok &= (t != t[v]) | (p == p[v] + 1)
+    return ok
+
+
+def ahead_of__or(t, p, reused):
+    """yours forbids vertex"""
+    ok = np.zeros(len(p), bool)
+    for v in reused:
+        ok |= (t != t[v]) | (p > p[v])
+    return ok
+
+
+def ahead_of__lastoftraj(t, p, reused):
+    """of each trajectory all that were reused count, not only the last: the farthest"""
+    last = {}
+    for v in reused:
+        last[t[v]] = p[v]
+    return np.array([p[i] > last.get(t[i], -1) for i in range(len(p))], dtype=bool)
+
+
+def ahead_of__only_self(t, p, reused):
+    """only the reused vertex itself is forbidden in yours; those behind it are,"""
+    ok = np.ones(len(p), bool)
+    ok[reused] = False
+    return ok
+
+
+def ahead_of__ints(t, p, reused):
+    """return True or False for each, not numbers"""
+    ok = np.ones(len(p))
+    for v in reused:
+        ok *= (t != t[v]) | (p > p[v])
+    return ok
+
+
+def ahead_of__empty_none(t, p, reused):
+    """your function returned nothing; is a return missing?"""
+    if not reused:
+        return None
+    return np.array([all(t[i] != t[v] or p[i] > p[v] for v in reused) for i in range(len(p))])
+
+
+def ahead_of__crash_empty(t, p, reused):
+    """IndexError, list index out of"""
+    v = reused[-1]
+    return (t != t[v]) | (p > p[v])
+
+
+def weakest_aligned__maxsteps2(reach, before, after, steps):
+    """steps is an argument; yours always looks two anchors to either"""
+    return _wa(reach, before, after, 2)
+
+
+def weakest_aligned__mutates(reach, before, after, steps):
+    """your function changes its argument 1; make a new array"""
+    return _wa(reach, before, after, steps, mut=True)
+
+
+def weakest_aligned__farthest_only(reach, before, after, steps):
+    """all pairs on the way count, not only the farthest on either"""
+    least = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for d, b in ((-1, before), (1, after)):
+            r, c = i, v
+            for _ in range(steps):
+                r2, c2 = r + d, b[c]
+                if not 0 <= r2 < len(reach) or c2 < 0:
+                    break
+                r, c = r2, c2
+            least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def weakest_aligned__continues_from_end(reach, before, after, steps):
+    """for anchor 0 and vertex 0 the least of the aligned pairs is"""
+    least = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        r, c = i, v
+        for d, b in ((-1, before), (1, after)):
+            for _ in range(steps):
+                r, c = r + d, b[c]
+                if not 0 <= r < len(reach) or c < 0:
+                    break
+                least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def weakest_aligned__zero_false(reach, before, after, steps):
+    """anchor 0 and vertex 0 exist; only -1 is"""
+    least = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for d, b in ((-1, before), (1, after)):
+            r, c = i, v
+            for _ in range(steps):
+                r, c = r + d, b[c]
+                if not 0 < r < len(reach) or c <= 0:
+                    break
+                least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def weakest_aligned__nan(reach, before, after, steps):
+    """some of it is not a number; every pair has at least its own RE"""
+    return np.full_like(reach, np.nan)
+
+
+def ask_next__eq_nan(reach, before, after, p):
+    """yours never queries anything. Is np.isnan used? Nothing is == np.nan, not even"""
+    f = _an(reach, before, after, p)
+    return f & (reach == np.nan)
+
+
+def ask_next__only_first_row_check(reach, before, after, p):
+    """row 0 is an anchor,"""
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 < r < len(reach) and c >= 0:
+                f[r, c] = True
+    return f & np.isnan(reach)
+
+
+def ask_next__column0(reach, before, after, p):
+    """column 0 is a vertex,"""
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 <= r < len(reach) and c > 0:
+                f[r, c] = True
+    return f & np.isnan(reach)
+
+
+def ask_next__last_row(reach, before, after, p):
+    """the last row is an anchor,"""
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 <= r < len(reach) - 1 and c >= 0:
+                f[r, c] = True
+    return f & np.isnan(reach)
+
+
+def ask_next__p05(reach, before, after, p_edge):
+    """p_edge is an argument, and not always"""
+    return _an(reach, before, after, 0.5) & np.isnan(reach)
+
+
+def ask_next__nonan(reach, before, after, p):
+    """not all that is unknown is worth a query, only what lies beside a sure"""
+    return np.isnan(reach)
+
+
+def ask_next__mutates(reach, before, after, p):
+    """your function changes its argument 1; make a new array"""
+    f = _an(reach, before, after, p) & np.isnan(reach)
+    reach[np.isnan(reach)] = 0
+    return f

@@ -33,7 +33,7 @@ def most_probable_path__minimises_re(graph, start, goal):
 
 
 def most_probable_path__takes_negative_costs(graph, start, goal):
-    """-RE is below 0"""
+    """as with -RE, which is below 0: each"""
     return _dijkstra(graph, start, goal, lambda p: -p)
 
 
@@ -1157,3 +1157,365 @@ def most_probable_path__right_by_enumeration_of_lengths(graph, start, goal):
     if goal not in order:
         return (), 0
     return tuple(order[goal]), _product(graph, order[goal])
+
+
+def _d(graph, start, goal, cost=lambda p: -math.log(p)):
+    h = [(0.0, start, [start])]
+    seen = set()
+    while h:
+        length, v, path = heapq.heappop(h)
+        if v == goal:
+            return path, math.exp(-length)
+        if v in seen:
+            continue
+        seen.add(v)
+        for w, p in graph[v].items():
+            heapq.heappush(h, (length + cost(p), w, [*path, w]))
+    return [], 0.0
+
+
+def _of_images(images):
+    return {v: max(image.get(v, 0) for image in images) for image in images for v in image}
+
+
+def _ends(graph, from_here, images, p_here, p_goal):
+    joined = {v: dict(out) for v, out in graph.items()}
+    joined[HERE] = {v: p for v, p in from_here.items() if p > p_here and v in graph}
+    joined[GOAL] = {}
+    for image in images:
+        for v, p in image.items():
+            if p > p_goal and v in joined:
+                joined[v][GOAL] = p
+    return joined
+
+
+def _with_ends(graph, from_here, images, p_here, p_goal):
+    return _ends(graph, from_here, [_of_images(images)], p_here, p_goal)
+
+
+def most_probable_path__start_eq_goal_empty(graph, start, goal):
+    """where start and goal are the same vertex, the path is that vertex, with"""
+    if start == goal:
+        return [], 0.0
+    return _d(graph, start, goal)
+
+
+def most_probable_path__zero_int(graph, start, goal):
+    """a NoneType came back as the path; return a list"""
+    r = _d(graph, start, goal)
+    return r if r[0] else (None, 0)
+
+
+def most_probable_path__log10(graph, start, goal):
+    """the path is right, but with base 10: take math.log and"""
+    path, _ = _d(graph, start, goal)
+    return path, math.exp(sum(math.log10(graph[v][w]) for v, w in pairwise(path))) if path else 0.0
+
+
+def most_probable_path__greedy(graph, start, goal):
+    """yours always takes the best next edge, which may lead to poor ones. Compare"""
+    path = [start]
+    p = 1
+    while path[-1] != goal:
+        nxt = {w: q for w, q in graph[path[-1]].items() if w not in path}
+        if not nxt:
+            return [], 0.0
+        w = max(nxt, key=nxt.get)
+        p *= nxt[w]
+        path.append(w)
+    return path, p
+
+
+def most_probable_path__no_path_prob1(graph, start, goal):
+    """where no path leads to the goal, the probability is"""
+    r = _d(graph, start, goal)
+    return r if r[0] else ([], 1.0)
+
+
+def most_probable_path__raises(graph, start, goal):
+    """KeyError,"""
+    least = dict.fromkeys(graph, math.inf)
+    least[start] = 0
+    before = {}
+    todo = set(graph)
+    while todo:
+        v = min(todo, key=least.get)
+        todo.remove(v)
+        for w, p in graph[v].items():
+            if least[v] - math.log(p) < least[w]:
+                least[w] = least[v] - math.log(p)
+                before[w] = v
+    path = [goal]
+    while path[0] != start:
+        path.insert(0, before[path[0]])
+    return path, math.exp(-least[goal])
+
+
+def most_probable_path__max_heap(graph, start, goal):
+    """the path is right, but its probability came back with a"""
+    h = [(-1.0, start, [start])]
+    seen = set()
+    while h:
+        length, v, path = heapq.heappop(h)
+        if v == goal:
+            return path, length
+        if v in seen:
+            continue
+        seen.add(v)
+        for w, p in graph[v].items():
+            heapq.heappush(h, (length * p, w, [*path, w]))
+    return [], 0.0
+
+
+def join_ends__last_wins_over_old(graph, fh, tg, ph, pg):
+    """of several images that a vertex sees take the highest RE, not that of the last"""
+    j = {v: dict(o) for v, o in graph.items()}
+    j[HERE] = {v: p for v, p in fh.items() if p > ph and v in graph}
+    j[GOAL] = {}
+    for r in tg:
+        for v, p in r.items():
+            if p > pg and v in j:
+                j[v][GOAL] = p
+    return j
+
+
+def join_ends__no_here_key_if_empty(graph, fh, tg, ph, pg):
+    """HERE is missing; it is a vertex of the new graph, even with no edges"""
+    j = {v: dict(o) for v, o in graph.items()}
+    j[GOAL] = {}
+    for v, p in fh.items():
+        if p > ph and v in graph:
+            j.setdefault(HERE, {})[v] = p
+    for r in tg:
+        for v, p in r.items():
+            if p > pg and v in j:
+                j[v][GOAL] = max(p, j[v].get(GOAL, 0))
+    return j
+
+
+def join_ends__goal_in_from_here(graph, fh, tg, ph, pg):
+    """there must be no edge from HERE to HERE: nothing says so"""
+    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    j[HERE][HERE] = 1.0
+    return j
+
+
+def join_ends__weights(graph, fh, tg, ph, pg):
+    """edges hold RE here; -log RE is taken by the"""
+    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    return {v: {w: -math.log(max(p, 1e-12)) for w, p in o.items()} for v, o in j.items()}
+
+
+def join_ends__drops_dead_ends(graph, fh, tg, ph, pg):
+    """vertex 4 is missing, which was on the map"""
+    j = _ends(graph, fh, [_of_images(tg)], ph, pg)
+    return {v: o for v, o in j.items() if o or v in (HERE, GOAL)}
+
+
+def join_ends__one_best_only(graph, fh, tg, ph, pg):
+    """the edge from 3 to GOAL is missing: RE is 0.5, and p_goal is 0.4"""
+    best = {}
+    for t in tg:
+        v = max(t, key=t.get) if t else None
+        if v is not None:
+            best[v] = max(t[v], best.get(v, 0))
+    return _ends(graph, fh, [best], ph, pg)
+
+
+def join_ends__strings(graph, fh, tg, ph, pg):
+    """HERE is missing; it is a vertex of the new graph, even with no edges"""
+    j = {v: dict(o) for v, o in graph.items()}
+    j["HERE"] = {}
+    j["GOAL"] = {}
+    return j
+
+
+def decide__least_first(graph, fh, tg, r):
+    """no path at all is not too improbable: is there a path? That comes"""
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    if p < r.least:
+        return path, p, "too improbable"
+    return path, p, ""
+
+
+def decide__not_on_map_goal_seen(graph, fh, tg, r):
+    """yours returns 'not on the map', path [] with 0; 'not on the map', path [-1, 0,"""
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    if path:
+        return path, p, "" if p >= r.least else "too improbable"
+    if all(q <= r.p_goal for t in tg for q in t.values()):
+        return [], 0.0, "not on the map"
+    return [], 0.0, "no path"
+
+
+def decide__swap_words(graph, fh, tg, r):
+    """the two reasons are exchanged: a path with rules.p_query means not on the"""
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    if path:
+        return path, p, "" if p >= r.least else "too improbable"
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
+    return path, p, "no path" if path else "not on the map"
+
+
+def decide__pquery_both_pgoal(graph, fh, tg, r):
+    """yours returns 'not on the map', path [-1, 0, 1, 2, -2] with 0.922; 'start',"""
+    path, p = _d(_with_ends(graph, fh, tg, r.p_goal, r.p_query), HERE, GOAL)
+    if path:
+        return path, p, "" if p >= r.least else "too improbable"
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
+    return path, p, "not on the map" if path else "no path"
+
+
+def decide__second_least(graph, fh, tg, r):
+    """where the second plan finds a path, the reason is not on the map, however"""
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    if path:
+        return path, p, "" if p >= r.least else "too improbable"
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
+    if path and p < r.least:
+        return path, p, "too improbable"
+    return path, p, "not on the map" if path else "no path"
+
+
+def decide__none_reason(graph, fh, tg, r):
+    """the reason None came back; give one"""
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_goal), HERE, GOAL)
+    return path, p, None if p >= r.least else "too improbable"
+
+
+def decide__prob_of_edge_min(graph, fh, tg, r):
+    """rules.least is for the whole path, not for each of its"""
+    j = _with_ends(graph, fh, tg, r.p_query, r.p_goal)
+    path, p = _d(j, HERE, GOAL)
+    if path:
+        ok = all(j[v][w] >= r.least for v, w in pairwise(path))
+        return path, p, "" if ok else "too improbable"
+    path, p = _d(_with_ends(graph, fh, tg, r.p_query, r.p_query), HERE, GOAL)
+    return path, p, "not on the map" if path else "no path"
+
+
+def travel__truthy(plan, drive, replans):
+    """yours plans 2 times, but 1 is right: there may be 5 replans, after the robot"""
+    ex = set()
+    for _ in range(replans + 1):
+        path = plan(ex)
+        if not path:
+            return False, ex
+        if drive(path):
+            return True, ex
+    return False, ex
+
+
+def travel__drive_twice(plan, drive, replans):
+    """yours calls drive with [-1, 1, 2, 3, -2], but plan was to be called, after"""
+    ex = set()
+    for _ in range(replans + 1):
+        path = plan(ex)
+        if not path:
+            return False, ex
+        if drive(path) is None:
+            return True, ex
+        s = drive(path)
+        if s is not None and path[s] != GOAL:
+            ex.add(path[s])
+    return False, ex
+
+
+def travel__none_on_refusal(plan, drive, replans):
+    """yours plans 6 times, but 1 is right: there may be 5 replans"""
+    ex = set()
+    for _ in range(replans + 1):
+        path = plan(ex)
+        if not path:
+            continue
+        s = drive(path)
+        if s is None:
+            return True, ex
+        if path[s] != GOAL:
+            ex.add(path[s])
+    return False, ex
+
+
+def travel__all_until(plan, drive, replans):
+    """the vertices before path[stopped] were reached; exclude path[stopped]"""
+    ex = set()
+    for _ in range(replans + 1):
+        path = plan(ex)
+        if not path:
+            return False, ex
+        s = drive(path)
+        if s is None:
+            return True, ex
+        ex |= set(path[1 : s + 1]) - {GOAL}
+    return False, ex
+
+
+def travel__plan_noarg(plan, drive, replans):
+    """TypeError, _Story.plan() missing 1 required positional argument:"""
+    path = plan()
+    return drive(path) is None, set()
+
+
+def tally__bool_list(trips):
+    """[True] for edge"""
+    c = {}
+    for path, stopped in trips:
+        for i, e in enumerate(pairwise(path), 1):
+            c.setdefault(e, []).append(stopped is None or i < stopped)
+    return c
+
+
+def tally__zero_tried(trips):
+    """edge"""
+    c = {}
+    for path, stopped in trips:
+        for i, e in enumerate(pairwise(path), 1):
+            t, p = c.get(e, (0, 0))
+            s = stopped if stopped is not None else 99
+            c[e] = (t + (i <= s), p + (i < s))
+    return c
+
+
+def tally__vertices(trips):
+    """the key -1; an edge is a pair of vertices"""
+    c = {}
+    for path, stopped in trips:
+        for i, v in enumerate(path):
+            t, p = c.get(v, (0, 0))
+            c[v] = (t + 1, p + (stopped is None or i < stopped))
+    return c
+
+
+def tally__len_is_arrival(trips):
+    """edge"""
+    c = {}
+    for path, stopped in trips:
+        s = len(path) - 1 if stopped is None else stopped
+        for i, e in enumerate(pairwise(path), 1):
+            if i <= s:
+                t, p = c.get(e, (0, 0))
+                c[e] = (t + 1, p + (i < s or stopped is None or s == len(path) - 1))
+    return c
+
+
+def tally__passed_first(trips):
+    """edge"""
+    c = {}
+    for path, stopped in trips:
+        for i, e in enumerate(pairwise(path), 1):
+            if stopped is None or i <= stopped:
+                t, p = c.get(e, (0, 0))
+                c[e] = (p + (stopped is None or i < stopped), t + 1)
+    return c
+
+
+def tally__mutates(trips):
+    """your function changes its argument 1; it is needed again for the next plan;"""
+    c = {}
+    while trips:
+        path, stopped = trips.pop()
+        for i, e in enumerate(pairwise(path), 1):
+            if stopped is None or i <= stopped:
+                t, p = c.get(e, (0, 0))
+                c[e] = (t + 1, p + (stopped is None or i < stopped))
+    return c

@@ -89,7 +89,9 @@ def _best(
     """The known mistake that explains most; empty if none explains enough."""
 
     def agree(one: Any, other: Any, case: Sequence[Any]) -> bool:  # noqa: ANN401
-        return one is not _NONE and other is not _NONE and bool(same(one, other, *case))
+        if one is _NONE or other is _NONE:
+            return one is other
+        return bool(same(one, other, *case))
 
     def wrong(some: list[Any]) -> set[int]:
         zipped = enumerate(zip(some, wanted, cases, strict=True))

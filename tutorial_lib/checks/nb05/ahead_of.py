@@ -82,6 +82,17 @@ _FAULTS: dict[str, Callable[..., Any]] = {
     "all vertices that were reused count, not only the first one": _behind(
         lambda t, p, v: (t != t[v]) | (p > p[v]), slice(0, 1)
     ),
+    "the vertices in reused are in the order of reuse: all of them count, not only the greatest": (
+        lambda t, p, reused: edge_rules.ahead_of(t, p, [max(reused)] if reused else [])
+    ),
+    "of each trajectory all that were reused count, not only the last: the farthest decides": (
+        lambda t, p, reused: edge_rules.ahead_of(
+            t, p, list({int(t[v]): v for v in reused}.values())
+        )
+    ),
+    "as long as nothing was reused, all vertices may be taken": lambda t, p, reused: (
+        edge_rules.ahead_of(t, p, reused) & bool(reused)
+    ),
     "a vertex's index says nothing about its place along its trajectory: compare place": _behind(
         lambda t, p, v: (t != t[v]) | (np.arange(len(p)) > v)
     ),

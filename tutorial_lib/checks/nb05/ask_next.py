@@ -39,6 +39,7 @@ def _queried(
 ) -> NDArray[np.bool_]:
     """The rule with a `fault`, if one is named."""
     found = np.zeros(reach.shape, dtype=bool)
+    p_edge = {"always 0.5": 0.5, "always 0.99": 0.99}.get(fault, p_edge)
     sure = {"equal": reach >= p_edge, "all": ~np.isnan(reach), "unsure": reach <= p_edge}.get(
         fault, reach > p_edge
     )
@@ -55,6 +56,14 @@ def _queried(
             beside = columns + across
         ahead = rows + along
         exist = (ahead >= 0) & (ahead < len(reach)) & (beside < reach.shape[1])
+        if fault == "no column 0":
+            exist &= beside > 0
+        if fault == "no row 0":
+            exist &= ahead > 0
+        if fault == "no last row":
+            exist &= ahead < len(reach) - 1
+        if fault == "no last column":
+            exist &= beside < reach.shape[1] - 1
         if fault == "wraps":
             exist = ahead < len(reach)
         elif fault == "row wraps":
@@ -62,6 +71,10 @@ def _queried(
         elif fault != "column wraps":
             exist &= beside >= 0
         found[ahead[exist], beside[exist]] = True
+    if fault == "all unknown":
+        return np.isnan(reach)
+    if fault == "nothing":
+        return np.zeros_like(found)
     return found if fault == "again" else found & np.isnan(reach)
 
 
@@ -89,6 +102,16 @@ _FAULTS = {
     "query no pair twice: only where reach is not a number": "again",
     "only neighbours of pairs that are sure are worth it: reach > p_edge": "all",
     "the neighbours of pairs that are sure are worth it, not of the others": "unsure",
+    "yours never queries anything. Is np.isnan used? Nothing is == np.nan, not even np.nan": (
+        "nothing"
+    ),
+    "not all that is unknown is worth a query, only what lies beside a sure pair": "all unknown",
+    "p_edge is an argument, and not always 0.5": "always 0.5",
+    "p_edge is an argument, and not always 0.99": "always 0.99",
+    "column 0 is a vertex, too": "no column 0",
+    "row 0 is an anchor, too": "no row 0",
+    "the last row is an anchor, too": "no last row",
+    "the last column is a vertex, too": "no last column",
     "greater than p_edge, not equal to it": "equal",
     "the vertices before and after the same vertex, for the same anchor, are worth it, too": (
         "diagonal"

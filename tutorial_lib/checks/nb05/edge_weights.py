@@ -108,6 +108,14 @@ def _why(case: tuple[Array, NDArray[np.bool_], float], got: Array, want: Array) 
     reach, driven, p_edge = case
     if np.isnan(got).any():
         return "some weights are not a number; where there is no edge the weight is np.inf"
+    there = np.isfinite(want)
+    if np.allclose(got[there], want[there]) and len(np.unique(got[~there])) == 1:
+        value = got[~there][0]
+        return f"where there is no edge the weight is np.inf; yours has {value:g} everywhere"
+    if (got[there] <= want[there] + 1e-9).all() and np.array_equal(there, np.isfinite(got)):
+        bound = np.exp(-got[there].max())
+        if np.allclose(got[there], -np.log(np.maximum(reach[there], bound))):
+            return f"only RE below 1e-12 counts as 1e-12; yours lets none be below {bound:.2g}"
     apart = ~np.isclose(got, want, rtol=0, atol=1e-9)
     i, j = (int(n) for n in np.argwhere(apart)[0])
     pair = f"from {i} to {j} (RE {reach[i, j]:g})"
@@ -167,6 +175,16 @@ def _mistakes(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[st
         ),
         "an edge needs RE above p_edge or a trajectory that goes there, not both: |, not &": only(
             (reach > p_edge) & driven & ~own, edge_rules.weight(reach)
+        ),
+        "the natural logarithm is meant: np.log, not np.log2": only(there, right / np.log(2)),
+        "a trajectory goes in one direction: driven[i, j] is no edge from j to i": only(
+            there | (driven.T & ~own), edge_rules.weight(reach)
+        ),
+        "edges lead in both directions: yours has none from a greater index to a smaller one": only(
+            np.triu(there), right
+        ),
+        "a driven edge weighs by its own RE, also where that is below p_edge": only(
+            there, edge_rules.weight(np.maximum(reach, p_edge))
         ),
         "all pairs are joined in yours; prune those that are not above p_edge": only(
             ~own, edge_rules.weight(reach)

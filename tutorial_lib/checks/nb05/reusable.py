@@ -98,6 +98,12 @@ _FAULTS: dict[str, Callable[..., int]] = {
     ),
     "of those that fit take the most probable path, into * onward, not the last": _last_that_fits,
     "of those that fit take the greatest product, not the least": _by(score=lambda i, o: 2 - i * o),
+    "vertex 0 is a vertex like any other, and may be the best one": lambda *case: (
+        edge_rules.reusable(*case) or -1
+    ),
+    "vertex 0 is a vertex, too; yours looks at the others only": lambda into, onward, ok, p: (
+        edge_rules.reusable(into, onward, ok & (np.arange(len(ok)) > 0), p)
+    ),
     "two probabilities in a row are multiplied, not added": _by(score=lambda i, o: i + o),
     "of those that fit take the greatest product, not the greatest minimum": _by(score=np.minimum),
     "the step onward counts, too: into * onward": _by(score=lambda i, o: i),

@@ -101,6 +101,7 @@ def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
 def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault: str) -> Array:
     """The rule with a `fault`, pair by pair."""
     steps = {"one step": min(steps, 1), "three": steps + 1, "none": 0}.get(fault, steps)
+    steps = {"always two": 2, "always one": 1}.get(fault, steps)
     fold = {"mean": np.mean, "product": np.prod, "greatest": np.max}.get(fault, np.min)
     directions = ((-1, before), (1, after))
     if fault == "crossed":
@@ -113,7 +114,8 @@ def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault
     for pair in np.ndindex(*reach.shape):
         values = [] if fault == "not itself" else [reach[pair]]
         for step, beside in directions:
-            values += _along(reach, pair, step, beside, steps, fault)
+            found_here = _along(reach, pair, step, beside, steps, fault)
+            values += found_here[-1:] if fault == "farthest" else found_here
         if fault == "end is 0" and len(values) < 2 * steps + 1:
             values.append(0.0)
         found[pair] = fold(values) if values else 1.0
@@ -145,6 +147,8 @@ def _along(
         if fault == "wraps" and -len(reach) <= row < len(reach):
             values.append(reach[row, column])
             continue
+        if fault == "no 0" and (row == 0 or column == 0):
+            break
         if not 0 <= row < len(reach) or column < 0:
             if fault == "goes on":
                 continue
@@ -157,6 +161,10 @@ _FAULTS = {
     "the least of them counts, not their mean": "mean",
     "the least of them counts, not their product": "product",
     "the least of them counts, not the greatest": "greatest",
+    "steps is an argument; yours always looks two anchors to either side": "always two",
+    "steps is an argument; yours always looks one anchor to either side": "always one",
+    "all pairs on the way count, not only the farthest on either side": "farthest",
+    "anchor 0 and vertex 0 exist; only -1 is none": "no 0",
     "the anchors before count, too": "only after",
     "the anchors after count, too": "only before",
     "before goes with the anchor before, after with the one after: both move in the same "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -73,13 +74,20 @@ def _decided(
 
     if fault == "constants":
         rules = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
+
+    def joined_edges(path: list[Vertex]) -> list[float]:
+        joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+        return [joined[v][w] for v, w in pairwise(path)]
+
     path, probability = found(rules.p_query if fault in ("trusts", "asks last") else rules.p_goal)
     if fault == "asks last" and path and len(path) > 1:
         edge = max(reach.get(path[-2], 0.0) for reach in to_goals)
         if edge <= rules.p_goal:
             return path, probability, "not on the map"
-    if path:
+    if path or fault == "least first":
         enough = probability >= rules.least or fault == "dares"
+        if fault == "each edge":
+            enough = min(joined_edges(path)) >= rules.least
         if fault == "strict":
             enough = probability > rules.least
         if fault == "p_goal for all":
@@ -97,6 +105,10 @@ def _decided(
     ):
         return path, probability, "no path"
     reason = "not on the map" if path or fault == "always unknown" else "no path"
+    if fault == "exchanged":
+        reason = "no path" if path else "not on the map"
+    if fault == "improbable, too" and path and probability < rules.least:
+        reason = "too improbable"
     return ([], 0.0, reason) if fault == "empty" else (path, probability, reason)
 
 
@@ -152,6 +164,12 @@ _FAULTS = {
     "the thresholds stand in rules, and are not always the same: rules.p_query, rules.p_goal and "
     "rules.least": "constants",
     "plan again with rules.p_query at both ends; yours drops every threshold": "no threshold",
+    "the two reasons are exchanged: a path with rules.p_query means not on the map": "exchanged",
+    "where the second plan finds a path, the reason is not on the map, however improbable it is": (
+        "improbable, too"
+    ),
+    "rules.least is for the whole path, not for each of its edges": "each edge",
+    "no path at all is not too improbable: is there a path? That comes first": "least first",
     "the second plan only gives the reason: with edges to the goal below rules.p_goal the robot "
     "does not start, however probable the path is": "second chance",
     "the whole path must have rules.least, not rules.p_goal; that is for the edges to the goal": (

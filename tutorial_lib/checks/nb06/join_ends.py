@@ -73,14 +73,23 @@ def _joined(
             reach.setdefault(vertex, []).append(probability)
     combine: dict[str, Callable[[list[float]], float]] = {
         "last": lambda p: p[-1],
+        "last above": lambda p: next((q for q in reversed(p) if q > p_goal), 0.0),
+        "first above": lambda p: next((q for q in p if q > p_goal), 0.0),
         "least": lambda p: min(p) if len(p) == len(to_goals) else 0.0,
         "mean": lambda p: sum(p) / len(p),
         "product": math.prod,
     }
+    if fault == "best only" and reach:
+        best = max(reach, key=lambda v: max(reach[v]))
+        reach = {best: reach[best]}
     for vertex, probabilities in reach.items():
         if (fault == "not directly") == (vertex == HERE) and fault.endswith("directly"):
             continue
         connect(vertex, GOAL, combine.get(fault, max)(probabilities), p_goal)
+    if fault == "weights":
+        return {
+            v: {w: -math.log(max(p, 1e-12)) for w, p in out.items()} for v, out in joined.items()
+        }
     return joined
 
 
@@ -140,6 +149,14 @@ _FAULTS = {
     "the edges from HERE have a threshold of their own, p_here": "p_goal only",
     "the edges to GOAL have a threshold of their own, p_goal": "p_here only",
     "one goal image is enough: of several take the highest RE, not the last": ("last"),
+    "of several images that a vertex sees take the highest RE, not that of the last image": (
+        "last above"
+    ),
+    "of several images that a vertex sees take the highest RE, not that of the first image": (
+        "first above"
+    ),
+    "all vertices above p_goal are joined to GOAL, not only the best one": "best only",
+    "edges hold RE here; -log RE is taken by the planner": "weights",
     "one goal image is enough; yours demands all of them": "least",
     "one goal image is enough; do not average over them": "mean",
     "one goal image is enough; do not multiply": "product",

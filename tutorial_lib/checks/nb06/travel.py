@@ -59,6 +59,8 @@ def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple
             excluded = set()
         if fault == "whole path":
             excluded |= {v for v in path if v not in (HERE, GOAL)}
+        elif fault == "all until":
+            excluded |= {v for v in path[1 : stopped + 1] if v != GOAL}
         elif fault == "all ahead":
             excluded |= {v for v in path[stopped:] if v != GOAL}
         elif (vertex not in (HERE, GOAL) or fault == "goal") and fault != "excludes nothing":
@@ -116,6 +118,7 @@ _FAULTS = {
     "exclude the vertex that could not be reached, path[stopped], not the one before it": "behind",
     "exclude every vertex that could not be reached so far, not only the last one": "forgets",
     "only one vertex could not be reached; excluding the whole path leaves no other": "whole path",
+    "the vertices before path[stopped] were reached; exclude path[stopped] only": "all until",
     "only path[stopped] was tried in vain; what comes after it was never tried": "all ahead",
     "what could not be reached must be excluded, or the next plan is the same": "excludes nothing",
     "stopped is an index along the path; exclude the vertex there, path[stopped]": "place",
