@@ -1637,7 +1637,7 @@ class YourRobot:
         self.simulation.step(self.controller.act(seen, waypoint[None]))
         self.track.append(self.simulation.poses[0, :2])
         self.progress.update()
-        if len(self.track) % 5 == 0:
+        if len(self.track) % 8 == 0:
             self.film()
 
     def finish(self):
@@ -1696,7 +1696,7 @@ draw_topomap(film_view, film_view.base, your_topomap, places)
 owner = f"{NAME}'s robot" if NAME else "your robot"
 film = RolloutFilm(film_view, robot.moments, f"{owner}: from {rooms[0]} to {rooms[1]}")
 numbers = tqdm(range(len(film)), "pictures of the film", leave=False)
-play([cv2.resize(film[i], (756, 456)) for i in numbers], 6, count=3)
+play([cv2.resize(film[i], (756, 456)) for i in numbers], 5, count=3)
 
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table above says "the library", there is still something to write.
