@@ -2,10 +2,11 @@
 """Set up the course in .venv beside this file, then start it.
 
 usage: python3 start.py [COMMAND] [ARGUMENTS]
-  lab     open JupyterLab on the first notebook (the same without a command)
-  test    run the tests, in this folder; --full adds every notebook and the slow tests
-  demo    run one navigation without a screen; leaves a film and a JSON in the current folder
-  setup   only install
+  lab       open JupyterLab on the first notebook (the same without a command)
+  test      run the tests, in this folder; --full adds the slow ones
+  demo      run one navigation without a screen; leaves a film and a JSON in the current folder
+  progress  list the exercises that are done, in every notebook
+  setup     only install
 
 ARGUMENTS go to JupyterLab, pytest or the demo: start.py lab --no-browser. The first start
 takes some minutes to install; later ones install nothing unless pyproject.toml has changed.
@@ -25,6 +26,7 @@ VERSION = ".".join(map(str, sys.version_info[:2]))
 HERE = Path(__file__).resolve().parent
 VENV = HERE / ".venv"
 STAMP = VENV / "stamp"
+ALONE = ("progress", "setup")  # commands that take no arguments
 
 
 def too_old(version: tuple[int, ...]) -> str:
@@ -132,7 +134,7 @@ def setup() -> None:
 
 
 def command(name: str, arguments: list[str]) -> list[str]:
-    """The command line behind lab, test or demo."""
+    """The command line behind lab, test, demo or progress."""
     module = ["pytest"] if name == "test" else ["tutorial_lib", name]
     return [str(python_of(VENV)), "-m", *module, *arguments]
 
@@ -143,7 +145,7 @@ def main(arguments: list[str]) -> int:
     if name in ("-h", "--help"):
         print(__doc__.strip())
         return 0
-    if name not in ("lab", "test", "demo", "setup") or (name == "setup" and rest):
+    if name not in ("lab", "test", "demo", "progress", "setup") or (name in ALONE and rest):
         print(f"Cannot do {' '.join(arguments)!r}.\n\n{__doc__.strip()}", file=sys.stderr)
         return 2
     try:

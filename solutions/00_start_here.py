@@ -2,7 +2,7 @@
 # # 00 · Start here
 #
 # **Ten minutes. There is no code to write.** Click into the first cell and press *Shift + Enter*,
-# again and again, down to the end.
+# again and again, down to the end. The code is folded away; click the three dots to read it.
 #
 # **After this notebook you will**
 #
@@ -23,7 +23,8 @@
 from tutorial_lib.checks.nb00 import check_environment
 
 ready = check_environment()
-# %%
+# %% hidden=true
+# Import what the cells below need
 import tempfile
 from pathlib import Path
 
@@ -71,7 +72,8 @@ use_threads(1)  # the networks are small: a second thread would mostly wait
 # **Before you run the cell:** the robot stands in the living room, at the lower left of the map,
 # and looks to the right. What will be on the left of its image, and what on the right?
 
-# %%
+# %% hidden=true
+# Draw an apartment from above, and what its robot sees
 home = Scene(generate("apartment", seed=2))
 pose = np.array([-4.5, -11.6, 0.2])  # x and y in metres, heading in radians: 0 is to the right
 camera = Camera(rows=64, columns=192)
@@ -108,7 +110,8 @@ show(side_by_side([above, seen], ["what we see: the map", "what the robot sees: 
 #
 # **Before you run the cell:** in how many of their 12,288 pixels will the two images differ?
 
-# %%
+# %% hidden=true
+# Draw two rooms of an office, and what a robot sees in each
 office = Scene(generate("symmetric_office", seed=3))
 offices = [room for room in office.plan.rooms if room.kind == "office"]
 middle_a, middle_b = (np.mean(offices[i].outline, axis=0) for i in (0, 6))
@@ -148,9 +151,10 @@ show(side_by_side([above, pictures], ["the office", "what the two robots see"]))
 # again. Each has its own measurement errors: 5 % in distance, 5 % in turning, and a small drift of
 # the heading.
 #
-# **Before you run the cell:** after forty metres, how large will a car's position error be?
+# **Before you run the cell** (about 5 s): after forty metres, how large will a car's position error be?
 
-# %%
+# %% hidden=true
+# Let 30 cars drive the same path, each with its own odometry
 paths = GridPaths(home.clearance)  # shortest paths through the free space
 start, goal, _, _ = choose_places(home, paths, np.random.default_rng(1))
 stops = [goal, start[:2], goal]
@@ -174,7 +178,8 @@ driven, estimated = np.array(driven), np.array(estimated)
 metres = arc_length(driven)
 print(f"{metres[-1]:.0f} m driven")
 
-# %%
+# %% hidden=true
+# Draw where the cars are, where their odometry puts them, and how the error grows
 view = PlanView(home, 320, 420)
 above = faded(view.base)
 for i in range(30):
@@ -225,10 +230,11 @@ show(
 # between. The car steers like a real one: it **cannot turn in place**. Its tightest circle is 1.2 m
 # in diameter.
 #
-# **Try this:** leave the room through its door. Then try it again, and look only at the camera and
-# the laser. Cover the map with your hand.
+# **Try this:** leave the room through its door, with the buttons, or with the arrow keys while the
+# pointer is on the picture. Then press *start again* and *hide the map*, and try it once more.
 
-# %%
+# %% hidden=true
+# Drive the car
 car = TeleopController(home, start)
 teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 
@@ -247,7 +253,8 @@ teleop(car, rehearsal=["forward"] * 4 + ["left"] * 5)
 # camera? Look for places that are alike.
 
 
-# %%
+# %% hidden=true
+# Choose a world
 def draw_world(family, seed):
     """A map of a world, and its size."""
     plan = generate(family, seed)
@@ -255,7 +262,9 @@ def draw_world(family, seed):
     return PlanView(Scene(plan), 480, 480).base, text
 
 
-sliders(draw_world, family=FAMILIES, seed=(0, 30, 1, 5))
+sliders(
+    draw_world, {"family": "family of worlds", "seed": "seed"}, family=FAMILIES, seed=(0, 30, 1, 5)
+)
 
 # %% [markdown]
 # ## Watch a policy that cheats
@@ -265,18 +274,19 @@ sliders(draw_world, family=FAMILIES, seed=(0, 30, 1, 5))
 # position**. Such a policy is called an **oracle**: it shows what is possible. It avoids walls and
 # people with a laser scanner.
 #
-# **Before you run the cell:** two people (pink) walk to and fro beside the car's path. What will
-# the car do when it meets one: stop, drive around, or back up?
+# **Before you run the cell** (about 5 s): two people (pink) walk to and fro beside the car's path.
+# What will the car do when it meets one: stop, drive around, or back up?
 
-# %%
+# %% hidden=true
+# Film a policy that knows the map
 people = place_people(paths.fields(goal).path(start[:2]), home)
 simulation = Simulation(home, start, people=people)
-oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 240, 330)
+oracle, view = OraclePolicy(simulation, paths, [goal]), PlanView(home, 320, 420)
 frames, times, track = [], [], [start[:2]]
 while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.seconds < 60:
     simulation.step(oracle.act(simulation.observe(), np.array([0])))
     track.append(simulation.poses[0, :2])
-    if len(track) % 5 == 0:  # a frame every 0.5 s
+    if len(track) % 10 == 0:  # a frame every second
         pose, discs = simulation.poses[0], simulation.discs
         above = faded(view.base, 0.65)
         draw_field_of_view(view, above, home, pose, discs=discs)
@@ -286,12 +296,12 @@ while np.linalg.norm(simulation.poses[0, :2] - goal) > 0.3 and simulation.second
             view.disc(above, [x, y], radius, colours.PERSON)
         view.robot(above, pose, simulation.body.footprint)
         images, _ = camera.look(home, pose[None], discs)
-        frames.append(stacked([above, camera_picture(images[0], 240, smooth=True)], gap=8))
+        frames.append(side_by_side([above, camera_picture(images[0], 330, smooth=True)]))
         times.append(simulation.seconds)
 
 print(f"arrived after {simulation.seconds:.0f} s; collided: {simulation.collided[0]}")
 print("the film runs four times as fast")
-play(frames, 8, times)
+play(frames, 4, times)
 
 # %% [markdown]
 # ## Bring your own map
@@ -303,7 +313,8 @@ play(frames, 8, times)
 # We have no laboratory here, so the cell makes both files itself: three rooms and a corridor, 5 cm
 # per pixel. Then it imports them as it would import yours.
 
-# %%
+# %% hidden=true
+# Make a ROS map, import it, and look into it
 drawing = np.full((160, 240), 254, np.uint8)  # 254: free floor
 cv2.rectangle(drawing, (4, 4), (235, 155), 0, 5)  # 0: walls around
 cv2.line(drawing, (4, 90), (235, 90), 0, 5)  # above it rooms, below it a corridor
@@ -363,15 +374,17 @@ show(
 # Before it starts, it plans a path through the map and predicts the probability that the path succeeds. Then it drives from image to image, past two people who
 # were not there when the map was built.
 #
-# **Before you run the cell:** what will it do when it meets a person, and its camera sees something that is in none of its images?
+# **Before you run the cell** (about 15 s: it records trajectories, learns the map, then drives): what will it do when it meets a person, and its camera sees something that is in none of its images?
 
-# %%
+# %% hidden=true
+# Learn a map of the apartment and navigate by sight
 film, outcome = navigate_once(home, seed=2, places=4)
 print(f"a map of {outcome.vertices} vertices and {outcome.edges} edges")
 print(f"{outcome.geodesic:.0f} m, {outcome.rooms_away} doors: from {' to '.join(outcome.rooms)}")
 print(f"predicted probability of success: {outcome.probability:.0%}")
 print(f"reached: {outcome.reached}, after {outcome.seconds:.0f} s")
-play([cv2.resize(film[i], (630, 380)) for i in range(0, len(film), 10)], 5, count=3)
+frames = [cv2.resize(film[i], (756, 456)) for i in range(0, len(film), 10)]
+play(frames, 5, times=2.0 * np.arange(len(frames)), count=3)  # a frame every 2 s
 
 # %% [markdown]
 # To run another one from the command line: `python3 start.py demo --seed 7`. It writes a film, a film strip and the numbers.
@@ -384,6 +397,6 @@ play([cv2.resize(film[i], (630, 380)) for i in range(0, len(film), 10)], 5, coun
 # - Odometry is good for metres, not for buildings.
 # - A topological map stores images, and the probability of driving from one to the next.
 #
-# **What to read next:** open `01_world_and_car.ipynb`. The main idea of the course comes from X.
-# Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological
-# Navigation*, ICRA 2020; its first two pages are a good companion.
+# **What to read next:** open [notebook 01](01_world_and_car.ipynb). The main idea of the course comes from X.
+# Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological
+# Navigation*](https://arxiv.org/abs/1909.12329), ICRA 2020; its first two pages are a good companion.

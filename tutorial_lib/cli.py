@@ -1,4 +1,4 @@
-"""The commands: ``python -m tutorial_lib {lab,demo,build,train,experiment,bench}``."""
+"""The commands: ``python -m tutorial_lib {lab,demo,progress,mark,build,train,...}``."""
 
 from __future__ import annotations
 
@@ -7,15 +7,18 @@ import json
 import os
 import subprocess
 import sys
+import time
 from dataclasses import fields
 from pathlib import Path
 
+from tutorial_lib.checks.marking import mark
+from tutorial_lib.checks.progress import progress, report
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, parse_worlds
-from tutorial_lib.experiments.demos.navigation_demo import run_map_demo
-from tutorial_lib.experiments.demos.oracle_demo import run_demo
+from tutorial_lib.experiments.demos.navigation_demo import run_demo
 from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
+from tutorial_lib.experiments.results_page.page import write_results
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
@@ -63,9 +66,17 @@ def _parser() -> argparse.ArgumentParser:
     demo.add_argument(
         "--oracle",
         action="store_true",
-        help="drive by an oracle that knows the floor plan and its pose, not by sight",
+        help="show beside it an oracle on the same task, which knows the floor plan and its pose",
+    )
+    demo.add_argument(
+        "--learn", action="store_true", help="learn the map again, and keep it for later demos"
     )
     demo.set_defaults(run=_demo)
+    done = commands.add_parser("progress", help="which exercises are done, in every notebook")
+    done.set_defaults(run=_progress)
+    marked = commands.add_parser("mark", help="check the answers that students handed in")
+    marked.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help="my_answers")
+    marked.set_defaults(run=_mark)
     build = commands.add_parser("build", help="write the notebooks from solutions/*.py")
     build.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
     build.add_argument(
@@ -96,6 +107,8 @@ def _parser() -> argparse.ArgumentParser:
             command.add_argument("--palette", choices=PALETTES, default=STANDARD)
             command.add_argument("--agent", default="", metavar="FILE.py:CLASS")
         command.set_defaults(run=_report, table=table)
+    results = commands.add_parser("results", help="write the page of results from its JSON files")
+    results.set_defaults(run=_results)
     return parser
 
 
@@ -136,25 +149,49 @@ def _demo(options: argparse.Namespace) -> int:
         plan = import_map(options.map, seed=options.seed)
     else:
         plan = generate(options.family, options.seed)
-    run = run_demo if options.oracle else run_map_demo
-    outcome = run(plan, options.seed, Path.cwd())
-    verdict = "reached the goal" if outcome.reached else "MISSED the goal"
-    print(
-        f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}: {verdict} after "
-        f"{outcome.seconds} s and {outcome.driven} m (geodesic {outcome.geodesic} m).\n"
-        f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json."
+    begun = time.monotonic()
+
+    def say(text: str) -> None:
+        print(f"{time.monotonic() - begun:5.1f} s  {text}", flush=True)
+
+    outcome = run_demo(
+        plan, options.seed, Path.cwd(), oracle=options.oracle, learn=options.learn, say=say
     )
+    drives = [("by sight", outcome), *([("oracle", outcome.oracle)] if outcome.oracle else [])]
+    print(f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:")
+    for name, drive in drives:
+        verdict = "reached the goal" if drive.reached else "MISSED the goal"
+        words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
+        print(f"  {name}: {verdict} {words}")
+    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
     return 0 if outcome.reached else MISSED
+
+
+def _progress(options: argparse.Namespace) -> int:
+    del options
+    print(report(progress(PROJECT / "notebooks")))
+    return 0
+
+
+def _mark(options: argparse.Namespace) -> int:
+    for folder in options.folders:
+        results = list(mark(folder))
+        passed = sum(result.status == "passed" for result in results)
+        print(f"{folder}: {passed} of {len(results)} pass")
+        for result in results:
+            print(f"  {result}")
+    return 0
 
 
 def _build(options: argparse.Namespace) -> int:
     # Its dependencies are installed with the tests, not with the library.
-    from tutorial_lib.builder import build
+    from tutorial_lib.builder import build, write_guides
 
     known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
     for name in options.names:
         if name not in known:
             raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
+    print(*(f"wrote {file.relative_to(PROJECT)}" for file in write_guides(PROJECT)), sep="\n")
     for name in options.names or known:
         for file in build(known[name], PROJECT, students_only=options.students):
             print(f"wrote {file.relative_to(PROJECT)}")
@@ -187,4 +224,11 @@ def _report(options: argparse.Namespace) -> int:
     print(report.as_text())
     if options.json is not None:
         write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")
+    return 0
+
+
+def _results(options: argparse.Namespace) -> int:
+    del options
+    for path in write_results(PROJECT / "README.md"):
+        print(f"wrote {path.relative_to(PROJECT)}")
     return 0

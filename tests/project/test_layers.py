@@ -43,26 +43,19 @@ INSIDE = {
         "common": set(),
         "protocols": {"common"},
         **{study: {"common", "protocols"} for study in STUDIES},
+        "results_page": {"common", "protocols", *STUDIES},
         "registry": {"common", "protocols", *STUDIES},
     },
-    "checks": {"framework": set(), **{notebook: {"framework"} for notebook in NOTEBOOKS}},
+    "checks": {
+        "framework": set(),
+        "progress": {"framework"},
+        "marking": {"framework"},
+        **{notebook: {"framework"} for notebook in NOTEBOOKS},
+    },
 }
 """What each part of a package may import from the package, besides itself."""
 APART = {f"tutorial_lib.experiments.{study}" for study in ("meng2020", "robustness", "benchmarks")}
 """Each module is an experiment: it imports no other, only parts of itself (`table1_ablations`)."""
-
-# Violations that are being removed; nothing may be added.
-KNOWN = {
-    # The worlds of Table II belong to the protocols.
-    ("experiments.robustness.faults", "experiments.meng2020.table2"),
-    # So does whatever else these figures share with Table II.
-    ("experiments.meng2020.fig4", "experiments.meng2020.table2"),
-    ("experiments.meng2020.fig8", "experiments.meng2020.table2"),
-    ("experiments.meng2020.fig9", "experiments.meng2020.table2"),
-    ("experiments.meng2020.fig10", "experiments.meng2020.table2"),
-    ("experiments.meng2020.fig11", "experiments.meng2020.table2"),
-    ("experiments.meng2020.fig13", "experiments.meng2020.table2"),
-}
 
 
 def read_library():
@@ -93,10 +86,6 @@ def parent(name):
     return name.rpartition(".")[0]
 
 
-def short(name):
-    return name.partition(".")[2]
-
-
 def part_of(name):
     """The package or module of the library to which a module belongs; "" for its root."""
     return [*name.split("."), ""][1]
@@ -119,16 +108,14 @@ def misplaced(name, other):
     return None
 
 
-def violations(sources, known=()):
-    """What breaks the rules, a line each, without what is `known`."""
+def violations(sources):
+    """What breaks the rules, a line each."""
     found, graph = [], {}
     for name, source in sources.items():
         part = part_of(name)
         graph[name] = set()
         for other in imports(name, source, sources):
             root, theirs = other.split(".")[0], part_of(other)
-            if (short(name), short(other)) in known:
-                continue
             if root == "tutorial_lib":
                 graph[name].add(other)
                 below = not theirs or LAYER.get(theirs, 99) < LAYER.get(part, 0)
@@ -163,7 +150,7 @@ def test_every_part_of_an_ordered_package_has_its_place(package):
 
 
 def test_the_library_keeps_to_the_layers():
-    assert violations(read_library(), KNOWN) == []
+    assert violations(read_library()) == []
 
 
 def test_the_library_s_root_imports_nothing():
@@ -265,13 +252,3 @@ def test_what_a_package_s_order_allows_is_let_through():
     }
     sources = {f"tutorial_lib.{name}": source for name, source in modules.items()}
     assert violations(sources) == []
-
-
-def test_a_known_violation_is_let_through_and_no_other():
-    modules = {"experiments.robustness.a": "from ..meng2020 import b\nfrom .c import d"}
-    sources = {f"tutorial_lib.{name}": source for name, source in modules.items()}
-    sources["tutorial_lib.experiments.meng2020.b"] = ""
-    known = {("experiments.robustness.a", "experiments.meng2020.b")}
-    assert [line.rpartition(", ")[2] for line in violations(sources, known)] == [
-        "which is another experiment"
-    ]

@@ -1,5 +1,6 @@
 """Builds notebooks from their sources, and mutates their solutions to try the checks."""
 
+from tutorial_lib.builder.guides import write_guides
 from tutorial_lib.builder.mutants import (
     Survivor,
     exercises,
@@ -36,4 +37,5 @@ __all__ = [
     "survivors",
     "to_text",
     "unmarked",
+    "write_guides",
 ]

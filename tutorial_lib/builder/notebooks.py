@@ -12,7 +12,7 @@ import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from textwrap import fill
+from textwrap import dedent, fill
 
 import jupytext
 import nbformat
@@ -20,9 +20,12 @@ from nbclient import NotebookClient
 from nbclient.exceptions import CellExecutionError
 from nbformat import NotebookNode
 
+from tutorial_lib.builder.page import complete
+from tutorial_lib.builder.standard import check_standard
 from tutorial_lib.checks.framework import my_answers
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
+from tutorial_lib.viz.notebook.display import STATIC
 
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUB = 'raise NotImplementedError("your turn")'
@@ -30,6 +33,8 @@ WRONG_ANSWERS = 3
 """Needed for each exercise."""
 LARGEST = 1_000_000
 """Bytes of a notebook with its outputs."""
+_STORED = {my_answers.FOLDER: "", STATIC: "1", "TQDM_DISABLE": "1"}
+"""While a notebook is executed for its page: no answers are saved, no progress bars shown."""
 _TIMEOUT = 120  # seconds a cell may take while it is built
 
 
@@ -71,7 +76,8 @@ def read(source: Path, wrong_answers: Path) -> NotebookNode:
     if len(starts) != len(notebook.cells):
         raise InputError(f"{source.name}:1: text stands before the first '# %%'; start with a cell")
     checks = _answers(wrong_answers)
-    names = set()
+    names: set[str] = set()
+    solutions: dict[str, str] = {}
     for number, (cell, line) in enumerate(zip(notebook.cells, starts, strict=True)):
         where = f"{source.name}:{line}"
         name = cell.metadata.get("exercise")
@@ -81,6 +87,7 @@ def read(source: Path, wrong_answers: Path) -> NotebookNode:
         if name in names:
             raise InputError(f"{where}: a second exercise {name!r}; rename it")
         names.add(name)
+        solutions[name] = solution_of(cell.source)
         _check_signature(cell.source, where, name)
         if not any(f"check_{name}.use({name})" in c.source for c in notebook.cells[number + 1 :]):
             raise InputError(f"{where}: exercise {name!r} has no check_{name}.use({name}) after it")
@@ -89,6 +96,8 @@ def read(source: Path, wrong_answers: Path) -> NotebookNode:
                 f"{where}: {wrong_answers.name} in tests/wrong_answers has {checks.count(name)} "
                 f"wrong answers for {name!r}; write {WRONG_ANSWERS} functions {name}__what_is_wrong"
             )
+    check_standard(notebook, source, solutions)
+    complete(notebook, source)
     _finish(notebook, source.stem)
     return notebook
 
@@ -118,6 +127,17 @@ def stubbed(code: str) -> str:
     return "\n".join(lines)
 
 
+def solution_of(code: str) -> str:
+    """The lines between the markers, as code of its own."""
+    lines, inside = [], False
+    for line in code.splitlines():
+        if line.strip() in (BEGIN, END):
+            inside = line.strip() == BEGIN
+        elif inside:
+            lines.append(line)
+    return dedent("\n".join(lines))
+
+
 def unmarked(code: str) -> str:
     """Code with the solution, but without the markers."""
     return "\n".join(line for line in code.splitlines() if line.strip() not in (BEGIN, END))
@@ -138,7 +158,7 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         resources={"metadata": {"path": str(folder)}},
     )
     try:
-        client.execute(env={**os.environ, my_answers.FOLDER: ""})  # nobody's answers are saved
+        client.execute(env={**os.environ, **_STORED})
     except CellExecutionError as error:
         raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:

@@ -6,7 +6,6 @@ from tests.viz.pictures import decoded, plain
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.figures.film import png, write_film, write_picture
-from tutorial_lib.viz.notebook.display import show
 
 
 def frames(count, height=48, width=64):
@@ -97,4 +96,4 @@ def test_a_png_keeps_few_colours_and_nearly_keeps_many():
     assert all((back[2 * k, :20] == colour).all() for k, colour in enumerate(colours.THINGS))
     with pytest.raises(InputError, match="uint8"):
         png(slope / 255)
-    assert decoded(show(few)._repr_png_()).shape == few.shape
+    assert decoded(png(few)).shape == few.shape

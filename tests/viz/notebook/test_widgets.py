@@ -7,7 +7,7 @@ from tests.conftest import make_box
 from tests.viz.pictures import decoded
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.notebook.teleoperation import ACTIONS, TeleopController
-from tutorial_lib.viz.notebook.widgets import sliders, teleop
+from tutorial_lib.viz.notebook.widgets import KEYS, sliders, teleop
 from tutorial_lib.world.scene import Scene
 
 POSE = [5.0, 5.0, 0.0]
@@ -31,6 +31,28 @@ def test_buttons_change_picture_and_text(controller):
     assert panel.line.value == line
 
 
+def test_arrow_keys_press_buttons(controller):
+    panel = teleop(controller)
+    before = controller.simulation.poses[0].copy()
+    panel._typed({"key": "ArrowUp", "shiftKey": False})
+    assert controller.simulation.poses[0, 0] > before[0]
+    picture = panel.picture.value
+    panel._typed({"key": "a", "shiftKey": False})
+    assert panel.picture.value == picture
+    assert set(KEYS.values()) == set(ACTIONS)
+    assert panel.keyboard.source is panel.picture
+
+
+def test_the_map_can_be_hidden(controller):
+    panel = teleop(controller)
+    shown = decoded(panel.picture.value)
+    panel.hide_map.value = True
+    hidden = decoded(panel.picture.value)
+    assert (hidden[:, :500] == 255).mean() > 0.97 > (shown[:, :500] == 255).mean()
+    apart = np.abs(hidden[:, 560:].astype(int) - shown[:, 560:])  # few colours are kept of each
+    assert apart.mean() < 4
+
+
 def grey(size, shade):
     return np.full((round(size), 40, 3), int(shade), np.uint8), f"{size:.1f} & {shade}"
 
@@ -45,6 +67,23 @@ def test_sliders_change_picture_and_text():
     assert decoded(panel.picture.value).shape == (56, 40, 3)
     assert (decoded(panel.picture.value) == 30).all()
     assert "55.5 &amp; 30" in panel.line.value
+
+
+def test_a_slider_has_its_unit_and_as_many_digits_as_its_step():
+    def render(push, weight, count):
+        return np.zeros((8, 8, 3), np.uint8), f"{push} {weight} {count}"
+
+    panel = sliders(
+        render,
+        labels={"push": "push, m/s²"},
+        push=(0.0, 0.6, 0.06, 0.12),
+        weight=(0.0, 3.0, 0.5, 1.0),
+        count=(1, 5, 1, 2),
+    )
+    assert panel.controls["push"].description == "push, m/s²"
+    assert panel.controls["weight"].description == "weight"
+    assert panel.controls["push"].readout_format == ".2f"
+    assert panel.controls["weight"].readout_format == ".1f"
 
 
 def test_a_range_of_words_is_a_menu():

@@ -89,15 +89,22 @@ def load(notebook: str, name: str) -> Function | None:
         InputError: when the file does not run or defines no such function.
     """
     target = path(notebook, name)
-    if folder() is None or not target.exists():
-        return None
-    spec = importlib.util.spec_from_file_location(f"my_answers_{target.stem}", target)
+    return read(target, name) if folder() is not None and target.exists() else None
+
+
+def read(file: Path, name: str) -> Function:
+    """The function `name` of an answer's file, whose code is run.
+
+    Raises:
+        InputError: when it does not run or defines no such function.
+    """
+    spec = importlib.util.spec_from_file_location(f"my_answers_{file.stem}", file)
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
         return getattr(module, name)
     except Exception as error:
-        words = f"{target} does not run ({type(error).__name__}: {error})"
+        words = f"{file} does not run ({type(error).__name__}: {error})"
         raise InputError(f"{words}; mend it, or delete it and solve the exercise again") from error
 
 

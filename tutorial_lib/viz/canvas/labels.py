@@ -1,15 +1,22 @@
-"""Words and numbers on a picture."""
+"""Words and numbers on a picture, in the typeface of the charts (DejaVu Sans)."""
+
+from functools import lru_cache
+from pathlib import Path
 
 import cv2
+import matplotlib
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from PIL import Image, ImageDraw, ImageFont
 
 from tutorial_lib.geometry import to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
-FONT, SIZE = cv2.FONT_HERSHEY_SIMPLEX, 0.62
-"""Of a label, unless another size is given."""
+SIZE = 0.62
+"""Of a label, unless another size is given; 1 is `_HEIGHT` pixels."""
+_HEIGHT = 24.0
+_FILE = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
 
 
 def label(
@@ -20,11 +27,41 @@ def label(
     size: float = SIZE,
     colour: tuple[int, int, int] = colours.INK,
 ) -> None:
-    """Write on a picture; (x, y) is the lower left corner of the first letter. Latin letters only.
+    """Write on a picture; (x, y) is the left end of the line on which the letters stand.
 
-    OpenCV draws question marks in place of all others.
+    What lies outside of the picture is cut off.
     """
-    cv2.putText(picture, text, (x, y), FONT, size, colour, 1, cv2.LINE_AA)
+    ink, above = _drawn(text, round(_HEIGHT * size))
+    top, left = y - above, x
+    rows = slice(max(top, 0), min(top + ink.shape[0], picture.shape[0]))
+    columns = slice(max(left, 0), min(left + ink.shape[1], picture.shape[1]))
+    if rows.start >= rows.stop or columns.start >= columns.stop:
+        return
+    share = ink[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
+    under = picture[rows, columns].astype(float)
+    mixed = under + share[..., None] * (np.asarray(colour, dtype=float) - under)
+    picture[rows, columns] = mixed.round().astype(np.uint8)
+
+
+def text_size(text: str, size: float = SIZE) -> tuple[int, int]:
+    """Width of a text and height of its capitals, in pixels."""
+    font = _font(round(_HEIGHT * size))
+    return round(font.getlength(text)), -font.getbbox("H", anchor="ls")[1]
+
+
+@lru_cache(maxsize=64)
+def _font(pixels: int) -> ImageFont.FreeTypeFont:
+    return ImageFont.truetype(str(_FILE), max(pixels, 6))
+
+
+@lru_cache(maxsize=1024)
+def _drawn(text: str, pixels: int) -> tuple[NDArray[np.float64], int]:
+    """The share of ink (H, W) of a text, and the rows of it above the line."""
+    font = _font(pixels)
+    above, below = font.getmetrics()
+    drawn = Image.new("L", (max(round(font.getlength(text)) + 1, 1), above + below))
+    ImageDraw.Draw(drawn).text((0, above), text, fill=255, font=font, anchor="ls")
+    return np.asarray(drawn) / 255.0, above
 
 
 def write_beside(
@@ -32,7 +69,7 @@ def write_beside(
 ) -> None:
     """Write a text to the left of a pose (3,), `off` pixels from it."""
     beside = to_world(pose, [0.0, off / view.scale])
-    (wide, high), _ = cv2.getTextSize(text, FONT, 0.5, 1)
+    wide, high = text_size(text, 0.5)
     corner = view.pixels(beside) + np.array([-wide / 2, high / 2])
     label(picture, text, *np.round(corner).astype(int).tolist(), 0.5)
 
@@ -41,5 +78,5 @@ def draw_badge(picture: Picture, text: str, pixel: NDArray[np.float64]) -> None:
     """Draw a number on a disc at a pixel (2,)."""
     column, row = np.round(pixel).astype(int).tolist()
     cv2.circle(picture, (column, row), 12, colours.INK, cv2.FILLED, cv2.LINE_AA)
-    (wide, high), _ = cv2.getTextSize(text, FONT, 0.5, 1)
+    wide, high = text_size(text, 0.5)
     label(picture, text, column - wide // 2, row + high // 2, 0.5, colours.PAPER)

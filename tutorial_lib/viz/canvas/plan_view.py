@@ -85,6 +85,14 @@ class PlanView:
         size = max(2, round(radius * self.scale * 2**_SHIFT))
         cv2.circle(picture, (x, y), size, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
 
+    def ring(
+        self, picture: Picture, centre: ArrayLike, radius: float, colour: tuple[int, int, int]
+    ) -> None:
+        """Draw a circle of `radius` metres, two pixels wide."""
+        x, y = self._fixed(centre)[0].tolist()
+        size = round(radius * self.scale * 2**_SHIFT)
+        cv2.circle(picture, (x, y), size, colour, 2, cv2.LINE_AA, _SHIFT)
+
     def points(
         self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], radius: float
     ) -> None:
@@ -158,8 +166,11 @@ class PlanView:
         for piece in scene.plan.furniture:
             material = next(m for m in scene.plan.materials if m.name == piece.material)
             self.polygon(picture, piece.outline, material.colour)
-        for start, end, colour in _strokes(scene):
-            self.polyline(picture, [start, end], colour, max(2.0, 0.06 * self.scale))
+        width = max(2, round(0.06 * self.scale))
+        for ends, tints in _strokes(scene):
+            places = self._fixed(ends).tolist()
+            for start, end, tint in zip(places, places[1:], tints, strict=False):
+                cv2.line(picture, start, end, tint, width, cv2.LINE_AA, _SHIFT)
         return picture
 
     def _free(self, scene: Scene) -> NDArray[np.uint8]:
@@ -180,8 +191,8 @@ class PlanView:
 
 def _strokes(
     scene: Scene, piece: float = 0.1
-) -> Iterable[tuple[NDArray[np.float64], NDArray[np.float64], tuple[int, int, int]]]:
-    """Short strokes along every wall and furniture side, in the colours that the camera sees."""
+) -> Iterable[tuple[NDArray[np.float64], list[list[int]]]]:
+    """For every wall and furniture side the ends of short strokes, and their colours as seen."""
     plan = scene.plan
     for segment, material, offset in zip(
         plan.segments, plan.segment_materials, plan.segment_offsets, strict=True
@@ -192,5 +203,4 @@ def _strokes(
         ends = segment[:2] + np.linspace(0, 1, count + 1)[:, None] * run
         middles = (offset + (np.arange(count) + 0.5) * length / count) % PERIOD
         texels = plan.atlas[material, (middles / TEXEL).astype(int) % TEXELS]
-        for start, end, colour in zip(ends, ends[1:], texels.astype(int).tolist(), strict=False):
-            yield start, end, tuple(colour)
+        yield ends, texels.astype(int).tolist()

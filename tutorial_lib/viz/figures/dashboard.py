@@ -13,11 +13,24 @@ from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.panels import camera_picture
+from tutorial_lib.world.materials import Colour
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import full_circle
 
 MAP, SIDE, MARGIN = 720, 480, 20
+Legend = Sequence[tuple[str, Colour]]
+LEGEND: Legend = (
+    ("robot", colours.ROBOT),
+    ("planned", colours.PATH),
+    ("driven", colours.TRACK),
+    ("goal", colours.GOAL),
+    ("person", colours.PERSON),
+    ("laser", colours.LASER),
+    ("in view", colours.VIEW),
+)
+"""Names of what moves, by its colour."""
 _LASER_REACH = 4.0  # metres shown around the robot
+_HALO = 0.5  # metres around the robot at which a ring shows where it is
 
 
 @dataclass(frozen=True)
@@ -54,12 +67,13 @@ class RolloutFilm(Sequence[Picture]):
     view: PlanView
     moments: Sequence[Moment]
     title: str
+    legend: Legend = LEGEND
 
     def __len__(self) -> int:
         return len(self.moments)
 
     def __getitem__(self, index: int) -> Picture:
-        return dashboard(self.view, self.moments[index], self.title)
+        return dashboard(self.view, self.moments[index], self.title, self.legend)
 
 
 def beams_of(laser: Array) -> Array:
@@ -68,7 +82,7 @@ def beams_of(laser: Array) -> Array:
     return laser[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
-def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
+def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEND) -> Picture:
     """Compose the picture of a moment, 1260 x 760 pixels."""
     height, width = MAP + 2 * MARGIN, MAP + SIDE + 3 * MARGIN
     picture = np.full((height, width, 3), colours.PAPER, np.uint8)
@@ -91,18 +105,10 @@ def dashboard(view: PlanView, moment: Moment, title: str) -> Picture:
     for i, (name, value) in enumerate(moment.lines):
         label(picture, name, left + size + 16, top + 20 + round(gap * i), 0.45, colours.FAINT)
         label(picture, value, left + size + 16, top + 40 + round(gap * i), 0.6, colours.INK)
-    legend = (
-        ("robot", colours.ROBOT),
-        ("path", colours.PATH),
-        ("driven", colours.TRACK),
-        ("laser", colours.LASER),
-        ("person", colours.PERSON),
-        ("goal", colours.GOAL),
-    )
     for i, (name, colour) in enumerate(legend):
-        x, y = left + 160 * (i % 3), top + size + 56 + 26 * (i // 3)
+        x, y = left + SIDE // 4 * (i % 4), top + size + 56 + 26 * (i // 4)
         cv2.circle(picture, (x + 6, y - 5), 6, colour, cv2.FILLED, cv2.LINE_AA)
-        label(picture, name, x + 20, y, 0.5, colours.INK)
+        label(picture, name, x + 18, y, 0.5, colours.INK)
     return picture
 
 
@@ -122,6 +128,7 @@ def draw_map(view: PlanView, moment: Moment) -> Picture:
         for x, y, radius in moment.discs.circles:
             view.disc(picture, [x, y], radius, colours.PERSON)
     view.robot(picture, moment.pose, moment.footprint)
+    view.ring(picture, moment.pose[:2], _HALO, colours.ROBOT)
     return picture
 
 

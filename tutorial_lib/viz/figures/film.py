@@ -3,9 +3,11 @@
 import io
 import os
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from queue import Queue
+from threading import Thread
 
 import cv2
 import numpy as np
@@ -17,40 +19,42 @@ from tutorial_lib.files import atomic_path
 from tutorial_lib.viz.canvas import colours
 
 Picture = NDArray[np.uint8]
+_MOST_WAITING = 30  # frames that wait to be encoded
 
 
-def write_film(path: str | Path, frames: Sequence[Picture], frames_per_second: float) -> None:
-    """Write a WebM film (VP8), which every browser plays; whole or not at all.
+@contextmanager
+def film_writer(path: str | Path, frames_per_second: float) -> Iterator[Callable[[Picture], None]]:
+    """Write a WebM film (VP8), which every browser plays, frame by frame; whole or not at all.
 
     Args:
         path: ends in .webm.
-        frames: (H, W, 3) uint8 RGB, all of one size.
         frames_per_second: of the film.
+
+    Yields:
+        A function that adds a frame (H, W, 3), uint8 RGB. Frames are encoded in a thread of their
+        own while the next ones are made.
 
     Raises:
         InputError: when there are no frames, their sizes are odd or differ, the name is not a
             WebM film's, or this OpenCV cannot write one.
     """
-    if not len(frames):
-        raise InputError(f"{path}: no frames to write; give at least one")
     if Path(path).suffix != ".webm":
         raise InputError(f"{path}: a film's name ends in .webm; rename it")
-    height, width = frames[0].shape[:2]
-    if height % 2 or width % 2:
-        raise InputError(f"{path}: frames of {width} x {height} pixels; give even numbers")
     with atomic_path(path) as temporary:
-        code = cv2.VideoWriter.fourcc(*"VP80")
-        with _hushed():
-            writer = cv2.VideoWriter(str(temporary), code, frames_per_second, (width, height))
-        if not writer.isOpened():
-            raise InputError(
-                f"{path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
-            )
+        encoder = _Encoder(path, temporary, frames_per_second)
+        try:
+            yield encoder.add
+        finally:
+            encoder.finish()
+        if encoder.shape is None:
+            raise InputError(f"{path}: no frames to write; give at least one")
+
+
+def write_film(path: str | Path, frames: Iterable[Picture], frames_per_second: float) -> None:
+    """Write frames (H, W, 3) uint8 RGB as a film; see `film_writer`."""
+    with film_writer(path, frames_per_second) as add:
         for frame in frames:
-            if frame.shape != frames[0].shape:  # OpenCV would drop it silently
-                raise InputError(f"{path}: frames differ in size; give all the same")
-            writer.write(frame[..., ::-1])
-        writer.release()
+            add(frame)
 
 
 def write_picture(path: str | Path, picture: Picture) -> None:
@@ -85,6 +89,50 @@ def png(picture: Picture) -> bytes:
     buffer = io.BytesIO()
     few.save(buffer, "PNG")
     return buffer.getvalue()
+
+
+class _Encoder:
+    """Encodes frames in a thread."""
+
+    def __init__(self, path: str | Path, temporary: Path, rate: float) -> None:
+        self.shape: tuple[int, ...] | None = None
+        self._path, self._temporary, self._rate = path, temporary, rate
+        self._waiting: Queue[Picture | None] = Queue(_MOST_WAITING)
+
+    def add(self, frame: Picture) -> None:
+        """Add a frame; the first one fixes the size."""
+        if self.shape is None:
+            self._start(frame)
+        if frame.shape != self.shape:  # OpenCV would drop it silently
+            raise InputError(f"{self._path}: frames differ in size; give all the same")
+        self._waiting.put(frame)
+
+    def finish(self) -> None:
+        """Wait until all frames are encoded."""
+        if self.shape is not None:
+            self._waiting.put(None)
+            self._thread.join()
+
+    def _start(self, frame: Picture) -> None:
+        height, width = frame.shape[:2]
+        if height % 2 or width % 2:
+            size = f"frames of {width} x {height} pixels"
+            raise InputError(f"{self._path}: {size}; give even numbers")
+        code = cv2.VideoWriter.fourcc(*"VP80")
+        with _hushed():
+            writer = cv2.VideoWriter(str(self._temporary), code, self._rate, (width, height))
+        if not writer.isOpened():
+            raise InputError(
+                f"{self._path}: this OpenCV writes no WebM; reinstall opencv-python-headless"
+            )
+        self.shape = frame.shape
+        self._thread = Thread(target=self._encode, args=(writer,), daemon=True)
+        self._thread.start()
+
+    def _encode(self, writer: cv2.VideoWriter) -> None:
+        while (frame := self._waiting.get()) is not None:
+            writer.write(frame[..., ::-1])
+        writer.release()
 
 
 @contextmanager

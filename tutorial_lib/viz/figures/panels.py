@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.labels import FONT, SIZE, label
+from tutorial_lib.viz.canvas.labels import SIZE, label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
 TITLE = 30
@@ -102,7 +102,7 @@ def film_strip(
     size = (max(1, int(wide * scale)), max(1, int(high * scale)))
     pictures = [cv2.resize(p, size, interpolation=cv2.INTER_AREA) for p in pictures]
     if times is not None:
-        under = [_line(f"{np.atleast_1d(times)[i]:.1f} s", size[0]) for i in chosen]
+        under = [line_of_text(f"{np.atleast_1d(times)[i]:.1f} s", size[0]) for i in chosen]
         pictures = [np.concatenate(pair) for pair in zip(pictures, under, strict=True)]
     return side_by_side(pictures, gap=gap)
 
@@ -121,7 +121,8 @@ def _arranged(
         panels = [_scaled(panel, size / panel.shape[1 - along]) for panel in panels]
     if len(titles):
         panels = [
-            np.concatenate([_line(t, p.shape[1]), p]) for t, p in zip(titles, panels, strict=True)
+            np.concatenate([line_of_text(t, p.shape[1]), p])
+            for t, p in zip(titles, panels, strict=True)
         ]
     across = max(panel.shape[1 - along] for panel in panels)
     panels = [_padded(panel, across, 1 - along, bool(len(titles))) for panel in panels]
@@ -146,10 +147,10 @@ def _scaled(picture: Picture, scale: float) -> Picture:
     return cv2.resize(picture, size, interpolation=how)
 
 
-def _line(text: str, width: int) -> Picture:
+def line_of_text(text: str, width: int) -> Picture:
     """A white line with a text, in smaller letters where it would not fit."""
     line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
-    (wide, _), _ = cv2.getTextSize(text, FONT, SIZE, 1)
+    wide, _ = text_size(text)
     label(line, text, 1, TITLE - 10, SIZE * min(1.0, (width - 2) / max(wide, 1)))
     return line
 

@@ -34,13 +34,16 @@ STILL = 960
 """Width of a static strip in pixels."""
 
 
-def teleop_picture(view: PlanView, moment: Moment) -> Picture:
+def teleop_picture(view: PlanView, moment: Moment, *, hide_map: bool = False) -> Picture:
     """The plan, the camera's image and the laser scan of a moment, 962 x 548 pixels.
 
-    `view` must be `MAP` x `MAP` pixels.
+    `view` must be `MAP` x `MAP` pixels. `hide_map` leaves the place of the plan empty.
     """
     picture = np.full((MAP + 2 * MARGIN, MAP + SIDE + 2 * MARGIN, 3), colours.PAPER, np.uint8)
-    picture[MARGIN : MARGIN + MAP, :MAP] = draw_map(view, moment)
+    if hide_map:
+        label(picture, "the map is hidden", MAP // 2 - 80, MAP // 2)
+    else:
+        picture[MARGIN : MARGIN + MAP, :MAP] = draw_map(view, moment)
     left, top, high = MAP + 2 * MARGIN, MARGIN, round(SIDE / 3)
     label(picture, "camera", left, top + 18)
     top += 28
@@ -137,9 +140,9 @@ class TeleopController:
             return f"{words} The car touches something: go back."
         return words
 
-    def render(self) -> Picture:
+    def render(self, *, hide_map: bool = False) -> Picture:
         """A picture of the present state."""
-        return teleop_picture(self.view, self.moment)
+        return teleop_picture(self.view, self.moment, hide_map=hide_map)
 
     def rehearse(self, presses: Sequence[str], count: int = 3) -> Picture:
         """A strip of what a fresh car shows during some presses; this car does not move.

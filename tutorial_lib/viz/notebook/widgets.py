@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import base64
 import html
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import ipyevents
 import ipywidgets
 import numpy as np
 
@@ -36,6 +37,18 @@ __all__ = [
 ]
 
 
+KEYS = {
+    ("ArrowUp", False): "forward",
+    ("ArrowLeft", False): "left",
+    ("ArrowRight", False): "right",
+    ("ArrowDown", False): "back",
+    ("ArrowLeft", True): "back left",
+    ("ArrowRight", True): "back right",
+    (" ", False): "stop",
+}
+"""Buttons by key, and whether Shift is held."""
+
+
 class Shell(ipywidgets.VBox):
     """A box that also leaves a static picture in the notebook.
 
@@ -55,8 +68,11 @@ class Shell(ipywidgets.VBox):
 class TeleopPanel(Shell):
     """Buttons, a picture and a line of text for a `TeleopController`.
 
+    The arrow keys press buttons, too, while the pointer is on the picture; `KEYS` lists them.
+
     Attributes:
         buttons: by name, with "start again".
+        hide_map: hides the map: then the camera and the laser are all there is.
         picture: what is shown, as PNG.
         line: text about the state.
     """
@@ -70,21 +86,33 @@ class TeleopPanel(Shell):
             for name in (*ACTIONS, "start again")
         }
         for button in self.buttons.values():
-            button.on_click(self._pressed)
-        row = list(self.buttons.values())
+            button.on_click(lambda button: self.press(button.description))
+        self.hide_map = ipywidgets.ToggleButton(description="hide the map")
+        self.hide_map.observe(self._refresh, names="value")
+        row = [*self.buttons.values(), self.hide_map]
         rows = [ipywidgets.HBox(row[:3]), ipywidgets.HBox(row[3:6]), ipywidgets.HBox(row[6:])]
+        self.keyboard = ipyevents.Event(
+            source=self.picture, watched_events=["keydown"], prevent_default_action=True
+        )
+        self.keyboard.on_dom_event(self._typed)
         self._refresh()
         super().__init__([self.picture, self.line, *rows], lambda: controller.rehearse(rehearsal))
 
-    def _pressed(self, button: ipywidgets.Button) -> None:
-        if button.description == "start again":
+    def press(self, name: str) -> None:
+        """What happens when a button is pressed."""
+        if name == "start again":
             self.controller.reset()
         else:
-            self.controller.press(button.description)
+            self.controller.press(name)
         self._refresh()
 
-    def _refresh(self) -> None:
-        _put(self.picture, self.controller.render())
+    def _typed(self, event: Mapping[str, Any]) -> None:
+        name = KEYS.get((event.get("key", ""), bool(event.get("shiftKey"))))
+        if name:
+            self.press(name)
+
+    def _refresh(self, *_: object) -> None:
+        _put(self.picture, self.controller.render(hide_map=self.hide_map.value))
         self.line.value = _words(self.controller.text)
 
 
@@ -109,10 +137,14 @@ class SliderPanel(Shell):
         self,
         render: Callable[..., tuple[Picture, str]],
         ranges: dict[str, tuple[float, float, float, float] | Sequence[str]],
+        labels: Mapping[str, str],
     ) -> None:
         """Make a control for each range and draw the first picture."""
         self._render = render
-        self.controls = {name: _control(name, span) for name, span in ranges.items()}
+        self._labels = {name: labels.get(name, name.replace("_", " ")) for name in ranges}
+        self.controls = {
+            name: _control(name, self._labels[name], span) for name, span in ranges.items()
+        }
         self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
         self._show(*render(**self.values))
         for control in self.controls.values():
@@ -145,18 +177,21 @@ class SliderPanel(Shell):
         for value in chosen:
             pictures.append(self._render(**{**self.values, name: value})[0])
             shown = value if isinstance(value, str) else f"{value:g}"
-            titles.append(f"{_spoken(name)}: {shown}")
+            titles.append(f"{self._labels[name]}: {shown}")
         return still_strip(pictures, titles)
 
 
 def sliders(
     render: Callable[..., tuple[Picture, str]],
+    labels: Mapping[str, str] | None = None,
     **ranges: tuple[float, float, float, float] | Sequence[str],
 ) -> SliderPanel:
     """Sliders that change a picture and a line of numbers, as a cell's last line.
 
     Args:
         render: called as ``render(**values)``; returns a picture (H, W, 3) uint8 RGB and a text.
+        labels: by argument, what stands beside its control, with its unit, as in "push, m/s²"; the
+            argument's name unless given.
         ranges: for each argument of `render` either ``(low, high, step, value)`` for a slider,
             of whole numbers if all four are, or a list of words for a menu.
 
@@ -165,14 +200,14 @@ def sliders(
     """
     if not ranges:
         raise InputError("sliders: no range; give name=(low, high, step, value)")
-    return SliderPanel(render, ranges)
+    return SliderPanel(render, ranges, labels or {})
 
 
-def _control(name: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.Widget:
+def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.Widget:
     look = {
-        "description": _spoken(name),
-        "style": {"description_width": "10em"},
-        "layout": ipywidgets.Layout(width="32em", max_width="100%"),
+        "description": label,
+        "style": {"description_width": "16em"},
+        "layout": ipywidgets.Layout(width="40em", max_width="100%"),
     }
     span = tuple(span)
     if span and all(isinstance(word, str) for word in span):
@@ -180,9 +215,12 @@ def _control(name: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.W
     if len(span) != 4 or not (span[0] <= span[3] <= span[1] and span[2] > 0):
         raise InputError(f"sliders: {name}={span}; give (low, high, step, value) or words")
     low, high, step, value = span
-    whole = all(isinstance(number, int | np.integer) for number in span)
-    kind = ipywidgets.IntSlider if whole else ipywidgets.FloatSlider
-    return kind(value=value, min=low, max=high, step=step, **look)
+    if all(isinstance(number, int | np.integer) for number in span):
+        return ipywidgets.IntSlider(value=value, min=low, max=high, step=step, **look)
+    digits = len(f"{step:g}".partition(".")[2])  # as many as the step has
+    return ipywidgets.FloatSlider(
+        value=value, min=low, max=high, step=step, readout_format=f".{digits}f", **look
+    )
 
 
 def _put(image: ipywidgets.Image, picture: Picture) -> None:
@@ -190,10 +228,6 @@ def _put(image: ipywidgets.Image, picture: Picture) -> None:
     # In a box an image would otherwise be stretched to the width of the page.
     image.layout.width, image.layout.max_width = f"{picture.shape[1]}px", "100%"
     image.value = png(picture)
-
-
-def _spoken(name: str) -> str:
-    return name.replace("_", " ")
 
 
 def _words(text: str, tag: str = "span") -> str:

@@ -1,0 +1,96 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from tutorial_lib.builder.guides import MADE, students_page, teachers_page, write_guides
+from tutorial_lib.errors import InputError
+
+PROJECT = Path(__file__).resolve().parents[2]
+SOURCE = """# %% [markdown]
+# # 01 · Doubling
+#
+# **40 minutes.** You need nothing.
+#
+# After this notebook you can
+#
+# - double;
+# - halve
+#   what was doubled.
+#
+# There is one exercise about [[RE]].
+#
+# ### Exercise 1 · `double` (easy, 10 minutes)
+#
+# <details><summary>Hint 1: concept</summary>Twice.</details>
+#
+# **Predict:** what is twice two?
+#
+# <details><summary>What did you find?</summary>
+# It is
+# four.
+# </details>
+#
+# <details><summary>Why?</summary>It adds.</details>
+"""
+WRONG = """
+def double__halves(x):
+    '''multiply | do not divide'''
+
+
+def double__right(x):
+    pass
+"""
+
+
+@pytest.fixture
+def project(tmp_path):
+    for folder in ("notebooks", "solutions", "tests/wrong_answers"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "solutions/01_double.py").write_text(SOURCE)
+    (tmp_path / "tests/wrong_answers/01_double.py").write_text(WRONG)
+    entry = {"meaning": "Reachability.", "symbol": "p", "unit": "none"}
+    (tmp_path / "solutions/glossary.json").write_text(json.dumps({"RE": entry}))
+    for folder in ("notebooks", "solutions"):
+        (tmp_path / folder / "README.md").write_text(f"# By hand\n\n{MADE}\n\nold\n")
+    return tmp_path
+
+
+def test_students_get_a_map_of_the_course_and_the_glossary(project):
+    page = students_page([project / "solutions/01_double.py"], "# Top\n")
+    assert page.startswith("# Top\n\n## The notebooks")
+    assert "| [01 · Doubling](01_double.ipynb) | `double` (10) | 40 |" in page
+    assert '| <a id="re"></a>RE | $p$ | none | Reachability. | 01 |' in page
+
+
+def test_teachers_get_goals_answers_and_mistakes(project):
+    sources = [project / "solutions/01_double.py"]
+    page = teachers_page(sources, project / "tests/wrong_answers", "# Top")
+    assert "40 minutes." in page
+    assert "- double;\n- halve\n  what was doubled." in page
+    assert "| `double` | easy | 10 |" in page
+    assert "- **Predict:** what is twice two?\n  *Answer:* It is four." in page
+    assert "- **Why?**\n  *Answer:* It adds." in page  # no prediction since the last answer
+    assert "Hint" not in page
+    assert "| `double` | halves | multiply &#124; do not divide |" in page
+    assert "right" not in page
+
+
+def test_what_is_written_by_hand_stays(project):
+    first = [file.read_text() for file in write_guides(project)]
+    assert all(text.startswith(f"# By hand\n\n{MADE}\n") for text in first)
+    assert all("old" not in text for text in first)
+    assert [file.read_text() for file in write_guides(project)] == first
+    (project / "notebooks/README.md").write_text("# By hand\n")
+    with pytest.raises(InputError, match="made by the build"):
+        write_guides(project)
+
+
+def test_the_pages_of_the_course_are_those_of_its_sources():
+    sources = sorted((PROJECT / "solutions").glob("[0-9][0-9]_*.py"))
+    for folder, page in (
+        ("notebooks", lambda top: students_page(sources, top)),
+        ("solutions", lambda top: teachers_page(sources, PROJECT / "tests/wrong_answers", top)),
+    ):
+        text = (PROJECT / folder / "README.md").read_text(encoding="utf-8")
+        assert text == page(text[: text.index(MADE) + len(MADE)]), "python -m tutorial_lib build"

@@ -1,0 +1,50 @@
+import json
+from pathlib import Path
+
+import pytest
+
+from tutorial_lib.checks.framework import my_answers
+from tutorial_lib.checks.progress import progress, report
+from tutorial_lib.cli import main
+from tutorial_lib.errors import InputError
+
+PROJECT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    (tmp_path / "mine").mkdir()
+    monkeypatch.setenv(my_answers.FOLDER, str(tmp_path / "mine"))
+    for stem, names in (("01_one", ["a", "b"]), ("02_two", ["c"])):
+        cells = [{"metadata": {"exercise": name}} for name in names] + [{"metadata": {}}]
+        (tmp_path / f"{stem}.ipynb").write_text(json.dumps({"cells": cells}))
+    return tmp_path
+
+
+def test_an_exercise_is_done_when_its_answer_is_saved(folder):
+    (folder / "mine" / "01_b.py").write_text(
+        "# version 3 of b, notebook 01: passed its check on 2030-01-02 10:00\n\nx = 1\n"
+    )
+    (folder / "mine" / "02_a.py").write_text("another notebook's\n")
+    found = progress(folder)
+    assert [(one.name, bool(one.passed)) for one in found] == [("a", 0), ("b", 1), ("c", 0)]
+    text = report(found)
+    assert "01_one: 1 of 2" in text
+    assert "02_two: 0 of 1" in text
+    assert "2030-01-02 10:00, version 3" in text
+    assert text.endswith("1 of 3 exercises are done")
+
+
+def test_missing_and_damaged_notebooks_are_named(folder):
+    with pytest.raises(InputError, match="no notebooks"):
+        progress(folder / "mine")
+    (folder / "02_two.ipynb").write_text("{")
+    with pytest.raises(InputError, match="02_two"):
+        progress(folder)
+
+
+def test_the_command_lists_the_exercises_of_the_course(capsys):
+    assert main(["progress"]) == 0
+    said = capsys.readouterr().out
+    assert "01_world_and_car: 0 of" in said
+    assert "- to_local" in said

@@ -1,0 +1,135 @@
+"""The page of results and the README's block are what the command makes of the stored results."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tutorial_lib import cli
+from tutorial_lib.cli import main
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.results_page.markdown import interval, percent
+from tutorial_lib.experiments.results_page.page import (
+    BEGIN,
+    CHAPTERS,
+    END,
+    block_of,
+    page_of,
+    with_block,
+    write_results,
+)
+from tutorial_lib.experiments.results_page.sources import COMMANDS, command_of, load_results
+
+HERE = Path(__file__).parents[2]
+PAGE = HERE / "tutorial_lib" / "results" / "README.md"
+README = HERE / "README.md"
+RESULTS = load_results()
+
+
+def test_the_page_is_what_the_command_makes():
+    assert PAGE.read_bytes() == page_of(RESULTS).encode()
+
+
+def test_the_block_of_the_readme_is_what_the_command_makes():
+    text = README.read_text(encoding="utf-8")
+    assert with_block(text, block_of(RESULTS)).encode() == README.read_bytes()
+
+
+def test_the_readme_has_a_short_table():
+    table = [line for line in block_of(RESULTS).splitlines() if line.startswith("|")]
+    assert 5 <= len(table) - 2 <= 8
+
+
+def test_each_result_is_shown_once_below_its_command():
+    shown = [name for c in CHAPTERS for section in c.sections for name in section.sources]
+    assert sorted(shown) == sorted(COMMANDS)
+    page = PAGE.read_text(encoding="utf-8")
+    assert [page.count(f"{command_of(name)}   #") for name in COMMANDS] == [1] * len(COMMANDS)
+
+
+def test_every_link_of_the_contents_leads_to_a_heading():
+    page = PAGE.read_text(encoding="utf-8")
+    headings = re.findall(r"^##+ (.*)$", page, re.MULTILINE)
+    links = re.findall(r"^ *- \[(.*)\]\(#(.*)\)$", page, re.MULTILINE)
+    assert [title for title, _ in links] == headings
+    anchors = [anchor for _, anchor in links]
+    assert len(set(anchors)) == len(anchors)
+
+
+def test_figures_that_must_not_be_left_out_are_on_the_page():
+    page = PAGE.read_text(encoding="utf-8")
+    recall = RESULTS.rows("map")[0]["recall"]
+    assert f"{recall:.2%}" in page
+    assert "p_reuse = 0.95, where the paper has 0.99" in page
+    for name in ("depot", "tb3_sandbox", "warehouse"):
+        rows = {row["method"]: row for row in RESULTS.rows(f"meng_table2_{name}")}
+        line = next(x for x in page.splitlines() if x.startswith(f"| {name}, "))
+        assert f"{rows['random']['success']:.1%}" in line
+
+
+BOOTSTRAPPED = [
+    ("meng_fig10", "success", "low", "high"),
+    ("meng_table2_thresholds", "success", "low", "high"),
+    ("faults", "reached", "reached_low", "reached_high"),
+]
+
+
+@pytest.mark.parametrize(("name", "key", "low", "high"), BOOTSTRAPPED)
+def test_a_bootstrapped_interval_over_few_worlds_is_not_shown(name, key, low, high):
+    assert 1 < len(RESULTS.reports[name].worlds) < 6
+    rows = [row for row in RESULTS.rows(name) if row[key] is not None and row[low] < row[high]]
+    assert rows
+    text = section_with(name)
+    for row in rows:
+        assert percent(row[key]) in text
+        assert interval(row, key, low, high) not in text
+
+
+@pytest.mark.parametrize("name", ["meng_table2", "meng_table2_shifted"])
+def test_a_difference_over_few_worlds_has_no_interval(name):
+    assert 1 < len(RESULTS.reports[name].worlds) < 6
+    spans = re.findall(r"points (\(.*?\))", " ".join(RESULTS.reports[name].notes))
+    assert len(spans) == 3
+    assert not [span for span in spans if span in section_with(name)]
+
+
+def section_with(name):
+    """The text of the section that shows a report."""
+    (section,) = [s for chapter in CHAPTERS for s in chapter.sections if name in s.sources]
+    return section.text(RESULTS)
+
+
+def test_the_command_writes_both_and_says_so(tmp_path, monkeypatch, capsys):
+    readme = tmp_path / "README.md"
+    readme.write_text(f"# Mine\n\n{BEGIN}\nold\n{END}\n\nThe rest.\n", encoding="utf-8")
+    made = tmp_path / "made.md"
+    monkeypatch.setattr(cli, "PROJECT", tmp_path)
+    monkeypatch.setattr(cli, "write_results", lambda path: [path, made])
+    assert main(["results"]) == 0
+    assert capsys.readouterr().out == "wrote README.md\nwrote made.md\n"
+
+
+def test_without_a_readme_the_page_alone_is_written(tmp_path):
+    for name in COMMANDS:
+        (tmp_path / f"{name}.json").write_bytes((PAGE.parent / f"{name}.json").read_bytes())
+    assert write_results(tmp_path / "other.md", tmp_path) == [tmp_path / "README.md"]
+    assert (tmp_path / "README.md").read_bytes() == PAGE.read_bytes()
+
+
+def test_only_what_is_between_the_markers_is_replaced():
+    found = with_block(f"a\n{BEGIN}\nold\n{END}\nb\n", f"{BEGIN}\nnew\n{END}")
+    assert found == f"a\n{BEGIN}\nnew\n{END}\nb\n"
+
+
+@pytest.mark.parametrize(
+    "text", ["none", BEGIN, END, f"{END}{BEGIN}", f"{BEGIN}{BEGIN}{END}", f"{BEGIN}{END}{END}"]
+)
+def test_markers_that_are_missing_or_doubled_are_named(text):
+    with pytest.raises(InputError, match=r"README\.md: write <!-- results: begin"):
+        with_block(text, "block")
+
+
+def test_the_help_lists_the_command(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    assert "write the page of results" in capsys.readouterr().out

@@ -1,0 +1,147 @@
+"""The pages for students and teachers, made from the notebooks' sources.
+
+``notebooks/README.md`` is the map of the course and the glossary; ``solutions/README.md`` has what
+a teacher needs: goals, minutes, open questions with their answers, mistakes with the check's words.
+"""
+
+import ast
+import html
+import re
+from pathlib import Path
+
+import jupytext
+
+from tutorial_lib.builder.page import Entry, read_glossary, title_of
+from tutorial_lib.builder.standard import minutes_of
+from tutorial_lib.errors import InputError
+from tutorial_lib.files import write_text
+
+MADE = "<!-- Below this line the build writes. -->"
+"""In both pages, under what is written by hand."""
+_EXERCISE = re.compile(r"### Exercise \d+ · `(\w+)` \((\w+), (\d+) minutes\)")
+_GOALS = re.compile(r"After this notebook you (?:can|will)\W*\n\n((?:- .+\n(?:  .+\n)*)+)")
+_ANSWER = re.compile(r"<details><summary>(?!Hint)(.+?)</summary>(.+?)</details>", re.DOTALL)
+_QUESTION = re.compile(r"\*\*(?:Predict|Before you (?:run|move)).+?(?=\n\n|\Z)", re.DOTALL)
+
+
+def write_guides(project: Path) -> list[Path]:
+    """Write both pages of a project, each below the introduction that it already has.
+
+    Returns:
+        The files that were written.
+    """
+    sources = sorted((project / "solutions").glob("[0-9][0-9]_*.py"))
+    written = []
+    for folder, page in (
+        ("notebooks", lambda top: students_page(sources, top)),
+        ("solutions", lambda top: teachers_page(sources, project / "tests" / "wrong_answers", top)),
+    ):
+        file = project / folder / "README.md"
+        top, mark, _ = file.read_text(encoding="utf-8").partition(MADE)
+        if not mark:
+            raise InputError(f"{file}: no line {MADE!r}; what stands below it is made by the build")
+        write_text(file, page(f"{top}{MADE}\n"))
+        written.append(file)
+    return written
+
+
+def students_page(sources: list[Path], introduction: str) -> str:
+    """The map of the course and the glossary.
+
+    Args:
+        sources: ``solutions/NN_name.py``, in their order.
+        introduction: what stands above them, written by hand.
+    """
+    rows = []
+    for source in sources:
+        link, minutes = f"[{title_of(source)}]({source.stem}.ipynb)", minutes_of(source) or 10
+        rows.append(f"| {link} | {_listed(source)} | {minutes} |")
+    table = ["| notebook | you write | minutes |", "|---|---|---|", *rows]
+    entries = read_glossary(sources[0].parent)
+    terms = ["| term | symbol | unit | meaning | notebooks |", "|---|---|---|---|---|"]
+    terms += [_row(entry, sources) for entry in entries.values()]
+    parts = [introduction.rstrip(), "## The notebooks", "\n".join(table), "## Glossary"]
+    return "\n\n".join([*parts, "\n".join(terms)]) + "\n"
+
+
+def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -> str:
+    """Goals, minutes, open questions and common mistakes of every notebook.
+
+    Args:
+        sources: ``solutions/NN_name.py``, in their order.
+        wrong_answers: the folder with the answers that the checks reject.
+        introduction: what stands above them, written by hand.
+    """
+    parts = [introduction.rstrip()]
+    for source in sources:
+        text = _prose(source)
+        parts.append(f"## {title_of(source)}")
+        minutes = minutes_of(source)
+        parts.append(f"{minutes} minutes." if minutes else "Ten minutes, no exercises.")
+        goals = _GOALS.search(text)
+        if goals:
+            parts.append(f"After it a student can\n\n{goals[1].rstrip()}")
+        if _EXERCISE.search(text):
+            parts.append(_exercises(text))
+        questions = _questions(text)
+        if questions:
+            parts.append("### Questions and what to expect\n\n" + "\n".join(questions))
+        mistakes = _mistakes(wrong_answers / source.name)
+        if mistakes:
+            parts.append("### Common mistakes and what the check says\n\n" + "\n".join(mistakes))
+    return "\n\n".join(parts) + "\n"
+
+
+def _prose(source: Path) -> str:
+    cells = jupytext.reads(source.read_text(encoding="utf-8"), fmt="py:percent").cells
+    text = "\n\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
+    return re.sub(r"\[\[([^\]]+)\]\]", r"\1", text)
+
+
+def _listed(source: Path) -> str:
+    found = _EXERCISE.findall(_prose(source))
+    return ", ".join(f"`{name}` ({minutes})" for name, _, minutes in found) or "nothing"
+
+
+def _row(entry: Entry, sources: list[Path]) -> str:
+    mark = re.compile(rf"\[\[{re.escape(entry.term)}\]\]", re.IGNORECASE)
+    used = [s.stem[:2] for s in sources if mark.search(s.read_text(encoding="utf-8"))]
+    symbol = f"${entry.symbol}$" if entry.symbol else ""
+    term = f'<a id="{entry.anchor}"></a>{entry.term}'
+    return f"| {term} | {symbol} | {entry.unit} | {entry.meaning} | {', '.join(used)} |"
+
+
+def _exercises(text: str) -> str:
+    rows = [
+        f"| `{name}` | {level} | {minutes} |" for name, level, minutes in _EXERCISE.findall(text)
+    ]
+    return "\n".join(["| exercise | level | minutes |", "|---|---|---|", *rows])
+
+
+def _questions(text: str) -> list[str]:
+    """For each answer behind a fold the prediction asked for before it, and the answer."""
+    items, since = [], 0
+    for found in _ANSWER.finditer(text):
+        asked = _QUESTION.findall(text[since : found.start()])
+        question, since = _line(asked[-1]) if asked else f"**{_line(found[1])}**", found.end()
+        items.append(f"- {question}\n  *Answer:* {_line(found[2])}")
+    return items
+
+
+def _mistakes(path: Path) -> list[str]:
+    """A table of wrong answers: what they do, and the words by which the check names it."""
+    if not path.is_file():
+        return []
+    rows = []
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        exercise, _, mistake = getattr(node, "name", "").partition("__")
+        if mistake and not mistake.startswith("right"):
+            said = html.escape(_line(ast.get_docstring(node) or ""))
+            rows.append(
+                f"| `{exercise}` | {mistake.replace('_', ' ')} | {said.replace('|', '&#124;')} |"
+            )
+    return ["| exercise | the answer | the check says ... |", "|---|---|---|", *rows]
+
+
+def _line(text: str) -> str:
+    return " ".join(text.split())

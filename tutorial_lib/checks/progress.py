@@ -1,0 +1,74 @@
+"""Which exercises are done: those whose passed answer is saved in `my_answers`."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from tutorial_lib.checks.framework import my_answers
+from tutorial_lib.errors import InputError
+
+
+@dataclass(frozen=True)
+class Done:
+    """An exercise, and what became of it.
+
+    Attributes:
+        notebook: as in ``02_local_control``.
+        name: of the exercise.
+        passed: what the saved answer says of itself; empty if there is none.
+    """
+
+    notebook: str
+    name: str
+    passed: str
+
+
+def progress(notebooks: Path) -> list[Done]:
+    """Every exercise of the notebooks in a folder, in their order.
+
+    Raises:
+        InputError: when there are no notebooks, or one is damaged.
+    """
+    found = [
+        Done(file.stem, name, _passed(file.stem[:2], name))
+        for file in sorted(notebooks.glob("[0-9][0-9]_*.ipynb"))
+        for name in _exercises(file)
+    ]
+    if not found:
+        raise InputError(f"{notebooks}: no notebooks with exercises; give the course's folder")
+    return found
+
+
+def report(found: list[Done]) -> str:
+    """A table in words: for each notebook how many are done, and each exercise."""
+    lines = []
+    for notebook in dict.fromkeys(one.notebook for one in found):
+        own = [one for one in found if one.notebook == notebook]
+        done = sum(bool(one.passed) for one in own)
+        lines.append(f"{notebook}: {done} of {len(own)}")
+        lines += [
+            f"  {'x' if one.passed else '-'} {one.name:22} {one.passed}".rstrip() for one in own
+        ]
+    done = sum(bool(one.passed) for one in found)
+    return "\n".join([*lines, f"{done} of {len(found)} exercises are done"])
+
+
+def _exercises(file: Path) -> list[str]:
+    try:
+        cells = json.loads(file.read_text(encoding="utf-8"))["cells"]
+        return [cell["metadata"]["exercise"] for cell in cells if "exercise" in cell["metadata"]]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{file}: damaged ({error!r}); restore it") from error
+
+
+def _passed(notebook: str, name: str) -> str:
+    """When the saved answer passed, and which version it is."""
+    file = my_answers.path(notebook, name)
+    if my_answers.folder() is None or not file.is_file():
+        return ""
+    first = file.read_text(encoding="utf-8").partition("\n")[0]
+    found = re.search(r"# version (\d+) .* passed its check on (.+)", first)
+    return f"{found[2]}, version {found[1]}" if found else "saved"

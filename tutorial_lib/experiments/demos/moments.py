@@ -1,0 +1,99 @@
+"""What a demo's film shows of one moment: of an agent with a map, and of an oracle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tutorial_lib.agents.navigator import MapNavigation
+from tutorial_lib.driving.geodesics import DistanceFields
+from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.viz.figures.dashboard import Moment
+from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.simulation import Simulation
+
+SHARP = Camera(rows=64, columns=192)
+"""For the film; the network looks at 16 x 64 pixels."""
+
+
+@dataclass(frozen=True)
+class BySight:
+    """Moments of an agent that navigates over a map.
+
+    Attributes:
+        navigation: of the agent.
+        vertices: (V, 3) poses at which the map's vertices were recorded.
+        goal: (3,) pose at which the goal image was taken.
+        image: of the goal.
+    """
+
+    navigation: MapNavigation
+    vertices: Array
+    goal: Array
+    image: Picture
+
+    def __call__(self, simulation: Simulation, track: Array) -> Moment:
+        """The plan over its anchors to the goal, and its probability."""
+        plans, memory = self.navigation.history[0], self.navigation.follower.memory
+        here, count = max(int(memory.active[0]), 0), len(plans[-1].vertices)
+        ahead = [self.vertices[vertex, :2] for vertex in plans[-1].vertices[here:]]
+        path = np.stack([simulation.poses[0, :2], *ahead, self.goal[:2]])
+        searches = self.navigation.plans[0] is None
+        doing = "searches" if searches else State(memory.state[0]).name.replace("_", " ").lower()
+        lines = (
+            ("time", f"{simulation.seconds:.1f} s"),
+            ("probability of the plan", f"{plans[-1].probability:.1%}"),
+            ("anchor", f"{min(here + 1, count)} of {count}" if here < count else "the goal"),
+            ("state", doing),
+        )
+        return _moment(simulation, track, path, self.goal, lines, self.image)
+
+
+@dataclass(frozen=True)
+class ByOracle:
+    """Moments of an oracle, which knows the floor plan and its pose.
+
+    Attributes:
+        fields: of distances to the goal.
+        image: of the goal.
+    """
+
+    fields: DistanceFields
+    image: Picture
+
+    def __call__(self, simulation: Simulation, track: Array) -> Moment:
+        """The geodesic to the goal, and its length."""
+        path = self.fields.path(simulation.poses[0, :2])
+        lines = (
+            ("time", f"{simulation.seconds:.1f} s"),
+            ("to go", f"{arc_length(path)[-1]:.1f} m"),
+            ("speed", f"{simulation.speed[0]:+.2f} m/s"),
+            ("steering", f"{np.rad2deg(simulation.controls[0, 1]):+.0f} deg"),
+        )
+        return _moment(simulation, track, path, self.fields.goals[0], lines, self.image)
+
+
+def _moment(
+    simulation: Simulation,
+    track: Array,
+    path: Array,
+    goal: Array,
+    lines: tuple[tuple[str, str], ...],
+    image: Picture,
+) -> Moment:
+    pose = simulation.poses[0]
+    sharp = SHARP.look(simulation.scene, pose[None], simulation.discs)[0]
+    return Moment(
+        pose,
+        simulation.body.footprint,
+        replace(simulation.observe(), image=sharp),
+        track,
+        path,
+        goal[:2],
+        simulation.discs,
+        lines,
+        image,
+    )

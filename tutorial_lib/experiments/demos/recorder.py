@@ -1,0 +1,72 @@
+"""Records a rollout of one robot for a film."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from tutorial_lib.experiments.demos.outcome import Drive
+from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.interfaces import Observation, Robots
+from tutorial_lib.viz.figures.dashboard import Moment
+from tutorial_lib.world.simulation import Simulation
+
+EVERY = 2
+"""Simulation steps for each frame of the film."""
+FILM_RATE = 15.0
+"""Frames a second: three times as fast as the robot."""
+
+
+class FilmRecorder:
+    """Keeps a `Moment` of every `EVERY`-th step of one robot, and its track.
+
+    Attributes:
+        track: positions (2,), step by step.
+        moments: for the film.
+    """
+
+    def __init__(
+        self,
+        make_moment: Callable[[Simulation, Array], Moment],
+        watch: Callable[[Moment], None] = lambda moment: None,
+    ) -> None:
+        """Record.
+
+        Args:
+            make_moment: makes a moment of a simulation and the track (T, 2).
+            watch: is called with each moment as soon as there is one.
+        """
+        self._make_moment, self._watch = make_moment, watch
+        self.track: list[Array] = []
+        self.moments: list[Moment] = []
+
+    def __call__(
+        self, simulation: Simulation, robots: Robots, observations: Observation, actions: Array
+    ) -> None:
+        """See `driving.rollouts.Record`."""
+        del robots, observations, actions
+        self.track.append(simulation.poses[0, :2])
+        if len(self.track) % EVERY == 1:
+            self._add(simulation)
+
+    def finish(self, simulation: Simulation) -> None:
+        """Add the last moment, which stays on screen for a second."""
+        self.track.append(simulation.poses[0, :2])
+        self._add(simulation)
+        for _ in range(round(FILM_RATE)):
+            self.moments.append(self.moments[-1])
+            self._watch(self.moments[-1])
+
+    def drive(self, simulation: Simulation, *, reached: bool) -> Drive:
+        """How the rollout went."""
+        return Drive(
+            reached=reached,
+            collided=bool(simulation.collided[0]),
+            seconds=round(simulation.seconds, 1),
+            driven=round(float(arc_length(self.track)[-1]), 2),
+        )
+
+    def _add(self, simulation: Simulation) -> None:
+        self.moments.append(self._make_moment(simulation, np.array(self.track)))
+        self._watch(self.moments[-1])

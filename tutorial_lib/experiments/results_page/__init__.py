@@ -1,0 +1,1 @@
+"""The page of results, made from the stored reports: `tutorial_lib/results/README.md`."""

@@ -1,0 +1,162 @@
+"""The whole page of results, and the block of the project's README."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.results import FOLDER
+from tutorial_lib.experiments.protocols.local_control import WORLDS
+from tutorial_lib.experiments.results_page import (
+    following,
+    local_control,
+    maps,
+    navigation,
+    probability,
+    reachability,
+    speed,
+    worlds,
+)
+from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.sources import Results, load_results
+from tutorial_lib.experiments.results_page.summary import results_in_short
+from tutorial_lib.files import write_text
+from tutorial_lib.world.worlds import TRAINING_SEEDS
+
+BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
+"""Around the block of the project's README."""
+PAGE = "tutorial_lib/results/README.md"
+"""The page, seen from the project's README."""
+COMMAND = ".venv/bin/python -m tutorial_lib results"
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """Sections under one heading.
+
+    Attributes:
+        title: of the chapter.
+        sections: in order.
+    """
+
+    title: str
+    sections: tuple[Section, ...]
+
+
+CHAPTERS = (
+    Chapter("Local control", local_control.SECTIONS),
+    Chapter("Reachability", reachability.SECTIONS),
+    Chapter("Following a trajectory", following.SECTIONS),
+    Chapter("Maps", maps.SECTIONS),
+    Chapter("Navigation", (*navigation.SECTIONS, *maps.PATHS)),
+    Chapter("Probability and faults", probability.SECTIONS),
+    Chapter("The worlds", worlds.SECTIONS),
+    Chapter("Speed", speed.SECTIONS),
+)
+
+
+def page_of(results: Results) -> str:
+    """The page in Markdown."""
+    parts = [introduction(results), contents()]
+    for chapter in CHAPTERS:
+        parts.append(f"## {chapter.title}")
+        parts += [section.text(results) for section in chapter.sections]
+    return "\n\n".join(parts) + "\n"
+
+
+def introduction(results: Results) -> str:
+    """What holds for all sections."""
+    reports = results.reports.values()
+    seeds = sorted({report.seed for report in reports})
+    quick = [report.name for report in reports if report.quick]
+    if quick:
+        raise InputError(f"{', '.join(quick)}: a quick run; run it again without --quick")
+    return "\n\n".join(
+        [
+            "# Results",
+            f"This page is made from the JSON files beside it by `{COMMAND}`. Each section has "
+            f"the command that measures its numbers again, and the time that it took on two cores "
+            f"of a small server.",
+            f"**Protocol and worlds.** Where a table or figure of Meng 2020 (*Scaling Local "
+            f"Control to Large-Scale Topological Navigation*) is named, the protocol is the "
+            f"paper's, but the world is easier: 2D floor plans, images by raycasting, a simulated "
+            f"car. The paper's numbers stand beside ours for orientation; only rows of one table "
+            f"can be compared. Test worlds have seeds from {WORLDS[0]:,} on; networks are trained "
+            f"in seeds below {TRAINING_SEEDS.stop:,}, and thresholds and calibrations chosen in "
+            f"validation worlds between the two. Nothing is tuned on the test worlds or on Nav2's "
+            f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
+            f"Each network was trained once: intervals do not hold the variation from one "
+            f"training to the next.",
+            "**Names.** *C* is local control with k images of context on either side of the "
+            "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
+            "is built here; *SPTM* (Savinov 2018) is the paper's baseline, *random* knows nothing "
+            "and the *oracle* the floor plan, its pose and the goal's.",
+            "**Intervals** in brackets are of 95 %. Over twenty worlds they are bootstrapped over "
+            "worlds; for one world they are Wilson's, over trials. For three or five worlds "
+            "together, too few for a bootstrap, the count is given, or each world. Where all "
+            "worlds have the same share the bootstrap has no width, and the interval is left out. "
+            "**Bold** is the best of its kind in a column or row; oracles and bounds take no "
+            "part, and a bold number need not differ from the next one by more than chance.",
+        ]
+    )
+
+
+def contents() -> str:
+    """The table of contents."""
+    lines = []
+    for chapter in CHAPTERS:
+        lines.append(f"- [{chapter.title}](#{anchor(chapter.title)})")
+        lines += [f"  - [{s.title}](#{anchor(s.title)})" for s in chapter.sections]
+    return "\n".join(lines)
+
+
+def anchor(title: str) -> str:
+    """The anchor that GitHub gives a heading.
+
+    >>> anchor("Table II: navigation on Nav2's maps")
+    'table-ii-navigation-on-nav2s-maps'
+    """
+    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
+
+
+def block_of(results: Results) -> str:
+    """The block of the project's README, markers included."""
+    lines = [
+        BEGIN,
+        results_in_short(results),
+        "",
+        f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
+        f"it. The world is easier than the paper's.",
+        END,
+    ]
+    return "\n".join(lines)
+
+
+def with_block(readme: str, block: str) -> str:
+    """A README with the text between the markers replaced.
+
+    Raises:
+        InputError: unless it has both markers once, in order.
+    """
+    before, begin, rest = readme.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end) or BEGIN in rest or END in after:
+        raise InputError(f"README.md: write {BEGIN} and {END} once, where the results belong")
+    return f"{before}{block}{after}"
+
+
+def write_results(readme: Path, folder: Path = FOLDER) -> list[Path]:
+    """Write the page of a folder of reports, and the block of a README if there is one.
+
+    Raises:
+        InputError: naming a report that is missing or damaged and the command that makes it.
+    """
+    results = load_results(folder)
+    texts = {folder / "README.md": page_of(results)}
+    if readme.is_file():
+        texts[readme] = with_block(readme.read_text(encoding="utf-8"), block_of(results))
+    for path, text in texts.items():
+        write_text(path, text)
+    return list(texts)

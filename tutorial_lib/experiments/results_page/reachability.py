@@ -1,0 +1,91 @@
+"""Reachability: how well each estimator predicts the outcome of a rollout."""
+
+from __future__ import annotations
+
+from tutorial_lib.driving.data.reachability_pairs import FAR, SEEN
+from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.protocols.reachability import SURE
+from tutorial_lib.experiments.results_page.markdown import (
+    counted,
+    number,
+    number_interval,
+    percent,
+    table,
+    with_best_bold,
+)
+from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.sources import Results, one
+
+ESTIMATORS = {
+    "k0": "RE, k = 0",
+    "k2": "RE, k = 2",
+    "k5": "RE, k = 5",
+    "laser": "RE, laser, k = 2",
+    "sptm": "SPTM's network",
+    "image": "image similarity",
+    "geometry": "true geometry",
+}
+KNOWING = ("geometry",)
+"""Bounds, never the best."""
+
+
+def discrimination(rows: Rows) -> str:
+    """AUC and calibration error of every estimator."""
+    found = [one(rows, estimator=name) for name in ESTIMATORS]
+    auc, ece = (
+        with_best_bold(
+            [number_interval(row, key) for row in found],
+            [None if row["estimator"] in KNOWING else row[key] for row in found],
+            least=key == "ece",
+        )
+        for key in ("auc", "ece")
+    )
+    bound = [number(row["geometry_auc"]) for row in found]
+    lines = zip(ESTIMATORS.values(), auc, bound, ece, strict=True)
+    return table(
+        ["estimator", "AUC", "AUC of the true geometry", "ECE"], [list(line) for line in lines]
+    )
+
+
+def precision(rows: Rows) -> str:
+    """Share of sure predictions that come true, and of far pairs that are predicted likely."""
+    lines = []
+    for name, label in ESTIMATORS.items():
+        row = one(rows, estimator=name)
+        kinds = ("mix", "consecutive", "map")
+        sure = [counted(row[f"precision_{kind}"], row[f"sure_{kind}"]) for kind in kinds]
+        lines.append([label, *sure, counted(row["far_above_09"], row["far"], 2)])
+    head = ["estimator", "mixed pairs", "consecutive anchors", "map edges", "far pairs above 0.9"]
+    return table(head, lines)
+
+
+def _section(results: Results) -> list[str]:
+    rows = results.rows("calibration")
+    best, laser, image, sptm = (one(rows, estimator=n) for n in ("k5", "laser", "image", "sptm"))
+    return [
+        f"Does RE predict whether C reaches a target (Sec. III-C of Meng 2020)? {best['pairs']:,} "
+        f"pairs of start and target whose views overlap by {SEEN:g} or more, in "
+        f"{results.worlds('calibration')} test worlds, each rolled out. SPTM's network and image "
+        f"similarity are compared with the outcomes of C with k = 2, each RE with those of its "
+        f"own C; *true geometry* is a model fitted to the true poses and distances: about the "
+        f"most that can be known. The paper reports no such numbers.",
+        discrimination(rows),
+        f"RE is calibrated; SPTM's similarity is not a probability, and was not trained to be one "
+        f"(ECE {number(sptm['ece'])}). Where RE with k = 5 is least sure, it predicts too much: "
+        f"in the tenth of the pairs with the smallest predictions "
+        f"{percent(best['predicted'][0])}, where {percent(best['measured'][0])} are reached.",
+        f"How many of the predictions above {SURE:g} come true: on the same *mixed pairs*, from "
+        f"an anchor to the next, and on random pairs of frames that a map would join. *Far pairs* "
+        f"are more than {FAR:g} m apart without overlap; these should never be predicted likely.",
+        precision(rows),
+        f"A precision without its count misleads: above {SURE:g} image similarity is right in "
+        f"{percent(image['precision_mix'])}, but it is that sure of {image['sure_mix']} pairs "
+        f"only, RE with k = 5 of {best['sure_mix']:,}. The laser's map edges are the worst "
+        f"({percent(laser['precision_map'])}), and it predicts "
+        f"{percent(laser['far_above_09'], 2)} of the far pairs likely: a scan without colours "
+        f"looks alike in many places. How rollouts of far pairs end is measured by `experiment "
+        f"calibration --ablation audit`.",
+    ]
+
+
+SECTIONS = (Section("Calibration of reachability", ("calibration",), _section),)

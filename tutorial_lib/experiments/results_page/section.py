@@ -1,0 +1,57 @@
+"""A section of the page: what was measured, by which commands, and what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.results_page.sources import Results, command_of, remedy
+
+LONG = 120
+"""Seconds from which on a duration is given in minutes."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """One experiment on the page.
+
+    Attributes:
+        title: of the section.
+        sources: names of the reports that it shows.
+        paragraphs: of its text: what is measured, then tables and remarks.
+    """
+
+    title: str
+    sources: tuple[str, ...]
+    paragraphs: Callable[[Results], list[str]]
+
+    def text(self, results: Results) -> str:
+        """The section in Markdown; the commands stand below its first paragraph.
+
+        Raises:
+            InputError: naming the reports, if one lacks a row, a column or a note.
+        """
+        try:
+            measured, *found = self.paragraphs(results)
+        except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+            files = ", ".join(f"{name}.json" for name in self.sources)
+            advice = "; ".join(remedy(name) for name in self.sources)
+            raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
+        return "\n\n".join([f"### {self.title}", measured, self._commands(results), *found])
+
+    def _commands(self, results: Results) -> str:
+        lines = [
+            f"{command_of(name)}   # {duration(results.reports[name].seconds)}"
+            for name in self.sources
+        ]
+        return "\n".join(["```sh", *lines, "```"])
+
+
+def duration(seconds: float) -> str:
+    """How long something took.
+
+    >>> duration(7.66), duration(998.7)
+    ('8 s', '17 min')
+    """
+    return f"{seconds:.0f} s" if seconds < LONG else f"{seconds / 60:.0f} min"

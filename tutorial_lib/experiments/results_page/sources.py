@@ -1,0 +1,105 @@
+"""Where the numbers come from: the stored reports and the commands that make them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Report, Rows
+from tutorial_lib.experiments.common.results import FOLDER, load_result
+from tutorial_lib.experiments.results_page.markdown import Row
+
+MAPS = ("depot", "tb3_sandbox", "warehouse")
+"""Occupancy grids that come with Nav2 (`nav2_bringup/maps`)."""
+ABLATIONS = ("encoder", "worlds", "rows")
+"""Of local control."""
+COMMANDS = {
+    "plans": "experiment plans",
+    "meng_table1": "experiment meng_table1",
+    **{f"meng_table1_{name}": f"experiment meng_table1 --map {name}.yaml" for name in MAPS},
+    **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
+    "calibration": "experiment calibration",
+    **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
+    **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
+    "disturbances": "experiment disturbances",
+    "meng_table2": "experiment meng_table2",
+    "meng_table2_shifted": "experiment meng_table2 --palette shifted",
+    **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
+    "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
+    "faults": "experiment faults",
+    **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
+}
+"""Arguments of ``python -m tutorial_lib`` by the name of the report."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """The stored reports by name.
+
+    Attributes:
+        reports: by name.
+    """
+
+    reports: Mapping[str, Report]
+
+    def rows(self, name: str) -> Rows:
+        """The rows of a report."""
+        return self.reports[name].rows
+
+    def worlds(self, name: str) -> int:
+        """The number of worlds of a report."""
+        return len(self.reports[name].worlds)
+
+    def note(self, name: str, beginning: str) -> str:
+        """What a report notes behind those words, which end with a space."""
+        notes = [note for note in self.reports[name].notes if note.startswith(beginning)]
+        return notes[0].removeprefix(beginning)
+
+
+def load_results(folder: Path = FOLDER) -> Results:
+    """Load every report of which the page tells.
+
+    Raises:
+        InputError: naming a missing or damaged file and the command that makes it.
+    """
+    found = {}
+    for name in COMMANDS:
+        path = folder / f"{name}.json"
+        if not path.is_file():
+            raise InputError(f"{path}: there is no such file; {remedy(name)}")
+        try:
+            found[name] = load_result(name, folder)
+        except InputError as error:
+            raise InputError(f"{error}, or {remedy(name)}") from error
+    return Results(found)
+
+
+def command_of(name: str) -> str:
+    """The command line that makes a report."""
+    kept = f"tutorial_lib/results/{name}.json"
+    return f".venv/bin/python -m tutorial_lib {COMMANDS[name]} --json {kept}"
+
+
+def remedy(name: str) -> str:
+    """What to do about a report that is missing or damaged."""
+    return f"make it with: {command_of(name)}"
+
+
+def matching(rows: Rows, **values: Any) -> Rows:  # noqa: ANN401 - any value of a row
+    """The rows that have those values."""
+    return [row for row in rows if all(row[key] == value for key, value in values.items())]
+
+
+def one(rows: Rows, **values: Any) -> Row:  # noqa: ANN401 - any value of a row
+    """The only row that has those values.
+
+    Raises:
+        LookupError: when there is none, or there are several.
+    """
+    found = matching(rows, **values)
+    if len(found) != 1:
+        raise LookupError(f"{len(found)} rows with {values}")
+    return found[0]

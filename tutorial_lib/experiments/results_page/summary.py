@@ -1,0 +1,129 @@
+"""The results in short: the table of the project's README."""
+
+from __future__ import annotations
+
+from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.results_page import paper
+from tutorial_lib.experiments.results_page.markdown import number, percent, span, table
+from tutorial_lib.experiments.results_page.navigation import total
+from tutorial_lib.experiments.results_page.sources import MAPS, Results, one
+
+HEAD = ("measured", "here", "beside it", "Meng 2020")
+
+
+def results_in_short(results: Results) -> str:
+    """A line for each main result, unfavourable ones included."""
+    on_maps = {name: results.rows(f"meng_table1_{name}") for name in MAPS}
+    places = {name: results.rows(f"meng_table2_{name}") for name in MAPS}
+    lines = [
+        local_control(results.rows("meng_table1")),
+        local_control_on_maps(on_maps),
+        reachability(results.rows("calibration")),
+        cover_rate(results.rows("meng_fig7")),
+        navigation(results.rows("meng_table2"), results.worlds("meng_table2")),
+        navigation_on_maps(places),
+        plan_probability(results.rows("meng_fig9")),
+        blocked_paths(results.rows("faults")),
+    ]
+    return table(HEAD, lines)
+
+
+def local_control(rows: Rows) -> list[str]:
+    """Targets reached by C."""
+    found = {row["controller"]: row for row in rows if row["condition"] == "clean"}
+    here = {name: percent(row["success"]) for name, row in found.items()}
+    return [
+        "local control: targets reached by C, k = 5",
+        here["k5"],
+        f"direct control {here['direct']}, random waypoints {here['random']}, oracle "
+        f"{here['oracle']}",
+        f"{percent(found['k5']['paper'], 0)}, direct control "
+        f"{percent(found['direct']['paper'], 0)}",
+    ]
+
+
+def local_control_on_maps(maps: dict[str, Rows]) -> list[str]:
+    """The same on maps from files."""
+    k5, random, oracle = (
+        _slashed([one(rows, controller=c, condition="clean")["success"] for rows in maps.values()])
+        for c in ("k5", "random", "oracle")
+    )
+    what = f"the same on Nav2's maps {' / '.join(maps)}"
+    return [what, k5, f"random waypoints {random}, oracle {oracle}", ""]
+
+
+def reachability(rows: Rows) -> list[str]:
+    """AUC and calibration of RE."""
+    best, sptm, bound = (one(rows, estimator=name) for name in ("k5", "sptm", "geometry"))
+    return [
+        "reachability: RE, k = 5",
+        f"AUC {number(best['auc'])}, ECE {number(best['ece'])}",
+        f"SPTM's network {number(sptm['auc'])}, {number(sptm['ece'])}; true geometry AUC "
+        f"{number(best['geometry_auc'])} (k = 2: {number(bound['auc'])})",
+        "",
+    ]
+
+
+def cover_rate(rows: Rows) -> list[str]:
+    """Cover rate of sparse anchors at about the same sparsity."""
+    kept = {"context": "k5", "condition": "clean"}
+    ours = one(rows, method="meng", threshold=0.95, **kept)
+    sptm = one(rows, method="sptm", threshold=40, **kept)
+    return [
+        "cover rate at sparsity, k = 5, RE above 0.95",
+        f"{percent(ours['cover_rate'])} at {number(ours['sparsity'])}",
+        f"every {sptm['threshold']}th frame {percent(sptm['cover_rate'])} at "
+        f"{number(sptm['sparsity'])}",
+        f"over {percent(paper.COVERED[True], 0)}",
+    ]
+
+
+def navigation(rows: Rows, worlds: int) -> list[str]:
+    """Success of navigation."""
+    here = {
+        name: percent(total(rows, name)["success"]) for name in ("meng", "sptm", "random", "oracle")
+    }
+    return [
+        f"navigation to an image, {worlds} buildings: Meng",
+        here["meng"],
+        f"SPTM {here['sptm']}, random {here['random']}, oracle {here['oracle']}",
+        f"{span(paper.SUCCESS['meng'])}, SPTM {span(paper.SUCCESS['sptm'])}",
+    ]
+
+
+def navigation_on_maps(maps: dict[str, Rows]) -> list[str]:
+    """The same on maps from files."""
+    meng, sptm, random, oracle = (
+        _slashed([one(rows, method=method)["success"] for rows in maps.values()])
+        for method in ("meng", "sptm", "random", "oracle")
+    )
+    what = f"the same on Nav2's maps {' / '.join(maps)}"
+    return [what, meng, f"SPTM {sptm}, random {random}, oracle {oracle}", ""]
+
+
+def plan_probability(rows: Rows) -> list[str]:
+    """Predicted and measured success of the least and the most probable plans."""
+    found = [row for row in rows if not row["calibrated"]]
+    least, most = found[0], found[-1]
+    return [
+        "a plan's probability, least probable fifth of the plans",
+        percent(least["probability"]),
+        f"{percent(least['success'])} arrive; most probable fifth {percent(most['probability'])}, "
+        f"{percent(most['success'])} arrive",
+        "",
+    ]
+
+
+def blocked_paths(rows: Rows) -> list[str]:
+    """Robots that reach the place around a blocked path."""
+    blocked, free = (one(rows, fault=fault) for fault in ("blocked", "none"))
+    return [
+        "the path is blocked for good, a detour exists: reached",
+        percent(blocked["reached"]),
+        f"nobody there {percent(free['reached'])}",
+        "",
+    ]
+
+
+def _slashed(shares: list[float]) -> str:
+    return " / ".join(percent(share) for share in shares)
