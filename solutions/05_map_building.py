@@ -119,7 +119,7 @@ show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 #
 # <details><summary>Hint 1: concept</summary>Two steps: which pairs are edges, and what does each one weigh? The first is a Boolean table.</details>
 # <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(table, value) changes a table in place. np.maximum(x, 0.5) lets no number be below 0.5.</details>
-# <details><summary>Hint 3: the shape</summary>np.where(mask, one, other) takes one where mask is True, and other elsewhere. Which of the two is np.inf here?</details>
+# <details><summary>Hint 3: one line</summary>np.where(mask, one, other) takes one where mask is True, and other elsewhere. Which of the two is np.inf here?</details>
 
 
 # %% exercise="edge_weights"
@@ -351,7 +351,7 @@ show(side_by_side(panels, titles))
 #
 # <details><summary>Hint 1: concept</summary>First find those that qualify, then the best of them. Check whether there is one at all before you look for the best.</details>
 # <details><summary>Hint 2: approach</summary>Three Boolean arrays, joined by &, say which vertices qualify; their .any() is whether there is one. To leave the indices as they are, do not select those that qualify: give the others a score that cannot win.</details>
-# <details><summary>Hint 3: the shape</summary>(heights * tall).argmax() is the highest of those that are tall, since False counts as 0. What stands for heights here?</details>
+# <details><summary>Hint 3: one line</summary>(heights * tall).argmax() is the highest of those that are tall, since False counts as 0. What stands for heights here?</details>
 
 
 # %% exercise="reusable"
@@ -387,7 +387,7 @@ reusable = check_reusable.use(reusable)
 #
 # <details><summary>Hint 1: concept</summary>At first all are allowed. Each vertex that was reused excludes some: those of its own trajectory that are not ahead of it.</details>
 # <details><summary>Hint 2: approach</summary>Begin with a Boolean array that is True for every vertex. In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
-# <details><summary>Hint 3: the shape</summary>books &= (author != author[mine]) | (year > year[mine]) leaves out what my author wrote until then. In a loop, mine is each of several books.</details>
+# <details><summary>Hint 3: one line</summary>books &= (author != author[mine]) | (year > year[mine]) leaves out what my author wrote until then. In a loop, mine is each of several books.</details>
 
 
 # %% exercise="ahead_of"
@@ -438,7 +438,7 @@ ahead_of = check_ahead_of.use(ahead_of)
 #
 # <details><summary>Hint 1: concept</summary>One loop for step 1, which never looks at edges. When the path is complete you know which anchors stay: those that stand on it themselves. Steps 2 to 4 need nothing else.</details>
 # <details><summary>Hint 2: approach</summary>In step 1 two lists grow: the path, and the vertices reused so far. grown.reach[a, grown.vertices] is a row of RE, from a to each vertex; grown.reach[grown.vertices, b] a column. ahead_of(grown.trajectory, grown.place, reused) answers for all N anchors: select the vertices from it. reusable returns a position in grown.vertices, not an anchor. For before and after put a -1 on either end of the path.</details>
-# <details><summary>Hint 3: questions</summary>What is min(i + 1, last) at the last anchor? In step 3: does your loop join two new vertices with each other, and in both directions? In step 4: is it the anchors that were driven, or the vertices of the path?</details>
+# <details><summary>Hint 3: one line</summary>What is min(i + 1, last) at the last anchor? In step 3: does your loop join two new vertices with each other, and in both directions? In step 4: is it the anchors that were driven, or the vertices of the path?</details>
 
 
 # %% exercise="insert"
@@ -586,6 +586,7 @@ def insertion(step, p_reuse, p_edge):
 
 sliders(
     insertion,
+    {"step": "anchor", "p_reuse": "p_reuse, probability", "p_edge": "p_edge, probability"},
     step=(0, last, 1, 3),
     p_reuse=(0.9, 0.998, 0.002, 0.99),
     p_edge=(0.5, 0.99, 0.01, 0.99),
@@ -748,7 +749,12 @@ def whole_map(p_edge, p_reuse):
     return picture, f"{size}{(found > 0).sum()} of {len(found)} paths"
 
 
-sliders(whole_map, p_edge=(0.8, 0.999, 0.001, 0.99), p_reuse=(0.8, 1.0, 0.01, 0.99))
+sliders(
+    whole_map,
+    {"p_edge": "p_edge, probability", "p_reuse": "p_reuse, probability"},
+    p_edge=(0.8, 0.999, 0.001, 0.99),
+    p_reuse=(0.8, 1.0, 0.01, 0.99),
+)
 
 # %% [markdown]
 # <details><summary>What do they do?</summary>
@@ -828,7 +834,7 @@ show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], val
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
 # <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>
-# <details><summary>Hint 3: questions</summary>Do you compare with reach, which stays as it was, or with values that have been lowered already? Do both fingers start again from the pair itself for the second direction?</details>
+# <details><summary>Hint 3: one line</summary>Do you compare with reach, which stays as it was, or with values that have been lowered already? Do both fingers start again from the pair itself for the second direction?</details>
 
 
 # %% exercise="weakest_aligned"
@@ -922,7 +928,7 @@ print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex 
 #
 # <details><summary>Hint 1: concept</summary>Go through the pairs that are sure. Each one votes for its four neighbours. Known pairs need no vote.</details>
 # <details><summary>Hint 2: approach</summary>np.argwhere(table > 0) goes through the places of a table that are positive. Mark the four neighbours of each sure pair in a table of False, if there is such a row and the column is not -1.</details>
-# <details><summary>Hint 3: a question</summary>Your table of votes may contain pairs that are known already. Which Boolean table do you combine it with, by & or by |?</details>
+# <details><summary>Hint 3: one line</summary>Your table of votes may contain pairs that are known already. Which Boolean table do you combine it with, by & or by |?</details>
 
 
 # %% exercise="ask_next"

@@ -132,7 +132,7 @@ show(graph_picture(BY_HAND))
 #
 # <details><summary>Hint 1: concept</summary>Keep three things: the least length known to each vertex that was seen, its predecessor, and a heap of (length, vertex) still to be processed.</details>
 # <details><summary>Hint 2: approach</summary>heapq.heappop returns the nearest. If it is the goal, go back along the predecessors to the start, and reverse the list. Otherwise look at each of its edges: if the path over it is shorter than the least known (not equally long), store the length and the predecessor, and push it. When the heap is empty there is no path.</details>
-# <details><summary>Hint 3: questions</summary>What is math.inf good for as the second argument of .get? Which of length and vertex must stand first in what you push, so that the heap returns the nearest? And how does a length become a probability again?</details>
+# <details><summary>Hint 3: one line</summary>What is math.inf good for as the second argument of .get? Which of length and vertex must stand first in what you push, so that the heap returns the nearest? And how does a length become a probability again?</details>
 
 
 # %% exercise="most_probable_path"
@@ -217,7 +217,7 @@ show(with_places(map_picture.copy()))
 #
 # <details><summary>Hint 1: concept</summary>A new graph, with everything that was in the old one, and two more vertices. The map itself is needed again for the next plan, and must not change.</details>
 # <details><summary>Hint 2: approach</summary>Copy both levels: dict(d) copies one dictionary; a comprehension over graph.items() copies each inner one. Add HERE and GOAL with an empty dictionary each. Then go through from_here, and through all of to_goals; leave out vertices that the graph does not have, except HERE in to_goals.</details>
-# <details><summary>Hint 3: the shape</summary>if price &lt; cheapest.get(item, most): cheapest[item] = price keeps the lowest price of each item that is below most. You need the greatest, above a threshold.</details>
+# <details><summary>Hint 3: one line</summary>if price &lt; cheapest.get(item, most): cheapest[item] = price keeps the lowest price of each item that is below most. You need the greatest, above a threshold.</details>
 
 
 # %% exercise="join_ends"
@@ -395,7 +395,7 @@ print(rules)
 #
 # <details><summary>Hint 1: concept</summary>Two plans at most, with the functions of exercises 1 and 2. Only the threshold at the goal differs.</details>
 # <details><summary>Hint 2: approach</summary>First join_ends, with the two thresholds of this plan; then most_probable_path from HERE to GOAL. An empty list is false in Python: if path: ...</details>
-# <details><summary>Hint 3: a question</summary>words = "warm" if degrees >= 20 else "cold" chooses between two words. Which two, and which comparison, does the first case need, and which two the second?</details>
+# <details><summary>Hint 3: one line</summary>words = "warm" if degrees >= 20 else "cold" chooses between two words. Which two, and which comparison, does the first case need, and which two the second?</details>
 
 
 # %% exercise="decide"
@@ -469,7 +469,7 @@ show(
 #
 # <details><summary>Hint 1: concept</summary>A loop of replans + 1 rounds: plan, give up if refused, drive, return on arrival, remember what could not be reached.</details>
 # <details><summary>Hint 2: approach</summary>The set lives outside of the loop, so that it grows. path[stopped] is the vertex; GOAL is not a vertex of the map, so there is nothing to exclude if it could not be reached from the last vertex.</details>
-# <details><summary>Hint 3: questions</summary>How many rounds are there with replans = 0? What do you return after the last round, and what must stay in the set when drive returns None?</details>
+# <details><summary>Hint 3: one line</summary>How many rounds are there with replans = 0? What do you return after the last round, and what must stay in the set when drive returns None?</details>
 
 
 # %% exercise="travel"
@@ -539,7 +539,7 @@ def without(graph, excluded):
 #
 # <details><summary>Hint 1: concept</summary>One for loop over the steps, and a few variables that outlive each round: the present path ([] for none), the steps of turning in this search, how often it was lost, the excluded vertices, the plans. Each round first tries to get a path if there is none; then it turns or follows.</details>
 # <details><summary>Hint 2: approach</summary>n % k == 0 is True at 0, k, 2k and so on. After a step of turning continue with the next round. The vertex that was not reached stands on the path at robot.active; GOAL is not a key of graph. When the robot was lost, the next search begins with its counter at 0.</details>
-# <details><summary>Hint 3: questions</summary>What are the variables before the first step, and which of them change when the robot is lost? A path that is refused: in which of the two cases do you return? Is "lost more than limits.replans times" a comparison with &gt; or with &gt;=, and before or after you count?</details>
+# <details><summary>Hint 3: one line</summary>What are the variables before the first step, and which of them change when the robot is lost? A path that is refused: in which of the two cases do you return? Is "lost more than limits.replans times" a comparison with &gt; or with &gt;=, and before or after you count?</details>
 
 
 # %% exercise="navigate"
@@ -586,7 +586,7 @@ navigate = check_navigate.use(navigate)
 # %% [markdown]
 # ### Kidnapped
 #
-# A car has to drive from place 4 to place 0. After twelve seconds it is [[kidnapped robot|kidnapped]]: picked up and put down as far from its path as possible. Its odometry is unaffected. Your `navigate` drives it. (About 6 s.)
+# A car has to drive from place 4 to place 0. After twelve seconds it becomes a [[kidnapped robot]]: it is picked up and put down as far from its path as possible. Its odometry is unaffected. Your `navigate` drives it. (About 6 s.)
 #
 # **Predict:** what does the car do next, how long does it take to notice, and what will it exclude? Is that justified?
 
@@ -834,7 +834,13 @@ def with_cuts(start, goal, edges_cut):
     )
 
 
-sliders(with_cuts, edges_cut=(0, 8, 1, 3), start=(0, 4, 1, 4), goal=(0, 4, 1, 0))
+sliders(
+    with_cuts,
+    {"edges_cut": "edges cut", "start": "from place", "goal": "to place"},
+    edges_cut=(0, 8, 1, 3),
+    start=(0, 4, 1, 4),
+    goal=(0, 4, 1, 0),
+)
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
@@ -891,7 +897,7 @@ table({**head, "through a wormhole": ""}, rows)
 #
 # <details><summary>Hint 1: concept</summary>Edge i (from 1) of a path leads to place i. Compare i with the place where it stopped.</details>
 # <details><summary>Hint 2: approach</summary>pairwise(path) gives the edges, and enumerate(..., 1) the places that they lead to: on arrival all edges were tried and passed; otherwise those up to stopped were tried, and those before stopped passed.</details>
-# <details><summary>Hint 3: the shape</summary>In wins[team] = (games + 1, won + (goals &gt; 2)) a comparison counts as 1 or 0; and games, won = wins.get(team, (0, 0)) comes before.</details>
+# <details><summary>Hint 3: one line</summary>In wins[team] = (games + 1, won + (goals &gt; 2)) a comparison counts as 1 or 0; and games, won = wins.get(team, (0, 0)) comes before.</details>
 
 
 # %% exercise="tally"
@@ -1440,7 +1446,7 @@ from tutorial_lib.driving.control.rmp import (
     heading_policy,
     point_jacobian,
 )
-from tutorial_lib.experiments.demos.navigation_demo import farthest
+from tutorial_lib.experiments.demos.task import farthest
 from tutorial_lib.experiments.protocols.navigation_tasks import explored
 from tutorial_lib.geometry import to_local, to_world, wrap
 from tutorial_lib.topology import Anchors, FollowerSettings, State, TopoMap, anchors_of
@@ -1573,7 +1579,7 @@ class YourRobot:
         self.simulation, self.goal, self.topomap = Simulation(scene, trial.starts), goal, topomap
         self.target, self.places = trial.goal_poses[0], places  # for the film alone
         self.system, self.controller, self.rules = system, controller, FollowerSettings()
-        self.alive, self.path, self.moments = topomap.alive, None, []
+        self.alive, self.path, self.moments, self.seconds = topomap.alive, None, [], []
         self.track, self.state, self.at = [trial.starts[0, :2]], State.SEARCH, 0
         self.sharp = Camera(rows=64, columns=192)
         self.image = self.sharp.look(scene, trial.goal_poses[:1])[0][0]
@@ -1644,6 +1650,7 @@ class YourRobot:
         """The last moment stays for a second."""
         self.film()
         self.moments += 5 * self.moments[-1:]
+        self.seconds += 5 * self.seconds[-1:]
         self.progress.close()
 
     def film(self):
@@ -1662,6 +1669,7 @@ class YourRobot:
         shown = replace(seen, image=image)
         parts = pose, simulation.body.footprint, shown, np.array(self.track), path, goal
         self.moments.append(Moment(*parts, simulation.discs, lines, self.image))
+        self.seconds.append(simulation.seconds)
 
 
 # %%
@@ -1696,7 +1704,7 @@ draw_topomap(film_view, film_view.base, your_topomap, places)
 owner = f"{NAME}'s robot" if NAME else "your robot"
 film = RolloutFilm(film_view, robot.moments, f"{owner}: from {rooms[0]} to {rooms[1]}")
 numbers = tqdm(range(len(film)), "pictures of the film", leave=False)
-play([cv2.resize(film[i], (756, 456)) for i in numbers], 5, count=3)
+play([cv2.resize(film[i], (756, 456)) for i in numbers], 5, robot.seconds, count=3)
 
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table above says "the library", there is still something to write.
