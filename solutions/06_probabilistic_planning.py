@@ -185,7 +185,7 @@ graph = {
     for v in topomap.graph
 }
 car, people_camera = BicycleCar(), Camera(rows=64)
-view = PlanView(loop_building.scene, 620, 620)
+view = PlanView(loop_building.scene, 540, 540)
 
 
 def with_places(picture, view=view):
@@ -680,7 +680,7 @@ for index in sorted({0, len(plans) - 1}):
     view.robot(picture, track[last - 1], 1.6 * car.footprint)
     panels.append(picture)
     titles.append(f"plan {index + 1}, until {last * STEP:.0f} s")
-show(side_by_side(panels, titles, height=480, gap=6))
+show(side_by_side(panels, titles, height=420, gap=6))
 
 # %% [markdown]
 # <details><summary>What does it do?</summary>
@@ -1331,8 +1331,8 @@ for row in failed:
     )[0]
     start, end = all_trials.pairs[i]
     ended = f"{start} to {end}: {endings[str(outcome.ending[row])]}"
-    both = side_by_side([camera_picture(image, 208) for image in images], gap=4)
-    small_plan = side_by_side([picture], height=420)
+    both = side_by_side([camera_picture(image, 168) for image in images], gap=4)
+    small_plan = side_by_side([picture], height=340)
     panels.append(stacked([small_plan, both], [ended, ""], gap=2))
     reasons = [plan.refusal for plan in navigation.history[row] if plan.refusal]
     print(f"{start} to {end}: plans made: {len(navigation.history[row])}, the first with ", end="")
@@ -1643,14 +1643,14 @@ class YourRobot:
         self.simulation.step(self.controller.act(seen, waypoint[None]))
         self.track.append(self.simulation.poses[0, :2])
         self.progress.update()
-        if len(self.track) % 8 == 0:
+        if len(self.track) % 14 == 0:
             self.film()
 
     def finish(self):
         """The last moment stays for a second."""
         self.film()
-        self.moments += 5 * self.moments[-1:]
-        self.seconds += 5 * self.seconds[-1:]
+        self.moments += 2 * self.moments[-1:]
+        self.seconds += 2 * self.seconds[-1:]
         self.progress.close()
 
     def film(self):
@@ -1704,7 +1704,7 @@ draw_topomap(film_view, film_view.base, your_topomap, places)
 owner = f"{NAME}'s robot" if NAME else "your robot"
 film = RolloutFilm(film_view, robot.moments, f"{owner}: from {rooms[0]} to {rooms[1]}")
 numbers = tqdm(range(len(film)), "pictures of the film", leave=False)
-play([cv2.resize(film[i], (756, 456)) for i in numbers], 5, robot.seconds, count=3)
+play([cv2.resize(film[i], (630, 380)) for i in numbers], 3, robot.seconds, count=3)
 
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table above says "the library", there is still something to write.
