@@ -1519,3 +1519,14 @@ def tally__mutates(trips):
                 t, p = c.get(e, (0, 0))
                 c[e] = (t + 1, p + (stopped is None or i < stopped))
     return c
+
+
+def decide__right_with_a_helper(graph, from_here, to_goals, rules):
+    def planned(p_goal):
+        joined = _with_ends(graph, from_here, to_goals, rules.p_query, p_goal)
+        return _best(joined, HERE, GOAL)
+
+    sure, doubtful = planned(rules.p_goal), planned(rules.p_query)
+    if sure[0]:
+        return (*sure, ("too improbable", "")[sure[1] >= rules.least])
+    return [*doubtful, "not on the map" if doubtful[0] else "no path"]
