@@ -185,7 +185,7 @@ graph = {
     for v in topomap.graph
 }
 car, people_camera = BicycleCar(), Camera(rows=64)
-view = PlanView(loop_building.scene, 540, 540)
+view = PlanView(loop_building.scene, 470, 470)
 
 
 def with_places(picture, view=view):
@@ -680,7 +680,7 @@ for index in sorted({0, len(plans) - 1}):
     view.robot(picture, track[last - 1], 1.6 * car.footprint)
     panels.append(picture)
     titles.append(f"plan {index + 1}, until {last * STEP:.0f} s")
-show(side_by_side(panels, titles, height=420, gap=6))
+show(side_by_side(panels, titles, height=400, gap=6))
 
 # %% [markdown]
 # <details><summary>What does it do?</summary>
@@ -794,7 +794,7 @@ show(side_by_side([picture, comparison], gap=10))
 
 # %% hidden=true
 # The best path with some edges cut
-small = PlanView(loop_building.scene, 520, 520)
+small = PlanView(loop_building.scene, 450, 450)
 small_map = small.base.copy()
 draw_topomap(small, small_map, topomap, poses, 2.5, 1.0)
 small_map = with_places(small_map, small)
@@ -1288,7 +1288,7 @@ show(from_figure(figure))
 # The twin of Fig. 11, from a stored run
 fig11 = load_result("meng_fig11")
 away = scene_of(map_world(fig11.worlds[0]))
-away_view = PlanView(away, 900, 700)
+away_view = PlanView(away, 700, 545)
 steps = [row for row in fig11.rows if row["x"] is not None]
 places = np.array([[row["x"], row["y"], row["heading"]] for row in steps])
 trajectories = list(
@@ -1332,7 +1332,7 @@ for row in failed:
     start, end = all_trials.pairs[i]
     ended = f"{start} to {end}: {endings[str(outcome.ending[row])]}"
     both = side_by_side([camera_picture(image, 168) for image in images], gap=4)
-    small_plan = side_by_side([picture], height=340)
+    small_plan = side_by_side([picture], height=300)
     panels.append(stacked([small_plan, both], [ended, ""], gap=2))
     reasons = [plan.refusal for plan in navigation.history[row] if plan.refusal]
     print(f"{start} to {end}: plans made: {len(navigation.history[row])}, the first with ", end="")
@@ -1643,14 +1643,14 @@ class YourRobot:
         self.simulation.step(self.controller.act(seen, waypoint[None]))
         self.track.append(self.simulation.poses[0, :2])
         self.progress.update()
-        if len(self.track) % 14 == 0:
+        if len(self.track) % 24 == 0:
             self.film()
 
     def finish(self):
         """The last moment stays for a second."""
         self.film()
-        self.moments += 2 * self.moments[-1:]
-        self.seconds += 2 * self.seconds[-1:]
+        self.moments += self.moments[-1:]
+        self.seconds += self.seconds[-1:]
         self.progress.close()
 
     def film(self):
@@ -1704,7 +1704,7 @@ draw_topomap(film_view, film_view.base, your_topomap, places)
 owner = f"{NAME}'s robot" if NAME else "your robot"
 film = RolloutFilm(film_view, robot.moments, f"{owner}: from {rooms[0]} to {rooms[1]}")
 numbers = tqdm(range(len(film)), "pictures of the film", leave=False)
-play([cv2.resize(film[i], (630, 380)) for i in numbers], 3, robot.seconds, count=3)
+play([cv2.resize(film[i], (504, 304)) for i in numbers], 2, robot.seconds, count=3)
 
 # %% [markdown]
 # Whatever you change in your functions, and check again, changes this robot. Where the table above says "the library", there is still something to write.

@@ -78,7 +78,7 @@ def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] |
 
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:
     pictures = [graph_picture(BY_HAND, path) for path, _ in (want, got)]
-    return side_by_side(pictures, ["target", "yours"], height=240)
+    return side_by_side(pictures, ["target", "yours"], height=200)
 
 
 def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Any:  # noqa: ANN401
