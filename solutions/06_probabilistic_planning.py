@@ -185,7 +185,7 @@ graph = {
     for v in topomap.graph
 }
 car, people_camera = BicycleCar(), Camera(rows=64)
-view = PlanView(loop_building.scene, 470, 470)
+view = PlanView(loop_building.scene, 440, 440)
 
 
 def with_places(picture, view=view):
@@ -779,7 +779,7 @@ for target, saw in zip(
     people_camera.look(loop_building.scene, driven[near])[0],
     strict=True,
 ):
-    views.append(side_by_side([camera_picture(target, 216), camera_picture(saw, 216)], gap=4))
+    views.append(side_by_side([camera_picture(target, 184), camera_picture(saw, 184)], gap=4))
 comparison = stacked(
     views, [f"{n}: the image on the plan, and what it saw" for n in range(1, len(views) + 1)], gap=2
 )
@@ -1643,7 +1643,7 @@ class YourRobot:
         self.simulation.step(self.controller.act(seen, waypoint[None]))
         self.track.append(self.simulation.poses[0, :2])
         self.progress.update()
-        if len(self.track) % 24 == 0:
+        if len(self.track) % 30 == 0:
             self.film()
 
     def finish(self):
