@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 05 · Map building
 #
-# **85 minutes.** You need notebooks 03 and 04: the estimator $\mathcal{RE}$, which predicts the probability that the local controller gets from one image to another, and the anchors, the few images of a trajectory that are kept.
+# **110 minutes.** You need notebooks 03 and 04: the estimator $\mathcal{RE}$, which predicts the probability that the local controller gets from one image to another, and the anchors, the few images of a trajectory that are kept.
 #
 # After this notebook you can
 #
@@ -11,30 +11,45 @@
 # - say why a map need not evaluate all pairs, and how fast it grows;
 # - make a map forget what has changed, and store it on disk.
 #
-# There are five exercises with hints behind folds. When your function passes its check, **the cells below use it**; until then they use the library's.
+# There are six exercises with hints behind folds, one of them large. When your function passes its check, **the cells below use it**; until then they use the library's. Cells that only draw are folded; unfold one to see its code.
 #
-# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, *Scaling Local Control to Large-Scale Topological Navigation* (ICRA 2020), from here on "the paper".
+# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020), from here on "the paper".
 
 # %%
-import tempfile
-import time
-from dataclasses import dataclass
-from itertools import pairwise, permutations
-from pathlib import Path
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
-import torch
 
 from tutorial_lib.checks.nb05 import (
     BY_HAND,
     DRIVEN,
+    SmallMap,
     check_ahead_of,
     check_ask_next,
     check_edge_weights,
+    check_insert,
     check_reusable,
     check_weakest_aligned,
 )
+from tutorial_lib.learning import use_threads
+from tutorial_lib.topology import Anchors, MapSettings, TopoMap, add_trajectory
+from tutorial_lib.viz import edge_table, show, sliders, table
+
+use_threads(1)  # the networks are small: a second thread would mostly wait
+
+# %% hidden=true
+# Imports for the buildings and the figures
+import tempfile
+import time
+from dataclasses import dataclass
+from functools import partial
+from itertools import permutations
+from pathlib import Path
+
+from IPython.display import display
+from tqdm.auto import tqdm
+
 from tutorial_lib.driving import GridPaths, RecordedWorld, demonstrate_between
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments import (
@@ -49,17 +64,7 @@ from tutorial_lib.experiments import (
 )
 from tutorial_lib.geometry import wrap
 from tutorial_lib.learning import ReachabilityNetwork, WaypointNetwork
-from tutorial_lib.topology import (
-    Anchors,
-    MapSettings,
-    TopoMap,
-    add_trajectory,
-    anchors_of,
-    likeness,
-    load_map,
-    most_alike,
-    save_map,
-)
+from tutorial_lib.topology import anchors_of, likeness, load_map, most_alike, save_map
 from tutorial_lib.viz import (
     PlanView,
     aligned_sequences,
@@ -69,28 +74,23 @@ from tutorial_lib.viz import (
     colours,
     draw_edges,
     draw_topomap,
-    edge_table,
     from_figure,
     hue,
-    show,
     side_by_side,
-    sliders,
     stacked,
     write_beside,
 )
 from tutorial_lib.world import Camera, scene_of, world_name
-
-torch.set_num_threads(1)  # the networks are small: a second thread would mostly wait
 
 # %% [markdown]
 # ## 1 · From trajectories to one graph
 #
 # A robot that follows the anchors of one trajectory gets to the end of that trajectory, and nowhere else. Two trajectories that cross offer more: begin on the first, change at the crossing, and end where the second one ends. What is missing is where a robot can change. $\mathcal{RE}$ predicts it: it can be evaluated on *any* two anchors, of the same trajectory or not.
 #
-# So all anchors of all trajectories become one **directed graph** (paper, III-E):
+# So all [[anchor]]s of all trajectories become one **directed graph**, a [[topological map]] (paper, III-E):
 #
-# - a **vertex** is an anchor $\hat o_i$ with its context, and nothing else: no position, no heading;
-# - an **edge** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from the one to the other;
+# - a **[[vertex]]** is an anchor $\hat o_i$ with its context, and nothing else: no position, no heading;
+# - an **[[edge]]** leads from $\hat o_i$ to $\hat o_j$ if the controller gets from the one to the other;
 # - its **weight** is $w(\hat o_i, \hat o_j) = -\log \mathcal{RE}(\hat o_i, \hat o_j)$.
 #
 # Here are two trajectories of three anchors each, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, and $\mathcal{RE}$ from each anchor (row) to each (column). Framed cells are steps of a trajectory.
@@ -115,19 +115,22 @@ show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
 #
 # ### Exercise 1 · `edge_weights` (easy, 8 minutes)
 #
-# Where there is no edge, the weight is $\infty$: `np.inf`. $\log 0$ is $-\infty$; to keep a driven edge finite even there, replace any smaller $\mathcal{RE}$ by $10^{-12}$.
+# There is an edge where $\mathcal{RE}$ is *greater* than `p_edge`, or where a trajectory goes; never from a vertex to itself, even if `driven` says so. Where there is no edge, the weight is $\infty$: `np.inf`. $\log 0$ is $-\infty$; to keep a driven edge finite even there, any $\mathcal{RE}$ below $10^{-12}$ counts as $10^{-12}$.
 #
 # <details><summary>Hint 1: concept</summary>Two steps: which pairs are edges, and what does each one weigh? The first is a Boolean table.</details>
-# <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(kept, False) changes a table in place. np.maximum(reach, 1e-12) takes care of the logarithm.</details>
-# <details><summary>Hint 3: one line</summary>np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)</details>
+# <details><summary>Hint 2: approach</summary>An edge is where reach is above p_edge, or where driven is True, but never on the diagonal: np.fill_diagonal(table, value) changes a table in place. np.maximum(x, 0.5) lets no number be below 0.5.</details>
+# <details><summary>Hint 3: one line</summary>np.where(mask, one, other) takes one where mask is True, and other elsewhere. Which of the two is np.inf here?</details>
 
 
 # %% exercise="edge_weights"
 def edge_weights(reach, driven, p_edge):
     """The weights of a map's edges.
 
-    reach: (V, V); reach[i, j] is RE from vertex i to vertex j. driven: (V, V) True where a trajectory goes from i to j. p_edge: RE must be greater.
-    Returns (V, V) weights, np.inf where there is no edge.
+    reach: (V, V) array; reach[i, j] is RE from vertex i to vertex j, 0 to 1.
+    driven: (V, V) Boolean array, True where a trajectory goes from i to j.
+    p_edge: there is an edge where RE is greater, or where driven is True; none from i to i.
+    Returns a new (V, V) array: -log RE where there is an edge (natural logarithm; RE below 1e-12
+    counts as 1e-12), np.inf where there is none.
     """
     ### BEGIN SOLUTION
     kept = (reach > p_edge) | driven
@@ -143,7 +146,8 @@ edge_weights = check_edge_weights.use(edge_weights)
 # **Predict:** which path leads from 3 to 5 by the fewest edges, and which is the most probable one?
 
 
-# %%
+# %% hidden=true
+# Paths from 3 to 5, by networkx
 def graph_of(weights, vertices=None):
     """A networkx graph of weights (V, V); those of `vertices` only, if given."""
     graph = nx.DiGraph()
@@ -154,12 +158,14 @@ def graph_of(weights, vertices=None):
 
 
 graph = graph_of(edge_weights(BY_HAND, DRIVEN, 0.9))
-print(f"{graph.number_of_edges()} edges")
+rows = []
 for name, weight in (("fewest edges", None), ("most probable", "weight")):
     path = nx.shortest_path(graph, 3, 5, weight)
     factors = [BY_HAND[i, j] for i, j in pairwise(path)]
-    product = " * ".join(f"{p:.2f}" for p in factors)
-    print(f"{name:14s} {' to '.join(map(str, path)):20s} {product} = {np.prod(factors):.2f}")
+    product = " · ".join(f"{p:.2f}" for p in factors)
+    rows.append([name, " to ".join(map(str, path)), product, np.prod(factors)])
+head = {"path": "", "vertices": "", "RE of its edges": "", "product": ".2f"}
+table(head, rows, {"product": max}, f"the graph above: {graph.number_of_edges()} edges")
 
 # %% [markdown]
 # <details><summary>What is odd about the answer?</summary>
@@ -168,9 +174,10 @@ for name, weight in (("fewest edges", None), ("most probable", "weight")):
 #
 # ## 2 · A building
 #
-# Now for real: an apartment that no network has seen, four places in it, and a trajectory from each place to each other one. From now on everything comes from these twelve trajectories. Each has its colour.
+# Now for real: an apartment that no network has seen, four places in it, and a trajectory from each place to each other one. From now on everything comes from these twelve trajectories. Each has its colour. (About 7 s.)
 
-# %%
+# %% hidden=true
+# The apartment, four places and twelve trajectories
 apartment = make_building(10_020, seed=0, count=4)
 view = PlanView(apartment.scene, 700, 530)
 people_camera = Camera(rows=64)  # the network's view, with 64 rows in place of 16
@@ -187,9 +194,10 @@ print(f"{len(frames)} trajectories, {metres:.0f} m, {sum(frames)} images")
 show(picture)
 
 # %% [markdown]
-# Notebook 04 chose the anchors of trajectories; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is evaluated on **all** pairs of anchors, once, and kept in a table. (This is one of the slowest cells of this notebook. Section 6 shows why a real map must not do this.)
+# Notebook 04 chose the anchors of trajectories; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is evaluated on **all** pairs of anchors, once, and kept in a table. (About 14 s, the slowest cell of this notebook. Section 6 shows why a real map must not do this.)
 
-# %%
+# %% hidden=true
+# Anchors of all trajectories, and RE between all of them
 reachability, predictor = ReachabilityNetwork("reach_k5"), WaypointNetwork("waypoint_k5")
 
 
@@ -197,7 +205,7 @@ reachability, predictor = ReachabilityNetwork("reach_k5"), WaypointNetwork("wayp
 class AllPairs:
     """A building, the anchors of its trajectories, and RE between all pairs of them.
 
-    The anchors of all trajectories share one numbering; `trajectories` holds the indices of each, in order.
+    The anchors of all trajectories share one numbering; `trajectories` holds those of each.
     """
 
     building: Building
@@ -213,15 +221,20 @@ def query_all_pairs(building):
     """Anchors of all trajectories, and RE between all of them."""
     view, k = predictor.view, predictor.architecture.k
     kept, everything = [], TopoMap(reachability)
-    for index, experience in enumerate(experiences(building)):
+    seen = tqdm(list(experiences(building)), desc="trajectories", leave=False)
+    for index, experience in enumerate(seen):
         seen = experience.observations
         anchors = anchors_of(reachability, seen, view.of(seen), k, 0.99, experience.timestamps)
         places = np.arange(len(anchors))
         everything.make_vertices(*anchors.subset(places), 0 * places + index, places)
         kept.append(anchors)
     count = len(everything)
-    sources, targets = np.indices((count, count)).reshape(2, -1)
-    reach = everything.vertices.between(sources, targets).reshape(count, count)
+    every = np.arange(count)
+    rows = [
+        everything.vertices.between(np.full(count, source), every)
+        for source in tqdm(every, desc="pairs of anchors", leave=False)
+    ]
+    reach = np.array(rows)
     trajectories = np.split(np.arange(count), np.cumsum([len(anchors) for anchors in kept])[:-1])
     index, poses = everything.index, vertex_poses(building, everything)
     return AllPairs(building, kept, trajectories, reach, poses, index.seen, index.shown)
@@ -237,7 +250,8 @@ print(f"RE from {home.reach.min():.3f} to {home.reach.max():.4f}")
 #
 # **Predict:** of the pairs with $\mathcal{RE} > 0.99$, how many have $\mathcal{RE} > 0.99$ in the *reverse* direction, and how many less than 0.5? What do those look like?
 
-# %%
+# %% hidden=true
+# Pairs that are sure in one direction, and the least sure way back
 sure = (home.reach > 0.99) & ~np.eye(count, dtype=bool)
 back = home.reach.T[sure]
 print(f"{sure.sum()} pairs above 0.99; back: {(back > 0.99).sum()} above 0.99, ", end="")
@@ -279,7 +293,8 @@ show(stacked([edge_picture(view, home, source, target)], [title]))
 #
 # Two of the trajectories begin at the same place and part later. First the graph with **all** edges, then pruned at $p_\text{edge} = 0.99$, both by your `edge_weights`. **Predict:** what share of the edges remains?
 
-# %%
+# %% hidden=true
+# All edges of two trajectories, and those that are left
 first, second = home.trajectories[0], home.trajectories[1]
 both = np.concatenate([first, second])
 
@@ -332,24 +347,29 @@ show(side_by_side(panels, titles))
 #
 # ### Exercise 2 · `reusable` (easy, 8 minutes)
 #
+# If two vertices have the same product, either may be taken.
+#
 # <details><summary>Hint 1: concept</summary>First find those that qualify, then the best of them. Check whether there is one at all before you look for the best.</details>
-# <details><summary>Hint 2: approach</summary>fits = (into > p_reuse) & (onward > p_reuse) & allowed. fits.any() is whether there is one; np.where(fits, ..., -1.0) keeps the others from winning and leaves the indices unchanged.</details>
-# <details><summary>Hint 3: one line</summary>int(np.where(fits, into * onward, -1.0).argmax())</details>
+# <details><summary>Hint 2: approach</summary>Three Boolean arrays, joined by &, say which vertices qualify; their .any() is whether there is one. To leave the indices as they are, do not select those that qualify: give the others a score that cannot win.</details>
+# <details><summary>Hint 3: one line</summary>(heights * tall).argmax() is the highest of those that are tall, since False counts as 0. What stands for heights here?</details>
 
 
 # %% exercise="reusable"
 def reusable(into, onward, allowed, p_reuse):
     """The vertex that takes the place of an anchor.
 
-    into: (V,) RE from the anchor before to each vertex. onward: (V,) RE from each vertex to the anchor after. allowed: (V,) which may be taken.
-    p_reuse: both must be greater. V may be 0.
-    Returns its index, or -1 if there is none.
+    into: (V,) array, RE from the anchor before to each vertex.
+    onward: (V,) array, RE from each vertex to the anchor after.
+    allowed: (V,) Boolean array, which vertices may be taken. V may be 0.
+    p_reuse: into and onward must both be greater than this, 0 to 1.
+    Returns the index (a whole number) of the vertex with the greatest into * onward of those that
+    qualify, or -1 if there is none.
     """
     ### BEGIN SOLUTION
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
     if not fits.any():
         return -1
-    return int(np.where(fits, into * onward, -1.0).argmax())
+    return (into * onward * fits).argmax()
     ### END SOLUTION
 
 
@@ -361,21 +381,23 @@ reusable = check_reusable.use(reusable)
 #
 # What is `allowed`? Consider a trajectory that follows an older one along a corridor. Anchor 5 is replaced by vertex 9 of the older one. For anchor 6 vertex 9 qualifies once more, since it is still close enough to both neighbours. Or even vertex 8 does, since the car may go back a little (section 2). The new trajectory would stand still or go backwards in the map, although the car drove forwards.
 #
-# So of each trajectory that was already reused only vertices **ahead** of all reused ones may be taken. The map stores for each vertex the `trajectory` that it was made for, and its `place` there: 0, 1, 2 and so on.
+# So of each trajectory that was already reused only vertices **ahead** of all reused ones may be taken; of trajectories of which nothing was reused, all may. The map stores for each vertex the `trajectory` that it was made for, and its `place` there: 0, 1, 2 and so on.
 #
 # ### Exercise 3 · `ahead_of` (easy, 7 minutes)
 #
 # <details><summary>Hint 1: concept</summary>At first all are allowed. Each vertex that was reused excludes some: those of its own trajectory that are not ahead of it.</details>
-# <details><summary>Hint 2: approach</summary>Begin with np.ones(len(place), dtype=bool). In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
-# <details><summary>Hint 3: one line</summary>allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])</details>
+# <details><summary>Hint 2: approach</summary>Begin with a Boolean array that is True for every vertex. In a loop over reused, allow with &= only those that are of another trajectory, or (|) whose place is greater.</details>
+# <details><summary>Hint 3: one line</summary>books &= (author != author[mine]) | (year > year[mine]) leaves out what my author wrote until then. In a loop, mine is each of several books.</details>
 
 
 # %% exercise="ahead_of"
 def ahead_of(trajectory, place, reused):
     """Which vertices may be reused after others.
 
-    trajectory: (V,) the trajectory that each vertex was made for. place: (V,) its place along it. reused: a list of the vertices reused so far, in order.
-    Returns (V,) True where a vertex may be taken.
+    trajectory: (V,) array, the index of the trajectory that each vertex was made for.
+    place: (V,) array, its place along that trajectory: 0, 1, 2 and so on.
+    reused: a list of the indices (0 to V - 1) of the vertices reused so far; it may be empty.
+    Returns a (V,) Boolean array, True where a vertex may be taken.
     """
     ### BEGIN SOLUTION
     allowed = np.ones(len(place), dtype=bool)
@@ -391,99 +413,107 @@ ahead_of = check_ahead_of.use(ahead_of)
 # %% [markdown]
 # ### The whole insertion
 #
-# Here is map building with your functions, in three steps for each trajectory: **reuse** what is there, **join** what is new with everything that is there, and **follow**: mark the steps of the trajectory. One detail is in `through`: if the anchor before was itself replaced, the robot will stand on the vertex that replaced it. So RE is taken from that vertex, not from the anchor that was dropped.
+# Now put the pieces together. A `SmallMap` (its class is in [`small_map.py`](../tutorial_lib/checks/nb05/small_map.py)) names each vertex by the index of its anchor, since one table `reach` holds $\mathcal{RE}$ of all anchors of this building. It consists of
 #
-# (The lines with `weakest_aligned` do nothing as long as `sequence` is 0. They are for section 5.)
+# | | |
+# |---|---|
+# | `vertices` | a list of the anchors that are vertices |
+# | `paths` | a list: for each trajectory the list of vertices that it leads over |
+# | `reach` | (N, N), the table; only to look into |
+# | `edge_reach` | (N, N), $\mathcal{RE}$ of the pairs that may be edges; 0 elsewhere |
+# | `driven` | (N, N), True where a trajectory goes from vertex to vertex |
+# | `trajectory`, `place` | (N,), for which trajectory a vertex was made, and its place there; -1 for anchors that are no vertices |
+# | `before`, `after` | (N,), the vertex next to a vertex along its own trajectory; -1 for none |
+#
+# ### Exercise 4 · `insert` (large, 35 minutes)
+#
+# `own` holds the anchors of the new trajectory, in order. Four steps:
+#
+# 1. **Reuse.** Go through the anchors in order and build the new path, a list with one vertex for each anchor. *Into* is $\mathcal{RE}$ from the vertex that stands on the new path for the anchor before: if that anchor was replaced, the robot stands on its replacement. (For the first anchor take the anchor itself.) *Onward* is $\mathcal{RE}$ to the anchor after, `own[i + 1]`, whatever becomes of it. (For the last one take the anchor itself.) Your `ahead_of` says which vertices are allowed after those that were reused, and your `reusable` chooses. An anchor without a replacement stays on the path itself. Candidates are the vertices that were on the map before this trajectory.
+# 2. **Add** each anchor that stays as a vertex, with its `trajectory` (the number of paths until now), its `place` (its index along `own`), and the vertices `before` and `after` it on the new path.
+# 3. **Join.** Each new vertex with every other vertex, old or new, in both directions: `edge_reach` is what `scores` has for the pair. (Until section 5 `scores` is `reach`.) Pruning comes later, by your `edge_weights`.
+# 4. **Follow.** Each step from vertex to vertex of the new path is `driven`, and its `edge_reach` is at least the `reach` of the step. Append the path to `paths`.
+#
+# The check looks at the whole map after every insertion: trajectories that pass the same places, part, or turn back.
+#
+# <details><summary>Hint 1: concept</summary>One loop for step 1, which never looks at edges. When the path is complete you know which anchors stay: those that stand on it themselves. Steps 2 to 4 need nothing else.</details>
+# <details><summary>Hint 2: approach</summary>In step 1 two lists grow: the path, and the vertices reused so far. grown.reach[a, grown.vertices] is a row of RE, from a to each vertex; grown.reach[grown.vertices, b] a column. ahead_of(grown.trajectory, grown.place, reused) answers for all N anchors: select the vertices from it. reusable returns a position in grown.vertices, not an anchor. For before and after put a -1 on either end of the path.</details>
+# <details><summary>Hint 3: one line</summary>What is min(i + 1, last) at the last anchor? In step 3: does your loop join two new vertices with each other, and in both directions? In step 4: is it the anchors that were driven, or the vertices of the path?</details>
+
+
+# %% exercise="insert"
+def insert(grown, own, scores, p_reuse):
+    """Insert a trajectory into a map, which changes.
+
+    grown: a SmallMap, see above. own: (A,) array, the anchors of the trajectory in order, A > 1.
+    scores: (N, N) array, RE of each pair of anchors as an edge. p_reuse: as for reusable.
+    Returns nothing: vertices, paths, edge_reach, driven, trajectory, place, before and after of
+    grown change; grown.reach, own and scores stay as they are.
+    """
+    ### BEGIN SOLUTION
+    path, reused, last = [], [], len(own) - 1
+    for i in range(len(own)):
+        before, after = path[i - 1] if i else own[0], own[min(i + 1, last)]
+        into, onward = grown.reach[before, grown.vertices], grown.reach[grown.vertices, after]
+        allowed = ahead_of(grown.trajectory, grown.place, reused)[grown.vertices]
+        found = reusable(into, onward, allowed, p_reuse)
+        if found < 0:
+            path.append(own[i])
+        else:
+            path.append(grown.vertices[found])
+            reused.append(path[i])
+    new = [vertex for vertex in path if vertex in own]
+    beside = [-1, *path, -1]
+    for i, vertex in enumerate(path):
+        if vertex in new:
+            grown.vertices.append(vertex)
+            grown.trajectory[vertex], grown.place[vertex] = len(grown.paths), i
+            grown.before[vertex], grown.after[vertex] = beside[i], beside[i + 2]
+    for vertex in new:
+        for other in grown.vertices:
+            grown.edge_reach[vertex, other] = scores[vertex, other]
+            grown.edge_reach[other, vertex] = scores[other, vertex]
+    for step in pairwise(path):
+        grown.driven[step] = True
+        grown.edge_reach[step] = max(grown.edge_reach[step], grown.reach[step])
+    grown.paths.append(path)
+    ### END SOLUTION
 
 
 # %%
-@dataclass
-class SmallMap:
-    """A small map; its vertices are indices of anchors.
-
-    paths: the vertices of each trajectory. edge_reach: (N, N) RE of pairs that may be edges, 0 elsewhere. driven: (N, N).
-    before, after: (N,) neighbours along a vertex's own trajectory, -1 for none.
-    """
-
-    reach: np.ndarray
-    paths: list
-    edge_reach: np.ndarray
-    driven: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
-    trajectory: np.ndarray
-    place: np.ndarray
-    vertices: np.ndarray
-
-    @classmethod
-    def empty(cls, reach):
-        """No vertices yet."""
-        count = len(reach)
-        none = np.full((4, count), -1)
-        tables = np.zeros((count, count)), np.zeros((count, count), dtype=bool)
-        return cls(reach, [], *tables, *none, np.empty(0, dtype=int))
-
-    def weights(self, p_edge):
-        """(N, N) weights of the edges."""
-        return edge_weights(self.edge_reach, self.driven, p_edge)
+insert = check_insert.use(insert)
 
 
-def through(grown, own, path, i):
-    """RE (V,) to each vertex from the predecessor of anchor i, and from each to the anchor after."""
-    before, after, vertices = path[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
-    return grown.reach[before, vertices], grown.reach[vertices, after]
-
-
-def replace(grown, own, p_reuse, through=through):
-    """The vertex for each anchor of a trajectory; anchors that stay are vertices themselves."""
-    path, reused = own.copy(), []
-    for i in range(len(own)):
-        into, onward = through(grown, own, path, i)
-        allowed = ahead_of(grown.trajectory, grown.place, reused)[grown.vertices]
-        found = reusable(into, onward, allowed, p_reuse)
-        if found >= 0:
-            path[i] = grown.vertices[found]
-            reused.append(int(path[i]))
-    return path
-
-
-def join(grown, own, new, sequence):
-    """Set RE between the new vertices and all others, the least one of aligned sequences."""
-    columns = np.concatenate([grown.vertices, own])
+# %% hidden=true
+# A map of several trajectories, by your functions; `sequence` is for section 5
+def scores_of(grown, own, sequence):
+    """(N, N) RE as edges between a trajectory and the map: the least one of aligned sequences."""
+    if not sequence:
+        return grown.reach
+    columns = np.concatenate([np.array(grown.vertices, dtype=int), own])
     local = np.full(len(grown.reach) + 1, -1)  # the last one is for -1
     local[columns] = np.arange(len(columns))
     before, after = grown.before.copy(), grown.after.copy()
     before[own[1:]], after[own[:-1]] = own[:-1], own[1:]
-    beside = local[before[columns]], local[after[columns]]
-    out, back = grown.reach[np.ix_(own, columns)], grown.reach[np.ix_(columns, own)].T
-    if sequence:
-        out, back = (weakest_aligned(reach, *beside, sequence) for reach in (out, back))
-    kept = np.isin(columns, np.append(grown.vertices, own[new]))
-    grown.edge_reach[np.ix_(own[new], columns[kept])] = out[new][:, kept]
-    grown.edge_reach[np.ix_(grown.vertices, own[new])] = back[new][:, : len(grown.vertices)].T
+    beside, scores = (local[before[columns]], local[after[columns]]), grown.reach.copy()
+    back = weakest_aligned(grown.reach[np.ix_(columns, own)].T, *beside, sequence).T
+    scores[np.ix_(columns, own)] = back
+    out = weakest_aligned(grown.reach[np.ix_(own, columns)], *beside, sequence)
+    scores[np.ix_(own, columns)] = out
+    return scores
 
 
-def insert(grown, own, p_reuse, sequence, through=through):
-    """Insert a trajectory into a map."""
-    path = replace(grown, own, p_reuse, through)
-    new = path == own
-    join(grown, own, new, sequence)
-    going = path[:-1], path[1:]
-    grown.driven[going] |= going[0] != going[1]
-    grown.edge_reach[going] = np.maximum(grown.edge_reach[going], grown.reach[going])
-    grown.before[own[new]] = np.append(-1, path[:-1])[new]
-    grown.after[own[new]] = np.append(path[1:], -1)[new]
-    grown.trajectory[own[new]], grown.place[own[new]] = len(grown.paths), np.flatnonzero(new)
-    grown.vertices = np.append(grown.vertices, own[new])
-    grown.paths.append(path)
-
-
-def grow(reach, trajectories, p_reuse, sequence=0, through=through):
-    """A map of several trajectories."""
+def grow(reach, trajectories, p_reuse, sequence=0, by=None):
+    """A map of several trajectories, by your `insert` or another one."""
     grown = SmallMap.empty(reach)
     for own in trajectories:
-        insert(grown, own, p_reuse, sequence, through)
+        (by or insert)(grown, own, scores_of(grown, own, sequence), p_reuse)
     return grown
+
+
+def weights_of(grown, p_edge):
+    """(N, N) weights of a map's edges, by your `edge_weights`."""
+    return edge_weights(grown.edge_reach, grown.driven, p_edge)
 
 
 # %% [markdown]
@@ -491,18 +521,19 @@ def grow(reach, trajectories, p_reuse, sequence=0, through=through):
 #
 # Two trajectories, as above: all edges, after pruning, after reuse. **Predict:** which of the second one's anchors are replaced, and does the map lose a path by it?
 
-# %%
+# %% hidden=true
+# The three stages of the paper's Fig. 4
 panels, titles = [], []
 for name, p_edge, p_reuse in (("dense", 0.0, 1.0), ("pruned", 0.99, 1.0), ("reused", 0.99, 0.99)):
     grown = grow(home.reach, [first, second], p_reuse)
-    weights = grown.weights(p_edge)
+    weights = weights_of(grown, p_edge)
     picture = map_picture(half, home, grown.vertices, weights, trajectory_of)
     panels.append(closeup(half, picture, home.poses[both, :2], 0.8))
     titles.append(f"{name}: {len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges")
 figure_4 = load_result("meng_fig4")
-print(f"two trajectories in another building, stored (seed {figure_4.worlds[0]}):")
-for row in figure_4.rows:
-    print(f"{row['stage']:8s} {row['vertices']:8,.0f} vertices {row['edges']:12,.0f} edges")
+rows = [[row["stage"], row["vertices"], row["edges"]] for row in figure_4.rows]
+caption = f"two trajectories in another building, stored (seed {figure_4.worlds[0]})"
+display(table({"stage": "", "vertices": ",.0f", "edges": ",.0f"}, rows, caption=caption))
 show(side_by_side(panels, titles, gap=10))
 
 # %% [markdown]
@@ -518,21 +549,22 @@ show(side_by_side(panels, titles, gap=10))
 #
 # **Predict:** what does $p_\text{reuse} = 0.9$ do to the step in which the trajectories part? And 0.998?
 
-# %%
+# %% hidden=true
+# The insertion of the second trajectory, step by step
 step_view = PlanView(apartment.scene, 560, 430)
 last = len(second) - 1
 
 
 def insertion(step, p_reuse, p_edge):
     """The map of the first trajectory while the second one is inserted."""
-    grown = grow(home.reach, [first], p_reuse)
-    path = replace(grown, second, p_reuse)
-    into, onward = through(grown, second, path, step)
+    grown, after = (grow(home.reach, some, p_reuse) for some in ([first], [first, second]))
+    path, vertices = np.array(after.paths[-1]), np.array(grown.vertices)
+    before, onward = path[step - 1] if step else second[0], second[min(step + 1, last)]
     earlier = [int(v) for v, a in zip(path[:step], second[:step], strict=True) if v != a]
-    allowed = ahead_of(grown.trajectory, grown.place, earlier)[grown.vertices]
-    candidates = grown.vertices[(into > p_reuse) & (onward > p_reuse) & allowed]
-    weights = grown.weights(p_edge)
-    picture = map_picture(step_view, home, grown.vertices, weights, trajectory_of, 4)
+    fits = ahead_of(grown.trajectory, grown.place, earlier)[vertices]
+    fits &= (home.reach[before, vertices] > p_reuse) & (home.reach[vertices, onward] > p_reuse)
+    candidates, weights = vertices[fits], weights_of(grown, p_edge)
+    picture = map_picture(step_view, home, vertices, weights, trajectory_of, 4)
     step_view.points(picture, home.poses[candidates, :2], colours.GOAL, 9)
     for vertex in candidates:
         step_view.arrow(picture, home.poses[vertex], hue(0), 4)
@@ -554,6 +586,7 @@ def insertion(step, p_reuse, p_edge):
 
 sliders(
     insertion,
+    {"step": "anchor", "p_reuse": "p_reuse, probability", "p_edge": "p_edge, probability"},
     step=(0, last, 1, 3),
     p_reuse=(0.9, 0.998, 0.002, 0.99),
     p_edge=(0.5, 0.99, 0.01, 0.99),
@@ -569,7 +602,8 @@ sliders(
 # The library's `TopoMap` takes any object that has `prepare` and `probability`. So we can give it our table in place of the network: the "images" are indices of anchors, and RE is looked up. Then both maps must be the same, vertex by vertex and edge by edge.
 
 
-# %%
+# %% hidden=true
+# The library's map from our table, and what it has in common with yours
 class Table:
     """RE from a table; observations and targets are indices of anchors."""
 
@@ -587,11 +621,8 @@ class Table:
 
 def library_map(reach, trajectories, **settings):
     """The library's map, and the record of each insertion."""
-    usual = {
-        "p_reuse": 0.99,
-        "candidates": 10**6,
-        "p_outdated": 0.0,
-    }  # evaluate all pairs, forget nothing
+    # Evaluate all pairs, forget nothing.
+    usual = {"p_reuse": 0.99, "candidates": 10**6, "p_outdated": 0.0}
     estimator = Table(reach) if isinstance(reach, np.ndarray) else reach
     topomap = TopoMap(estimator, MapSettings(**{**usual, **settings}))
     added = [
@@ -611,7 +642,10 @@ def compare(sequence):
     """Count what a small map and the library's have in common."""
     grown = grow(home.reach, home.trajectories, 0.99, sequence)
     topomap, _ = library_map(home.reach, home.trajectories, sequence=sequence)
-    mine, theirs = set(map(tuple, np.argwhere(np.isfinite(grown.weights(0.99))))), edges_of(topomap)
+    mine, theirs = (
+        set(map(tuple, np.argwhere(np.isfinite(weights_of(grown, 0.99))))),
+        edges_of(topomap),
+    )
     sizes = f"{len(grown.vertices)} and {len(topomap)} vertices"
     print(f"sequence {sequence}: {sizes}; {len(mine & theirs)} edges in both, ", end="")
     print(f"{len(mine - theirs)} only in yours, {len(theirs - mine)} only in the library's")
@@ -622,28 +656,30 @@ compare(sequence=0)
 # %% [markdown]
 # ### Find the bug
 #
-# A colleague has rewritten `through`. Nothing crashes, every step of her trajectories has an RE of 0.98 or more, and all paths of her map can be driven. Only: "Reuse does not help much." Here is her function, and her map beside yours. What is wrong?
+# A colleague has written an `insert` of her own. Nothing crashes, every step of her trajectories has an RE of 0.98 or more, and all paths of her map can be driven. Only: "Reuse does not help much." Step 1 of hers chooses by the two arrays that `through` returns; the rest is the library's. Here is her `through`, and her map beside yours. What is wrong?
 
 
 # %%
-def hers(grown, own, path, i):
-    """The colleague's `through`."""
-    before, after, vertices = path[max(i - 1, 0)], own[min(i + 1, len(own) - 1)], grown.vertices
-    return grown.reach[before, vertices], grown.reach[after, vertices]
+def through(grown, own, path, i):
+    """The colleague's RE into the vertices and onward from them, for anchor i."""
+    before, after = path[i - 1] if i else own[0], own[min(i + 1, len(own) - 1)]
+    return grown.reach[before, grown.vertices], grown.reach[after, grown.vertices]
 
 
-for name, rule in (("yours", through), ("hers", hers)):
-    grown = grow(home.reach, home.trajectories, 0.99, through=rule)
-    steps = home.reach[grown.driven]
-    replaced = sum(
-        int((t != own).sum()) for t, own in zip(grown.paths, home.trajectories, strict=True)
-    )
-    print(f"{name:6s} {len(grown.vertices):4d} vertices, {replaced} of {count} anchors replaced; ")
-    print(f"       RE of the driven steps: {steps.min():.3f} and more")
+# %% hidden=true
+# Her map beside yours
+hers = partial(check_insert.reference, through=through)
+rows = []
+for name, by in (("yours", insert), ("hers", hers)):
+    grown = grow(home.reach, home.trajectories, 0.99, by=by)
+    replaced = count - len(grown.vertices)
+    rows.append([name, len(grown.vertices), replaced, home.reach[grown.driven].min()])
+head = {"map": "", "vertices": "d", f"of {count} anchors replaced": "d", "least RE driven": ".3f"}
+table(head, rows)
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> is the RE from the anchor after <i>to</i> the vertex: the reverse direction. From ahead of a vertex a car seldom gets back to it, and so few vertices qualify: those so close to the next anchor that both directions are reachable. The map is larger than necessary. One number reveals it: with $p_\text{sparsify} = p_\text{reuse} = 0.99$ no driven step can be below 0.99, and one of hers has 0.98, since the step from the vertex onward was never checked. In a table of RE the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is the RE from the anchor after <i>to</i> the vertex: the reverse direction. From ahead of a vertex a car seldom gets back to it, and so few vertices qualify: those so close to the next anchor that both directions are reachable. The map is larger than necessary. One number reveals it: with $p_\text{sparsify} = p_\text{reuse} = 0.99$ every driven step of your map has 0.99 (a step between two neighbouring frames could have less, since the next frame is kept whatever RE predicts; here none has), and one of hers has 0.98, since the step from the vertex onward was never checked. In a table of RE the row is always where the robot stands.
 # </details>
 #
 # ## 4 · The map of a building
@@ -653,10 +689,11 @@ for name, rule in (("yours", through), ("hers", hers)):
 # **Predict:** how many of the 108 does a map contain that only knows the driven edges, before anything is joined? How many after joining, and how many after reuse?
 
 
-# %%
+# %% hidden=true
+# Which of the 108 paths a map contains
 def path_probabilities(grown, p_edge, building):
-    """Probabilities of the best paths from each trajectory's start to each trajectory's end elsewhere, 0 for none."""
-    graph, found = graph_of(grown.weights(p_edge), grown.vertices), []
+    """Probabilities of the best paths from trajectories' starts to ends elsewhere, 0 for none."""
+    graph, found = graph_of(weights_of(grown, p_edge), grown.vertices), []
     for (place, _), path in zip(building.pairs, grown.paths, strict=True):
         far = nx.single_source_dijkstra_path_length(graph, int(path[0]))
         for (_, goal), other in zip(building.pairs, grown.paths, strict=True):
@@ -665,6 +702,7 @@ def path_probabilities(grown, p_edge, building):
     return np.array(found)
 
 
+rows = []
 for name, p_edge, p_reuse in (
     ("driven steps only", 1.0, 1.0),
     ("all pairs, none pruned", 0.0, 1.0),
@@ -673,13 +711,12 @@ for name, p_edge, p_reuse in (
     ("driven, with reuse", 1.0, 0.99),
 ):
     grown = grow(home.reach, home.trajectories, p_reuse)
-    edges, found = (
-        np.isfinite(grown.weights(p_edge)).sum(),
-        path_probabilities(grown, p_edge, apartment),
-    )
-    sizes = f"{len(grown.vertices):4d} vertices {edges:6d} edges"
-    connected = f"{(found > 0).sum():4d} of {len(found)} paths"
-    print(f"{name:24s}{sizes}{connected}, of probability {np.median(found[found > 0]):.2f}")
+    found = path_probabilities(grown, p_edge, apartment)
+    edges, there = np.isfinite(weights_of(grown, p_edge)).sum(), found > 0
+    rows.append([name, len(grown.vertices), edges, there.sum(), np.median(found[there])])
+paths_head = f"paths, of {len(found)}"
+head = {"map": "", "vertices": "d", "edges": ",d", paths_head: "d", "median probability": ".2f"}
+table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 
 # %% [markdown]
 # <details><summary>What does the map know that it was never shown?</summary>
@@ -692,21 +729,32 @@ for name, p_edge, p_reuse in (
 #
 # Here is the map, each trajectory's vertices in its colour: the twin of the paper's Fig. 8. With the sliders, **predict** first: which of the two thresholds changes the number of vertices, and what happens to the paths at $p_\text{edge} = 0.999$?
 
-# %%
+# %% hidden=true
+# The map at two thresholds
 map_view = PlanView(apartment.scene, 620, 460)
 
 
+kept_maps = {}
+
+
 def whole_map(p_edge, p_reuse):
-    """The map of all twelve trajectories at two thresholds."""
-    grown = grow(home.reach, home.trajectories, p_reuse)
-    weights = grown.weights(p_edge)
+    """The map of all twelve trajectories at two thresholds; each is built once."""
+    if p_reuse not in kept_maps:
+        kept_maps[p_reuse] = grow(home.reach, home.trajectories, p_reuse)
+    grown = kept_maps[p_reuse]
+    weights = weights_of(grown, p_edge)
     picture = map_picture(map_view, home, grown.vertices, weights, trajectory_of, 4.5)
     found = path_probabilities(grown, p_edge, apartment)
     size = f"{len(grown.vertices)} vertices, {np.isfinite(weights).sum()} edges; "
     return picture, f"{size}{(found > 0).sum()} of {len(found)} paths"
 
 
-sliders(whole_map, p_edge=(0.8, 0.999, 0.001, 0.99), p_reuse=(0.8, 1.0, 0.01, 0.99))
+sliders(
+    whole_map,
+    {"p_edge": "p_edge, probability", "p_reuse": "p_reuse, probability"},
+    p_edge=(0.8, 0.999, 0.001, 0.99),
+    p_reuse=(0.8, 1.0, 0.01, 0.99),
+)
 
 # %% [markdown]
 # <details><summary>What do they do?</summary>
@@ -715,14 +763,15 @@ sliders(whole_map, p_edge=(0.8, 0.999, 0.001, 0.99), p_reuse=(0.8, 1.0, 0.01, 0.
 #
 # ## 5 · Places that look alike
 #
-# A **wormhole** is an edge between places that are far apart: more than 5 m on the shortest path. $\mathcal{RE}$ compares images, and two corners of an office may give the same image: **perceptual aliasing**. On a map a wrong edge is worse than a missing one. A planner *prefers* wormholes, since they are the best short cuts, and a single one can spoil all paths.
+# A **[[wormhole]]** is an edge between places that are far apart: more than 5 m on the shortest path. $\mathcal{RE}$ compares images, and two corners of an office may give the same image: **[[perceptual aliasing]]**. On a map a wrong edge is worse than a missing one. A planner *prefers* wormholes, since they are the best short cuts, and a single one can spoil all paths.
 #
-# Below is an office with symmetric corridors, three places and six trajectories. The pair shown is the wormhole whose images are most alike. **Predict:** what share of the edges are wormholes?
+# Below is an office with symmetric corridors, three places and six trajectories. The pair shown is the wormhole whose images are most alike. **Predict:** what share of the edges are wormholes? (About 6 s.)
 
 
-# %%
+# %% hidden=true
+# An office with symmetric corridors, and its most convincing wormhole
 def building_of(name, count, seed=0):
-    """A building like those of `experiments.protocols.navigation_tasks`, for a world by its name."""
+    """A building like those of the experiments, for a world by its name."""
     scene = scene_of(name)
     paths = GridPaths(scene.clearance)
     places = spread_places(paths, count, np.random.default_rng(seed))
@@ -744,7 +793,7 @@ def lengths_of(data, weights):
 office = query_all_pairs(building_of(world_name("symmetric_office", 10_004), 3))
 office_view = PlanView(office.building.scene, 900, 600)
 office_grown = grow(office.reach, office.trajectories, p_reuse=1.0)
-edges, far = lengths_of(office, office_grown.weights(0.99))
+edges, far = lengths_of(office, weights_of(office_grown, 0.99))
 images = np.concatenate([anchors.observations.image for anchors in office.anchors]).astype(float)
 differ = np.abs(images[edges[:, 0]] - images[edges[:, 1]]).mean(axis=(1, 2, 3))
 chosen = np.where(far > WORMHOLE, differ, np.inf).argmin()
@@ -762,7 +811,8 @@ show(stacked([edge_picture(office_view, office, source, target)], [title]))
 #
 # where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own trajectory. (The paper says to match sequences, and leaves open how. The minimum of five is our choice.) Where a trajectory ends, the sequence is shorter. Here are five pairs of the wormhole above:
 
-# %%
+# %% hidden=true
+# The pairs around the wormhole
 around_source = [source + s for s in range(-2, 3)]
 around_target = [target + s for s in range(-2, 3)]
 same = [
@@ -778,22 +828,23 @@ show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], val
 # %% [markdown]
 # Even the sequences look alike here: of all wormholes this one is the worst case. But the minimum of the five is 0.98, just too little for $p_\text{edge} = 0.99$.
 #
-# ### Exercise 4 · `weakest_aligned` (hard, 15 minutes)
+# ### Exercise 5 · `weakest_aligned` (hard, 15 minutes)
 #
-# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. **Beware:** to numpy, -1 is the last one.
+# Rows are the anchors of a new trajectory, in order. Columns are vertices, in arbitrary order: `before[v]` and `after[v]` are the columns next to column `v` on its trajectory, and -1 where there is none. A sequence ends, on its side, as soon as there is no next anchor or no next vertex. **Beware:** to numpy, -1 is the last one.
 #
 # <details><summary>Hint 1: concept</summary>For one pair (i, v): put one finger on row i and one on column v. Move both ahead together, up to <code>steps</code> times, as long as there is a next one for both, and keep the least RE that you see. Then the same backwards.</details>
-# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost: row, column = row + direction, beside[column]; break if not 0 <= row < len(reach) or column < 0; otherwise take the minimum.</details>
-# <details><summary>Hint 3: one line</summary>least[i, v] = min(least[i, v], reach[row, column]), with least = reach.copy() in the beginning.</details>
+# <details><summary>Hint 2: approach</summary>Three loops: over all pairs, over the two directions ((-1, before), (1, after)), and over the steps. In the innermost move both fingers; break if the row is above or below the table, or the column is -1; otherwise take the minimum.</details>
+# <details><summary>Hint 3: one line</summary>Do you compare with reach, which stays as it was, or with values that have been lowered already? Do both fingers start again from the pair itself for the second direction?</details>
 
 
 # %% exercise="weakest_aligned"
 def weakest_aligned(reach, before, after, steps):
     """The least RE over aligned sequences around each pair.
 
-    reach: (A, V) RE from each anchor of a trajectory, in order, to each vertex. before, after: (V,) the vertex next to each on its own trajectory, -1 for none.
-    steps: anchors on either side.
-    Returns (A, V).
+    reach: (A, V) array, RE from each anchor of a trajectory, in order, to each vertex.
+    before, after: (V,) arrays, the vertex next to each on its own trajectory, -1 for none.
+    steps: how many anchors count on either side, 0 or more.
+    Returns a new (A, V) array: the least RE of the pair itself and of the aligned pairs around it.
     """
     ### BEGIN SOLUTION
     least = reach.copy()
@@ -813,18 +864,25 @@ def weakest_aligned(reach, before, after, steps):
 weakest_aligned = check_weakest_aligned.use(weakest_aligned)
 
 # %% [markdown]
-# From here on `sequence` is active in your map builder. Both buildings, with sequences of 0, 1 and 2 anchors on either side, without reuse. **Predict:** how many wormholes are left, and what does it cost?
+# From here on `sequence` is active in your map builder. Both buildings, with sequences of 0, 1 and 2 anchors on either side, without reuse. **Predict:** how many wormholes are left, and what does it cost? (About 5 s.)
 
-# %%
+# %% hidden=true
+# Wormholes and good edges by the length of sequences
+rows, progress = [], tqdm(total=6, desc="maps", leave=False)
 for name, data in (("apartment", home), ("symmetric office", office)):
-    by_sequence = [grow(data.reach, data.trajectories, 1.0, sequence) for sequence in (0, 1, 2)]
+    by_sequence = []
+    for sequence in (0, 1, 2):
+        by_sequence.append(grow(data.reach, data.trajectories, 1.0, sequence))
+        progress.update()
     for p_edge in (0.9, 0.99):
-        far = [lengths_of(data, grown.weights(p_edge))[1] for grown in by_sequence]
+        far = [lengths_of(data, weights_of(grown, p_edge))[1] for grown in by_sequence]
         good = [(metres <= WORMHOLE).sum() for metres in far]
         for sequence, metres in enumerate(far):
             holes, share = (metres > WORMHOLE).sum(), good[sequence] / good[0]
-            print(f"{name:17s} p_edge {p_edge:.2f}, sequence {sequence}: ", end="")
-            print(f"{holes:4d} wormholes, {share:4.0%} of the good edges")
+            rows.append([name, p_edge, sequence, holes, share])
+progress.close()
+head = {"building": "", "p_edge": ".2f", "anchors on either side": "d", "wormholes": "d"}
+display(table({**head, "good edges kept": ".0%"}, rows))
 compare(sequence=2)
 
 # %% [markdown]
@@ -834,9 +892,10 @@ compare(sequence=2)
 #
 # Now the same with reuse. **Predict:** does reuse add wormholes, or take some away?
 
-# %%
+# %% hidden=true
+# The office's map with sequences and reuse
 office_grown = grow(office.reach, office.trajectories, 0.99, sequence=2)
-edges, far = lengths_of(office, office_grown.weights(0.99))
+edges, far = lengths_of(office, weights_of(office_grown, 0.99))
 along = office_grown.driven[tuple(edges.T)]
 print(f"{len(office_grown.vertices)} vertices, {len(edges)} edges")
 print(
@@ -863,22 +922,24 @@ print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex 
 # 1. **Retrieval.** $\mathcal{RE}$ runs a network on each *pair*. An embedding is computed from each image *alone*, once, and comparing two of them is a dot product. So evaluate only the 12 vertices that are most similar.
 # 2. **Search along trajectories.** Where one pair is sure, its neighbours are worth a query, too: the next anchor and the vertex after, the anchor before and the vertex before, and for the same anchor the vertices next to this one. From these again the neighbours, and so on, until nothing new is sure.
 #
-# ### Exercise 5 · `ask_next` (medium, 10 minutes)
+# ### Exercise 6 · `ask_next` (medium, 10 minutes)
 #
-# `reach` holds what is known; `np.nan` marks pairs that were not evaluated yet. Comparisons with it are False, and `np.isnan` finds it.
+# `reach` holds what is known; `np.nan` marks pairs that were not evaluated yet. Comparisons with it are False, and `np.isnan` finds it. The four neighbours of a pair (i, v) are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]); those beyond an end do not exist.
 #
 # <details><summary>Hint 1: concept</summary>Go through the pairs that are sure. Each one votes for its four neighbours. Known pairs need no vote.</details>
-# <details><summary>Hint 2: approach</summary>for i, v in np.argwhere(reach > p_edge): the neighbours are (i + 1, after[v]), (i - 1, before[v]), (i, after[v]) and (i, before[v]). Mark them in a table of False, if there is such a row and the column is not -1.</details>
-# <details><summary>Hint 3: one line</summary>return found & np.isnan(reach)</details>
+# <details><summary>Hint 2: approach</summary>np.argwhere(table > 0) goes through the places of a table that are positive. Mark the four neighbours of each sure pair in a table of False, if there is such a row and the column is not -1.</details>
+# <details><summary>Hint 3: one line</summary>Your table of votes may contain pairs that are known already. Which Boolean table do you combine it with, by & or by |?</details>
 
 
 # %% exercise="ask_next"
 def ask_next(reach, before, after, p_edge):
     """Which pairs are worth a query, after some answers.
 
-    reach: (A, V) RE from each anchor of a trajectory, in order, to each vertex; np.nan where not evaluated. before, after: (V,) as above.
-    p_edge: a pair above it is sure.
-    Returns (A, V) True where to query next: not evaluated yet, and beside a sure pair.
+    reach: (A, V) array, RE from each anchor of a trajectory, in order, to each vertex; np.nan where
+    it was not evaluated. before, after: (V,) arrays, as for weakest_aligned.
+    p_edge: a pair whose RE is greater is sure.
+    Returns an (A, V) Boolean array, True where to query next: not evaluated yet, and one of the
+    four neighbours of a sure pair.
     """
     ### BEGIN SOLUTION
     found = np.zeros(reach.shape, dtype=bool)
@@ -904,7 +965,8 @@ ask_next = check_ask_next.use(ask_next)
 # **Predict** the order of the four curves.
 
 
-# %%
+# %% hidden=true
+# How many sure pairs are found by how many queries
 def neighbours(trajectories, own):
     """Anchors of all trajectories but one, and the columns before and after each of them."""
     others = [trajectory for trajectory in trajectories if trajectory is not own]
@@ -918,7 +980,7 @@ def neighbours(trajectories, own):
 
 
 def found_by(own, similarity, starts, search):
-    """How many pairs were queried, how many of them are sure, how many are sure in all, and how many pairs there are."""
+    """Pairs queried, sure pairs among them, sure pairs in all, and all pairs."""
     columns, before, after = neighbours(home.trajectories, own)
     reach, similarity = home.reach[np.ix_(own, columns)], similarity[np.ix_(own, columns)]
     fresh, known = np.zeros(reach.shape, dtype=bool), np.full(reach.shape, np.nan)
@@ -959,7 +1021,8 @@ show(from_figure(figure))
 # The share is this large only because the map is small: the 12 most similar vertices are a tenth of it. What counts is the *number* of queries, since it hardly grows with the map. Here are the library's queries per trajectory: with the table, once for all pairs and once by embeddings, which the table has, too.
 
 
-# %%
+# %% hidden=true
+# Queries for each trajectory, for all pairs and by retrieval
 class EmbeddingTable(Table):
     """A table with embeddings of the anchors."""
 
@@ -974,43 +1037,45 @@ class EmbeddingTable(Table):
 
 exhaustive, all_added = library_map(home.reach, home.trajectories)
 indexed, added = library_map(EmbeddingTable(home.reach), home.trajectories, candidates=12)
-print("trajectory" + "".join(f"{index:6d}" for index in range(len(added))))
-print("all pairs " + "".join(f"{one.queries:6d}" for one in all_added))
-print("indexed   " + "".join(f"{one.queries:6d}" for one in added))
+rows = [
+    [name, *(one.queries for one in some)]
+    for name, some in (("all pairs", all_added), ("by retrieval", added))
+]
+head = {"queries, trajectory": "", **{str(index): "d" for index in range(len(added))}}
+display(table(head, rows))
 all_edges, indexed_edges = edges_of(exhaustive), edges_of(indexed)
-print(f"\nall pairs: {len(exhaustive)} vertices, {len(all_edges)} edges; ", end="")
-print(f"indexed: {len(indexed)} vertices, {len(indexed_edges)} edges", end="")
+print(f"all pairs: {len(exhaustive)} vertices, {len(all_edges)} edges; ", end="")
+print(f"by retrieval: {len(indexed)} vertices, {len(indexed_edges)} edges", end="")
 print(f", {len(indexed_edges & all_edges)} of them the same")
 
 # %% [markdown]
 # And on a large map, where it matters (`.venv/bin/python -m tutorial_lib bench map`):
 
-# %%
+# %% hidden=true
+# The stored run of `bench map`
 bench = load_result("map")
-for kind in dict.fromkeys(row["map"] for row in bench.rows):
-    total = "in all" if kind.startswith("one") else "each"
-    print(f"{kind}:")
-    print(
-        f"method       vertices  trajectories{'queries ' + total:>15s}      s each   edges found   ms to plan"
-    )
-    for row in (row for row in bench.rows if row["map"] == kind):
-        recall = "-" if row["recall"] is None else f"{row['recall']:.1%}"
-        size = (
-            f"{row['method']:12s} {row['vertices']:8,}{row['trajectories']:14,}{row['queries']:15,}"
-        )
-        print(f"{size}{row['seconds_per_trajectory']:12.2f}{recall:>14s}{row['plan_ms']:13.1f}")
+head = {"map": "", "method": "", "vertices": ",d", "trajectories": ",d", "queries": ",d"}
+head |= {"": "", "s each": ".2f", "edges found": ".1%", "ms to plan": ".0f"}
+rows = []
+for row in bench.rows:
+    total = "each" if row["map"].startswith("many") else "in all"
+    method = "by retrieval" if row["method"] == "indexed" else "all pairs"
+    parts = [row["map"], method, row["vertices"], row["trajectories"], row["queries"], total]
+    rows.append([*parts, row["seconds_per_trajectory"], row["recall"], row["plan_ms"]])
+display(table(head, rows))
 print("\n".join(bench.notes))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# The first two parts build the map of one building by either method; "edges found" are those of the exhaustive map that the indexed one has, too. Without reuse the index evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less, since the map is small: 12 vertices are a good part of 169. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by the index fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
+# The first two parts build the map of one building by either method; "edges found" are those of the map from all pairs that the one by retrieval has, too. Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
 # </details>
 #
 # ## 7 · How maps grow
 #
 # Anchors of a place that is already on the map are replaced. So a robot that keeps driving in the same building adds less and less: "the size of the graph converges" (III-E). **Predict:** draw the number of vertices against the number of frames, for the twelve trajectories, with reuse and without it. How straight is either?
 
-# %%
+# %% hidden=true
+# Vertices against frames, in six orders of the trajectories
 rng = np.random.default_rng(0)
 orders = [rng.permutation(len(home.trajectories)) for _ in range(6)]
 figure, (axis,) = chart(7.0, 3.6)
@@ -1018,7 +1083,7 @@ for name, p_reuse, tone in (("no reuse", 1.0, colours.FAINT), ("reuse", 0.99, co
     for order in orders:
         grown, sizes = SmallMap.empty(home.reach), [0]
         for index in order:
-            insert(grown, home.trajectories[index], p_reuse, sequence=0)
+            insert(grown, home.trajectories[index], home.reach, p_reuse)
             sizes.append(len(grown.vertices))
         taken = np.cumsum([0, *np.array(frames)[order]])
         label = name if order is orders[0] else None
@@ -1032,7 +1097,8 @@ show(from_figure(figure))
 #
 # **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from about 30,000 images (Table II).
 
-# %%
+# %% hidden=true
+# The twin of Fig. 13, from a stored run
 growth = load_result("meng_fig13")
 figure, (axis,) = chart(8.0, 4.4)
 worlds = list(dict.fromkeys(row["world"] for row in growth.rows))
@@ -1048,10 +1114,12 @@ for key, name, dots in (("every_10th", "every 10th", ":"), ("every_20th", "every
 most = max(row["vertices"] for row in growth.rows)
 axis.set(xlabel="frames", ylabel="vertices", xlim=(0, None), ylim=(0, 2.5 * most))
 axis.legend(fontsize=10, ncols=2)
-print("world, frames: vertices, edges at the end")
+rows = []
 for world in worlds:
     end = max((r for r in growth.rows if r["world"] == world), key=lambda r: r["frames"])
-    print(f"{world}, {end['frames']:,}: {end['vertices']:,}, {end['edges']:,}")
+    rows.append([str(world), *(end[key] for key in ("frames", "vertices", "edges"))])
+head = {"world": "", "frames": ",d", "vertices": ",d", "edges": ",d"}
+display(table(head, rows, caption="at the end"))
 print("\n".join(growth.notes))
 show(from_figure(figure))
 
@@ -1076,10 +1144,11 @@ show(from_figure(figure))
 # **Predict** which of them is the most frequent. (In the figures below, blue is the anchor that was dropped, or the source of an edge, and red its replacement, or the target of the edge.)
 
 
-# %%
+# %% hidden=true
+# Count the defects
 def faults(data, grown):
     """Defects of a map: pairs of anchors by kind, the worst first."""
-    weights = grown.weights(0.99)
+    weights = weights_of(grown, 0.99)
     edges, far = lengths_of(data, weights)
     found = {"wormhole": sorted(zip(-far, *edges.T, strict=True))}
     found["wormhole"] = [(i, j) for f, i, j in found["wormhole"] if -f > WORMHOLE]
@@ -1103,12 +1172,12 @@ maps = {
     "apartment": (home, grow(home.reach, home.trajectories, 0.99, sequence=2)),
     "symmetric office": (office, office_grown),
 }
-print(f"{'':20s}" + "".join(f"{name:>20s}" for name in maps))
 counted = {name: faults(*parts) for name, parts in maps.items()}
-for kind in counted["apartment"]:
-    print(f"{kind:20s}" + "".join(f"{len(found[kind]):20d}" for found in counted.values()))
+rows = [[kind, *(len(found[kind]) for found in counted.values())] for kind in counted["apartment"]]
+table({"defect": "", **dict.fromkeys(counted, "d")}, rows)
 
-# %%
+# %% hidden=true
+# The worst of each kind
 panels, titles = [], []
 for name, kind in (
     ("symmetric office", "wormhole"),
@@ -1141,7 +1210,8 @@ show(stacked(rows, gap=14))
 #
 # A made-up change: the first trajectory is driven again a week later, and one of its vertices looks different by now. Everything else is as $\mathcal{RE}$ predicts it. **Predict:** which of the vertices are removed, and what takes their place? And what would happen if only the second condition were checked?
 
-# %%
+# %% hidden=true
+# The first trajectory, driven again a week later
 length, changed = len(first), 6
 twice = np.concatenate([first, first])
 week_later = home.reach[np.ix_(twice, twice)].copy()
@@ -1164,9 +1234,10 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
 
-# %%
+# %% hidden=true
+# The library's map, with the network inside
 begun = time.perf_counter()
 topomap = TopoMap(reachability)
 queries = sum(add_trajectory(topomap, anchors).queries for anchors in home.anchors)
@@ -1181,7 +1252,8 @@ show(picture)
 # %% [markdown]
 # A map outlives a robot's battery. It is saved as a JSON file with the graph, and beside it an `.npz` with the observations. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
 
-# %%
+# %% hidden=true
+# Save the map, load it, and damage it
 with tempfile.TemporaryDirectory() as folder:
     path = Path(folder) / "apartment.json"
     save_map(path, topomap)
@@ -1205,26 +1277,25 @@ with tempfile.TemporaryDirectory() as folder:
 #
 # ## Optional extras
 #
-# - **Extra 1.** Leave `allowed` out of `replace`: all vertices may be taken at any time. How many trajectories stand still or go back on the map?
-# - **Extra 2.** Let `replace` accept a replacement only if `weakest_aligned` is above $p_\text{reuse}$ as well. How many wormholes has the office then, and how many vertices?
+# - **Extra 1.** Leave `ahead_of` out of your `insert`: all vertices may be taken at any time. How many trajectories stand still or go back on the map?
+# - **Extra 2.** Let your `insert` accept a replacement only if its score, with sequences, is above $p_\text{reuse}$ as well. How many wormholes has the office then, and how many vertices?
 # - **Extra 3.** Prune more: remove every edge for which there is a path over other edges that is as probable, up to one percent. How many edges remain, and are all paths still there?
 # - **Extra 4.** Remove a vertex only when two trajectories did not see it. What must the map remember for that?
 #
 # Here is the answer to the first.
 
-# %%
-allowed_or_not = {}
-real_rule = ahead_of
-for name, rule in (
-    ("never backwards", real_rule),
-    ("anything goes", lambda trajectory, *_: np.ones(len(trajectory), dtype=bool)),
+# %% hidden=true
+# The answer to extra 1
+rows = []
+for name, options in (
+    ("never backwards", {}),
+    ("anything goes", {"ahead_of": lambda trajectory, *_: np.ones(len(trajectory), dtype=bool)}),
 ):
-    ahead_of = rule
-    grown = grow(home.reach, home.trajectories, 0.99)
-    repeats = [len(path) - len(set(path.tolist())) for path in grown.paths]
-    affected = sum(count > 0 for count in repeats)
-    print(f"{name:16s} {len(grown.vertices)} vertices; {affected} trajectories pass a vertex twice")
-ahead_of = real_rule
+    by = partial(check_insert.reference, **options)
+    grown = grow(home.reach, home.trajectories, 0.99, by=by)
+    repeats = [len(path) - len(set(path)) for path in grown.paths]
+    rows.append([name, len(grown.vertices), sum(count > 0 for count in repeats)])
+table({"rule": "", "vertices": "d", "trajectories that pass a vertex twice": "d"}, rows)
 
 # %% [markdown]
 # ## What to remember
@@ -1236,4 +1307,4 @@ ahead_of = real_rule
 # - Retrieve by similarity, then search along trajectories: the queries no longer grow with the square of the map.
 # - Growth ends when there is nothing new to see. Forgetting needs a robot that passed by.
 #
-# **Read next:** the paper, III-F and III-G, and then notebook 06: planning on this map, refusing, and replanning. On the baseline: N. Savinov et al., *Semi-Parametric Topological Memory for Navigation* (ICLR 2018). On recognising places at scale: M. Cummins and P. Newman, *Appearance-only SLAM at large scale with FAB-MAP 2.0* (IJRR 2011).
+# **Read next:** the paper, III-F and III-G, and then notebook 06: planning on this map, refusing, and replanning. On the baseline: N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653) (ICLR 2018). On recognising places at scale: M. Cummins and P. Newman, [*Appearance-only SLAM at large scale with FAB-MAP 2.0*](https://doi.org/10.1177/0278364910385483) (IJRR 2011).

@@ -1,5 +1,7 @@
 """Answers to notebook 05: the docstring of a wrong one is what the check must say of it."""
 
+from itertools import pairwise
+
 import numpy as np
 
 
@@ -548,3 +550,520 @@ def ask_next__right_with_padding(reach, before, after, p_edge):
     ahead, back = sure[:, before], sure[:, after]
     near = ahead[:-2] | back[2:] | ahead[1:-1] | back[1:-1]
     return near & np.isnan(reach)
+
+
+def _inserted(grown, own, p_reuse, into_from=None, onward_to=None, allowed=None):
+    """The new path, and the vertices that were reused."""
+    path, reused = [], []
+    for i in range(len(own)):
+        before = into_from(i) if into_from else (path[i - 1] if i else own[0])
+        after = onward_to(i) if onward_to else own[min(i + 1, len(own) - 1)]
+        into = grown.reach[before, grown.vertices]
+        onward = grown.reach[grown.vertices, after]
+        if allowed:
+            may = allowed(grown, reused)
+        else:
+            may = np.array([_ahead(grown, v, reused) for v in grown.vertices], dtype=bool)
+        found = reusable__right_with_a_loop(into, onward, may, p_reuse)
+        path.append(int(own[i]) if found < 0 else grown.vertices[found])
+        if found >= 0:
+            reused.append(grown.vertices[found])
+    return path, reused
+
+
+def _ahead(grown, vertex, reused):
+    return all(
+        grown.trajectory[vertex] != grown.trajectory[r] or grown.place[vertex] > grown.place[r]
+        for r in reused
+    )
+
+
+def _added(grown, own, path, places=None, ends=(-1, -1)):
+    new = [int(a) for a in own if int(a) in path]
+    for place, vertex in enumerate(path):
+        if vertex in new:
+            grown.trajectory[vertex] = len(grown.paths)
+            grown.place[vertex] = places(vertex, new) if places else place
+            grown.before[vertex] = path[place - 1] if place else ends[0]
+            grown.after[vertex] = path[place + 1] if place + 1 < len(path) else ends[1]
+    grown.vertices += new
+    grown.paths.append(path)
+    return new
+
+
+def _connected(grown, new, path, scores, others=None, both=True):
+    for v in new:
+        for w in grown.vertices if others is None else others:
+            if v != w:
+                grown.edge_reach[v, w] = scores[v, w]
+                if both:
+                    grown.edge_reach[w, v] = scores[w, v]
+    _driven(grown, path)
+
+
+def _driven(grown, path):
+    for v, w in pairwise(path):
+        grown.driven[v, w] = True
+        grown.edge_reach[v, w] = max(grown.edge_reach[v, w], grown.reach[v, w])
+
+
+def insert__from_the_dropped_anchor(grown, own, scores, p_reuse):
+    """take RE from that one, not from the anchor"""
+    path, _ = _inserted(grown, own, p_reuse, into_from=lambda i: own[max(i - 1, 0)])
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__onward_to_itself(grown, own, scores, p_reuse):
+    """not to the anchor itself"""
+    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i])
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__allows_all(grown, own, scores, p_reuse):
+    """Never backwards"""
+    path, _ = _inserted(
+        grown, own, p_reuse, allowed=lambda g, _: np.ones(len(g.vertices), dtype=bool)
+    )
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__reuses_nothing(grown, own, scores, p_reuse):
+    """your trajectory never reuses a vertex"""
+    path = own.tolist()
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__joins_one_way(grown, own, scores, p_reuse):
+    """join in both directions"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores, both=False)
+
+
+def insert__joins_only_old_ones(grown, own, scores, p_reuse):
+    """the new vertices are joined with each other, too"""
+    path, _ = _inserted(grown, own, p_reuse)
+    old = list(grown.vertices)
+    _connected(grown, _added(grown, own, path), path, scores, old)
+
+
+def insert__joins_by_reach(grown, own, scores, p_reuse):
+    """edges have the RE in scores"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, grown.reach)
+
+
+def insert__only_the_trajectory(grown, own, scores, p_reuse):
+    """not only along the trajectory"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _added(grown, own, path)
+    _driven(grown, path)
+
+
+def insert__drives_over_dropped_anchors(grown, own, scores, p_reuse):
+    """not over anchors that were replaced"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    before = grown.driven.copy()
+    _connected(grown, new, path, scores)
+    grown.driven = before
+    grown.driven[own[:-1], own[1:]] = True
+
+
+def insert__numbers_only_new_ones(grown, own, scores, p_reuse):
+    """the place counts all anchors"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path, places=lambda vertex, some: some.index(vertex))
+    _connected(grown, new, path, scores)
+
+
+def insert__counts_the_path_first(grown, own, scores, p_reuse):
+    """is the number of paths before"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    grown.trajectory[new] += 1
+    _connected(grown, new, path, scores)
+
+
+def insert__the_last_for_none(grown, own, scores, p_reuse):
+    """before is the vertex before on the path"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path, ends=(path[-1], -1))
+    _connected(grown, new, path, scores)
+
+
+def insert__forgets_the_path(grown, own, scores, p_reuse):
+    """paths, but"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    _connected(grown, new, path, scores)
+    grown.paths.pop()
+
+
+def insert__keeps_all_as_vertices(grown, own, scores, p_reuse):
+    """though they were replaced"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    _connected(grown, new, path, scores)
+    grown.vertices += [int(a) for a in own if int(a) not in new]
+
+
+def insert__returns_a_path(grown, own, scores, p_reuse):
+    """change the map that is given, return nothing"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores)
+    return path
+
+
+def insert__writes_into_reach(grown, own, scores, p_reuse):
+    """reach, scores and own are needed again"""
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores)
+    np.fill_diagonal(grown.reach, 0.0)
+
+
+def insert__goes_beyond_the_end(grown, own, scores, p_reuse):
+    """IndexError"""
+    path, _ = _inserted(grown, own, p_reuse, onward_to=lambda i: own[i + 1])
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__right_step_by_step(grown, own, scores, p_reuse):
+    path, _ = _inserted(grown, own, p_reuse)
+    _connected(grown, _added(grown, own, path), path, scores)
+
+
+def insert__right_with_tables(grown, own, scores, p_reuse):
+    path, _ = _inserted(grown, own, p_reuse)
+    path = np.array(path)
+    new = path == own
+    around = np.concatenate([[-1], path, [-1]])
+    grown.before[own[new]], grown.after[own[new]] = around[:-2][new], around[2:][new]
+    grown.trajectory[own[new]], grown.place[own[new]] = len(grown.paths), np.flatnonzero(new)
+    everything = np.append(np.array(grown.vertices, dtype=int), own[new])
+    for rows, columns in ((own[new], everything), (everything, own[new])):
+        kept = np.ix_(rows, columns)
+        grown.edge_reach[kept] = scores[kept]
+    steps = path[:-1], path[1:]
+    grown.driven[steps] = True
+    grown.edge_reach[steps] = np.maximum(grown.edge_reach[steps], grown.reach[steps])
+    grown.vertices = everything
+    grown.paths = [*grown.paths, path]
+    return grown
+
+
+def _wa(reach, before, after, steps, inc=True, mut=False, stop=True):
+    least = reach if mut else reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for d, b in ((-1, before), (1, after)):
+            r, c = i, v
+            for _ in range(steps):
+                r, c = r + d, b[c]
+                if not 0 <= r < len(reach) or c < 0:
+                    break
+                least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def _an(reach, before, after, p, rules=((1, 1), (-1, -1), (0, 1), (0, -1))):
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for a, b in rules:
+            r = i + a
+            c = after[v] if b > 0 else before[v] if b < 0 else v
+            if 0 <= r < len(reach) and c >= 0:
+                f[r, c] = True
+    return f
+
+
+def edge_weights__threshold_of_09(reach, driven, p_edge):
+    """p_edge is an argument; yours always takes 0.9"""
+    kept = (reach > 0.9) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__and(reach, driven, p_edge):
+    """an edge needs RE above p_edge or a trajectory that goes there, not both: |, not"""
+    kept = (reach > p_edge) & driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__diag_zero(reach, driven, p_edge):
+    """yours joins vertex 0 to itself with 0; the diagonal is np.inf"""
+    kept = (reach > p_edge) | driven
+    w = np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+    np.fill_diagonal(w, 0)
+    return w
+
+
+def edge_weights__clip_at_p(reach, driven, p_edge):
+    """a driven edge weighs by its own RE, also where that is below p_edge"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, p_edge)), np.inf)
+
+
+def edge_weights__driven_symmetric(reach, driven, p_edge):
+    """a trajectory goes in one direction: driven[i, j] is no edge from j to i"""
+    kept = (reach > p_edge) | driven | driven.T
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__mutates_driven(reach, driven, p_edge):
+    """your function changes its argument 2; make a new array"""
+    driven |= reach > p_edge
+    np.fill_diagonal(driven, False)
+    return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__log2(reach, driven, p_edge):
+    """the natural logarithm is meant: np.log, not np.log2"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log2(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__big(reach, driven, p_edge):
+    """where there is no edge the weight is np.inf; yours has 1e+09 everywhere"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), 1e9)
+
+
+def edge_weights__upper(reach, driven, p_edge):
+    """edges lead in both directions: yours has none from a greater index to a smaller"""
+    kept = np.triu((reach > p_edge) | driven, 1)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def edge_weights__eps6(reach, driven, p_edge):
+    """only RE below 1e-12 counts as 1e-12; yours lets none be below 1e-06"""
+    kept = (reach > p_edge) | driven
+    np.fill_diagonal(kept, False)
+    return np.where(kept, -np.log(np.maximum(reach, 1e-6)), np.inf)
+
+
+def edge_weights__neq1(reach, driven, p_edge):
+    """no vertex is joined to itself; the diagonal is inf"""
+    kept = ((reach > p_edge) & (reach < 1)) | driven
+    return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
+
+
+def reusable__has_a_bound_of_its_own(into, onward, allowed, p_reuse):
+    """p_reuse is an argument, and not always"""
+    f = (into > 0.99) & (onward > 0.99) & allowed
+    return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
+
+
+def reusable__truthy(into, onward, allowed, p):
+    """vertex 0 is a vertex like any other, and may be the best"""
+    f = (into > p) & (onward > p) & allowed
+    i = int(np.where(f, into * onward, 0).argmax()) if len(into) else -1
+    return i or -1
+
+
+def reusable__skip0(into, onward, allowed, p):
+    """vertex 0 is a vertex, too; yours looks at the others"""
+    best, b = -1, 0
+    for i in range(1, len(into)):
+        if into[i] > p and onward[i] > p and allowed[i] and into[i] * onward[i] > b:
+            best = i
+            b = into[i] * onward[i]
+    return best
+
+
+def reusable__list(into, onward, allowed, p):
+    """a ndarray came back; return the index of one vertex, a whole number, or -1"""
+    return np.flatnonzero((into > p) & (onward > p) & allowed)
+
+
+def reusable__bool(into, onward, allowed, p):
+    """True came back; return the index of one vertex, a whole number, or -1"""
+    return bool(((into > p) & (onward > p) & allowed).any())
+
+
+def reusable__mutates(into, onward, allowed, p):
+    """your function changes its argument 1; make a new array"""
+    into[~allowed] = 0
+    f = (into > p) & (onward > p)
+    return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
+
+
+def reusable__onward_only_max(into, onward, allowed, p):
+    """the step into the vertex counts, too: into *"""
+    f = (into > p) & (onward > p) & allowed
+    return int(np.where(f, onward, -1).argmax()) if f.any() else -1
+
+
+def ahead_of__max_index(t, p, reused):
+    """the vertices in reused are in the order of reuse: all of them count, not only"""
+    ok = np.ones(len(p), bool)
+    if reused:
+        v = max(reused)
+        ok = (t != t[v]) | (p > p[v])
+    return ok
+
+
+def ahead_of__gt_next(t, p, reused):
+    """not only the next one: all that lie ahead on the trajectory may be"""
+    ok = np.ones(len(p), bool)
+    for v in reused:
+        ok &= (t != t[v]) | (p == p[v] + 1)
+    return ok
+
+
+def ahead_of__or(t, p, reused):
+    """yours forbids vertex"""
+    ok = np.zeros(len(p), bool)
+    for v in reused:
+        ok |= (t != t[v]) | (p > p[v])
+    return ok
+
+
+def ahead_of__lastoftraj(t, p, reused):
+    """of each trajectory all that were reused count, not only the last: the farthest"""
+    last = {}
+    for v in reused:
+        last[t[v]] = p[v]
+    return np.array([p[i] > last.get(t[i], -1) for i in range(len(p))], dtype=bool)
+
+
+def ahead_of__only_self(t, p, reused):
+    """only the reused vertex itself is forbidden in yours; those behind it are,"""
+    ok = np.ones(len(p), bool)
+    ok[reused] = False
+    return ok
+
+
+def ahead_of__ints(t, p, reused):
+    """return True or False for each, not numbers"""
+    ok = np.ones(len(p))
+    for v in reused:
+        ok *= (t != t[v]) | (p > p[v])
+    return ok
+
+
+def ahead_of__empty_none(t, p, reused):
+    """your function returned nothing; is a return missing?"""
+    if not reused:
+        return None
+    return np.array([all(t[i] != t[v] or p[i] > p[v] for v in reused) for i in range(len(p))])
+
+
+def ahead_of__crash_empty(t, p, reused):
+    """IndexError, list index out of"""
+    v = reused[-1]
+    return (t != t[v]) | (p > p[v])
+
+
+def weakest_aligned__maxsteps2(reach, before, after, steps):
+    """steps is an argument; yours always looks two anchors to either"""
+    return _wa(reach, before, after, 2)
+
+
+def weakest_aligned__mutates(reach, before, after, steps):
+    """your function changes its argument 1; make a new array"""
+    return _wa(reach, before, after, steps, mut=True)
+
+
+def weakest_aligned__farthest_only(reach, before, after, steps):
+    """all pairs on the way count, not only the farthest on either"""
+    least = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for d, b in ((-1, before), (1, after)):
+            r, c = i, v
+            for _ in range(steps):
+                r2, c2 = r + d, b[c]
+                if not 0 <= r2 < len(reach) or c2 < 0:
+                    break
+                r, c = r2, c2
+            least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def weakest_aligned__continues_from_end(reach, before, after, steps):
+    """for anchor 0 and vertex 0 the least of the aligned pairs is"""
+    least = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        r, c = i, v
+        for d, b in ((-1, before), (1, after)):
+            for _ in range(steps):
+                r, c = r + d, b[c]
+                if not 0 <= r < len(reach) or c < 0:
+                    break
+                least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def weakest_aligned__zero_false(reach, before, after, steps):
+    """anchor 0 and vertex 0 exist; only -1 is"""
+    least = reach.copy()
+    for i, v in np.ndindex(*reach.shape):
+        for d, b in ((-1, before), (1, after)):
+            r, c = i, v
+            for _ in range(steps):
+                r, c = r + d, b[c]
+                if not 0 < r < len(reach) or c <= 0:
+                    break
+                least[i, v] = min(least[i, v], reach[r, c])
+    return least
+
+
+def weakest_aligned__nan(reach, before, after, steps):
+    """some of it is not a number; every pair has at least its own RE"""
+    return np.full_like(reach, np.nan)
+
+
+def ask_next__eq_nan(reach, before, after, p):
+    """yours never queries anything. Is np.isnan used? Nothing is == np.nan, not even"""
+    f = _an(reach, before, after, p)
+    return f & (reach == np.nan)
+
+
+def ask_next__only_first_row_check(reach, before, after, p):
+    """row 0 is an anchor,"""
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 < r < len(reach) and c >= 0:
+                f[r, c] = True
+    return f & np.isnan(reach)
+
+
+def ask_next__column0(reach, before, after, p):
+    """column 0 is a vertex,"""
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 <= r < len(reach) and c > 0:
+                f[r, c] = True
+    return f & np.isnan(reach)
+
+
+def ask_next__last_row(reach, before, after, p):
+    """the last row is an anchor,"""
+    f = np.zeros(reach.shape, bool)
+    for i, v in np.argwhere(reach > p):
+        for r, c in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v]), (i, before[v])):
+            if 0 <= r < len(reach) - 1 and c >= 0:
+                f[r, c] = True
+    return f & np.isnan(reach)
+
+
+def ask_next__p05(reach, before, after, p_edge):
+    """p_edge is an argument, and not always"""
+    return _an(reach, before, after, 0.5) & np.isnan(reach)
+
+
+def ask_next__nonan(reach, before, after, p):
+    """not all that is unknown is worth a query, only what lies beside a sure"""
+    return np.isnan(reach)
+
+
+def ask_next__mutates(reach, before, after, p):
+    """your function changes its argument 1; make a new array"""
+    f = _an(reach, before, after, p) & np.isnan(reach)
+    reach[np.isnan(reach)] = 0
+    return f

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import hinting, mask
+from tutorial_lib.checks.framework.answers import mask
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb05.trajectories import MIXED, TWO, random_reach, stepped
+from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.nb05.calls import explained
+from tutorial_lib.checks.nb05.trajectories import MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
 from tutorial_lib.viz.figures.edge_tables import edge_table
@@ -37,6 +39,7 @@ def _queried(
 ) -> NDArray[np.bool_]:
     """The rule with a `fault`, if one is named."""
     found = np.zeros(reach.shape, dtype=bool)
+    p_edge = {"always 0.5": 0.5, "always 0.99": 0.99}.get(fault, p_edge)
     sure = {"equal": reach >= p_edge, "all": ~np.isnan(reach), "unsure": reach <= p_edge}.get(
         fault, reach > p_edge
     )
@@ -53,6 +56,14 @@ def _queried(
             beside = columns + across
         ahead = rows + along
         exist = (ahead >= 0) & (ahead < len(reach)) & (beside < reach.shape[1])
+        if fault == "no column 0":
+            exist &= beside > 0
+        if fault == "no row 0":
+            exist &= ahead > 0
+        if fault == "no last row":
+            exist &= ahead < len(reach) - 1
+        if fault == "no last column":
+            exist &= beside < reach.shape[1] - 1
         if fault == "wraps":
             exist = ahead < len(reach)
         elif fault == "row wraps":
@@ -60,6 +71,10 @@ def _queried(
         elif fault != "column wraps":
             exist &= beside >= 0
         found[ahead[exist], beside[exist]] = True
+    if fault == "all unknown":
+        return np.isnan(reach)
+    if fault == "nothing":
+        return np.zeros_like(found)
     return found if fault == "again" else found & np.isnan(reach)
 
 
@@ -78,11 +93,25 @@ _CASES = {
     "RE equals p_edge": (np.where(_FEW == 0.95, 0.8, _FEW), *TWO, 0.8),
     "vertices in no order": (_holes(random_reach(6, 7, 9), 0.7, 10), *MIXED, 0.6),
     "a larger one": (_holes(random_reach(9, 7, 11), 0.8, 12), *MIXED, 0.5),
+    "another p_edge": (_holes(random_reach(9, 7, 15), 0.6, 16), *MIXED, 0.9),
+    "more vertices than anchors": (_holes(random_reach(2, 7, 17), 0.6, 18), *MIXED, 0.3),
+    "one anchor": (_holes(random_reach(1, 6, 19), 0.5, 20), *TWO, 0.2),
+    "one long trajectory": (_holes(random_reach(7, 5, 21), 0.6, 22), *ONE, 0.4),
 }
 _FAULTS = {
     "query no pair twice: only where reach is not a number": "again",
     "only neighbours of pairs that are sure are worth it: reach > p_edge": "all",
     "the neighbours of pairs that are sure are worth it, not of the others": "unsure",
+    "yours never queries anything. Is np.isnan used? Nothing is == np.nan, not even np.nan": (
+        "nothing"
+    ),
+    "not all that is unknown is worth a query, only what lies beside a sure pair": "all unknown",
+    "p_edge is an argument, and not always 0.5": "always 0.5",
+    "p_edge is an argument, and not always 0.99": "always 0.99",
+    "column 0 is a vertex, too": "no column 0",
+    "row 0 is an anchor, too": "no row 0",
+    "the last row is an anchor, too": "no last row",
+    "the last column is a vertex, too": "no last column",
     "greater than p_edge, not equal to it": "equal",
     "the vertices before and after the same vertex, for the same anchor, are worth it, too": (
         "diagonal"
@@ -101,12 +130,42 @@ _FAULTS = {
 
 @check(ask_next, (_holes(random_reach(6, 7, 13), 0.7, 14), *MIXED, 0.6))
 def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Six tables: little known, nothing, everything, vertices in no order."""
+    """Tables of which little, nothing or everything is known, and vertices in no order."""
     faults = with_faults(_queried, _FAULTS)
-    invoke = hinting(IndexError, "beyond an end of a trajectory there is nothing to query")
-    return compare(
-        "ask_next", student, _CASES, ask_next, faults, invoke=invoke, form=_pairs, draw=_tables
+    words = "beyond an end of a trajectory there is nothing to query"
+    return case_by_case(
+        "ask_next",
+        student,
+        _CASES,
+        ask_next,
+        faults,
+        invoke=explained({IndexError: words}),
+        form=_pairs,
+        difference=_why,
+        draw=_tables,
     )
+
+
+def _why(
+    got: NDArray[np.bool_],
+    want: NDArray[np.bool_],
+    reach: Array,
+    before: Indices,
+    after: Indices,
+    p_edge: float,
+) -> str:
+    """The first pair about which an answer is wrong."""
+    i, v = (int(n) for n in np.argwhere(got != want)[0])
+    if got[i, v] and not np.isnan(reach[i, v]):
+        return f"({i}, {v}) was evaluated already: {reach[i, v]:g}; query no pair twice"
+    if got[i, v]:
+        return f"({i}, {v}) is not beside any pair above {p_edge:g}; yours queries it"
+    for row, column in np.argwhere(reach > p_edge):
+        steps = {(row + 1, after[column]), (row - 1, before[column])}
+        steps |= {(row, after[column]), (row, before[column])}
+        if (i, v) in steps:
+            return f"({i}, {v}) is beside the sure pair ({row}, {column}); yours does not query it"
+    return f"({i}, {v}) must be queried"
 
 
 def _pairs(what: str, got: object, reach: Array, *_: object) -> NDArray[np.bool_]:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import expect_close
+from tutorial_lib.checks.framework.comparison import close, expect
+from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 from tutorial_lib.viz.figures.edge_tables import edge_table
@@ -57,24 +59,75 @@ _NEVER = BY_HAND.copy()
 _NEVER[[3, 4], [4, 5]] = 0.0, 0.5
 _FAINT = BY_HAND.copy()
 _FAINT[[3, 4], [4, 5]] = 1e-15, 1.0
+_TWO_WAYS = DRIVEN | DRIVEN.T
+_LOOPS = DRIVEN | np.eye(6, dtype=bool)
 _CASES = (
     ("the map above", BY_HAND, DRIVEN, 0.9),
+    ("another p_edge", BY_HAND, DRIVEN, 0.5),
+    ("RE equals p_edge", np.where(BY_HAND == 0.3, 0.9, BY_HAND), DRIVEN, 0.9),
+    ("a diagonal below p_edge", np.where(np.eye(6, dtype=bool), 0.2, BY_HAND), DRIVEN, 0.9),
+    ("driven both ways", BY_HAND, _TWO_WAYS, 0.9),
+    ("driven has True on its diagonal", BY_HAND, _LOOPS, 0.9),
+    ("no trajectory", BY_HAND, np.zeros_like(DRIVEN), 0.9),
+    ("p_edge = 0", np.where(BY_HAND < 0.06, 0.0, BY_HAND), DRIVEN, 0.0),
+    ("one vertex", np.ones((1, 1)), np.zeros((1, 1), dtype=bool), 0.9),
     ("RE = 0 on a driven edge", _NEVER, DRIVEN, 0.9),
     ("RE = 1e-15 on a driven edge", _FAINT, DRIVEN, 0.9),
     ("p_edge = 1", BY_HAND, DRIVEN, 1.0),
     ("12 vertices", *_random_map(12, 1), 0.5),
+    ("RE = 1", np.ones((3, 3)), np.zeros((3, 3), dtype=bool), 0.99),
+    ("nothing surer than 1e-13", np.full((3, 3), 1e-13), np.zeros((3, 3), dtype=bool), 0.0),
 )
 
 
 @check(edge_weights, (*_random_map(120, 2), 0.9))
 def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """The map done by hand, two where RE is almost 0, one without sure edges, a larger one."""
-    answers = [call(student, *case[1:]) for case in _CASES]
-    picture = _weights_picture(answers[0])
-    for (name, *case), got in zip(_CASES, answers, strict=True):
+    """The map done by hand with other thresholds, RE almost 0, no edges at all, a larger one."""
+    invoke, picture = explained(), None
+    for name, *case in _CASES:
         what, want = f"edge_weights, {name}", edge_weights(*case)
-        expect_close(what, got, want, 1e-9, _mistakes(*case), picture)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            got = invoke(what, student, *case)
+        picture = _weights_picture(got) if picture is None else picture
+        values = numbers(what, got, want.shape)
+        why = partial(_why, case)
+        expect(
+            what,
+            values,
+            want,
+            _mistakes(*case).items(),
+            partial(close, tolerance=1e-9),
+            why,
+            picture,
+        )
     return picture
+
+
+def _why(case: tuple[Array, NDArray[np.bool_], float], got: Array, want: Array) -> str:
+    """The first pair with a wrong weight."""
+    reach, driven, p_edge = case
+    if np.isnan(got).any():
+        return "some weights are not a number; where there is no edge the weight is np.inf"
+    there = np.isfinite(want)
+    if np.allclose(got[there], want[there]) and len(np.unique(got[~there])) == 1:
+        value = got[~there][0]
+        return f"where there is no edge the weight is np.inf; yours has {value:g} everywhere"
+    if (got[there] <= want[there] + 1e-9).all() and np.array_equal(there, np.isfinite(got)):
+        bound = np.exp(-got[there].max())
+        if np.allclose(got[there], -np.log(np.maximum(reach[there], bound))):
+            return f"only RE below 1e-12 counts as 1e-12; yours lets none be below {bound:.2g}"
+    apart = ~np.isclose(got, want, rtol=0, atol=1e-9)
+    i, j = (int(n) for n in np.argwhere(apart)[0])
+    pair = f"from {i} to {j} (RE {reach[i, j]:g})"
+    if i == j:
+        return f"yours joins vertex {i} to itself with {got[i, j]:.4g}; the diagonal is np.inf"
+    if not np.isfinite(want[i, j]):
+        words = f"RE is not greater than {p_edge:g}, and no trajectory goes there"
+        return f"{pair} yours has {got[i, j]:.4g}, but there is no edge: {words}"
+    if not np.isfinite(got[i, j]):
+        words = "a trajectory goes there" if driven[i, j] else f"RE is greater than {p_edge:g}"
+        return f"{pair} yours has no edge, but {words}"
+    return f"{pair} yours has {got[i, j]:.4g}; -log RE is {want[i, j]:.4g}"
 
 
 def _mistakes(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[str, ArrayLike]:
@@ -113,6 +166,25 @@ def _mistakes(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[st
         "that is RE itself; the weight is -log RE": only(there, reach),
         "that is 1 - RE; the weight is -log RE, whose sums are the logarithms of products": only(
             there, 1 - reach
+        ),
+        "p_edge is an argument; yours always takes 0.9": only(
+            ((reach > 0.9) | driven) & ~own, edge_rules.weight(reach)
+        ),
+        "a weight is taken of RE, not of what is left of it: -log(RE), not -log(1 - RE)": only(
+            there, edge_rules.weight(1 - reach)
+        ),
+        "an edge needs RE above p_edge or a trajectory that goes there, not both: |, not &": only(
+            (reach > p_edge) & driven & ~own, edge_rules.weight(reach)
+        ),
+        "the natural logarithm is meant: np.log, not np.log2": only(there, right / np.log(2)),
+        "a trajectory goes in one direction: driven[i, j] is no edge from j to i": only(
+            there | (driven.T & ~own), edge_rules.weight(reach)
+        ),
+        "edges lead in both directions: yours has none from a greater index to a smaller one": only(
+            np.triu(there), right
+        ),
+        "a driven edge weighs by its own RE, also where that is below p_edge": only(
+            there, edge_rules.weight(np.maximum(reach, p_edge))
         ),
         "all pairs are joined in yours; prune those that are not above p_edge": only(
             ~own, edge_rules.weight(reach)

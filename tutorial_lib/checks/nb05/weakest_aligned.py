@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import hinting, numbers
+from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
+from tutorial_lib.checks.framework.comparison import close, with_faults
+from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -49,25 +51,47 @@ _CASES = {
     "vertices in no order": (random_reach(5, 7, 5), *MIXED, 2),
     "trajectories that run into another": (random_reach(5, 5, 23), *JOINED, 2),
     "one anchor": (random_reach(1, 7, 6), *MIXED, 2),
+    "three anchors on either side": (random_reach(8, 7, 31), *MIXED, 3),
+    "sequences longer than the trajectories": (random_reach(4, 5, 32), *ONE, 9),
+    "more vertices than anchors": (random_reach(3, 7, 33), *MIXED, 1),
+    "one vertex": (random_reach(4, 1, 34), np.array([-1]), np.array([-1]), 2),
 }
 
 
 @check(weakest_aligned, (random_reach(4, 6, 7), *TWO, 2))
 def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Seven tables: longer and shorter sequences, several trajectories, vertices in no order."""
+    """Tables with longer and shorter sequences, several trajectories, vertices in no order."""
     faults = with_faults(_misaligned, _FAULTS)
-    return compare(
+    return case_by_case(
         "weakest_aligned",
         student,
         _CASES,
         weakest_aligned,
         faults,
-        invoke=hinting(IndexError, "where a trajectory ends the sequence ends, too"),
+        invoke=explained({IndexError: "where a trajectory ends the sequence ends, too"}),
         form=_per_pair,
         same=partial(close, tolerance=1e-9),
-        difference=farthest,
+        difference=_why,
         draw=_tables,
     )
+
+
+def _why(got: Array, want: Array, reach: Array, before: Indices, after: Indices, steps: int) -> str:
+    """The first pair that is wrong, and what counts for it."""
+    if np.isnan(got).any():
+        return "some of it is not a number; every pair has at least its own RE"
+    i, v = (int(n) for n in np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0])
+    pairs = {(i, v): reach[i, v]}
+    for step, beside in ((-1, before), (1, after)):
+        row, column = i + step, beside[v]
+        for _ in range(steps):
+            if not 0 <= row < len(reach) or column < 0:
+                break
+            pairs[row, int(column)] = reach[row, column]
+            row, column = row + step, beside[column]
+    shown = ", ".join(f"{pair}: {value:.2f}" for pair, value in sorted(pairs.items()))
+    words = f"the least of the aligned pairs is {want[i, v]:.2f} ({shown})"
+    return f"for anchor {i} and vertex {v} {words}; yours has {got[i, v]:.2f}"
 
 
 def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
@@ -77,6 +101,7 @@ def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
 def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault: str) -> Array:
     """The rule with a `fault`, pair by pair."""
     steps = {"one step": min(steps, 1), "three": steps + 1, "none": 0}.get(fault, steps)
+    steps = {"always two": 2, "always one": 1}.get(fault, steps)
     fold = {"mean": np.mean, "product": np.prod, "greatest": np.max}.get(fault, np.min)
     directions = ((-1, before), (1, after))
     if fault == "crossed":
@@ -89,7 +114,8 @@ def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault
     for pair in np.ndindex(*reach.shape):
         values = [] if fault == "not itself" else [reach[pair]]
         for step, beside in directions:
-            values += _along(reach, pair, step, beside, steps, fault)
+            found_here = _along(reach, pair, step, beside, steps, fault)
+            values += found_here[-1:] if fault == "farthest" else found_here
         if fault == "end is 0" and len(values) < 2 * steps + 1:
             values.append(0.0)
         found[pair] = fold(values) if values else 1.0
@@ -121,6 +147,8 @@ def _along(
         if fault == "wraps" and -len(reach) <= row < len(reach):
             values.append(reach[row, column])
             continue
+        if fault == "no 0" and (row == 0 or column == 0):
+            break
         if not 0 <= row < len(reach) or column < 0:
             if fault == "goes on":
                 continue
@@ -133,6 +161,10 @@ _FAULTS = {
     "the least of them counts, not their mean": "mean",
     "the least of them counts, not their product": "product",
     "the least of them counts, not the greatest": "greatest",
+    "steps is an argument; yours always looks two anchors to either side": "always two",
+    "steps is an argument; yours always looks one anchor to either side": "always one",
+    "all pairs on the way count, not only the farthest on either side": "farthest",
+    "anchor 0 and vertex 0 exist; only -1 is none": "no 0",
     "the anchors before count, too": "only after",
     "the anchors after count, too": "only before",
     "before goes with the anchor before, after with the one after: both move in the same "

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.comparison import with_faults
 from tutorial_lib.checks.nb06.graphs import (
     GOAL,
     HERE,
     SMALL_MAP,
+    Found,
     Graph,
     Vertex,
     most_probable_path,
     random_graph,
 )
 from tutorial_lib.checks.nb06.join_ends import join_ends
-from tutorial_lib.checks.nb06.untouched import untouched
+from tutorial_lib.checks.nb06.untouched import number, untouched, vertices
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 Decision = tuple[list[Vertex], float, str]
@@ -31,6 +36,8 @@ def decide(
     from_here: Mapping[Vertex, float],
     to_goals: Sequence[Mapping[Vertex, float]],
     rules: DijkstraPlanner,
+    join_ends: Callable[..., Graph] = join_ends,
+    most_probable_path: Callable[..., Found] = most_probable_path,
 ) -> Decision:
     """The best path, its probability, and the reason to refuse; see `join_ends`.
 
@@ -39,8 +46,11 @@ def decide(
         from_here: RE from here to vertices.
         to_goals: for each goal image, RE to it.
         rules: `p_query`, `p_goal` and `least`.
+        join_ends: adds the edges of both ends.
+        most_probable_path: plans.
     """
-    return _decided(graph, from_here, to_goals, rules)
+    parts = join_ends, most_probable_path
+    return _decided(graph, from_here, to_goals, rules, parts=parts)
 
 
 def _decided(
@@ -49,24 +59,35 @@ def _decided(
     to_goals: Sequence[Mapping[Vertex, float]],
     rules: DijkstraPlanner,
     fault: str = "",
+    parts: tuple[Callable[..., Graph], Callable[..., Found]] = (join_ends, most_probable_path),
 ) -> Decision:
     """The decision, with a `fault` if one is named."""
 
     def found(p_goal: float) -> tuple[list[Vertex], float]:
         p_here = rules.p_goal if fault == "p_goal from here" else rules.p_query
-        joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
-        path, probability = most_probable_path(joined, HERE, GOAL)
+        p_here = 0.0 if p_goal == 0.0 else p_here  # the fault "no threshold"
+        joined = parts[0](graph, from_here, to_goals, p_here, p_goal)
+        path, probability = parts[1](joined, HERE, GOAL)
         if fault == "last step" and path:
             return path, joined[path[-2]][GOAL]
         return path, probability
+
+    if fault == "constants":
+        rules = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
+
+    def joined_edges(path: list[Vertex]) -> list[float]:
+        joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+        return [joined[v][w] for v, w in pairwise(path)]
 
     path, probability = found(rules.p_query if fault in ("trusts", "asks last") else rules.p_goal)
     if fault == "asks last" and path and len(path) > 1:
         edge = max(reach.get(path[-2], 0.0) for reach in to_goals)
         if edge <= rules.p_goal:
             return path, probability, "not on the map"
-    if path:
+    if path or fault == "least first":
         enough = probability >= rules.least or fault == "dares"
+        if fault == "each edge":
+            enough = min(joined_edges(path)) >= rules.least
         if fault == "strict":
             enough = probability > rules.least
         if fault == "p_goal for all":
@@ -76,11 +97,28 @@ def _decided(
         return path, probability, "" if enough else "too improbable"
     if fault == "never why":
         return [], 0.0, "no path"
-    path, probability = found(rules.p_query)
-    if fault == "seen somewhere" and any(max(reach.values()) > rules.p_goal for reach in to_goals):
+    path, probability = found(0.0 if fault == "no threshold" else rules.p_query)
+    if fault == "second chance" and path and probability >= rules.least:
+        return path, probability, ""
+    if fault == "seen somewhere" and any(
+        p > rules.p_goal for reach in to_goals for p in reach.values()
+    ):
         return path, probability, "no path"
     reason = "not on the map" if path or fault == "always unknown" else "no path"
+    if fault == "exchanged":
+        reason = "no path" if path else "not on the map"
+    if fault == "improbable, too" and path and probability < rules.least:
+        reason = "too improbable"
     return ([], 0.0, reason) if fault == "empty" else (path, probability, reason)
+
+
+def _random_case(seed: int) -> tuple[Any, ...]:
+    """A map of eight vertices, and rules of all kinds."""
+    rng = np.random.default_rng(seed)
+    seen, image = rng.uniform(0.2, 1.0, (2, 8)).round(2).tolist()
+    least, query = rng.uniform(0.1, 0.7, 2).round(2).tolist()
+    rules = DijkstraPlanner(least, query, round(float(rng.uniform(query, 1.0)), 2))
+    return random_graph(8, 1, seed), dict(enumerate(seen[:3])), [dict(enumerate(image))], rules
 
 
 _RULES = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
@@ -102,7 +140,17 @@ _CASES: dict[str, tuple[Any, ...]] = {
     "the goal is in sight": (SMALL_MAP, {0: 0.95}, [{HERE: 0.999, 2: 0.99}], _RULES),
     "other rules": (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER_RULES),
     "other rules, a goal in another building": (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER_RULES),
-}
+    "too improbable by other rules": (SMALL_MAP, {0: 0.7}, [{2: 0.95}], _OTHER_RULES),
+    "daring rules": (_LONG, {0: 0.6}, [{8: 0.9}], DijkstraPlanner(0.1, 0.3, 0.5)),
+    "seen by two images": (SMALL_MAP, {0: 0.95}, [{2: 0.9}, {3: 0.99}], _RULES),
+    "RE to the goal equals p_goal": (SMALL_MAP, {0: 0.95}, [{2: 0.985}], _RULES),
+    "RE from here equals p_query": (SMALL_MAP, {0: 0.5}, [{2: 0.99}], _RULES),
+    "RE to the goal equals p_query": (SMALL_MAP, {0: 0.95}, [{2: 0.5}], _RULES),
+    "only in sight": ({}, {}, [{HERE: 0.99}], _RULES),
+    "doubtfully in sight": ({}, {}, [{HERE: 0.9}], _RULES),
+    "an empty map": ({}, {}, [{}], _RULES),
+    "surely there, over a doubtful edge": (_HALF, {0: 0.9}, [{1: 0.99}], _RULES),
+} | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(10)}
 _FAULTS = {
     "yours starts towards a goal that no vertex reaches with more than rules.p_goal; compare the "
     "edges to the goal with it, not the path": "trusts",
@@ -113,6 +161,17 @@ _FAULTS = {
     "p_goal is for the edges to the goal; from here rules.p_query is enough": "p_goal from here",
     "a path that is less probable than rules.least is too improbable": "dares",
     "exactly rules.least is enough": "strict",
+    "the thresholds stand in rules, and are not always the same: rules.p_query, rules.p_goal and "
+    "rules.least": "constants",
+    "plan again with rules.p_query at both ends; yours drops every threshold": "no threshold",
+    "the two reasons are exchanged: a path with rules.p_query means not on the map": "exchanged",
+    "where the second plan finds a path, the reason is not on the map, however improbable it is": (
+        "improbable, too"
+    ),
+    "rules.least is for the whole path, not for each of its edges": "each edge",
+    "no path at all is not too improbable: is there a path? That comes first": "least first",
+    "the second plan only gives the reason: with edges to the goal below rules.p_goal the robot "
+    "does not start, however probable the path is": "second chance",
     "the whole path must have rules.least, not rules.p_goal; that is for the edges to the goal": (
         "p_goal for all"
     ),
@@ -128,9 +187,9 @@ _FAULTS = {
 
 @check(decide, (random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES))
 def check_decide(student: Callable[..., Any]) -> None:
-    """Goals near and far, in this world and another, and starts from which no vertex is reached."""
+    """Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds."""
     faults = with_faults(_decided, _FAULTS)
-    compare(
+    case_by_case(
         "decide",
         student,
         _CASES,
@@ -142,16 +201,36 @@ def check_decide(student: Callable[..., Any]) -> None:
     )
 
 
-def _decision(what: str, got: Any, *_: object) -> Decision:  # noqa: ANN401 - students'
+def _decision(what: str, got: Any, graph: Graph, *_: object) -> Decision:  # noqa: ANN401
     """A decision of the right form, its probability rounded."""
     path, probability, reason = parts(
         what, got, 3, "return the path, its probability and the reason"
     )
-    if reason not in REASONS:
+    if not isinstance(reason, str) or reason not in REASONS:
         raise WrongAnswer(f"{what}: the reason {reason!r} came back; give one of {REASONS}")
-    return list(path), round(float(probability), 9), reason
+    path = vertices(what, path, {*graph, HERE, GOAL}, "as the path")
+    return path, round(number(what, probability, "as the probability"), 9), reason
 
 
-def _unlike(got: Decision, want: Decision, *_: object) -> str:
+def _unlike(
+    got: Decision,
+    want: Decision,
+    graph: Graph,
+    from_here: Mapping[Vertex, float],
+    to_goals: Sequence[Mapping[Vertex, float]],
+    rules: DijkstraPlanner,
+) -> str:
+    """What is wrong with a decision, and what leads to the right one."""
     shown = [f"{d[2] or 'start'!r}, path {d[0]} with {d[1]:.3g}" for d in (got, want)]
-    return f"yours returns {shown[0]}; {shown[1]} is right"
+    joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
+    if most_probable_path(joined, HERE, GOAL)[0]:
+        why = f"with edges to GOAL above p_goal = {rules.p_goal:g} there is a path, and its "
+        why += f"probability decides: least is {rules.least:g}"
+    elif want[0]:
+        why = f"with p_goal = {rules.p_goal:g} there is no path, but with p_query = "
+        why += f"{rules.p_query:g} at both ends there is one"
+    else:
+        why = f"even with p_query = {rules.p_query:g} at both ends there is no path"
+    if got[2] == want[2] and got[0] == want[0]:
+        why = "the probability is that of the whole path"
+    return f"yours returns {shown[0]}; {shown[1]} is right: {why}"

@@ -6,10 +6,13 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.comparison import with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
-from tutorial_lib.checks.nb06.untouched import untouched
+from tutorial_lib.checks.nb06.untouched import number, untouched
 
 
 def join_ends(
@@ -45,6 +48,10 @@ def _joined(
     p_here = p_goal if fault == "p_goal only" else p_here
     p_goal = p_here if fault == "p_here only" else p_goal
     joined = {v: dict(out) for v, out in graph.items()}
+    if fault == "prunes":
+        joined = {v: {w: p for w, p in out.items() if p > p_here} for v, out in graph.items()}
+    if fault == "no map":
+        joined = {v: {} for v in graph}
     joined |= {HERE: {}, GOAL: {}}
 
     def connect(v: Vertex, w: Vertex, p: float, least: float) -> None:
@@ -59,20 +66,40 @@ def _joined(
     for vertex, probability in from_here.items():
         connect(HERE, vertex, probability, p_here)
     reach: dict[Vertex, list[float]] = {}
+    if fault == "goal from here":
+        to_goals = [from_here]
     for image in to_goals[:1] if fault == "first image" else to_goals:
         for vertex, probability in image.items():
             reach.setdefault(vertex, []).append(probability)
     combine: dict[str, Callable[[list[float]], float]] = {
         "last": lambda p: p[-1],
+        "last above": lambda p: next((q for q in reversed(p) if q > p_goal), 0.0),
+        "first above": lambda p: next((q for q in p if q > p_goal), 0.0),
         "least": lambda p: min(p) if len(p) == len(to_goals) else 0.0,
         "mean": lambda p: sum(p) / len(p),
         "product": math.prod,
     }
+    if fault == "best only" and reach:
+        best = max(reach, key=lambda v: max(reach[v]))
+        reach = {best: reach[best]}
     for vertex, probabilities in reach.items():
-        if fault == "not directly" and vertex == HERE:
+        if (fault == "not directly") == (vertex == HERE) and fault.endswith("directly"):
             continue
         connect(vertex, GOAL, combine.get(fault, max)(probabilities), p_goal)
+    if fault == "weights":
+        return {
+            v: {w: -math.log(max(p, 1e-12)) for w, p in out.items()} for v, out in joined.items()
+        }
     return joined
+
+
+def _random_case(seed: int) -> tuple[Any, ...]:
+    """A map of ten vertices, seen from here and seeing two images; two vertices are not on it."""
+    rng = np.random.default_rng(seed)
+    seen, *images = rng.uniform(0.0, 1.0, (3, 12)).round(2).tolist()
+    to_goals = [{v - (v == 11) * (11 - HERE): p for v, p in enumerate(image)} for image in images]
+    least = rng.uniform(0.1, 0.9, 2).round(2).tolist()
+    return random_graph(10, 2, seed), dict(enumerate(seen)), to_goals, *least
 
 
 _FROM = {0: 0.95, 1: 0.5, 2: 0.3, 4: 0.51}
@@ -97,7 +124,21 @@ _CASES: dict[str, tuple[Any, ...]] = {
     ),
     "the goal is hardly in sight": (SMALL_MAP, _FROM, [{HERE: 0.7, 2: 0.99}], 0.5, 0.985),
     "nothing can be reached": (SMALL_MAP, {0: 0.2}, [{1: 0.3}], 0.5, 0.9),
-}
+    "p_here above p_goal": (SMALL_MAP, {0: 0.95, 1: 0.8}, [{2: 0.8, 3: 0.6}], 0.9, 0.5),
+    "the first image gives the most": (SMALL_MAP, {0: 0.9}, [{2: 0.99}, {2: 0.7}], 0.5, 0.6),
+    "the goal is in sight of one image of two": (
+        SMALL_MAP,
+        {0: 0.9},
+        [{HERE: 0.95}, {HERE: 0.3, 2: 0.9}],
+        0.5,
+        0.6,
+    ),
+    "RE in sight equals p_goal": (SMALL_MAP, {0: 0.9}, [{HERE: 0.9, 1: 0.9}], 0.5, 0.9),
+    "no vertex is seen from here": (SMALL_MAP, {}, [{2: 0.99}], 0.5, 0.9),
+    "no goal image": (SMALL_MAP, {0: 0.9}, [], 0.5, 0.9),
+    "an empty map": ({}, {0: 0.9}, [{HERE: 0.9, 0: 0.9}], 0.5, 0.5),
+    "thresholds of 0": (SMALL_MAP, {0: 0.0, 1: 0.1}, [{2: 0.0, 3: 0.1}], 0.0, 0.0),
+} | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(8)}
 _FAULTS = {
     "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
     "greater than the threshold, not equal to it": "equal",
@@ -108,11 +149,27 @@ _FAULTS = {
     "the edges from HERE have a threshold of their own, p_here": "p_goal only",
     "the edges to GOAL have a threshold of their own, p_goal": "p_here only",
     "one goal image is enough: of several take the highest RE, not the last": ("last"),
+    "of several images that a vertex sees take the highest RE, not that of the last image": (
+        "last above"
+    ),
+    "of several images that a vertex sees take the highest RE, not that of the first image": (
+        "first above"
+    ),
+    "all vertices above p_goal are joined to GOAL, not only the best one": "best only",
+    "edges hold RE here; -log RE is taken by the planner": "weights",
     "one goal image is enough; yours demands all of them": "least",
     "one goal image is enough; do not average over them": "mean",
     "one goal image is enough; do not multiply": "product",
     "all goal images count, not only the first one": "first image",
     "a goal in sight needs no map: to_goals may contain HERE, too": "not directly",
+    "only HERE may be in to_goals without being on the map; yours joins nothing from the map": (
+        "only directly"
+    ),
+    "the edges to GOAL are made from to_goals, not from from_here": "goal from here",
+    "the map's own edges stay, however doubtful they are: the thresholds are for the new ones": (
+        "prunes"
+    ),
+    "the new graph has the map's edges, too": "no map",
     "the edge from HERE to GOAL leads to GOAL: p_goal counts": "p_here in sight",
     "a vertex that is not in the graph must not come back through an edge to it": "ghosts",
 }
@@ -122,7 +179,7 @@ _FAULTS = {
 def check_join_ends(student: Callable[..., Any]) -> None:
     """One goal image and several, thresholds, a goal in sight, and vertices that are not there."""
     faults = with_faults(_joined, _FAULTS)
-    compare(
+    case_by_case(
         "join_ends",
         student,
         _CASES,
@@ -137,29 +194,49 @@ def check_join_ends(student: Callable[..., Any]) -> None:
 def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students'
     """An answer that is a graph with both ends."""
     if not isinstance(got, dict) or not all(isinstance(out, dict) for out in got.values()):
-        raise WrongAnswer(f"{what}: return a dictionary of dictionaries, as the graph is")
+        kind = type(got).__name__
+        words = "return a dictionary of dictionaries, as the graph is"
+        raise WrongAnswer(f"{what}: a {kind} came back; {words}")
     for vertex, name in ((HERE, "HERE"), (GOAL, "GOAL")):
         if vertex not in got:
             raise WrongAnswer(
                 f"{what}: {name} is missing; it is a vertex of the new graph, even with no edges"
             )
-    return got
+    return {
+        v: {w: number(what, p, f"as RE from {v} to {w}") for w, p in out.items()}
+        for v, out in got.items()
+    }
 
 
-def _unlike(got: Graph, want: Graph, *_: object) -> str:
-    """The first edge that is missing, too many or wrong."""
+def _unlike(
+    got: Graph,
+    want: Graph,
+    graph: Graph,
+    from_here: Mapping[Vertex, float],
+    to_goals: Sequence[Mapping[Vertex, float]],
+    p_here: float,
+    p_goal: float,
+) -> str:
+    """The first edge that is missing, too many or wrong, and why."""
     names = {HERE: "HERE", GOAL: "GOAL"}
     for vertex in want:
         if vertex not in got:
             return f"vertex {vertex} is missing, which was on the map"
-        for other in sorted({*want[vertex], *got[vertex]}):
+        for other in [*want[vertex], *got[vertex]]:
             step = f"from {names.get(vertex, vertex)} to {names.get(other, other)}"
             yours, right = got[vertex].get(other), want[vertex].get(other)
+            if yours == right:
+                continue
+            given = [from_here.get(other)] if vertex == HERE and other != GOAL else []
+            if other == GOAL:
+                given = [image.get(vertex) for image in to_goals]
+            shown = ", ".join(f"{p:g}" for p in given if p is not None)
+            least = f"p_goal is {p_goal:g}" if other == GOAL else f"p_here is {p_here:g}"
+            why = f"RE is {shown}, and {least}" if shown else "the map has it" if right else ""
             if yours is None:
-                return f"the edge {step} is missing"
+                return f"the edge {step} is missing: {why}"
             if right is None:
-                return f"there must be no edge {step}"
-            if yours != right:
-                return f"the edge {step} has {yours:.4g}, but {right:.4g} is right"
-    extra = sorted(set(got) - set(want))
-    return f"vertices {extra} are not on the map"
+                return f"there must be no edge {step}: {why or 'nothing says so'}"
+            return f"the edge {step} has {yours:.4g}, but {right:.4g} is right: {why}"
+    extra = [vertex for vertex in got if vertex not in want]
+    return f"vertices {extra} are not on the map, and are no vertices of the new graph"

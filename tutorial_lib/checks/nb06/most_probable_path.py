@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -11,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb06.graphs import (
     BY_HAND,
     Found,
@@ -23,14 +24,15 @@ from tutorial_lib.checks.nb06.graphs import (
     random_graph,
 )
 from tutorial_lib.checks.nb06.path_faults import FAULTS
+from tutorial_lib.checks.nb06.untouched import explained, number, vertices
 from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
 _ENDLESS = (
-    "most_probable_path: your function has not ended after {seconds:g} seconds. Each vertex is "
-    "dealt with once, when it is taken from the heap for the first time; and no length may be "
-    "below 0, as -RE is: going round a cycle would make a path shorter, and the predecessors "
-    "would form a cycle, too"
+    "most_probable_path: your function has not ended after {seconds:g} seconds. Which loop is it? "
+    "The search goes round a cycle for ever if a length is below 0, as -RE is, or if a vertex is "
+    "pushed again although its new length is not smaller: RE may be 1, and -log 1 is 0. The loop "
+    "back along the predecessors must end at the start, also where start and goal are one"
 )
 _LINE: Graph = {0: {1: 0.9}, 1: {2: 0.8}, 2: {3: 0.95}, 3: {}}
 _SURE: Graph = {0: {1: 1.0, 2: 0.9}, 1: {0: 1.0, 2: 1.0}, 2: {3: 1.0}, 3: {1: 1.0}}
@@ -45,13 +47,22 @@ _CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
     "40 vertices": (random_graph(40, 6, 8), 3, 30),
     "start and goal are one": (_LINE, 2, 2),
     "an edge in the opposite direction only": (_LINE, 3, 0),
+    "one step": ({0: {1: 0.25}, 1: {}}, 0, 1),
+    "a vertex without edges": ({0: {}, 1: {0: 0.9}}, 0, 1),
+    "start and goal are one, on a cycle": (_SURE, 1, 1),
+    "back to the start is surer": ({0: {1: 0.5}, 1: {0: 1.0, 2: 0.5}, 2: {}}, 0, 2),
+    "very doubtful edges": ({0: {1: 1e-5, 2: 1e-9}, 1: {2: 1e-3}, 2: {}}, 0, 2),
+    "a long chain": ({v: {v + 1: 0.99} for v in range(60)} | {60: {}}, 0, 60),
+} | {
+    f"a graph drawn at random ({seed})": (random_graph(8 + seed, 2, 20 + seed), 0, 7 + seed)
+    for seed in range(6)
 }
 
 
 @check(most_probable_path, (random_graph(80, 4, 3), 0, 79), endless=_ENDLESS)
 def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """The graph done by hand, chains, cycles, larger graphs, and goals that cannot be reached."""
-    return compare(
+    return case_by_case(
         "most_probable_path",
         student,
         _CASES,
@@ -66,34 +77,33 @@ def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] |
 
 
 def _graphs(want: Found, got: Found) -> NDArray[np.uint8]:
-    return side_by_side(
-        [graph_picture(BY_HAND, path) for path, _ in (want, got)], ["target", "yours"]
-    )
+    pictures = [graph_picture(BY_HAND, path) for path, _ in (want, got)]
+    return side_by_side(pictures, ["target", "yours"], height=200)
 
 
 def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex) -> Any:  # noqa: ANN401
     """A student's answer, if it comes to an end and leaves the graph as it is."""
     given = {v: dict(out) for v, out in graph.items()}
-    try:
-        got = student(given, *ends)
-    except (KeyError, IndexError) as error:
-        words = "a goal that cannot be reached has no predecessor; return [], 0.0"
-        words = words if not most_probable_path(graph, *ends)[0] else "is there such a vertex?"
-        raise WrongAnswer(f"{what}: {type(error).__name__}, {error}; {words}") from None
+    unreachable = "a goal that cannot be reached has no predecessor; return [], 0.0"
+    usual = "each vertex needs a length and a predecessor before they are looked up; the start has "
+    words = usual + "no predecessor" if most_probable_path(graph, *ends)[0] else unreachable
+    hints = {
+        KeyError: words,
+        IndexError: words,
+        ValueError: "every RE is above 0, and every path has a vertex; what is it that has none?",
+        TypeError: "in the heap there are pairs (length, vertex), the length first",
+    }
+    got = explained(what, partial(student, given, *ends), hints)
     if given != graph:
         raise WrongAnswer(f"{what}: your function changes the graph; leave it as it is")
     return got
 
 
-def _path(what: str, got: Any, *_: object) -> Found:  # noqa: ANN401 - students'
+def _path(what: str, got: Any, graph: Graph, *_: object) -> Found:  # noqa: ANN401 - students'
     """A path and its probability, from an answer of the right form."""
     path, probability = parts(what, got, 2, "return the path and its probability")
-    if not isinstance(path, tuple | list):
-        raise WrongAnswer(f"{what}: {path!r} came back as the path; return a list of vertices")
-    if not isinstance(probability, float | int | np.number):
-        kind = type(probability).__name__
-        raise WrongAnswer(f"{what}: a {kind} came back as the probability; return a number")
-    return list(path), float(probability)
+    path = vertices(what, path, set(graph), "as the path")
+    return path, number(what, probability, "as the probability")
 
 
 def _same(got: Found, want: Found, graph: Graph, *_: Vertex) -> bool:

@@ -66,7 +66,41 @@ def _restated(change: Callable[..., Found]) -> Callable[..., Found]:
     return answer
 
 
+def _best_next(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    """Always the best next edge."""
+    path, probability = [start], 1.0
+    while path[-1] != goal:
+        edges = {w: p for w, p in graph[path[-1]].items() if w not in path}
+        if not edges:
+            return [], 0.0
+        path.append(max(edges, key=edges.__getitem__))
+        probability *= edges[path[-1]]
+    return path, probability
+
+
+def _not_itself(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    return ([], 0.0) if start == goal else most_probable_path(graph, start, goal)
+
+
+def _sure_of_nothing(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    path, probability = most_probable_path(graph, start, goal)
+    return path, probability if path else 1.0
+
+
 FAULTS: dict[str, Callable[..., Found]] = {
+    "where start and goal are the same vertex, the path is that vertex, with probability 1": (
+        _not_itself
+    ),
+    "where no path leads to the goal, the probability is 0.0": _sure_of_nothing,
+    "yours always takes the best next edge, which may lead to poor ones. Compare whole paths": (
+        _best_next
+    ),
+    "the path is right, but with base 10: take math.log and math.exp": (
+        lambda *case: _restated(lambda path, p, steps: (path, math.exp(math.log10(p))))(*case)
+    ),
+    "the path is right, but its probability came back with a minus": (
+        lambda *case: _restated(lambda path, p, steps: (path, -p))(*case)
+    ),
     "that is the path of the fewest steps; a longer one may be more probable": partial(
         _searched, cost=lambda p: 1.0
     ),
@@ -76,7 +110,8 @@ FAULTS: dict[str, Callable[..., Found]] = {
     "RE is no cost: the smaller it is, the worse; take -log RE": partial(
         _searched, cost=lambda p: p
     ),
-    "-RE is below 0, so that each further step makes a path cheaper; take -log RE": partial(
+    "yours goes on along the best next edge, and back where that leads nowhere, as with -RE, which "
+    "is below 0: each further step makes a path cheaper. Compare whole paths, by -log RE": partial(
         _searched, cost=lambda p: -p
     ),
     "1 / RE is no sum of logarithms; take -log RE": partial(_searched, cost=lambda p: 1.0 / p),
@@ -97,6 +132,12 @@ FAULTS: dict[str, Callable[..., Found]] = {
     "the path leads backwards, from goal to start; reverse it": _restated(
         lambda path, p, steps: (path[::-1], p)
     ),
+    "the path is right, but the probability is that of the last step alone; multiply all": (
+        _restated(lambda path, p, steps: (path, steps[-1] if steps else 1.0))
+    ),
+    "the path is right, but the probability is that of the first step alone; multiply all": (
+        _restated(lambda path, p, steps: (path, steps[0] if steps else 1.0))
+    ),
     "the start is missing from the path": _restated(lambda path, p, steps: (path[1:], p)),
     "the goal is missing from the path": _restated(lambda path, p, steps: (path[:-1], p)),
     "that is the cost, -log of the probability; invert it: exp(-cost)": _restated(
@@ -110,6 +151,15 @@ FAULTS: dict[str, Callable[..., Found]] = {
     ),
     "the path is right, but that is the least RE on it; multiply": _restated(
         lambda path, p, steps: (path, min(steps, default=1.0))
+    ),
+    "the path is right, but that is the logarithm of its probability; take exp": _restated(
+        lambda path, p, steps: (path, math.log(p))
+    ),
+    "the path is right, but that is the number of its steps; return the product of RE": _restated(
+        lambda path, p, steps: (path, float(len(steps)))
+    ),
+    "the path is right, but that is what is missing to 1; return the product of RE": _restated(
+        lambda path, p, steps: (path, 1.0 - p)
     ),
     "the path is right, but that is the exponential of the cost; the probability is exp(-cost)": (
         _restated(lambda path, p, steps: (path, 1.0 / p))

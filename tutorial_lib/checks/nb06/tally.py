@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.comparison import with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
-from tutorial_lib.checks.nb06.untouched import untouched
+from tutorial_lib.checks.nb06.untouched import number, untouched
 from tutorial_lib.geometry import Array, relative
 
 _FALSE_FROM, _FALSE_TO = (-0.9, 7.3, -1.7), (-6.0, 1.0, 3.0)
@@ -71,6 +72,12 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
                 tried = passed = arrived
             if fault == "only failures":
                 tried, passed = not arrived and place <= stopped, not arrived and place < stopped
+            if fault == "turned":
+                edge = (edge[1], edge[0])
+            if fault == "only the map" and min(edge) < 0:
+                continue
+            if fault == "once a trip" and edge in list(pairwise(path))[: place - 1]:
+                continue
             if fault == "both ways":
                 edge = (min(edge), max(edge))
             if tried:
@@ -81,6 +88,17 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
     if fault == "failed":
         return {edge: (tried, tried - passed) for edge, (tried, passed) in counts.items()}
     return counts
+
+
+def _random_trips(seed: int) -> list[Trip]:
+    """Six trips between five vertices."""
+    rng, trips = np.random.default_rng(seed), []
+    for _ in range(6):
+        path = [HERE, *rng.integers(1, 6, int(rng.integers(1, 6))).tolist(), GOAL]
+        path = [v for i, v in enumerate(path) if not i or v != path[i - 1]]
+        place = int(rng.integers(1, len(path)))
+        trips.append((path, None if rng.random() < 0.4 else place))
+    return trips
 
 
 _CASES: dict[str, tuple[list[Trip]]] = {
@@ -98,7 +116,13 @@ _CASES: dict[str, tuple[list[Trip]]] = {
         ],
     ),
     "no trip": ([],),
-}
+    "in sight of the goal, and lost": ([([HERE, GOAL], 1)],),
+    "in sight of the goal, and arrived": ([([HERE, GOAL], None)],),
+    "the same trip twice": ([([HERE, 3, 4, GOAL], 2), ([HERE, 3, 4, GOAL], None)],),
+    "twice over an edge in one trip": ([([HERE, 1, 2, 1, 2, GOAL], None)],),
+    "lost when it comes to an edge again": ([([HERE, 1, 2, 1, 2, GOAL], 4)],),
+    "there and back": ([([HERE, 1, 2, 1, GOAL], 3), ([HERE, 2, 1, GOAL], 2)],),
+} | {f"trips drawn at random ({seed})": (_random_trips(seed),) for seed in range(6)}
 _FAULTS = {
     "the edges before the one where it was lost were passed; do not blame them": "blames all",
     "what comes after the place where it was lost was never tried": "blames what was not tried",
@@ -111,6 +135,9 @@ _FAULTS = {
     ),
     "trips that failed count, too": "only arrivals",
     "trips that arrived count, too": "only failures",
+    "an edge is a pair (from, to); yours are turned round": "turned",
+    "a trip may pass an edge more than once; each time counts": "once a trip",
+    "edges from HERE and to GOAL count as well": "only the map",
     "edges have a direction: (2, 3) and (3, 2) are two edges": "both ways",
     "count over all trips; yours forgets those before": "last trip",
     "first how often it was tried, then how often it was passed": "exchanged",
@@ -122,7 +149,7 @@ _FAULTS = {
 def check_tally(student: Callable[..., Any]) -> None:
     """Trips that arrived, trips that were lost at the start, under way and at the end, and none."""
     faults = with_faults(_tallied, _FAULTS)
-    compare(
+    case_by_case(
         "tally",
         student,
         _CASES,
@@ -134,20 +161,38 @@ def check_tally(student: Callable[..., Any]) -> None:
     )
 
 
-def _unlike(got: Tally, want: Tally, *_: object) -> str:
-    """The first edge with other numbers."""
+def _unlike(got: Tally, want: Tally, trips: Sequence[Trip]) -> str:
+    """The first edge with other numbers, and the trips that count for it."""
     edge = next(edge for edge in [*want, *got] if got.get(edge) != want.get(edge))
     yours, right = got.get(edge, "nothing"), want.get(edge, "nothing")
-    return f"edge {edge} has {yours}; {right} is right"
+    if edge not in want:
+        return f"edge {edge} has {yours}, but was never tried: no robot came as far; leave it out"
+    ends = []
+    for path, stopped in trips:
+        places = [i for i, step in enumerate(pairwise(path), 1) if step == edge]
+        if places:
+            end = "arrived" if stopped is None else f"stopped at place {stopped}"
+            ends.append(f"it leads to place {places[0]} of {path}, which {end}")
+    return f"edge {edge} has {yours}; (tried, passed) = {right} is right: {'; '.join(ends[:2])}"
 
 
 def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - students'
     if not isinstance(got, dict):
         kind = type(got).__name__
         raise WrongAnswer(f"{what}: a {kind} came back; return a dictionary with edges as keys")
+    counts = {}
     for edge, numbers in got.items():
         if not isinstance(edge, tuple) or len(edge) != 2:
             raise WrongAnswer(f"{what}: the key {edge!r}; an edge is a pair of vertices")
         if not isinstance(numbers, tuple | list) or len(numbers) != 2:
             raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; give (tried, passed)")
-    return {edge: (int(tried), int(passed)) for edge, (tried, passed) in got.items()}
+        both = [number(what, n, f"for edge {edge}") for n in map(_plain, numbers)]
+        if any(n != round(n) for n in both):
+            raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; count, in whole numbers")
+        counts[edge] = (int(both[0]), int(both[1]))
+    return counts
+
+
+def _plain(count: object) -> object:
+    """True and False count as 1 and 0."""
+    return int(count) if isinstance(count, bool) else count

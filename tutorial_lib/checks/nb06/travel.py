@@ -9,9 +9,11 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.comparison import with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
+from tutorial_lib.checks.nb06.untouched import explained
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans around excluded vertices; returns no vertices when it refuses."""
@@ -35,20 +37,30 @@ def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple
     excluded: set[Vertex] = set()
     rounds = {"too few": replans, "too many": replans + 2, "once": 1}.get(fault, replans + 1)
     path: list[Vertex] = []
-    for number in range(rounds):
+    number = -1
+    while number + 1 < rounds:
+        number += 1
         if not (fault == "same path" and number):
             path = plan(set(excluded))
         if not path and fault != "drives on nothing":
-            return False, excluded
+            return fault == "refusal arrives", excluded
         stopped = drive(path)
         if stopped is None:
-            return True, excluded
+            return fault != "never arrives", set() if fault == "forgets on arrival" else excluded
         place = stopped - 1 if fault == "behind" else stopped
         vertex = path[place] if path else GOAL
+        if vertex == GOAL and fault == "gives up at the goal":
+            return False, excluded
+        if vertex == GOAL and fault == "goal is free" and number < 30:
+            number -= 1
+        if vertex == GOAL and fault == "before the goal":
+            vertex = path[place - 1]
         if fault == "forgets":
             excluded = set()
         if fault == "whole path":
             excluded |= {v for v in path if v not in (HERE, GOAL)}
+        elif fault == "all until":
+            excluded |= {v for v in path[1 : stopped + 1] if v != GOAL}
         elif fault == "all ahead":
             excluded |= {v for v in path[stopped:] if v != GOAL}
         elif (vertex not in (HERE, GOAL) or fault == "goal") and fault != "excludes nothing":
@@ -66,6 +78,8 @@ class _Story:
         """The first path without excluded vertices."""
         if not isinstance(excluded, set | frozenset | list | tuple):
             raise WrongAnswer(f"plan got {excluded!r}; give it the set of what is excluded")
+        if not all(isinstance(v, int | np.integer) for v in excluded):
+            raise WrongAnswer(f"plan got {excluded!r}; exclude vertices, one by one")
         self.log.append(("plan", tuple(sorted(excluded))))
         if len(self.log) > 40:
             raise WrongAnswer("your function never ends; count the plans")
@@ -73,6 +87,8 @@ class _Story:
 
     def drive(self, path: list[Vertex]) -> int | None:
         """The next stop."""
+        if path is not None and not isinstance(path, list | tuple):
+            raise WrongAnswer(f"drive got a {type(path).__name__}; give it the path that plan made")
         if not path:
             raise WrongAnswer("plan returned [], a refusal, and yours drives all the same; give up")
         self.log.append(("drive", tuple(path)))
@@ -90,17 +106,34 @@ _CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "no second plan allowed": ([_A, _B, _C], [2, None], 0),
     "two replans, all in vain": ([_A, _B, _C, [HERE, 7, GOAL]], [2, 2, 1, None], 2),
     "lost at the first vertex": ([_C, _A], [1, None], 5),
+    "the goal in sight cannot be reached": ([[HERE, GOAL], _A], [1, 1, None], 5),
+    "the goal cannot be reached, to the last plan": ([_A, _B], [4, 4, 4], 2),
+    "lost, then at the goal, then it arrives": ([_A, _B, _C], [2, 4, None], 3),
+    "it arrives with the last plan": ([_A, _B, _C], [2, 3, None], 2),
+    "refused with the last plan": ([_A], [2], 1),
+    "lost with the only plan": ([_A, _B], [3, None], 0),
+    "one replan": ([_A, _B, _C], [2, 3, None], 1),
 }
 _FAULTS = {
     "exclude the vertex that could not be reached, path[stopped], not the one before it": "behind",
     "exclude every vertex that could not be reached so far, not only the last one": "forgets",
     "only one vertex could not be reached; excluding the whole path leaves no other": "whole path",
+    "the vertices before path[stopped] were reached; exclude path[stopped] only": "all until",
     "only path[stopped] was tried in vain; what comes after it was never tried": "all ahead",
     "what could not be reached must be excluded, or the next plan is the same": "excludes nothing",
     "stopped is an index along the path; exclude the vertex there, path[stopped]": "place",
     "the goal is no vertex of the map; when it cannot be reached, replan, but exclude nothing": (
         "goal"
     ),
+    "the goal is no vertex of the map; when it cannot be reached, replan. Yours gives up": (
+        "gives up at the goal"
+    ),
+    "the goal is no vertex of the map; when it cannot be reached, exclude nothing. Yours excludes "
+    "the vertex before it": "before the goal",
+    "a plan that ends at the goal in vain was a plan, too; count it": "goal is free",
+    "it arrived: drive returned None": "never arrives",
+    "on a refusal it did not arrive: return False": "refusal arrives",
+    "return all vertices that were excluded, also on arrival": "forgets on arrival",
     "a lost robot needs a new plan; yours drives along the old one": "same path",
     "after the first plan there may be `replans` more; yours makes one too few": "too few",
     "after the first plan there may be `replans` more; yours makes one too many": "too many",
@@ -117,10 +150,13 @@ def _play(
 
 
 def _invoke(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, list[Any]]:  # noqa: ANN401
+    words = "plan(excluded) and drive(path) take one argument each; drive returns a number or None"
+    hints = {TypeError: words, IndexError: "stopped is a place along the path: path[stopped]"}
     try:
-        return _play(student, *case)
+        return explained(what, lambda: _play(student, *case), hints)
     except WrongAnswer as wrong:
-        raise WrongAnswer(f"{what}: {wrong}") from None
+        said = str(wrong)
+        raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None
 
 
 @check(travel, (lambda excluded: [HERE, 1, GOAL], lambda path: None, 3))
@@ -128,7 +164,7 @@ def check_travel(student: Callable[..., Any]) -> None:
     """Nine navigations: to the goal at once, after being lost, refused, and in vain."""
     faults = with_faults(_travelled, _FAULTS)
     played = {words: partial(_play, rule) for words, rule in faults.items()}
-    compare(
+    case_by_case(
         "travel",
         student,
         _CASES,
@@ -148,17 +184,40 @@ def _ending(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
         raise WrongAnswer(f"{what}: {arrived!r} came back; return True on arrival, False otherwise")
     if not isinstance(excluded, set | frozenset | list | tuple):
         raise WrongAnswer(f"{what}: return the set of the vertices that are excluded")
+    if any(isinstance(vertex, list | dict | set) for vertex in excluded):
+        raise WrongAnswer(f"{what}: {excluded!r} came back; exclude vertices, one by one")
     return (bool(arrived), set(excluded)), got[1]
 
 
-def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
-    for yours, right in zip(got[1], want[1], strict=False):
+def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *case: Any) -> str:  # noqa: ANN401
+    """What a navigation does otherwise, and what happened just before."""
+    for number, (yours, right) in enumerate(zip(got[1], want[1], strict=False)):
         if yours != right:
             kind, argument = yours
+            before = _told(want[1][:number], case)
             if (kind, right[0]) == ("plan", "plan"):
-                return f"yours excludes {list(argument)}; {list(right[1])} is right"
-            return f"yours calls {kind} with {list(argument)}, where {right[0]} was to be called"
+                return f"yours plans without {list(argument)}; {list(right[1])} is right{before}"
+            words = f"yours calls {kind} with {list(argument)}, but {right[0]} was to be called"
+            return f"{words}{before}"
     if len(got[1]) != len(want[1]):
-        return f"yours calls plan and drive {len(got[1])} times, but {len(want[1])} is right"
+        plans = [sum(kind == "plan" for kind, _ in log) for log in (got[1], want[1])]
+        words = f"yours plans {plans[0]} times, but {plans[1]} is right"
+        if plans[0] == plans[1]:
+            words = "yours drives once more, or once less, than it plans"
+        shorter = min(len(got[1]), len(want[1]))
+        return f"{words}: there may be {case[2]} replans{_told(want[1][:shorter], case)}"
     arrived = "it arrives" if want[0][0] else "it does not arrive"
     return f"{got[0]} came back; {arrived}, and excluded is {want[0][1] or 'empty'}"
+
+
+def _told(log: list[Any], case: tuple[Any, ...]) -> str:
+    """What happened in the last drive of a log, in words."""
+    drives = [path for kind, path in log if kind == "drive"]
+    if not drives:
+        return ""
+    stops = [*case[1], *([1] * len(drives))]
+    stopped = stops[len(drives) - 1]
+    if stopped is None:
+        return ", after the robot has arrived"
+    vertex = "the goal" if drives[-1][stopped] == GOAL else f"vertex {drives[-1][stopped]}"
+    return f", after {vertex} could not be reached on {list(drives[-1])}"

@@ -1,23 +1,37 @@
-"""Calls that must leave their arguments alone, for the checks of notebook 06."""
+"""Calls that must leave their arguments alone, and whose errors are explained, in notebook 06."""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
+
+_USUAL: dict[type[Exception], str] = {
+    KeyError: "a dictionary has no such key; ask with in, or with .get(key, something)",
+    IndexError: "an index lies beyond the end of a list",
+    TypeError: "something is not of the type that you use it as; compare with the docstring",
+    ValueError: "is there anything to choose from, and is every number in range?",
+    NameError: "is a name misspelt, or set in one branch only?",
+    AttributeError: "is a name misspelt? Compare with the docstring",
+    ZeroDivisionError: "something is divided by zero",
+    RecursionError: "the function calls itself for ever",
+    RuntimeError: "does a dictionary or set change while a loop goes through it?",
+}
 
 
 def untouched(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
     """A student's answer, if the arguments are as they were.
 
     Raises:
-        WrongAnswer: when one was changed, or nothing came back.
+        WrongAnswer: when one was changed, an error was raised, or nothing came back.
     """
     given = copy.deepcopy(arguments)
-    got = student(*given)
+    got = explained(what, partial(student, *given))
     for number, (old, new) in enumerate(zip(arguments, given, strict=True), 1):
         if old == new:
             continue
@@ -26,3 +40,58 @@ def untouched(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  
         words = words if inner else "it is needed again for the next plan; make a new one"
         raise WrongAnswer(f"{what}: your function changes its argument {number}; {words}")
     return returned(what, got)
+
+
+def explained(
+    what: str,
+    student: Callable[[], Any],
+    hints: Mapping[type[Exception], str] | None = None,
+) -> Any:  # noqa: ANN401
+    """A student's answer.
+
+    Args:
+        what: was called, for the message.
+        student: is called.
+        hints: for kinds of errors, what to say of them in this exercise.
+
+    Raises:
+        WrongAnswer: when an error was raised: its kind, its line, and what it may mean.
+    """
+    try:
+        return student()
+    except (WrongAnswer, NotImplementedError):
+        raise
+    except Exception as error:
+        known = {**_USUAL, **(hints or {})}
+        other = "try this case by hand, and print what you have just before that line"
+        hint = next((known[kind] for kind in type(error).__mro__ if kind in known), other)
+        line = traceback.extract_tb(error.__traceback__)[-1].line or ""
+        place = f" (in: {line.strip()})" if line else ""
+        kind = type(error).__name__
+        raise WrongAnswer(f"{what}: {kind}, {error}{place}; {hint}") from None
+
+
+def number(what: str, got: object, words: str) -> float:
+    """An answer that is one number.
+
+    Raises:
+        WrongAnswer: when it is none; `words` say what to return.
+    """
+    shape = getattr(got, "shape", ())
+    if isinstance(got, bool | str) or shape != () or not hasattr(got, "__float__"):
+        raise WrongAnswer(f"{what}: a {type(got).__name__} came back {words}; return a number")
+    return float(got)
+
+
+def vertices(what: str, got: object, known: set[Any], words: str) -> list[Any]:
+    """An answer that is a list of vertices.
+
+    Raises:
+        WrongAnswer: when it is none, or holds something that is no vertex.
+    """
+    if not isinstance(got, tuple | list):
+        raise WrongAnswer(f"{what}: a {type(got).__name__} came back {words}; return a list")
+    for vertex in got:
+        if isinstance(vertex, list | dict | set | tuple) or vertex not in known:
+            raise WrongAnswer(f"{what}: {vertex!r} stands in the path, but is no vertex")
+    return list(got)

@@ -1,0 +1,243 @@
+"""The check of the navigator's loop, in notebook 06."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.case_by_case import case_by_case
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.nb06.decide import Decision, decide
+from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
+from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
+from tutorial_lib.checks.nb06.untouched import explained, number
+from tutorial_lib.topology.planner import DijkstraPlanner
+
+ENDINGS = ("arrived", "refused", "gave up", "late")
+Navigated = tuple[str, list[Decision], set[Vertex]]
+"""How it ended, all decisions, and the vertices that are excluded."""
+
+
+def navigate(
+    robot: Any,  # noqa: ANN401
+    graph: Graph,
+    rules: DijkstraPlanner,
+    limits: Limits,
+    decide: Callable[..., Decision] = decide,
+) -> Navigated:
+    """Plan, follow, search and replan, step by step.
+
+    Args:
+        robot: with `look`, `turn`, `follow` and `active`, as a `ScriptedRobot`.
+        graph: of the map.
+        rules: of `decide`.
+        limits: of the navigation.
+        decide: plans.
+    """
+    return _navigated(robot, graph, rules, limits, decide=decide)
+
+
+def without(graph: Graph, excluded: set[Vertex]) -> Graph:
+    """A graph without some vertices."""
+    return {
+        v: {w: p for w, p in out.items() if w not in excluded}
+        for v, out in graph.items()
+        if v not in excluded
+    }
+
+
+def _navigated(
+    robot: Any,  # noqa: ANN401
+    graph: Graph,
+    rules: DijkstraPlanner,
+    limits: Limits,
+    fault: str = "",
+    decide: Callable[..., Decision] = decide,
+) -> Navigated:
+    """The navigation, with a `fault` if one is named."""
+    excluded, plans, lost = set[Vertex](), list[Decision](), 0
+    path, searched = [], 0
+    interval = {"always looks": 1}.get(fault, limits.interval)
+    for _ in range(limits.steps):
+        if (not path or fault == "replans all the time") and searched % interval == 0:
+            left = graph if fault == "excludes nothing" else without(graph, excluded)
+            path, probability, reason = decide(left, *robot.look(), rules)
+            plans.append((path, probability, reason))
+            refuses = path and reason and (not lost or fault == "always refuses")
+            if refuses and fault != "dares":
+                return "refused", plans, excluded
+            if not path and fault == "gives up at once":
+                return "gave up", plans, excluded
+        if not path:
+            if searched >= limits.search and fault != "searches for ever":
+                return "gave up", plans, excluded
+            robot.turn()
+            searched += 1
+            continue
+        state = robot.follow(path)
+        if state == "arrived":
+            return "arrived", plans, excluded
+        if state != "lost":
+            continue
+        lost += 1
+        vertex = path[robot.active - (fault == "behind")]
+        if fault == "forgets":
+            excluded = set()
+        if vertex not in (HERE, GOAL):
+            excluded |= {vertex} | _beside(graph, vertex, fault)
+        if lost > limits.replans - (fault == "too few") + (fault == "too many"):
+            return "gave up", plans, excluded
+        if fault != "same path":
+            path, searched = [], searched if fault == "searched before" else 0
+    return "gave up" if fault == "never late" else "late", plans, excluded
+
+
+def _beside(graph: Graph, vertex: Vertex, fault: str) -> set[Vertex]:
+    """The vertices beside one: those that it leads to, and that lead back."""
+    there, back = set(graph[vertex]), {v for v, out in graph.items() if vertex in out}
+    return {"alone": set(), "out": there, "in": back, "either": there | back}.get(
+        fault, there & back
+    )
+
+
+_FAULTS = {
+    "exclude the vertices beside it, too: those that it leads to and that lead back": "alone",
+    "beside it are those that it leads to and that lead back to it, not all that it leads to": (
+        "out"
+    ),
+    "beside it are those that it leads to and that lead back to it, not all that lead to it": "in",
+    "beside it are those with edges in both directions; one direction is not enough": "either",
+    "exclude the vertex that could not be reached, path[robot.active], not the one before it": (
+        "behind"
+    ),
+    "exclude every vertex that could not be reached so far, not only the last one": "forgets",
+    "plan on the graph without what is excluded: without(graph, excluded)": "excludes nothing",
+    "a robot that was lost takes a refused path rather than none": "always refuses",
+    "before it was lost, the robot ends with a refused path; yours drives it": "dares",
+    "where there is no path, turn and look again; yours gives up at once": "gives up at once",
+    "after limits.search steps of turning the robot gives up": "searches for ever",
+    "while it turns, the robot looks every limits.interval steps, not at each": "always looks",
+    "while there is a path, follow it; yours plans again and again": "replans all the time",
+    "a robot that was lost needs a new plan; yours follows the old one": "same path",
+    "each search begins anew: the steps of turning are counted from 0": "searched before",
+    "it may be lost limits.replans times and plan again; yours allows one less": "too few",
+    "it may be lost limits.replans times and plan again; yours allows one more": "too many",
+    "after limits.steps steps the ending is late": "never late",
+}
+
+
+def _play(travels: Callable[..., Any], story: Story) -> tuple[Any, list[tuple[Any, ...]]]:
+    """What a navigation returns, and the log of the robot."""
+    robot, graph = ScriptedRobot(story), {v: dict(out) for v, out in story.graph.items()}
+    answer = travels(robot, graph, story.rules, story.limits)
+    if graph != story.graph:
+        raise WrongAnswer("your function changes the map; plan on a copy, without(graph, excluded)")
+    return answer, robot.log
+
+
+def _invoke(what: str, student: Callable[..., Any], story: Story) -> Any:  # noqa: ANN401
+    hints = {
+        KeyError: "GOAL and HERE are no vertices of the map; graph[vertex] holds its edges",
+        TypeError: "look() and turn() take nothing, follow(path) the path; active is a number",
+    }
+    try:
+        return explained(what, lambda: _play(student, story), hints)
+    except WrongAnswer as wrong:
+        said = str(wrong)
+        raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None
+
+
+class _Example:
+    """A robot that arrives after a second."""
+
+    active = 1
+
+    def __init__(self) -> None:
+        self._steps = 0
+
+    def look(self) -> tuple[dict[int, float], list[dict[int, float]]]:
+        return {0: 0.9}, [{5: 0.99}]
+
+    def turn(self) -> None: ...
+
+    def follow(self, path: list[Vertex]) -> str:
+        self._steps += 1
+        return "going" if self._steps % 10 else "arrived"
+
+
+_LINE: Graph = {v: {v + 1: 0.99} for v in range(5)} | {5: {}}
+
+
+@check(
+    navigate,
+    (_Example(), _LINE, DijkstraPlanner(), Limits()),
+    calls=10,
+    endless="navigate: your function has not ended after {seconds:g} seconds. Count the steps in "
+    "one place: each round of the loop is one step, and there are limits.steps at most",
+)
+def check_navigate(student: Callable[..., Any]) -> None:
+    """Robots that arrive, search, refuse, are lost here and there, and run out of time."""
+    faults = with_faults(_navigated, _FAULTS)
+    played = {words: partial(_play, rule) for words, rule in faults.items()}
+    case_by_case(
+        "navigate",
+        student,
+        {name: (story,) for name, story in STORIES.items()},
+        partial(_play, navigate),
+        played,
+        invoke=_invoke,
+        form=_form,
+        difference=_differ,
+    )
+
+
+def _form(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
+    """The outcome of a navigation in the right form, and the robot's log."""
+    words = "return the ending, the list of plans, and the set of what is excluded"
+    ending, plans, excluded = parts(what, got[0], 3, words)
+    if not isinstance(ending, str) or ending not in ENDINGS:
+        raise WrongAnswer(f"{what}: the ending {ending!r} came back; give one of {ENDINGS}")
+    if not isinstance(plans, list | tuple) or any(
+        not isinstance(plan, list | tuple)
+        or len(plan) != 3
+        or not isinstance(plan[0], list | tuple)
+        for plan in plans
+    ):
+        raise WrongAnswer(f"{what}: plans is a list of what decide returned, a tuple of 3 each")
+    if not isinstance(excluded, set | frozenset | list | tuple) or any(
+        isinstance(vertex, list | set | dict) for vertex in excluded
+    ):
+        raise WrongAnswer(f"{what}: return the set of the vertices that are excluded")
+    shown = [
+        (list(path), round(number(what, probability, "as a probability"), 9), reason)
+        for path, probability, reason in plans
+    ]
+    return ending, shown, set(excluded), got[1]
+
+
+def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
+    """Where a navigation first goes another way."""
+    for call, (mine, right) in enumerate(zip(got[3], want[3], strict=False)):
+        if mine == right:
+            continue
+        when = f"in call {call + 1} of the robot"
+        if mine[0] == right[0] == "follow":
+            return f"{when} yours follows {list(mine[1:])}; {list(right[1:])} is right"
+        before = f", after {want[3][call - 1][0]}" if call else ""
+        return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}"
+    if len(got[3]) != len(want[3]):
+        least, rest = min(len(got[3]), len(want[3])), max(got[3], want[3], key=len)
+        more = "goes on" if len(got[3]) > len(want[3]) else "ends"
+        return f"after {least} calls yours {more}, with {rest[least][0]} to come; {_end(want)}"
+    if got[0] != want[0]:
+        return f"the ending is {want[0]!r}, not {got[0]!r}"
+    if got[2] != want[2]:
+        return f"excluded is {sorted(got[2])}, but {sorted(want[2])} is right"
+    return f"plans holds {len(got[1])} entries; keep all {len(want[1])} that decide returned"
+
+
+def _end(want: tuple[Any, ...]) -> str:
+    return f"it ends with {want[0]!r} after {len(want[3])} calls"
