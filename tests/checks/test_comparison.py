@@ -22,13 +22,26 @@ def test_right_answers_pass():
 
 
 def test_the_mistake_that_explains_all_answers_is_named_at_the_first_wrong_one():
-    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not multiply$"):
+    with pytest.raises(
+        WrongAnswer, match=r"^add, small: add, do not multiply \(2 came back; 3 is right\)$"
+    ):
         compared(lambda a, b: a * b)
 
 
 def test_a_mistake_that_explains_only_some_answers_is_not_named():
     with pytest.raises(WrongAnswer, match=r"^add, large: 1200 came back; 70 is right$"):
         compared(lambda a, b: a * b if a > 2 else a + b)
+
+
+SIGNS = {f"of {n}": (n,) for n in (0, 2, -3, -4, -5, -6, -7)}
+
+
+def test_a_mistake_that_is_nearly_known_is_named_too():
+    faults = {"the sign is lost": lambda n: -abs(n), "it is always 0": lambda n: 0}
+    with pytest.raises(WrongAnswer, match=r"absolute, of 2: the sign is lost \(-2 came back"):
+        compare("absolute", lambda n: -abs(n) if n > -7 else 1 / 0, SIGNS, abs, faults)
+    with pytest.raises(WrongAnswer, match=r"of 2: 0 came back; 2 is right$"):
+        compare("absolute", lambda n: 0 if n > -4 else -n + 1, SIGNS, abs, faults)
 
 
 def test_a_fault_that_raises_explains_nothing():
@@ -42,10 +55,10 @@ def test_the_form_comes_first_and_holds_for_faults_as_well():
         return numbers(what, answer, ()).round()
 
     assert compared(lambda a, b: a + b + 0.1, form=form) is None
-    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not subtract$"):
+    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not subtract \("):
         compared(lambda a, b: a - b - 0.1, form=form)
     with pytest.raises(WrongAnswer, match=r"^add, large: shape \(1,\), but \(\) is needed"):
-        compared(lambda a, b: np.array([70]) if a > 2 else a - b, form=form)
+        compared(lambda a, b: np.array([70]) if a > 2 else a + b, form=form)
 
 
 def test_what_is_equal_how_to_say_it_and_what_to_draw_can_be_chosen():

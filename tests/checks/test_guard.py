@@ -20,6 +20,7 @@ def check_identity(student):
 @pytest.fixture(autouse=True)
 def _impatient(monkeypatch):
     monkeypatch.setattr(guard, "SECONDS", 0.3)
+    monkeypatch.setattr(guard, "WAITING", 0.8)
 
 
 def endless(x):
@@ -68,12 +69,13 @@ def test_after_a_check_no_limit_is_left():
         assert sys.gettrace() is debugger
     finally:
         sys.settrace(before)
-    time.sleep(0.5)  # an alarm that still rings would raise here
+    time.sleep(1.0)  # an alarm that still rings would raise here
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is limited on Linux only")
 def test_a_loop_that_fills_the_memory_is_reported(monkeypatch):
     monkeypatch.setattr(guard, "SECONDS", 20.0)
+    monkeypatch.setattr(guard, "WAITING", 40.0)
 
     def greedy(x):
         kept = [np.ones(1)]

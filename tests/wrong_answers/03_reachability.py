@@ -638,7 +638,7 @@ def fit_temperature__goes_uphill(logits, labels):
 
 
 def fit_temperature__goes_below_zero(logits, labels):
-    """it is greater than 0"""
+    """a temperature is greater than 0"""
     return -_fitted(logits, labels)
 
 

@@ -520,7 +520,7 @@ def move_on__runs_ahead(active, visited, reach, overlap, at, rules):
 
 
 def move_on__returns_the_old_visited(active, visited, reach, overlap, at, rules):
-    """return the last visited anchor as it is after this step"""
+    """visited 1 is right"""
     seen = _seen(active, visited, overlap, at, rules)
     return _onward(active, seen, reach, overlap, rules)[0], visited
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any
@@ -15,6 +15,9 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 
 Function = Callable[..., Any]
+ALIKE = 0.75
+"""Share of the wrong answers that a known mistake must explain to be named."""
+_NONE = object()
 
 
 def compare(
@@ -32,18 +35,21 @@ def compare(
 ) -> NDArray[np.uint8] | None:
     """Demand the right answer to every case.
 
+    The first case with a wrong answer is reported, with what is wrong there. Of the known mistakes
+    that give the same wrong answer to it, the one is named that explains most of the others, if
+    those are `ALIKE` at least: few students make exactly the mistake that was foreseen.
+
     Args:
         name: of the exercise.
         student: the function to check.
         cases: for each, what it is like and the arguments.
         right: gives the right answer to a case.
-        faults: for known mistakes, what to say and a function that makes this mistake. The first
-            one that gives all of the student's answers is named.
+        faults: for known mistakes, what to say and a function that makes this mistake.
         invoke: (what, student, *case) calls the student's function.
         form: (what, answer, *case) demands an answer of the right form, and may bring it into the
             form in which answers are compared.
         same: (got, want, *case) tells whether two answers are equally good.
-        difference: (got, want, *case) says what is wrong when no known mistake explains it.
+        difference: (got, want, *case) says what is wrong.
         draw: (want, got) draws the answers to the first case.
 
     Returns:
@@ -53,27 +59,69 @@ def compare(
         WrongAnswer: for the first case with a wrong answer.
     """
     named = {f"{name}, {why}": case for why, case in cases.items()}
+    picture = None
+    for what, case in named.items():
+        mine = form(what, invoke(what, student, *case), *case)
+        want = form(what, right(*case), *case)
+        picture = draw(want, mine) if draw and picture is None else picture
+        if same(mine, want, *case):
+            continue
 
-    def answers(function: Function) -> list[Any]:
-        return [form(what, function(*case), *case) for what, case in named.items()]
+        def answers(function: Function, invoke: Function) -> list[Any]:
+            return [_answer(function, invoke, form, what, case) for what, case in named.items()]
 
-    def known() -> Iterator[tuple[str, list[Any]]]:
-        for words, fault in faults.items():
-            with suppress(IndexError, ValueError, WrongAnswer):
-                yield words, answers(fault)
-
-    def all_same(some: list[Any], others: list[Any]) -> bool:
-        pairs = zip(some, others, named.values(), strict=True)
-        return all(same(one, other, *case) for one, other, case in pairs)
-
-    got = [form(what, invoke(what, student, *case), *case) for what, case in named.items()]
-    wanted = answers(right)
-    picture = draw(wanted[0], got[0]) if draw else None
-    for (what, case), mine, want in zip(named.items(), got, wanted, strict=True):
-        if not same(mine, want, *case):
-            words = _named(got, known(), all_same) or difference(mine, want, *case)
-            raise WrongAnswer(f"{what}: {words}", picture)
+        wanted = answers(right, _plainly)
+        got = answers(student, invoke)
+        first = list(named).index(what)
+        words = _best(first, got, wanted, faults, answers, same, list(named.values()))
+        said = difference(mine, want, *case)
+        raise WrongAnswer(f"{what}: {words} ({said})" if words else f"{what}: {said}", picture)
     return picture
+
+
+def _plainly(what: str, function: Function, *case: Any) -> Any:  # noqa: ANN401
+    return function(*case)
+
+
+def _answer(
+    function: Function, invoke: Function, form: Function, what: str, case: Sequence[Any]
+) -> Any:  # noqa: ANN401
+    """An answer of the right form, or `_NONE`."""
+    with suppress(Exception):
+        return form(what, invoke(what, function, *case), *case)
+    return _NONE
+
+
+def _best(
+    first: int,
+    got: list[Any],
+    wanted: list[Any],
+    faults: Mapping[str, Function],
+    answers: Function,
+    same: Function,
+    cases: list[Sequence[Any]],
+) -> str:
+    """The known mistake that explains most; empty if none explains enough."""
+
+    def agree(one: Any, other: Any, case: Sequence[Any]) -> bool:  # noqa: ANN401
+        if one is _NONE or other is _NONE:
+            return one is other
+        return bool(same(one, other, *case))
+
+    def wrong(some: list[Any]) -> set[int]:
+        zipped = enumerate(zip(some, wanted, cases, strict=True))
+        return {i for i, (one, want, case) in zipped if not agree(one, want, case)}
+
+    mine, best, most = wrong(got), "", ALIKE
+    for words, fault in faults.items():
+        theirs = answers(fault, _plainly)
+        if not agree(got[first], theirs[first], cases[first]):
+            continue
+        either = mine | wrong(theirs)
+        share = sum(agree(got[i], theirs[i], cases[i]) for i in either) / len(either)
+        if share > most or (share == most == ALIKE):
+            best, most = words, share
+    return best
 
 
 def with_faults(rule: Function, faults: Mapping[str, str]) -> dict[str, Function]:

@@ -16,8 +16,10 @@ from typing import Any, TextIO
 with suppress(ImportError):
     import resource  # not on Windows
 
-SECONDS = 8.0
-"""In which a check must be done; every check needs less than one."""
+SECONDS = 6.0
+"""Of the processor's time that a check may take; every check needs about one."""
+WAITING = 9.0
+"""Seconds by the clock: a function that sleeps takes none of the processor's time."""
 MEMORY = 1.5e9
 """Bytes that a check may take."""
 PRINTED = 5_000
@@ -32,7 +34,7 @@ class TimeUp(BaseException):
 
 
 def limited(judge: Callable[[Function], Any], student: Function) -> Any:  # noqa: ANN401
-    """What a judge says of a student's function, within `SECONDS` and `MEMORY`.
+    """What a judge says of a student's function, within `SECONDS`, `WAITING` and `MEMORY`.
 
     Long output is cut. On Linux the memory is limited, elsewhere only the time.
 
@@ -68,13 +70,20 @@ def _alarm(student: Function) -> Iterator[None]:
             raise TimeUp
         return raise_it
 
-    tracing, before = sys.gettrace(), signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, SECONDS, _AGAIN)
+    timers = (
+        (signal.ITIMER_PROF, signal.SIGPROF, SECONDS),
+        (signal.ITIMER_REAL, signal.SIGALRM, WAITING),
+    )
+    tracing, before = sys.gettrace(), [signal.signal(number, ring) for _, number, _ in timers]
+    for timer, _, seconds in timers:
+        signal.setitimer(timer, seconds, _AGAIN)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        for timer, _, _ in timers:
+            signal.setitimer(timer, 0)
+        for (_, number, _), handler in zip(timers, before, strict=True):
+            signal.signal(number, handler)
         sys.settrace(tracing)
 
 
@@ -85,7 +94,7 @@ def _watchdog() -> Iterator[None]:
     error = ctypes.py_object(TimeUp)
 
     def watch() -> None:
-        wait = SECONDS
+        wait = WAITING
         while not done.wait(wait):
             ctypes.pythonapi.PyThreadState_SetAsyncExc(here, error)
             wait = _AGAIN

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import sigmoid
@@ -73,7 +73,7 @@ _HINTS: dict[type[Exception], str] = {
 @check(fit_temperature, _logits(2.5), calls=10)
 def check_fit_temperature(student: Callable[..., Any]) -> None:
     """Overconfident and underconfident networks, soft labels, and both ends of the range."""
-    compare_likeliest(
+    compare(
         "fit_temperature",
         student,
         _CASES,

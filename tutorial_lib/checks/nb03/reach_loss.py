@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb03.forms import calling, one_number
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import sigmoid
@@ -69,7 +69,7 @@ _HINTS: dict[type[Exception], str] = {
 @check(reach_loss, (np.linspace(-4, 4, 4000), np.linspace(0, 1, 4000), np.ones(4000)))
 def check_reach_loss(student: Callable[..., Any]) -> None:
     """Hard and soft labels, weights, and logits whose exponential overflows."""
-    rules = partial(compare_likeliest, "reach_loss", student, right=reach_loss, form=_form)
+    rules = partial(compare, "reach_loss", student, right=reach_loss, form=_form)
     rules = partial(rules, invoke=calling(_HINTS), same=_same)
     rules(_CASES, faults=_FAULTS, difference=_apart)
     rules(_SURE, faults={}, difference=_limited)

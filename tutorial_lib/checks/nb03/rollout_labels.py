@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.checks.nb03.rollout_stories import (
     STORIES,
@@ -66,7 +66,7 @@ _EXAMPLE = (np.arange(300.0), np.ones((300, 400)), np.zeros((300, 400), bool), n
 @check(rollout_labels, _EXAMPLE)
 def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """In time and too late, past the target, along walls, exactly at limits, and 400 more."""
-    return compare_likeliest(
+    return compare(
         "rollout_labels",
         student,
         _CASES,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb04.follower_answers import calling
 from tutorial_lib.checks.nb04.frame_indices import frame_indices
 from tutorial_lib.geometry import Array
@@ -240,7 +240,7 @@ _HINTS: dict[type[Exception], str] = {
 @check(choose_anchors, (_smooth(200, 3), 0.9), endless=_ENDLESS)
 def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """The trajectory done by hand, ones where all or nothing can be reached, and longer ones."""
-    return compare_likeliest(
+    return compare(
         "choose_anchors",
         student,
         _CASES,

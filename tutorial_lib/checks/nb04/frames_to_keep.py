@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb04.follower_answers import calling
 from tutorial_lib.checks.nb04.frame_indices import frame_indices
 from tutorial_lib.driving.data.recorded_world import frames_around
@@ -54,7 +54,7 @@ _HINTS: dict[type[Exception], str] = {
 @check(frames_to_keep, (np.arange(0, 400, 13), 400, 5))
 def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Contexts that lie apart, that share frames, that reach beyond the ends, and 20 at random."""
-    return compare_likeliest(
+    return compare(
         "frames_to_keep",
         student,
         _CASES,

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import with_faults
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, two_anchors
 from tutorial_lib.checks.nb04.observations import OBSERVATIONS, random_observations
 from tutorial_lib.geometry import Array
@@ -159,7 +158,7 @@ def check_move_on(student: Callable[..., Any]) -> None:
     """Under way, near, at an anchor, at both ends, exactly at thresholds, and 80 at random."""
     faults = with_faults(_moved, _FAULTS)
     cases = dict(OBSERVATIONS.values()) | random_observations(80, 1)
-    compare_likeliest(
+    compare(
         "move_on",
         student,
         cases,

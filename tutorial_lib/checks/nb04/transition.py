@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import with_faults
-from tutorial_lib.checks.framework.likeliest import compare_likeliest
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, state_and_anchors
 from tutorial_lib.checks.nb04.move_on import move_on
 from tutorial_lib.checks.nb04.observations import (
@@ -214,7 +213,7 @@ def _random_steps(count: int, seed: int) -> dict[str, tuple[Any, ...]]:
 def check_transition(student: Callable[..., Any]) -> None:
     """Searching, following, dead reckoning, their ends, exact thresholds, and 90 at random."""
     faults = with_faults(_changed, _FAULTS)
-    compare_likeliest(
+    compare(
         "transition",
         student,
         dict(_CASES) | _random_steps(90, 2),

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import mask
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.topology.mapping import edge_rules
 
@@ -121,7 +121,7 @@ def check_ahead_of(student: Callable[..., Any]) -> None:
             ValueError: "reused may be empty; then all vertices may be taken",
         }
     )
-    case_by_case(
+    compare(
         "ahead_of",
         student,
         _CASES,

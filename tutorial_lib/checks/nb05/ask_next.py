@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import mask
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.checks.nb05.trajectories import MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
@@ -133,7 +132,7 @@ def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Tables of which little, nothing or everything is known, and vertices in no order."""
     faults = with_faults(_queried, _FAULTS)
     words = "beyond an end of a trajectory there is nothing to query"
-    return case_by_case(
+    return compare(
         "ask_next",
         student,
         _CASES,

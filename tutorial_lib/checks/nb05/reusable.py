@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
@@ -125,7 +125,7 @@ def check_reusable(student: Callable[..., Any]) -> None:
             IndexError: "is there a vertex that fits? Ask .any() first",
         }
     )
-    case_by_case(
+    compare(
         "reusable",
         student,
         _CASES,

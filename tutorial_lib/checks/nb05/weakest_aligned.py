@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, with_faults
+from tutorial_lib.checks.framework.comparison import close, compare, with_faults
 from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
@@ -62,7 +61,7 @@ _CASES = {
 def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Tables with longer and shorter sequences, several trajectories, vertices in no order."""
     faults = with_faults(_misaligned, _FAULTS)
-    return case_by_case(
+    return compare(
         "weakest_aligned",
         student,
         _CASES,

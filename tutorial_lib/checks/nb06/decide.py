@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import (
     GOAL,
     HERE,
@@ -189,7 +188,7 @@ _FAULTS = {
 def check_decide(student: Callable[..., Any]) -> None:
     """Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds."""
     faults = with_faults(_decided, _FAULTS)
-    case_by_case(
+    compare(
         "decide",
         student,
         _CASES,

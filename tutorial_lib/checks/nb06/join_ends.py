@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import number, untouched
 
@@ -179,7 +178,7 @@ _FAULTS = {
 def check_join_ends(student: Callable[..., Any]) -> None:
     """One goal image and several, thresholds, a goal in sight, and vertices that are not there."""
     faults = with_faults(_joined, _FAULTS)
-    case_by_case(
+    compare(
         "join_ends",
         student,
         _CASES,

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb06.graphs import (
     BY_HAND,
     Found,
@@ -62,7 +62,7 @@ _CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
 @check(most_probable_path, (random_graph(80, 4, 3), 0, 79), endless=_ENDLESS)
 def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """The graph done by hand, chains, cycles, larger graphs, and goals that cannot be reached."""
-    return case_by_case(
+    return compare(
         "most_probable_path",
         student,
         _CASES,

@@ -7,9 +7,8 @@ from functools import partial
 from typing import Any
 
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
@@ -182,7 +181,7 @@ def check_navigate(student: Callable[..., Any]) -> None:
     """Robots that arrive, search, refuse, are lost here and there, and run out of time."""
     faults = with_faults(_navigated, _FAULTS)
     played = {words: partial(_play, rule) for words, rule in faults.items()}
-    case_by_case(
+    compare(
         "navigate",
         student,
         {name: (story,) for name, story in STORIES.items()},

@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.untouched import number, untouched
 from tutorial_lib.geometry import Array, relative
@@ -149,7 +148,7 @@ _FAULTS = {
 def check_tally(student: Callable[..., Any]) -> None:
     """Trips that arrived, trips that were lost at the start, under way and at the end, and none."""
     faults = with_faults(_tallied, _FAULTS)
-    case_by_case(
+    compare(
         "tally",
         student,
         _CASES,

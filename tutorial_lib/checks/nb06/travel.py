@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.case_by_case import case_by_case
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import with_faults
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
 from tutorial_lib.checks.nb06.untouched import explained
 
@@ -164,7 +163,7 @@ def check_travel(student: Callable[..., Any]) -> None:
     """Nine navigations: to the goal at once, after being lost, refused, and in vain."""
     faults = with_faults(_travelled, _FAULTS)
     played = {words: partial(_play, rule) for words, rule in faults.items()}
-    case_by_case(
+    compare(
         "travel",
         student,
         _CASES,
