@@ -4,7 +4,6 @@ from functools import lru_cache
 from pathlib import Path
 
 import cv2
-import matplotlib
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
@@ -16,7 +15,7 @@ from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 SIZE = 0.62
 """Of a label, unless another size is given; 1 is `_HEIGHT` pixels."""
 _HEIGHT = 24.0
-_FILE = Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf"
+_FILE = Path("fonts") / "ttf" / "DejaVuSans.ttf"  # in the data of matplotlib
 
 
 def label(
@@ -51,7 +50,9 @@ def text_size(text: str, size: float = SIZE) -> tuple[int, int]:
 
 @lru_cache(maxsize=64)
 def _font(pixels: int) -> ImageFont.FreeTypeFont:
-    return ImageFont.truetype(str(_FILE), max(pixels, 6))
+    import matplotlib  # slow to import, and not all drawing has words
+
+    return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / _FILE), max(pixels, 6))
 
 
 @lru_cache(maxsize=1024)
