@@ -80,7 +80,8 @@ def to_local(pose, points):
     """World points in the frame of a pose.
 
     pose: (3,) x, y, heading. points: (N, 2), m.
-    Returns an array (N, 2), a row for each point: metres ahead, metres to the left.
+    Returns an array (N, 2), a row for each point: metres ahead, metres to the
+    left.
     """
     ### BEGIN SOLUTION
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -133,7 +134,7 @@ show(from_figure(figure))
 
 # %% exercise="compose"
 def compose(first, second):
-    """The pose after the motion `first`, then the motion `second` in the frame of `first`.
+    """The pose after a motion `first`, then a motion `second` in its frame.
 
     first, second: (3,) x, y, heading, the headings in -pi to pi.
     Returns an array (3,), with the heading in -pi to pi.
@@ -209,9 +210,10 @@ show(from_figure(figure))
 def bicycle_step(pose, speed, steering, wheelbase, seconds):
     """The car's pose a short time later.
 
-    pose: (3,) x, y, heading. speed: m/s, negative in reverse. steering: rad, positive to the left.
-    wheelbase: m. seconds: s. Returns an array (3,): x, y, heading. The step runs along the heading
-    that the car has before it.
+    pose: (3,) x, y, heading. speed: m/s, negative in reverse. steering: rad,
+    positive to the left.
+    wheelbase: m. seconds: s. Returns an array (3,): x, y, heading. The step
+    runs along the heading that the car has before it.
     """
     ### BEGIN SOLUTION
     x, y, heading = pose
@@ -389,11 +391,13 @@ show(from_figure(figure))
 
 # %% exercise="ray_segment"
 def ray_segment(origin, direction, start, end):
-    """Metres from `origin` along the unit vector `direction` to the wall from `start` to `end`.
+    """Metres from `origin` along the unit vector `direction` to a wall.
 
-    All (2,), m. Returns one number, np.inf when the ray misses the wall: when the wall is behind
-    the origin, when the ray passes beyond an end of it, and when the two are parallel. A ray that
-    starts on the wall (t = 0) or meets exactly an end of it (u = 0, u = 1) hits it.
+    The wall runs from `start` to `end`; all are (2,), m. Returns one number,
+    np.inf when the ray misses the wall: when the wall is behind the origin,
+    when the ray passes beyond an end of it, and when the two are parallel. A
+    ray that starts on the wall (t = 0) or meets exactly an end of it (u = 0,
+    u = 1) hits it.
     """
 
     ### BEGIN SOLUTION

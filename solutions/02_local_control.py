@@ -206,7 +206,8 @@ show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 def goal_policy(offsets, velocities, gain, damping, near):
     """Pull points to their goals, and damp them.
 
-    offsets: (..., 2) from each point to its goal, m; (2,) for one point, (N, 2) for several.
+    offsets: (..., 2) from each point to its goal, m; (2,) for one point, (N,
+    2) for several.
     velocities: (..., 2) m/s. gain: γ, m/s^2. damping: β, 1/s. near: ε, m.
     Returns two arrays, accelerations (..., 2) and metrics (..., 2, 2).
     """
@@ -241,8 +242,10 @@ def obstacle_policy(distances, closing, push, brake, weight, fade):
     """Accelerate away from obstacles.
 
     distances: (N,) m; below 0.01 m, or negative, they count as 0.01 m.
-    closing: (N,) m/s, positive when the distances shrink. push: p, m^2/s^2. brake: b, m/s.
-    weight: w. fade: l, m. Returns two arrays, accelerations (N,) and metrics (N,).
+    closing: (N,) m/s, positive when the distances shrink. push: p, m^2/s^2.
+    brake: b, m/s.
+    weight: w. fade: l, m. Returns two arrays, accelerations (N,) and metrics
+    (N,).
     """
     ### BEGIN SOLUTION
     distances = np.maximum(distances, 0.01)
@@ -274,7 +277,8 @@ obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 def resolve(policies):
     """The accelerations of the two controls that suit all policies best.
 
-    policies: a list of (jacobian (D, 2), acceleration (D,), metric (D, D)); D may differ.
+    policies: a list of (jacobian (D, 2), acceleration (D,), metric (D, D)); D
+    may differ.
     Returns an array (2,). 1e-6 is added to the diagonal of the summed metric.
     """
     ### BEGIN SOLUTION
@@ -307,7 +311,8 @@ beam_rays = np.stack([np.cos(beam_angles), np.sin(beam_angles)], axis=1)
 def keep_off(points, centre, radius, jacobian, velocity, push, weight):
     """One policy for each laser point (P, 2): keep a disc of the body off it.
 
-    centre: (2,) of the disc. velocity: (2,) of the centre. jacobian: (2, 2) of the centre by the controls.
+    centre: (2,) of the disc. velocity: (2,) of the centre. jacobian: (2, 2) of
+    the centre by the controls.
     """
     offsets = points - centre
     far = np.linalg.norm(offsets, axis=1)
@@ -519,12 +524,16 @@ show(side_by_side(panels, list(results), height=420))
 
 # %% exercise="waypoint_label"
 def waypoint_label(start, track, source, target, sees):
-    """The farthest point of a trajectory in clear sight, in the frame of the start.
+    """The farthest point of a trajectory in clear sight, in the start's frame.
 
-    start: (3,) pose beside the trajectory's frame `source`. track: (T, 3) poses of the trajectory.
-    source, target: indices of frames; candidates are source + 1 to target, both included.
-    sees: sees(place (2,), points (C, 2)) returns which points are in clear sight, (C,) bool.
-    Returns an array (2,) as seen from `start`, or None where no candidate is in sight.
+    start: (3,) pose beside the trajectory's frame `source`. track: (T, 3)
+    poses of the trajectory.
+    source, target: indices of frames; candidates are source + 1 to target,
+    both included.
+    sees: sees(place (2,), points (C, 2)) returns which points are in clear
+    sight, (C,) bool.
+    Returns an array (2,) as seen from `start`, or None where no candidate is
+    in sight.
     """
     ### BEGIN SOLUTION
     if target <= source:
@@ -836,9 +845,10 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
     draw_batch: draw_batch(step) returns the batch of a step, from 0 on.
     loss_of: loss_of(network, batch) returns the loss, a tensor of one number.
     validate: validate(network) returns the validation loss, a float.
-    plan: has max_steps, learning_rate (the highest), warmup_steps, max_norm, eval_interval and
-        patience, as above.
-    Returns a list with (steps made, training loss, validation loss) for each evaluation.
+    plan: has max_steps, learning_rate (the highest), warmup_steps, max_norm,
+    eval_interval and patience, as above.
+    Returns a list with (steps made, training loss, validation loss) for each
+    evaluation.
     """
     ### BEGIN SOLUTION
     history, losses = [], []

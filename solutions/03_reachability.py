@@ -333,10 +333,11 @@ table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 def rollout_labels(times, gaps, touched, geodesic):
     """Which rollouts count as reached.
 
-    times: (T,) seconds since the start, rising; T >= 1. gaps: (T, N) metres from each car to its
-    target. touched: (T, N) whether a car touches something at that moment. geodesic: (N,) metres
-    of the shortest path. Near is at most 0.30 m; in time is at most geodesic / 0.3 + 5 seconds;
-    a touch in the very moment of arrival counts.
+    times: (T,) seconds since the start, rising; T >= 1. gaps: (T, N) metres
+    from each car to its target. touched: (T, N) whether a car touches
+    something at that moment. geodesic: (N,) metres of the shortest path. Near
+    is at most 0.30 m; in time is at most geodesic / 0.3 + 5 seconds; a touch
+    in the very moment of arrival counts.
     Returns an array of labels (N,), 1 or 0.
     """
     ### BEGIN SOLUTION
@@ -416,8 +417,9 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 def reach_loss(logits, labels, weights):
     """The weighted mean of the cross-entropy.
 
-    logits: (N,) any numbers, 1000 too. labels: (N,) from 0 to 1. weights: (N,) 0 or greater, not
-    all 0. Returns one number: the sum of weight times loss over the sum of the weights.
+    logits: (N,) any numbers, 1000 too. labels: (N,) from 0 to 1. weights: (N,)
+    0 or greater, not all 0. Returns one number: the sum of weight times loss
+    over the sum of the weights.
     """
     ### BEGIN SOLUTION
     each = np.logaddexp(0.0, logits) - labels * logits
@@ -483,10 +485,11 @@ show(from_figure(figure))
 def reliability_diagram(predicted, came_true, bins):
     """Compare predictions with outcomes in bins of equal mass.
 
-    predicted: (N,) probabilities. came_true: (N,) 0 or 1. bins: B, how many, from 1 to N; their
-    sizes differ by one at most.
-    Returns two arrays and a number: the mean prediction of each bin (B,), from the lowest to the
-    highest, the share of each bin that came true (B,), and the ECE.
+    predicted: (N,) probabilities. came_true: (N,) 0 or 1. bins: B, how many,
+    from 1 to N; their sizes differ by one at most.
+    Returns two arrays and a number: the mean prediction of each bin (B,), from
+    the lowest to the highest, the share of each bin that came true (B,), and
+    the ECE.
     """
     ### BEGIN SOLUTION
     groups = np.array_split(np.argsort(predicted), bins)
@@ -581,10 +584,11 @@ show(from_figure(figure))
 
 # %% exercise="fit_temperature"
 def fit_temperature(logits, labels):
-    """The temperature T for which the mean loss of logits / T is smallest, to about one percent.
+    """The temperature T with the least mean loss of logits / T, to about 1 %.
 
-    logits: (N,). labels: (N,) from 0 to 1. T is sought from 0.05 to 20; where the loss falls up to
-    an end of this range, T is that end. Returns one number.
+    logits: (N,). labels: (N,) from 0 to 1. T is sought from 0.05 to 20; where
+    the loss falls up to an end of this range, T is that end. Returns one
+    number.
     """
     ### BEGIN SOLUTION
     temperatures, ones = np.geomspace(0.05, 20.0, 600), np.ones(len(logits))
@@ -746,14 +750,16 @@ print(f"and on {recipe['mined'][0]:,} mined pairs; {card.minutes:.0f} minutes")
 def mine_pairs(probability, starts, occluded, labels, roll_out, sure, most, each, share, rng):
     """A training set of the pairs whose labels are known, and of mined ones.
 
-    probability: (P,) the network's predictions, all different. starts: (P,) index of the frame at
-    which each pair begins. occluded: (P,) True where a pair is far and occluded. labels: (P,) 1, 0,
-    or nan where a pair has not been rolled out. roll_out: function that takes indices (M,) of pairs
-    and returns labels (M,). sure: only pairs with a greater probability are mined. most, each: hard
-    negatives at most, in all and of one start. share: of the mined pairs in the weight of all, less
-    than 1. rng: np.random.Generator. At least one label is known.
-    Returns three arrays (M,): the indices of the pairs, each once and in any order, their labels
-    and their weights.
+    probability: (P,) the network's predictions, all different. starts: (P,)
+    index of the frame at which each pair begins. occluded: (P,) True where a
+    pair is far and occluded. labels: (P,) 1, 0, or nan where a pair has not
+    been rolled out. roll_out: function that takes indices (M,) of pairs and
+    returns labels (M,). sure: only pairs with a greater probability are mined.
+    most, each: hard negatives at most, in all and of one start. share: of the
+    mined pairs in the weight of all, less than 1. rng: np.random.Generator. At
+    least one label is known.
+    Returns three arrays (M,): the indices of the pairs, each once and in any
+    order, their labels and their weights.
     """
     ### BEGIN SOLUTION
     known = ~np.isnan(labels)

@@ -141,10 +141,11 @@ show(reach_table(BY_HAND, 0.9))
 def choose_anchors(reach, threshold):
     """The anchors of a trajectory.
 
-    reach: (T, T), T >= 2; reach[i, k] is RE(o_i, o_k). Only entries with k > i are known, the
-    others may be nan. threshold: p_sparsify; RE must be greater.
-    Returns the indices of the anchors in increasing order, an array or a list; the first is 0 and
-    the last T - 1.
+    reach: (T, T), T >= 2; reach[i, k] is RE(o_i, o_k). Only entries with k > i
+    are known, the others may be nan. threshold: p_sparsify; RE must be
+    greater.
+    Returns the indices of the anchors in increasing order, an array or a list;
+    the first is 0 and the last T - 1.
     """
     ### BEGIN SOLUTION
     anchors = [0]
@@ -371,12 +372,13 @@ table(headings, [["24 trajectories here, k = 2, under way", *values]])
 
 # %% exercise="frames_to_keep"
 def frames_to_keep(anchors, total, k):
-    """The frames of a trajectory that must be stored for its anchors with their contexts.
+    """The frames to store for a trajectory's anchors with their contexts.
 
-    anchors: array (A,) of their indices, rising. total: frames of the whole trajectory, 0 to
-    total - 1. k: frames of context on either side, 3 apart, 0 or more. A context that reaches
-    beyond an end repeats the frame there.
-    Returns the indices of the frames, each once and in any order, an array, a list or a set.
+    anchors: array (A,) of their indices, rising. total: frames of the whole
+    trajectory, 0 to total - 1. k: frames of context on either side, 3 apart, 0
+    or more. A context that reaches beyond an end repeats the frame there.
+    Returns the indices of the frames, each once and in any order, an array, a
+    list or a set.
     """
     ### BEGIN SOLUTION
     offsets = 3 * np.arange(-k, k + 1)
@@ -512,11 +514,12 @@ table({"": "", "value": "g", "what must be above it": ""}, lines)
 def move_on(active, visited, reach, overlap, at, rules):
     """The active anchor and the one last visited, after one step.
 
-    active: index of the anchor that was driven to, 0 to L - 1. visited: index of the one last
-    visited, at most active; -1 for none. reach: (L,) RE of the L anchors, L >= 1. overlap: (L,)
-    with them. at: whether the car is at the active anchor. rules: the settings above; "above" means
-    greater.
-    Returns active, visited, two whole numbers. The active anchor advances by one at most.
+    active: index of the anchor that was driven to, 0 to L - 1. visited: index
+    of the one last visited, at most active; -1 for none. reach: (L,) RE of the
+    L anchors, L >= 1. overlap: (L,) with them. at: whether the car is at the
+    active anchor. rules: the settings above; "above" means greater.
+    Returns active, visited, two whole numbers. The active anchor advances by
+    one at most.
     """
     ### BEGIN SOLUTION
     last = len(reach) - 1
@@ -558,9 +561,10 @@ move_on = check_move_on.use(move_on)
 def transition(state, active, visited, reach, overlap, at, waited, rules):
     """The next state of a follower.
 
-    state: State.SEARCH, State.FOLLOW or State.DEAD_RECKONING. active, visited: as for move_on; in
-    Search both are -1. reach, overlap, at, rules: as for move_on; in Search, reach is known for
-    every anchor, and at means nothing. waited: seconds in dead reckoning.
+    state: State.SEARCH, State.FOLLOW or State.DEAD_RECKONING. active, visited:
+    as for move_on; in Search both are -1. reach, overlap, at, rules: as for
+    move_on; in Search, reach is known for every anchor, and at means nothing.
+    waited: seconds in dead reckoning.
     Returns state, active, visited.
     """
     ### BEGIN SOLUTION
@@ -645,12 +649,14 @@ show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], heigh
 def follow_step(memory, reach, overlap, waypoints, odometry, rules):
     """One step of the follower's loop, 0.1 s.
 
-    memory: a Memory, with state, active, visited, place (2,) in the odometry's frame, waited in s,
-    nearest in m. reach: (L,) RE of the path's anchors, overlap: (L,) with them, both 0 where not
-    queried. waypoints: (L, 2) of the anchors, in the car's frame, nan where not queried; those of
-    the active anchor, the one before and the one after always are (in Search, all). odometry: (3,)
-    the odometer's pose. rules: the thresholds.
-    Returns a new Memory, and the point (2,) to drive to in the car's frame, or None where it stops.
+    memory: a Memory, with state, active, visited, place (2,) in the odometry's
+    frame, waited in s, nearest in m. reach: (L,) RE of the path's anchors,
+    overlap: (L,) with them, both 0 where not queried. waypoints: (L, 2) of the
+    anchors, in the car's frame, nan where not queried; those of the active
+    anchor, the one before and the one after always are (in Search, all).
+    odometry: (3,) the odometer's pose. rules: the thresholds.
+    Returns a new Memory, and the point (2,) to drive to in the car's frame, or
+    None where it stops.
     """
     ### BEGIN SOLUTION
     near = np.linalg.norm(waypoints[memory.active]) < rules.at
@@ -690,7 +696,8 @@ follow_step = check_follow_step.use(follow_step)
 def look(guide, paths, seen, robots, memories):
     """RE, overlaps and waypoints of the anchors around the active ones; 0 where not queried.
 
-    Returns RE and overlaps (M, L) and waypoints (M, L, 2) for M robots and L anchors of the longest path.
+    Returns RE and overlaps (M, L) and waypoints (M, L, 2) for M robots and L
+    anchors of the longest path.
     """
     places = np.tile(np.arange(paths.lengths.max()), (len(robots), 1))
     queried = np.abs(places - [[memory.active] for memory in memories]) <= 1

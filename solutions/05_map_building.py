@@ -128,9 +128,10 @@ def edge_weights(reach, driven, p_edge):
 
     reach: (V, V) array; reach[i, j] is RE from vertex i to vertex j, 0 to 1.
     driven: (V, V) Boolean array, True where a trajectory goes from i to j.
-    p_edge: there is an edge where RE is greater, or where driven is True; none from i to i.
-    Returns a new (V, V) array: -log RE where there is an edge (natural logarithm; RE below 1e-12
-    counts as 1e-12), np.inf where there is none.
+    p_edge: there is an edge where RE is greater, or where driven is True; none
+    from i to i.
+    Returns a new (V, V) array: -log RE where there is an edge (natural
+    logarithm; RE below 1e-12 counts as 1e-12), np.inf where there is none.
     """
     ### BEGIN SOLUTION
     kept = (reach > p_edge) | driven
@@ -205,7 +206,8 @@ reachability, predictor = ReachabilityNetwork("reach_k5"), WaypointNetwork("wayp
 class AllPairs:
     """A building, the anchors of its trajectories, and RE between all pairs of them.
 
-    The anchors of all trajectories share one numbering; `trajectories` holds those of each.
+    The anchors of all trajectories share one numbering; `trajectories` holds
+    those of each.
     """
 
     building: Building
@@ -362,8 +364,8 @@ def reusable(into, onward, allowed, p_reuse):
     onward: (V,) array, RE from each vertex to the anchor after.
     allowed: (V,) Boolean array, which vertices may be taken. V may be 0.
     p_reuse: into and onward must both be greater than this, 0 to 1.
-    Returns the index (a whole number) of the vertex with the greatest into * onward of those that
-    qualify, or -1 if there is none.
+    Returns the index (a whole number) of the vertex with the greatest into *
+    onward of those that qualify, or -1 if there is none.
     """
     ### BEGIN SOLUTION
     fits = (into > p_reuse) & (onward > p_reuse) & allowed
@@ -394,9 +396,11 @@ reusable = check_reusable.use(reusable)
 def ahead_of(trajectory, place, reused):
     """Which vertices may be reused after others.
 
-    trajectory: (V,) array, the index of the trajectory that each vertex was made for.
+    trajectory: (V,) array, the index of the trajectory that each vertex was
+    made for.
     place: (V,) array, its place along that trajectory: 0, 1, 2 and so on.
-    reused: a list of the indices (0 to V - 1) of the vertices reused so far; it may be empty.
+    reused: a list of the indices (0 to V - 1) of the vertices reused so far;
+    it may be empty.
     Returns a (V,) Boolean array, True where a vertex may be taken.
     """
     ### BEGIN SOLUTION
@@ -445,10 +449,13 @@ ahead_of = check_ahead_of.use(ahead_of)
 def insert(grown, own, scores, p_reuse):
     """Insert a trajectory into a map, which changes.
 
-    grown: a SmallMap, see above. own: (A,) array, the anchors of the trajectory in order, A > 1.
-    scores: (N, N) array, RE of each pair of anchors as an edge. p_reuse: as for reusable.
-    Returns nothing: vertices, paths, edge_reach, driven, trajectory, place, before and after of
-    grown change; grown.reach, own and scores stay as they are.
+    grown: a SmallMap, see above. own: (A,) array, the anchors of the
+    trajectory in order, A > 1.
+    scores: (N, N) array, RE of each pair of anchors as an edge. p_reuse: as
+    for reusable.
+    Returns nothing: vertices, paths, edge_reach, driven, trajectory, place,
+    before and after of grown change; grown.reach, own and scores stay as they
+    are.
     """
     ### BEGIN SOLUTION
     path, reused, last = [], [], len(own) - 1
@@ -841,10 +848,13 @@ show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], val
 def weakest_aligned(reach, before, after, steps):
     """The least RE over aligned sequences around each pair.
 
-    reach: (A, V) array, RE from each anchor of a trajectory, in order, to each vertex.
-    before, after: (V,) arrays, the vertex next to each on its own trajectory, -1 for none.
+    reach: (A, V) array, RE from each anchor of a trajectory, in order, to each
+    vertex.
+    before, after: (V,) arrays, the vertex next to each on its own trajectory,
+    -1 for none.
     steps: how many anchors count on either side, 0 or more.
-    Returns a new (A, V) array: the least RE of the pair itself and of the aligned pairs around it.
+    Returns a new (A, V) array: the least RE of the pair itself and of the
+    aligned pairs around it.
     """
     ### BEGIN SOLUTION
     least = reach.copy()
@@ -935,11 +945,12 @@ print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex 
 def ask_next(reach, before, after, p_edge):
     """Which pairs are worth a query, after some answers.
 
-    reach: (A, V) array, RE from each anchor of a trajectory, in order, to each vertex; np.nan where
-    it was not evaluated. before, after: (V,) arrays, as for weakest_aligned.
+    reach: (A, V) array, RE from each anchor of a trajectory, in order, to each
+    vertex; np.nan where it was not evaluated. before, after: (V,) arrays, as
+    for weakest_aligned.
     p_edge: a pair whose RE is greater is sure.
-    Returns an (A, V) Boolean array, True where to query next: not evaluated yet, and one of the
-    four neighbours of a sure pair.
+    Returns an (A, V) Boolean array, True where to query next: not evaluated
+    yet, and one of the four neighbours of a sure pair.
     """
     ### BEGIN SOLUTION
     found = np.zeros(reach.shape, dtype=bool)

@@ -139,10 +139,12 @@ show(graph_picture(BY_HAND))
 def most_probable_path(graph, start, goal):
     """The most probable path from start to goal.
 
-    graph: dictionary of dictionaries, graph[v][w] is RE from v to w, above 0 and at most 1. It has
-    an entry for every vertex, and stays as it is. start, goal: vertices of it.
-    Returns the list of vertices from start to goal, both included, and the probability of the whole
-    path, the product of RE along it; [] and 0.0 where there is no path.
+    graph: dictionary of dictionaries, graph[v][w] is RE from v to w, above 0
+    and at most 1. It has an entry for every vertex, and stays as it is. start,
+    goal: vertices of it.
+    Returns the list of vertices from start to goal, both included, and the
+    probability of the whole path, the product of RE along it; [] and 0.0 where
+    there is no path.
     """
     ### BEGIN SOLUTION
     least, before, heap = {}, {}, [(0.0, start)]
@@ -224,12 +226,16 @@ show(with_places(map_picture.copy()))
 def join_ends(graph, from_here, to_goals, p_here, p_goal):
     """The graph with edges from HERE and to GOAL.
 
-    graph: graph[v][w] is RE from v to w; neither it nor its inner dictionaries change.
-    from_here: dictionary, {v: RE from here to v}. to_goals: a list that has, for each goal image, a
-    dictionary {v: RE from v to this image}; v may be HERE.
-    p_here, p_goal: there is an edge where RE is greater; p_here for those from HERE to a vertex of
-    the graph, p_goal for those to GOAL. v that is neither in graph nor HERE is left out.
-    Returns a new graph with all of graph, HERE and GOAL: joined[HERE][v], and joined[v][GOAL].
+    graph: graph[v][w] is RE from v to w; neither it nor its inner dictionaries
+    change.
+    from_here: dictionary, {v: RE from here to v}. to_goals: a list that has,
+    for each goal image, a dictionary {v: RE from v to this image}; v may be
+    HERE.
+    p_here, p_goal: there is an edge where RE is greater; p_here for those from
+    HERE to a vertex of the graph, p_goal for those to GOAL. v that is neither
+    in graph nor HERE is left out.
+    Returns a new graph with all of graph, HERE and GOAL: joined[HERE][v], and
+    joined[v][GOAL].
     """
     ### BEGIN SOLUTION
     joined = {v: dict(out) for v, out in graph.items()}
@@ -404,9 +410,10 @@ def decide(graph, from_here, to_goals, rules):
 
     graph, from_here, to_goals: as for join_ends.
     rules: rules.p_query, rules.p_goal and rules.least are probabilities.
-    Returns a tuple of three: the path from HERE to GOAL (a list; empty where there is none even
-    with rules.p_query at both ends), its probability, and the reason not to start: "" to start, or
-    "too improbable", "not on the map" or "no path".
+    Returns a tuple of three: the path from HERE to GOAL (a list; empty where
+    there is none even with rules.p_query at both ends), its probability, and
+    the reason not to start: "" to start, or "too improbable", "not on the map"
+    or "no path".
     """
     ### BEGIN SOLUTION
     joined = join_ends(graph, from_here, to_goals, rules.p_query, rules.p_goal)
@@ -476,11 +483,13 @@ show(
 def travel(plan, drive, replans):
     """Plan, drive, and replan when lost.
 
-    plan: plan(excluded) returns a path (a list), or [] when it refuses; excluded is a set.
-    drive: drive(path) returns None on arrival, or the place along the path that was not reached.
+    plan: plan(excluded) returns a path (a list), or [] when it refuses;
+    excluded is a set.
+    drive: drive(path) returns None on arrival, or the place along the path
+    that was not reached.
     replans: how many plans there may be after the first, 0 or more.
-    Returns a tuple: True if the goal was reached, False otherwise; and the set of all vertices
-    excluded by then.
+    Returns a tuple: True if the goal was reached, False otherwise; and the set
+    of all vertices excluded by then.
     """
     ### BEGIN SOLUTION
     excluded = set()
@@ -547,9 +556,11 @@ def navigate(robot, graph, rules, limits):
     """Plan, follow, search and replan, step by step.
 
     robot: see above. graph: of the map; it stays as it is. rules: for decide.
-    limits: limits.replans, and in steps limits.interval, limits.search and limits.steps.
-    Returns a tuple of three: the ending ("arrived", "refused", "gave up" or "late"), the list of
-    all that decide returned, in order, and the set of the excluded vertices.
+    limits: limits.replans, and in steps limits.interval, limits.search and
+    limits.steps.
+    Returns a tuple of three: the ending ("arrived", "refused", "gave up" or
+    "late"), the list of all that decide returned, in order, and the set of the
+    excluded vertices.
     """
     ### BEGIN SOLUTION
     path, searched, lost = [], 0, 0
@@ -904,10 +915,11 @@ table({**head, "through a wormhole": ""}, rows)
 def tally(trips):
     """How often each edge was tried, and how often it was passed.
 
-    trips: a list of (path, stopped). path: a list of at least two vertices. stopped: None on
-    arrival, otherwise the place along the path that was not reached, from 1 (the second vertex) on.
-    Returns a dictionary {(v, w): (tried, passed)} of whole numbers, for all edges that were tried
-    at least once.
+    trips: a list of (path, stopped). path: a list of at least two vertices.
+    stopped: None on arrival, otherwise the place along the path that was not
+    reached, from 1 (the second vertex) on.
+    Returns a dictionary {(v, w): (tried, passed)} of whole numbers, for all
+    edges that were tried at least once.
     """
     ### BEGIN SOLUTION
     counts = {}

@@ -24,6 +24,7 @@ def read_text(folder, text):
         ("Hint 2: approach", "Hint 2", "has no 'Hint 2: approach'"),
         ("What is half + half?", "<code>return half + x</code>", "gives a line away"),
         ("What is half + half?", "return (half+x)", "gives a line away"),
+        ("Twice as much.", "Twice " + "as much " * 10, "is cut off: .*Twice"),
         ("\n# %%\ndouble =", "\n# %% hidden=true\nx = 1\n\n# %%\ndouble =", "begin with its title"),
         ("\n# %%\ndouble =", "\n# %%\n" + "x = 1\n" * 150 + "\n# %%\ndouble =", "stand open"),
     ],

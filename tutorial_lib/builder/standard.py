@@ -14,6 +14,8 @@ MOST_GIVEN = 140
 """Lines of given code that stand open on the page, imports and exercises aside."""
 LARGE = range(30, 46)
 """Minutes of the larger exercise that every notebook from 02 on has."""
+WIDEST = 79
+"""Columns of an exercise's docstrings: a page 900 pixels wide shows that many."""
 HINTS = ("Hint 1: concept", "Hint 2: approach", "Hint 3: one line")
 _HEADER = r"### Exercise \d+ · `{name}` \((easy|medium|hard|large), (\d+) minutes\)"
 _MINUTES = re.compile(r"\*\*(\d+) minutes\.\*\*")
@@ -45,6 +47,7 @@ def minutes_of(source: Path) -> int:
 def _faults(notebook: NotebookNode, stem: str, solutions: dict[str, str]) -> Iterator[str]:
     texts = "\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
     yield from _faults_of_folding(notebook)
+    yield from _faults_of_width(notebook)
     if not solutions:
         return
     if not _MINUTES.search(texts):
@@ -77,6 +80,17 @@ def _faults_of_folding(notebook: NotebookNode) -> Iterator[str]:
             given += len(lines)
     if given > MOST_GIVEN:
         yield f"{given} lines of given code stand open; fold what is not to be read (hidden=true)"
+
+
+def _faults_of_width(notebook: NotebookNode) -> Iterator[str]:
+    for cell in notebook.cells:
+        if "exercise" not in cell.metadata:
+            continue
+        inside = False
+        for line in cell.source.splitlines():
+            if (inside or '"""' in line) and len(line) > WIDEST:
+                yield f"a docstring of {cell.metadata['exercise']!r} is cut off: {line.strip()}"
+            inside ^= line.count('"""') == 1
 
 
 def _faults_of_hints(name: str, text: str, solution: str) -> Iterator[str]:
