@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from tutorial_lib.checks.framework.answers import hinting, numbers
+from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.comparison import compare, expect, with_faults
 
@@ -76,12 +76,15 @@ def test_what_is_equal_how_to_say_it_and_what_to_draw_can_be_chosen():
     assert raised.value.picture.tolist() == [3, 4]
 
 
-def test_errors_get_a_hint_and_others_pass_through():
-    invoke = hinting(IndexError, "stay within the list")
-    with pytest.raises(WrongAnswer, match=r"^add, small: IndexError, .*; stay within the list$"):
+def test_errors_are_explained():
+    invoke = calling({IndexError: "stay within the list"}, {"division": "never divide by zero"})
+    words = r"^add, small: your function stops with IndexError: .*; stay within the list$"
+    with pytest.raises(WrongAnswer, match=words):
         compared(lambda a, b: [][a], invoke=invoke)
-    with pytest.raises(ZeroDivisionError):
+    with pytest.raises(WrongAnswer, match=r"ZeroDivisionError: .*; never divide by zero$"):
         compared(lambda a, b: a / 0, invoke=invoke)
+    with pytest.raises(WrongAnswer, match=r"stops with KeyError: 1$"):
+        compared(lambda a, b: {}[a], invoke=invoke)
 
 
 def test_one_answer_is_compared_alike():

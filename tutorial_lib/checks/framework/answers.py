@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,14 +26,27 @@ def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 -
     return answer
 
 
-def hinting(kind: type[Exception], hint: str) -> Callable[..., Any]:
-    """A way to call a student's function that adds a hint to one kind of error."""
+def calling(
+    hints: Mapping[type[Exception], str], said: Mapping[str, str] | None = None
+) -> Callable[..., Any]:
+    """A way to call a student's function that explains its errors.
+
+    Args:
+        hints: what to say of each kind of error.
+        said: what words of Python's own message mean here; they go first.
+    """
 
     def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         try:
-            return call(student, *arguments)
-        except kind as error:
-            raise WrongAnswer(f"{what}: {kind.__name__}, {error}; {hint}") from None
+            with np.errstate(all="ignore"):
+                return call(student, *arguments)
+        except (WrongAnswer, NotImplementedError):
+            raise
+        except Exception as error:
+            known = [words for part, words in (said or {}).items() if part in str(error)]
+            known += [words for kind, words in hints.items() if isinstance(error, kind)]
+            stops = f"your function stops with {type(error).__name__}: {error}"
+            raise WrongAnswer(f"{what}: {'; '.join([stops, *known[:1]])}") from error
 
     return invoke
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import call, returned
+from tutorial_lib.checks.framework import answers
+from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 
@@ -19,25 +20,7 @@ _SAID = {
     "length-1": "Here an array stands where one number belongs; use numpy's functions, not math's",
 }
 """For words of Python's own message, what they mean here."""
-
-
-def calling(hints: Mapping[type[Exception], str]) -> Callable[..., Any]:
-    """A way to call a student's function that adds a hint to each kind of error."""
-
-    def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
-        try:
-            with np.errstate(all="ignore"):
-                return call(student, *arguments)
-        except (WrongAnswer, NotImplementedError):
-            raise
-        except Exception as error:
-            known = [words for part, words in _SAID.items() if part in str(error)]
-            known += [words for kind, words in hints.items() if isinstance(error, kind)]
-            hint = known[0] if known else ""
-            said = f"your function stops with {type(error).__name__}: {error}"
-            raise WrongAnswer(f"{what}: {said}. {hint}".rstrip(". ") + ".") from error
-
-    return invoke
+calling = partial(answers.calling, said=_SAID)
 
 
 def one_number(what: str, got: Any, meaning: str) -> float:  # noqa: ANN401 - students' answers

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import call, parts
+from tutorial_lib.checks.framework import answers
+from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
@@ -17,27 +18,7 @@ _SAID = {
     "unexpected keyword": "the arguments are given in the order of the docstring",
 }
 """For words of Python's own message, what they mean here."""
-
-
-def calling(hints: Mapping[type[Exception], str]) -> Callable[..., Any]:
-    """A way to call a student's function that adds a hint to each kind of error."""
-
-    def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
-        try:
-            with np.errstate(all="ignore"):
-                return call(student, *arguments)
-        except (WrongAnswer, NotImplementedError):
-            raise
-        except Exception as error:
-            known = [words for part, words in _SAID.items() if part in str(error)]
-            known += [words for kind, words in hints.items() if isinstance(error, kind)]
-            said = f"your function stops with {type(error).__name__}: {error}"
-            raise WrongAnswer(
-                f"{what}: {said}; {known[0] if known else 'read its line'}"
-            ) from error
-
-    return invoke
-
+calling = partial(answers.calling, said=_SAID)
 
 INVOKE = calling(
     {
