@@ -40,9 +40,9 @@ MUTATIONS = [
     (
         "a mistake that explains one answer is named for all",
         "checks/framework/comparison.py",
-        "return all(same(one, other, *case)",
-        "return any(same(one, other, *case)",
-        f"{TESTS} -k message_of_its_own",
+        "ALIKE = 0.75",
+        "ALIKE = 0.1",
+        "checks/test_comparison.py",
     ),
     (
         "a probability that is a little off passes",
