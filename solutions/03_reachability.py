@@ -971,7 +971,12 @@ def slide(metres_to_the_target, turned_by_degrees):
     return side_by_side([map_part, side]), f"RE {probability[target]:.2f}, {joint} {ending}"
 
 
-sliders(slide, metres_to_the_target=(-1.0, 6.0, 0.5, 3.0), turned_by_degrees=(-120, 120, 60, 0))
+sliders(
+    slide,
+    {"metres_to_the_target": "path to the target, m", "turned_by_degrees": "turned by, degrees"},
+    metres_to_the_target=(-1.0, 6.0, 0.5, 3.0),
+    turned_by_degrees=(-120, 120, 60, 0),
+)
 
 # %% [markdown]
 # <details><summary>What did you find?</summary>

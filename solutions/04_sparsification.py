@@ -231,7 +231,12 @@ def anchors_at(p_sparsify, from_anchor):
     return side_by_side(panels, gap=10), caption
 
 
-sliders(anchors_at, p_sparsify=(0.5, 0.99, 0.01, 0.9), from_anchor=(0, 12, 1, 3))
+sliders(
+    anchors_at,
+    {"p_sparsify": "p_sparsify, probability", "from_anchor": "RE from anchor"},
+    p_sparsify=(0.5, 0.99, 0.01, 0.9),
+    from_anchor=(0, 12, 1, 3),
+)
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
