@@ -1,3 +1,5 @@
+from collections import Counter
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from tutorial_lib.world.worlds import (
     parse_world,
     scene_of,
     training_world,
+    validation_world,
     world_name,
 )
 
@@ -28,22 +31,35 @@ def test_the_seed_chooses_the_family():
         "loop_corridor/20003/standard",
         "apartment/20004/standard",
     ]
-    assert [training_world(seed) for seed in (0, 1, 2, 9999)] == [
+    assert [training_world(seed) for seed in (0, 1, 2, 3, 4, 9995)] == [
         "apartment/0/standard",
         "office/1/standard",
-        "maze/2/standard",
-        "apartment/9999/standard",
+        "hall/2/standard",
+        "scanned/3/standard",
+        "maze/4/standard",
+        "apartment/9995/standard/wayfinding",
     ]
-    assert training_world(4, "shifted") == "office/4/shifted"
+    assert training_world(4, "shifted") == "maze/4/shifted"
+    assert validation_world(10_001) == "loop_corridor/10001/standard"
     assert local_world(np.int64(3)) == "loop_corridor/3/standard"
 
 
 def test_no_training_world_is_a_loop_corridor():
-    assert {training_world(seed).split("/")[0] for seed in range(100)} == {
-        "apartment",
-        "office",
-        "maze",
-    }
+    families = Counter(training_world(seed).split("/")[0] for seed in range(100))
+    assert families == dict.fromkeys(("apartment", "office", "hall", "scanned", "maze"), 20)
+
+
+def test_every_fourth_training_world_of_each_family_has_signs():
+    signs = Counter(parse_world(training_world(seed))[::4] for seed in range(100))
+    families = ("apartment", "office", "hall", "scanned", "maze")
+    assert signs == {(f, s): n for f in families for s, n in (("plain", 15), ("wayfinding", 5))}
+
+
+def test_a_family_can_be_asked_for():
+    assert local_world(20_001, family="hall") == "hall/20001/standard"
+    assert map_world(20_001, "shifted", "scanned") == "scanned/20001/shifted/large"
+    with pytest.raises(InputError, match="family 'castle'"):
+        local_world(20_001, family="castle")
 
 
 @pytest.mark.parametrize("seed", [10_000, 20_000, -1])
@@ -96,10 +112,12 @@ def test_maps_are_made_in_large_worlds_of_three_families():
 def test_each_world_has_one_name():
     for size in ("any", "large"):
         for palette in ("standard", "shifted"):
-            name = world_name("office", 7, palette, size)
-            assert parse_world(name) == ("office", 7, palette, size)
+            for signs in ("plain", "wayfinding"):
+                name = world_name("office", 7, palette, size, signs)
+                assert parse_world(name) == ("office", 7, palette, size, signs)
     assert world_name("office", 7) == "office/7/standard"
     assert world_name("office", 7, size="large") == "office/7/standard/large"
+    assert world_name("maze", 7, signs="wayfinding") == "maze/7/standard/wayfinding"
 
 
 def test_the_name_of_a_large_world_gives_the_large_one():
@@ -113,6 +131,9 @@ def test_the_name_of_a_large_world_gives_the_large_one():
     [
         ("office/12/standard/any", "give family/seed/palette"),  # or it would have two names
         ("office/12/standard/huge", "size 'huge' is unknown; use one of any, large"),
+        ("office/12/standard/wayfinding/large", "give family"),
+        ("office/12/standard/large/plain", "give family"),
+        ("office/12/standard/large/arrows", "signs 'arrows' is unknown"),
         ("office/12/standard/large/", "give family/seed/palette.* and /large behind it"),
         ("office/12/large", "palette 'large'"),
     ],

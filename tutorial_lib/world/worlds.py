@@ -1,12 +1,13 @@
 """Generated worlds by name: "family/seed/palette", as in "apartment/17/standard".
 
-Large ones say so: "apartment/17/standard/large".
+Large ones say so behind that, and so do those with signs that lead, in this order:
+"apartment/17/standard/large/wayfinding".
 
 A recorded trajectory stores this name, and its images are rendered again from it.
 """
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.world.generators import AREAS, FAMILIES, generate
+from tutorial_lib.world.generators import AREAS, FAMILIES, SIGNS, generate
 from tutorial_lib.world.generators.palette import PALETTES
 from tutorial_lib.world.scene import Scene
 
@@ -14,12 +15,17 @@ LOCAL_FAMILIES = ("apartment", "office", "maze", "loop_corridor")
 """Where local control is evaluated, by seed."""
 MAP_FAMILIES = ("apartment", "office", "loop_corridor")
 """Where maps are built and planned on, by seed."""
-TRAINING_FAMILIES = LOCAL_FAMILIES[:3]
+TRAINING_FAMILIES = ("apartment", "office", "hall", "scanned", "maze")
 """Where networks are trained, by seed: they see `loop_corridor` in validation at most."""
+VALIDATION_FAMILIES = (*TRAINING_FAMILIES, "loop_corridor")
+"""Where training is stopped and networks are calibrated, by seed."""
 TRAINING_SEEDS = range(10_000)
+_WITH_SIGNS = 4  # one in so many training worlds of each family
 
 
-def world_name(family: str, seed: int, palette: str = "standard", size: str = "any") -> str:
+def world_name(
+    family: str, seed: int, palette: str = "standard", size: str = "any", signs: str = "plain"
+) -> str:
     """The name of a generated world; see `generators.generate`.
 
     Raises:
@@ -28,35 +34,42 @@ def world_name(family: str, seed: int, palette: str = "standard", size: str = "a
     >>> world_name("apartment", 17)
     'apartment/17/standard'
     """
-    name = f"{family}/{seed}/{palette}" + (f"/{size}" if size != "any" else "")
+    name = "/".join([family, str(seed), palette, *_options(size, signs)])
     parse_world(name)
     return name
 
 
-def parse_world(name: str) -> tuple[str, int, str, str]:
-    """Family, seed, palette and size of a name; each world has exactly one name.
+def parse_world(name: str) -> tuple[str, int, str, str, str]:
+    """Family, seed, palette, size and signs of a name; each world has exactly one name.
 
     Raises:
         InputError: saying which part of the name is wrong.
     """
-    parts = name.split("/")
-    if len(parts) == 3:
-        parts = [*parts, "any"]
-    elif len(parts) != 4 or parts[3] == "any":
+    family, seed, palette, *options = name.split("/") if name.count("/") > 1 else ("", "", "", "")
+    size = options.pop(0) if options and options[0] not in SIGNS else "any"
+    signs = options.pop(0) if options else "plain"
+    if options or "" in (family, size, signs) or _options(size, signs) != name.split("/")[3:]:
         raise InputError(
             f"world: {name!r}; give family/seed/palette, as in apartment/17/standard, and /large "
-            "behind it for a large one"
+            "behind it for a large one, /wayfinding for one with signs"
         )
-    family, seed, palette, size = parts
     if family not in FAMILIES:
         raise InputError(f"world: family {family!r} is unknown; use one of {', '.join(FAMILIES)}")
     if not (seed.isascii() and seed.isdecimal() and str(int(seed)) == seed):
         raise InputError(f"world: seed {seed!r}; give a whole number, 0 or greater")
-    if palette not in PALETTES:
-        raise InputError(f"world: palette {palette!r} is unknown; use one of {', '.join(PALETTES)}")
-    if size not in AREAS:
-        raise InputError(f"world: size {size!r} is unknown; use one of {', '.join(AREAS)}")
-    return family, int(seed), palette, size
+    for what, value, known in (
+        ("palette", palette, PALETTES),
+        ("size", size, AREAS),
+        ("signs", signs, SIGNS),
+    ):
+        if value not in known:
+            raise InputError(f"world: {what} {value!r} is unknown; use one of {', '.join(known)}")
+    return family, int(seed), palette, size, signs
+
+
+def _options(size: str, signs: str) -> list[str]:
+    """The parts of a name that stand only where they say something."""
+    return [part for part, usual in ((size, "any"), (signs, "plain")) if part != usual]
 
 
 def scene_of(name: str) -> Scene:
@@ -68,18 +81,30 @@ def scene_of(name: str) -> Scene:
     return Scene(generate(*parse_world(name)))
 
 
-def local_world(seed: int, palette: str = "standard") -> str:
-    """The world of that seed on which local control is evaluated."""
-    return _by_seed(LOCAL_FAMILIES, seed, palette)
+def local_world(seed: int, palette: str = "standard", family: str = "") -> str:
+    """The world of that seed on which local control is evaluated.
+
+    Args:
+        seed: chooses the family as well, among `LOCAL_FAMILIES`.
+        palette: of the world.
+        family: takes all worlds from this family instead.
+    """
+    return _by_seed((family,) if family else LOCAL_FAMILIES, seed, palette)
 
 
-def map_world(seed: int, palette: str = "standard") -> str:
-    """The world of that seed in which maps are built: a large one (Meng 2020, Table II)."""
-    return _by_seed(MAP_FAMILIES, seed, palette, "large")
+def map_world(seed: int, palette: str = "standard", family: str = "") -> str:
+    """The world of that seed in which maps are built: a large one (Meng 2020, Table II).
+
+    Args:
+        seed: chooses the family as well, among `MAP_FAMILIES`.
+        palette: of the world.
+        family: takes all worlds from this family instead.
+    """
+    return _by_seed((family,) if family else MAP_FAMILIES, seed, palette, "large")
 
 
 def training_world(seed: int, palette: str = "standard") -> str:
-    """The world of that seed from which networks learn.
+    """The world of that seed from which networks learn; every fourth of a family has signs.
 
     Raises:
         InputError: when the seed is kept for validation or tests.
@@ -89,7 +114,13 @@ def training_world(seed: int, palette: str = "standard") -> str:
         raise InputError(
             f"world: seed {seed} is not for training; give one from 0 to {TRAINING_SEEDS[-1]}"
         )
-    return name
+    with_signs = int(seed) // len(TRAINING_FAMILIES) % _WITH_SIGNS == _WITH_SIGNS - 1
+    return f"{name}/wayfinding" if with_signs else name
+
+
+def validation_world(seed: int) -> str:
+    """The world of that seed on which training is stopped and networks are calibrated."""
+    return _by_seed(VALIDATION_FAMILIES, seed, "standard")
 
 
 def _by_seed(families: tuple[str, ...], seed: int, palette: str, size: str = "any") -> str:

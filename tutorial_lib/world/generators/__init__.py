@@ -13,13 +13,16 @@ from tutorial_lib.world.generators.apartment import apartment
 from tutorial_lib.world.generators.corridors import loop_corridor
 from tutorial_lib.world.generators.dress import dress
 from tutorial_lib.world.generators.furnish import furnish
+from tutorial_lib.world.generators.hall import hall
 from tutorial_lib.world.generators.layout import Layout
 from tutorial_lib.world.generators.maze import maze
 from tutorial_lib.world.generators.office import office
 from tutorial_lib.world.generators.palette import PALETTES
 from tutorial_lib.world.generators.rectilinear import DoesNotFit
 from tutorial_lib.world.generators.repair import open_up
+from tutorial_lib.world.generators.scanned import scanned
 from tutorial_lib.world.generators.symmetric_office import symmetric_office
+from tutorial_lib.world.generators.wayfinding import with_signs
 
 _DRAW: dict[str, Callable[[np.random.Generator, float], Layout]] = {
     "apartment": apartment,
@@ -27,16 +30,25 @@ _DRAW: dict[str, Callable[[np.random.Generator, float], Layout]] = {
     "symmetric_office": symmetric_office,
     "loop_corridor": loop_corridor,
     "maze": maze,
+    "hall": hall,
 }
-FAMILIES = tuple(_DRAW)
+FAMILIES = (*_DRAW, "scanned")
 """Kinds of world. A family's place in this list is part of its seed."""
+SCANNED = ("apartment", "office", "maze", "hall", "hall")
+"""Families of the buildings that are scanned, as often as they stand here."""
 AREAS = {"any": (100.0, 500.0), "large": (200.0, 460.0)}
 """Least and greatest square metres of all rooms together, by size."""
+HALL_AREAS = {"any": (300.0, 1500.0), "large": (600.0, 1500.0)}
+"""The same for halls."""
+SIGNS = ("plain", "wayfinding")
+"""Whether a world's walls have accents that lead, see `wayfinding`."""
 _WITHIN = (10.0, -30.0)
 """Margins in square metres by which the area aimed at keeps within these limits."""
 
 
-def generate(family: str, seed: int, palette: str = "standard", size: str = "any") -> FloorPlan:
+def generate(
+    family: str, seed: int, palette: str = "standard", size: str = "any", signs: str = "plain"
+) -> FloorPlan:
     """Draw a floor plan.
 
     Args:
@@ -45,6 +57,8 @@ def generate(family: str, seed: int, palette: str = "standard", size: str = "any
         palette: "standard", or "shifted" for the same rooms in colours that no standard world has.
         size: "any", or "large" for those in which maps are built (Meng 2020, Table II); it is
             another plan, even where the area would have fitted.
+        signs: "plain", or "wayfinding" for the same plan with accents on its walls whose colour
+            follows the distance along the corridors.
 
     Raises:
         InputError: if an argument is none of these.
@@ -52,10 +66,19 @@ def generate(family: str, seed: int, palette: str = "standard", size: str = "any
     _check("family", family, FAMILIES)
     _check("palette", palette, PALETTES)
     _check("size", size, tuple(AREAS))
+    _check("signs", signs, SIGNS)
     seed = _whole(seed)
+    plan = (_scanned if family == "scanned" else _drawn)(family, seed, palette, size)
+    if signs == "plain":
+        return plan
+    return with_signs(plan, np.random.default_rng([FAMILIES.index(family), seed, 2]))
+
+
+def _drawn(family: str, seed: int, palette: str, size: str) -> FloorPlan:
+    """A plan of rooms and doors, furnished and in colour."""
     stream = [FAMILIES.index(family), seed]
     rng = np.random.default_rng(stream)
-    least, most = AREAS[size]
+    least, most = (HALL_AREAS if family == "hall" else AREAS)[size]
     aim = rng.uniform(least + _WITHIN[0], most + _WITHIN[1])
     while True:
         try:
@@ -69,6 +92,17 @@ def generate(family: str, seed: int, palette: str = "standard", size: str = "any
             continue
         uses = {room.material: room.use for room in layout.rooms}
         return dress(plan, uses, np.random.default_rng([*stream, 1]), palette)
+
+
+def _scanned(family: str, seed: int, palette: str, size: str) -> FloorPlan:
+    """The scan of the building that has the same seed in another family."""
+    rng = np.random.default_rng([FAMILIES.index(family), seed])
+    building = _drawn(SCANNED[rng.integers(len(SCANNED))], seed, "standard", size)
+    while True:
+        try:
+            return scanned(building, (family, seed), rng, palette)
+        except DoesNotFit:
+            continue
 
 
 def _check(name: str, value: str, known: Sequence[str]) -> None:

@@ -9,7 +9,13 @@ from tutorial_lib.world.generators.rectilinear import Outline, Point, Rect, tidy
 
 APPROACH = 0.9
 """Metres in front of a door that stay free."""
-KIND_OF_USE = {"meeting": "office", "open plan": "office", "lounge": "open", "passage": "hallway"}
+KIND_OF_USE = {
+    "meeting": "office",
+    "open plan": "office",
+    "lounge": "open",
+    "passage": "hallway",
+    "hall": "open",
+}
 """Uses that are not themselves the name of a room's kind."""
 
 

@@ -71,9 +71,11 @@ def furnish_room(
             frame = _find_place(rng, room.outline, walls, taken, space, name in CENTRAL, tries)
             if frame is None or filled + size > FULLEST * area:
                 continue
-            outlines = [_outline(part, frame) for part in parts]
+            outlines = [part_outline(part, frame) for part in parts]
             keep = needed or name in CENTRAL
-            taken += [_box(outline) for outline in ([_outline(space, frame)] if keep else outlines)]
+            taken += [
+                box_of(outline) for outline in ([part_outline(space, frame)] if keep else outlines)
+            ]
             filled += size
             pieces += [
                 Furniture(part.kind, outline, f"{part.kind} {rng.integers(VARIANTS) + 1}")
@@ -85,7 +87,7 @@ def furnish_room(
 
 def _space(parts: Sequence[Part], central: bool) -> Part:
     """The room that a group takes with an aisle: in front, or all around if it stands alone."""
-    boxes = [_box(_outline(part, ((0.0, 0.0), (1.0, 0.0)))) for part in parts]
+    boxes = [box_of(part_outline(part, ((0.0, 0.0), (1.0, 0.0)))) for part in parts]
     x0, y0 = (min(box[i] for box in boxes) for i in (0, 1))
     x1, y1 = (max(box[i] for box in boxes) for i in (2, 3))
     if central:
@@ -106,7 +108,7 @@ def _find_place(
     """A place where the space of a group is free, if one of the tries finds any."""
     for _ in range(tries):
         frame = _in_the_middle(rng, walls, space) if central else _at_a_wall(rng, room, space)
-        if frame and _is_free(_box(_outline(space, frame)), walls, taken):
+        if frame and is_clear(box_of(part_outline(space, frame)), walls, taken):
             return frame
     return None
 
@@ -129,14 +131,14 @@ def _at_a_wall(rng: np.random.Generator, room: Outline, space: Part) -> Frame | 
 def _in_the_middle(rng: np.random.Generator, walls: NDArray[np.float64], space: Part) -> Frame:
     """Somewhere in the room's bounding box, along x or y."""
     direction = (0.0, 1.0) if rng.random() < 0.5 else (1.0, 0.0)
-    x0, y0, x1, y1 = _box(_outline(space, ((0.0, 0.0), direction)))
+    x0, y0, x1, y1 = box_of(part_outline(space, ((0.0, 0.0), direction)))
     low = walls.min(axis=0)[:2] - (x0, y0) + GAP
     high = walls.max(axis=0)[2:] - (x1, y1) - GAP
     x, y = low + (high - low) * rng.random(2)
     return (x, y), direction
 
 
-def _outline(part: Part, frame: Frame) -> Outline:
+def part_outline(part: Part, frame: Frame) -> Outline:
     """The corners of a part in the world, counter-clockwise."""
     (ox, oy), (ux, uy) = frame
     if part.kind in ROUND:
@@ -151,18 +153,21 @@ def _outline(part: Part, frame: Frame) -> Outline:
     )
 
 
-def _box(outline: Outline) -> Rect:
+def box_of(outline: Outline) -> Rect:
+    """The smallest rectangle along x and y around an outline."""
     xs, ys = zip(*outline, strict=True)
     return min(xs), min(ys), max(xs), max(ys)
 
 
-def _is_free(box: Rect, walls: NDArray[np.float64], taken: Sequence[Rect]) -> bool:
-    """Whether a box lies in the room and clear of walls and of what stands there."""
-    if any(overlap(box, other, CLEAR) for other in taken):
+def is_clear(
+    box: Rect, walls: NDArray[np.float64], taken: Sequence[Rect], margin: float = CLEAR
+) -> bool:
+    """Whether a box lies in the room, `margin` metres clear of walls and of what stands there."""
+    if any(overlap(box, other, margin) for other in taken):
         return False
     x0, y0, x1, y1 = walls.T
-    near = (x0 < box[2] + CLEAR) & (x1 > box[0] - CLEAR)
-    if (near & (y0 < box[3] + CLEAR) & (y1 > box[1] - CLEAR)).any():
+    near = (x0 < box[2] + margin) & (x1 > box[0] - margin)
+    if (near & (y0 < box[3] + margin) & (y1 > box[1] - margin)).any():
         return False
     x, y = (box[0] + box[2]) / 2, (box[1] + box[3]) / 2
     above = (x0 <= x) & (x < x1) & (y0 > y)

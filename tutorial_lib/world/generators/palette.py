@@ -152,6 +152,11 @@ WALLS: dict[str, Strip] = {
         ("neutral", "terracotta", "sand"),
         {"poster": 4, "picture": 3, "window": 1, "bookcase": 1, "sign": 4, "pipe": 2},
     ),
+    "hall": Strip(
+        ("neutral", "grey", "white", "sand"),
+        {"sign": 3, "pipe": 3, "closed door": 2, "window": 1, "poster": 1, "crates": 1, "board": 1},
+        (0.3, 3.5),
+    ),
     "door frame": Strip(("dark", "wood"), {"line": 1}, (0.1, 0.3)),
 }
 
@@ -162,6 +167,7 @@ _WHITE = Strip(("white",), {"line": 2, "hook": 1}, (0.2, 0.7))
 FURNITURE: dict[str, Strip] = {
     "armchair": _SOFT,
     "bathtub": _WHITE,
+    "bench": Strip(("wood", "metal"), {"line": 2, "cushion": 1}, (0.2, 0.7)),
     "bed": Strip(("rose", "deep blue", "white"), {"pillow": 2, "line": 1}, (0.1, 0.5)),
     "box": Strip(("sand", "brown"), {"label": 2, "line": 1}, (0.1, 0.4)),
     "cabinet": Strip(("wood", "white", "grey"), {"drawer": 3, "label": 1}, (0.05, 0.3)),
@@ -169,14 +175,27 @@ FURNITURE: dict[str, Strip] = {
     "chest": Strip(("wood",), {"drawer": 3, "line": 1}, (0.05, 0.3)),
     "coffee table": _WOODEN,
     "copier": Strip(("grey",), {"label": 2, "line": 2, "sign": 1}, (0.1, 0.3)),
+    "crate": Strip(("wood", "sand", "blue", "orange"), {"label": 2, "line": 2}, (0.15, 0.6)),
     "counter": Strip(("white", "wood"), {"drawer": 3, "hook": 1}, (0.05, 0.3)),
     "desk": Strip(("wood", "grey"), {"drawer": 2, "line": 1}, (0.2, 0.6)),
     "dining table": _WOODEN,
     "fridge": Strip(("metal", "white"), {"label": 2, "hook": 1}, (0.15, 0.4)),
+    "machine": Strip(
+        ("metal", "grey", "green", "blue"),
+        {"label": 2, "sign": 2, "pipe": 2, "line": 1},
+        (0.2, 0.9),
+    ),
     "meeting table": _WOODEN,
     "nightstand": Strip(("wood", "white"), {"drawer": 2}, (0.05, 0.2)),
     "office chair": Strip(("black", "blue", "metal"), {"line": 1}, (0.2, 0.5)),
+    "pallet": Strip(("wood", "sand"), {"crates": 3, "label": 2, "line": 1}, (0.05, 0.5)),
+    "pillar": Strip(("grey", "white", "neutral"), {"sign": 2, "line": 1}, (0.3, 1.2)),
     "plant": Strip(("green",), {"leaf": 1}, (0.03, 0.15)),
+    "rack": Strip(
+        ("metal", "wood", "orange", "blue"),
+        {"crates": 4, "label": 3, "board": 1, "sign": 1},
+        (0.05, 0.9),
+    ),
     "round table": _WOODEN,
     "shelf": Strip(("wood", "brown"), {"bookcase": 3, "board": 1, "crates": 1}, (0.03, 0.2)),
     "sink": _WHITE,

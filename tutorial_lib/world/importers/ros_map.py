@@ -55,21 +55,41 @@ def import_ros_map(path: str | Path, seed: int = 0, palette: str = "standard") -
     extent = resolution * max(free.shape)
     if extent > MAX_EXTENT:
         raise root["resolution"].fail(f"the map would be {extent:g} m across; give metres a cell")
-    large = _large_regions(free, resolution)
-    if not large.any():
+    if not large_regions(free, resolution).any():
         raise InputError(
             f"{root.where}: image: no free region lets the car cover {MIN_AREA:g} m²; "
             "check negate, free_thresh and resolution"
         )
-    cells = free_loops(large)
-    loops = [to_world(pose, loop * resolution) for loop in cells]
     rng = np.random.default_rng(seed)
+    return plan_of_cells(free, resolution, pose, ("ros", int(seed)), rng, palette)
+
+
+def plan_of_cells(
+    free: NDArray[np.bool_],
+    resolution: float,
+    pose: NDArray[np.float64],
+    name: tuple[str, int],
+    rng: np.random.Generator,
+    palette: str,
+) -> FloorPlan:
+    """The floor plan of an occupancy grid.
+
+    Args:
+        free: (H, W) cells known to be free, row 0 the lowest y.
+        resolution: metres a cell.
+        pose: [x, y, yaw] of the grid's lower left corner.
+        name: family and seed of the plan.
+        rng: of the colours, which a grid does not have.
+        palette: "standard" or "shifted".
+    """
+    cells = free_loops(large_regions(free, resolution))
+    loops = [to_world(pose, loop * resolution) for loop in cells]
     look = imported_look(rng, palette)
     walls, names, offsets, materials = dress_loops(loops, rng, palette)
     rooms = tuple(
         Room("open", tuple(map(tuple, loop.tolist()))) for loop in loops if signed_area(loop) > 0
     )
-    return FloorPlan("ros", int(seed), walls, names, offsets, materials, rooms, look=look)
+    return FloorPlan(*name, walls, names, offsets, materials, rooms, look=look)
 
 
 def _read_yaml(path: Path) -> Field:
@@ -202,7 +222,7 @@ def _read_pgm(data: bytes, entry: Field) -> NDArray[np.float64]:
     return np.clip(values.reshape(height, width) / top, 0.0, 1.0)
 
 
-def _large_regions(free: NDArray[np.bool_], resolution: float) -> NDArray[np.bool_]:
+def large_regions(free: NDArray[np.bool_], resolution: float) -> NDArray[np.bool_]:
     """The free cells joined by their edges to enough room for the car."""
     grid = np.pad(free, 1).astype(np.uint8)
     count, labels = cv2.connectedComponents(grid, connectivity=4)

@@ -1,0 +1,136 @@
+"""Signs whose colour follows the distance along the corridors."""
+
+import colorsys
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import spearmanr
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.generators.wayfinding import PITCH, SHADES, SPAN, WIDTH, Depth
+from tutorial_lib.world.materials import PERIOD
+from tutorial_lib.world.occupancy import clearance_grid
+
+cached = cache(generate)
+every_family = pytest.mark.parametrize("family", FAMILIES)
+
+
+def accents_of(plan, plain):
+    """The stripes that a plan has and its plain twin has not, by material."""
+    plain = {material.name: material for material in plain.materials}
+    return {
+        m.name: m.stripes[len(plain[m.name].stripes) :] for m in plan.materials if m.name in plain
+    }
+
+
+def hue(colour):
+    return colorsys.rgb_to_hsv(*(c / 255 for c in colour))[0]
+
+
+@every_family
+def test_only_colours_change(family):
+    plan, plain = cached(family, 40, signs="wayfinding"), cached(family, 40)
+    assert np.array_equal(plan.walls, plain.walls)
+    assert np.array_equal(plan.wall_offsets, plain.wall_offsets)
+    assert (plan.rooms, plan.doors, plan.furniture) == (plain.rooms, plain.doors, plain.furniture)
+    old = {material.name: material for material in plain.materials}
+    for material in plan.materials:
+        if material.name in old:
+            kept = old[material.name]
+            assert material.colour == kept.colour
+            assert material.stripes[: len(kept.stripes)] == kept.stripes
+    assert plan.look == plain.look
+
+
+@every_family
+def test_accents_stand_in_a_row_on_every_wall(family):
+    plan = cached(family, 40, signs="wayfinding")
+    accents = accents_of(plan, cached(family, 40))
+    lengths = np.linalg.norm(plan.walls[:, 2:] - plan.walls[:, :2], axis=1)
+    for name in {n for n in plan.wall_materials if not n.startswith("door frame")}:
+        stripes = accents[name]
+        mine = [i for i, n in enumerate(plan.wall_materials) if n == name]
+        if lengths[mine].sum() > PITCH:
+            assert stripes
+        assert all(s.end - s.start <= WIDTH + 1e-3 and s.end <= PERIOD for s in stripes)
+        assert all(
+            s.start % PITCH <= WIDTH + 2e-3 or s.start % PITCH > PITCH - 2e-3 for s in stripes
+        )
+        covered = sum(s.end - s.start for s in stripes)
+        assert covered <= (WIDTH / PITCH) * lengths[mine].sum() + 2 * WIDTH * len(mine)
+
+
+@pytest.mark.parametrize("family", ["apartment", "office", "hall", "loop_corridor"])
+def test_the_hue_of_an_accent_follows_the_distance_from_the_root(family):
+    plan = cached(family, 41, signs="wayfinding")
+    accents = accents_of(plan, cached(family, 41))
+    depth = Depth(plan)
+    grid = clearance_grid(plan, 0.1)
+    floor = grid.centres(np.argwhere(grid.clearance >= 0.25))
+    root = floor[depth.at(floor).argmin()]
+    distance = GridPaths(grid).fields(root, shortest=True)
+    hues, far = [], []
+    rooms = [room for room in plan.rooms if room.kind in ("hallway", "open")]
+    for i, name in enumerate(plan.wall_materials):
+        start, end = plan.walls[i].reshape(2, 2)
+        length = np.linalg.norm(end - start)
+        ahead = (end - start) / length
+        for stripe in accents.get(name, ()):
+            along = (stripe.start + stripe.end) / 2 - plan.wall_offsets[i]
+            place = start + along * ahead + 0.3 * np.array([-ahead[1], ahead[0]])
+            if 0.1 < along < length - 0.1 and any(room.contains(place) for room in rooms):
+                metres = distance.distance(place[None])[0]
+                if np.isfinite(metres):
+                    hues.append(hue(stripe.colour))
+                    far.append(metres)
+    assert len(hues) > 20
+    # Hues may pass red, where they begin anew: compare them from the root's on.
+    start = hues[int(np.argmin(far))]
+    up, down = np.subtract(hues, start) % 1.0, np.subtract(start, hues) % 1.0
+    best = max(spearmanr(np.where(h > 0.95, h - 1, h), far).statistic for h in (up, down))
+    assert best > 0.97
+    most = min(np.max(np.where(h > 0.95, h - 1, h)) for h in (up, down))
+    assert most < SPAN[1] + 0.02
+
+
+def test_a_room_has_the_accent_of_its_door():
+    plan = cached("office", 42, signs="wayfinding")
+    accents = accents_of(plan, cached("office", 42))
+    private = [i for i, room in enumerate(plan.rooms) if room.kind == "bathroom"]
+    assert private
+    for i in private:
+        names = [n for n in accents if n.rsplit(" ", 1)[-1] == str(i) and n in plan.wall_materials]
+        assert len({stripe.colour for n in names for stripe in accents[n]}) == 1
+
+
+def test_every_door_frame_is_one_colour_of_its_own_place():
+    plan = cached("office", 42, signs="wayfinding")
+    frames = [m for m in plan.materials if m.name.startswith("door frame ")]
+    assert len(frames) == 2 * len(plan.doors)
+    assert all(not frame.stripes for frame in frames)
+    assert len({frame.colour for frame in frames}) > 0.4 * len(plan.doors)
+
+
+def test_each_world_has_hues_of_its_own_and_the_same_seed_the_same():
+    one, same = (generate("maze", 40, signs="wayfinding") for _ in range(2))
+    assert one.materials == same.materials
+    firsts = []
+    for seed in range(40, 46):
+        plan = cached("maze", seed, signs="wayfinding")
+        accents = accents_of(plan, cached("maze", seed))
+        firsts.append(round(hue(next(s for v in accents.values() for s in v).colour), 2))
+    assert len(set(firsts)) >= 4
+
+
+def test_shifted_accents_are_duller_than_any_that_are_trained_on():
+    for palette, (saturation, value) in SHADES.items():
+        plan = cached("apartment", 43, palette, signs="wayfinding")
+        accents = accents_of(plan, cached("apartment", 43, palette))
+        for stripes in accents.values():
+            for stripe in stripes:
+                _, s, v = colorsys.rgb_to_hsv(*(c / 255 for c in stripe.colour))
+                assert s == pytest.approx(saturation, abs=0.02)
+                assert v == pytest.approx(value, abs=0.02)
+    assert SHADES["shifted"][0] < SHADES["standard"][0] - 0.2
