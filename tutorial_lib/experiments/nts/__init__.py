@@ -1,0 +1,1 @@
+"""Neural Topological SLAM (Chaplot et al. 2020): one module for each table and figure."""

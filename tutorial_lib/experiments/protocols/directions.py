@@ -1,0 +1,142 @@
+"""Which direction leads to a goal: decisions at places of a world, with perfect perception."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.floorplan import ROOM_KINDS, FloorPlan
+from tutorial_lib.world.generators.wayfinding import Depth
+from tutorial_lib.world.scene import Scene
+
+DIRECTIONS = 12
+REACH = 3.0
+"""Metres of the local map (Chaplot et al. 2020, III)."""
+SHORTEST = 1.0
+"""Metres that a direction must be traversable to be chosen."""
+ROOM = 0.2
+"""Metres of clearance of what is traversable."""
+DIFFICULTIES = {"easy": (1.5, 3.0), "medium": (3.0, 5.0), "hard": (5.0, 10.0)}
+"""Geodesic metres to the goal (Chaplot et al. 2020, IV)."""
+NO_ROOM = len(ROOM_KINDS)
+"""Number of the kind of a place in no room, such as a doorway."""
+_STEP = 0.1  # metres between the points of a direction that are tested
+_PLACES, _GOALS = 150, 24
+
+
+@dataclass(frozen=True, eq=False)
+class Decisions:
+    """Directions to choose from, D in all, a row each; those of one decision in a row.
+
+    Attributes:
+        number: (D,) of the decision, rising.
+        difficulty: (D,) index in `DIFFICULTIES`.
+        metres: (D,) geodesic metres from the direction's end to the goal.
+        here: (D, F) what a perfect observer knows of the place and the direction.
+        goal: (D, F') what the goal's picture adds to that.
+    """
+
+    number: NDArray[np.intp]
+    difficulty: NDArray[np.intp]
+    metres: Array
+    here: Array
+    goal: Array
+
+
+def decisions(scene: Scene, rng: np.random.Generator, *, signs: bool) -> Decisions:
+    """Decisions at random places of a world, towards random goals of every difficulty.
+
+    A direction is described by how far it is traversable within the local map, and by the kind of
+    room and the clearance here and at its end; the goal by its kind of room, and whether it is that
+    of the end. Where there are signs, their depth (see `wayfinding.Depth`) is read here, at the end
+    and at the goal.
+
+    Args:
+        scene: the world.
+        rng: draws places, headings and goals.
+        signs: whether signs can be read.
+    """
+    paths = GridPaths(scene.clearance)
+    nodes = np.flatnonzero(paths.largest)
+    places = paths.points[rng.choice(nodes, _PLACES)]
+    goals = paths.points[rng.choice(nodes, _GOALS)]
+    ends, long = _ends(scene, places, rng)
+    fields = paths.fields(goals, shortest=True)
+    reading = _Reading(scene, signs)
+    from_here, at_end = reading.of(places), reading.of(ends.reshape(-1, 2))
+    at_goal = reading.of(goals)
+    at_end = at_end.reshape(*ends.shape[:2], -1)
+    parts, number = [], 0
+    for goal in range(_GOALS):
+        far = fields.distance(places, goal)
+        metres = fields.distance(ends.reshape(-1, 2), goal).reshape(long.shape)
+        possible = (long >= SHORTEST) & np.isfinite(metres)
+        for level, (least, most) in enumerate(DIFFICULTIES.values()):
+            for place in np.flatnonzero((far >= least) & (far < most) & (possible.sum(1) > 1)):
+                rows = np.flatnonzero(possible[place])
+                end, here = at_end[place, rows], np.tile(from_here[place], (len(rows), 1))
+                there = np.tile(at_goal[goal], (len(rows), 1))
+                own = np.column_stack([long[place, rows], here, end, end - here])
+                shown = [there, np.abs(end - there), np.abs(here - there)]
+                shown.append(np.abs(end - there) - np.abs(here - there))
+                level_of = np.full(len(rows), level)
+                parts.append((level_of, metres[place, rows], own, np.column_stack(shown)))
+                number += 1
+    counts = [len(part[0]) for part in parts]
+    columns = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Decisions(np.repeat(np.arange(number), counts), *columns)
+
+
+def best_chosen(
+    found: Decisions, scores: Array, within: float
+) -> tuple[NDArray, NDArray[np.bool_]]:
+    """For each decision its difficulty, and whether the highest score is about the best choice.
+
+    Args:
+        found: the decisions.
+        scores: (D,) of every direction.
+        within: metres by which the chosen direction may be longer than the shortest.
+    """
+    first = np.flatnonzero(np.diff(found.number, prepend=-1))
+    order = np.lexsort((-scores, found.number))
+    chosen = found.metres[order[first]]
+    return found.difficulty[first], chosen <= np.minimum.reduceat(found.metres, first) + within
+
+
+def _ends(scene: Scene, places: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Ends (P, 12, 2) of all directions from P places, and metres (P, 12) up to them."""
+    headings = rng.uniform(0.0, 2 * np.pi, len(places))[:, None]
+    headings = headings + np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
+    ahead = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
+    steps = np.arange(_STEP, REACH + _STEP / 2, _STEP)
+    points = places[:, None, None] + steps[:, None] * ahead[:, :, None]
+    free = np.logical_and.accumulate(scene.clearance.at(points) >= ROOM, axis=2)
+    long = _STEP * free.sum(axis=2)
+    return places[:, None] + long[..., None] * ahead, long
+
+
+class _Reading:
+    """What can be read at a place: its kind of room as flags, clearance, depth by the signs."""
+
+    def __init__(self, scene: Scene, signs: bool) -> None:
+        self._scene, self._depth = scene, Depth(scene.plan) if signs else None
+
+    def of(self, points: Array) -> Array:
+        """(N, F) numbers for points (N, 2)."""
+        kinds = _kinds(self._scene.plan, points)
+        flags = (kinds[:, None] == np.arange(NO_ROOM + 1)).astype(float)
+        clearance = self._scene.clearance.at(points)
+        depth = np.zeros(len(points)) if self._depth is None else self._depth.by_room(points)
+        return np.column_stack([flags, clearance, depth])
+
+
+def _kinds(plan: FloorPlan, points: Array) -> NDArray[np.intp]:
+    """(N,) the kind of the room in which each point lies."""
+    kinds = np.full(len(points), NO_ROOM)
+    for room in plan.rooms:
+        kinds[room.contains(points)] = ROOM_KINDS.index(room.kind)
+    return kinds
