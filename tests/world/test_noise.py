@@ -43,7 +43,7 @@ def test_the_drift_has_the_documented_variance():
     motions = np.tile([STEP, 0.0, 0.0], (200, 3000, 1))
     ends = estimates(motions, DriftingOdometry(0))
     for metres in (2.5, 10.0):
-        x, y, heading = ends[round(metres / STEP)].T
+        _, y, heading = ends[round(metres / STEP)].T
         assert heading.std() == pytest.approx(0.020 * metres**0.5, rel=0.06)
         assert y.std() == pytest.approx(0.012 * metres**1.5, rel=0.08)
         assert abs(heading.mean()) < 0.005

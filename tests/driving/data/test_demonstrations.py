@@ -22,8 +22,8 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import relative
 from tutorial_lib.learning.views import CameraView
 from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.noise import DriftingOdometry, NoNoise
+from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
 from tutorial_lib.world.worlds import scene_of
