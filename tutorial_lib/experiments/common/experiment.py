@@ -61,6 +61,7 @@ class Experiment:
             settings = settings if self.quick_settings is None else self.quick_settings
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         rows, notes = self.run(replace(options, worlds=worlds), settings)
+        notes = [*notes, *([] if options.drifts else [f"odometry: {options.odometry}"])]
         took = time.perf_counter() - begun
         return Report(
             self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
