@@ -38,7 +38,8 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, RECORDING, Odometry
 from tutorial_lib.experiments.robustness import disturbances, faults
 from tutorial_lib.geometry import relative, to_local
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.fleet import Fleet
 from tutorial_lib.world.floorplan import FloorPlan
@@ -196,6 +197,23 @@ def test_nor_does_anything_that_the_agents_keep(building, trials, name, monkeypa
     outcome = navigate(building, replace(few, seconds=np.zeros(2)), start)
     assert outcome.seconds.max() == pytest.approx(4.0)
     assert leaks(building, few, outcome, agent, kept, goals) == []
+
+
+@needs("laser_k2", "reach_laser")
+def test_networks_that_look_at_the_laser_find_its_scans_in_the_contexts(building, trials):
+    predictor, reachability = WaypointNetwork("laser_k2"), ReachabilityNetwork("reach_laser")
+    agent = agents.meng(predictor=predictor, reachability=reachability, p_sparsify=0.999)
+    agent.learn(list(experiences(building, range(2))))
+    goals = navigation.goals_of(trials.subset(np.arange(2)), predictor.view, predictor.k)
+    planner = DijkstraPlanner(candidates=2, least=0.0, p_query=0.0, p_goal=0.0)
+    seen = next(experiences(building)).observations[5]
+    assert len(agent.topomap) > planner.candidates
+    for goal in goals:
+        assert np.isnan(goal.observations.laser).all()
+        assert np.isfinite(goal.contexts).all()
+        assert 0.0 < planner.plan(seen, goal, agent.topomap).probability <= 1.0
+    actions = agent.start(goals[:1]).act(seen, np.array([0]))
+    assert np.isfinite(actions).all()
 
 
 def test_what_leads_there_is_found(building, trials):
