@@ -11,22 +11,27 @@ from tutorial_lib.topology.mapping.topomap import TopoMap
 
 
 def sensed(odometry):
-    """Observations that differ in nothing but their odometry (N, 3)."""
+    """Observations that differ in their odometry (N, 3), which is what the image shows, too."""
     odometry = np.asarray(odometry, dtype=float).reshape(-1, 3)
     count = len(odometry)
     nothing = np.zeros(count)
-    image = np.zeros((count, 1, 1, 3), np.uint8)
+    image = odometry[:, None, None]
     return Observation(image, None, np.ones((count, 4)), odometry, nothing, nothing)
 
 
+def places_in(observations):
+    """Poses (N, 3) that the images show."""
+    return observations.image[:, 0, 0]
+
+
 def numbered(numbers):
-    """Observations whose odometry holds their index."""
+    """Observations whose odometry and image hold their index."""
     numbers = np.asarray(numbers, dtype=float)
     return sensed(np.column_stack([numbers, 0 * numbers, 0 * numbers]))
 
 
 class Table:
-    """RE from a table: from the index in the odometry to that in the context (2k+1,)."""
+    """RE from a table: from the index in the image to that in the context (2k+1,)."""
 
     def __init__(self, table):
         self.table, self.queried = np.asarray(table, dtype=float), []
@@ -36,7 +41,7 @@ class Table:
         return contexts[:, contexts.shape[1] // 2]
 
     def probability(self, observations, prepared):
-        sources = observations.odometry[:, 0].astype(int)
+        sources = places_in(observations)[:, 0].astype(int)
         self.queried += zip(sources.tolist(), prepared.tolist(), strict=True)
         return self.table[sources, prepared]
 
@@ -63,7 +68,7 @@ def table_map(table, count, paths=None, **settings):
 class Streets:
     """RE among poses: sure of what lies up to 1.6 m ahead, to much the same side.
 
-    The more surely, the nearer. Odometry and contexts (2k+1, 3) hold poses; `hidden` are poses that
+    The more surely, the nearer. Images and contexts (2k+1, 3) hold poses; `hidden` are poses that
     nobody can reach as targets.
     """
 
@@ -76,7 +81,7 @@ class Streets:
 
     def probability(self, observations, prepared):
         self.queries += len(prepared)
-        here = observations.odometry
+        here = places_in(observations)
         gap = prepared[:, :2] - here[:, :2]
         ahead = gap[:, 0] * np.cos(here[:, 2]) + gap[:, 1] * np.sin(here[:, 2])
         turned = np.abs(np.angle(np.exp(1j * (prepared[:, 2] - here[:, 2]))))
@@ -93,7 +98,7 @@ class StreetsAlike(Streets):
     size = 12.0
 
     def embed(self, observations):
-        return self._directions(observations.odometry)[:, None]
+        return self._directions(places_in(observations))[:, None]
 
     def embed_targets(self, prepared):
         return self._directions(prepared)[:, None, None]

@@ -173,7 +173,10 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, wor
 @pytest.mark.parametrize(
     ("command", "lines"),
     [
-        ("experiment", ["meng_table2   --worlds A:B --map --palette --agent --ablation {thr"]),
+        (
+            "experiment",
+            ["meng_table2   --worlds A:B --map --palette --agent --odometry --ablation {thr"],
+        ),
         ("bench", ["raycast\n", "fleet         --worlds A:A+1\n"]),
     ],
 )

@@ -15,7 +15,7 @@ from tutorial_lib.checks.marking import mark
 from tutorial_lib.checks.progress import progress, report
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
-from tutorial_lib.experiments.common.report import Options, parse_worlds
+from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
 from tutorial_lib.experiments.demos.navigation_demo import run_demo
 from tutorial_lib.experiments.registry import BENCHMARKS, EXPERIMENTS
 from tutorial_lib.experiments.results_page.page import write_results
@@ -106,6 +106,9 @@ def _parser() -> argparse.ArgumentParser:
             command.add_argument("--ablation", choices=known, default="")
             command.add_argument("--palette", choices=PALETTES, default=STANDARD)
             command.add_argument("--agent", default="", metavar="FILE.py:CLASS")
+            command.add_argument(
+                "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
+            )
         command.set_defaults(run=_report, table=table)
     results = commands.add_parser("results", help="write the page of results from its JSON files")
     results.set_defaults(run=_results)

@@ -56,6 +56,21 @@ class Observation:
             self.steering[index],
         )
 
+    def pictures(self) -> Observation:
+        """The images, and depth where there is any, without what else was measured there.
+
+        The laser has no reading (not a number, as ROS REP 117 has it); odometry, speed and steering
+        are zero.
+        """
+        return Observation(
+            self.image,
+            self.depth,
+            np.full(np.shape(self.laser), np.nan),
+            np.zeros_like(self.odometry),
+            np.zeros_like(self.speed),
+            np.zeros_like(self.steering),
+        )
+
     @classmethod
     def joined(cls, parts: Sequence[Observation]) -> Observation:
         """The robots of all parts, as one batch; depth only where all have it."""
@@ -70,9 +85,12 @@ class Observation:
 class Goals:
     """Images of where a robot is to go (image-goal navigation); one of several is enough.
 
+    Whatever observations they are made of, only the pictures are kept: the odometry of who took
+    them would lead to the goal. A network that looks at the laser has its scans in the contexts.
+
     Attributes:
-        observations: (G,) what is observed there.
-        contexts: (G, 2k+1, ...) images of each in its context.
+        observations: (G,) the pictures taken there, see `Observation.pictures`.
+        contexts: (G, 2k+1, ...) images of each in its context, as the network's view has them.
 
     Raises:
         InputError: when there is none, or not as many of both.
@@ -87,6 +105,7 @@ class Goals:
                 f"goals: {len(self.observations)} observations, {len(self.contexts)} contexts; "
                 "give as many of both, one at least"
             )
+        object.__setattr__(self, "observations", self.observations.pictures())
 
     def __len__(self) -> int:
         return len(self.contexts)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.made_up_maps import edges_of, numbered, sensed, table_map
+from tests.made_up_maps import edges_of, numbered, places_in, sensed, table_map
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.navigator import MapNavigation, MapTargets
 from tutorial_lib.agents.oracle import OracleNavigation
@@ -87,15 +87,20 @@ class LineController:
         return np.column_stack([np.clip(5 * waypoints[:, 0], -0.5, 0.5), 0 * waypoints[:, 1]])
 
 
+def at_places(*places):
+    """Observations at places on the line."""
+    x = np.array(places, dtype=float)
+    return sensed(np.column_stack([x, 0 * x, 0 * x]))
+
+
 def goals_at(*places):
     """Goal images of places on the line."""
-    x = np.array(places, dtype=float)
-    return Goals(sensed(np.column_stack([x, 0 * x, 0 * x])), np.tile(x[:, None], (1, 3)))
+    return Goals(at_places(*places), np.tile(np.array(places, dtype=float)[:, None], (1, 3)))
 
 
 def line_map(places, reachability):
     topomap, x = TopoMap(reachability), np.array(places, dtype=float)
-    seen, contexts = goals_at(*places).observations, np.tile(x[:, None], (1, 3))
+    seen, contexts = at_places(*places), np.tile(x[:, None], (1, 3))
     number = np.arange(len(x))
     topomap.make_vertices(seen, contexts, number * 1.0, 0 * number, number)
     topomap.paths = [number.tolist()]
@@ -509,7 +514,7 @@ class Similar(LineReachability):
         return super().prepare(contexts)
 
     def probability(self, observations, prepared):
-        return np.clip(1 - np.abs(prepared - observations.odometry[:, 0]) / 50, 0, 1)
+        return np.clip(1 - np.abs(prepared - places_in(observations)[:, 0]) / 50, 0, 1)
 
 
 def sptm(**changed):

@@ -1,7 +1,29 @@
 """Experiments: how trials end, what is counted, and how sure one is of it."""
 
 TABLE2 = "experiments/meng2020/test_table2.py"
+FAIR = "experiments/protocols/test_fair_inputs.py"
 MUTATIONS = [
+    (
+        "robots that navigate have exact odometry",
+        "experiments/protocols/navigation.py",
+        "odometry = building.odometry.noise(NAVIGATING)",
+        "odometry = None",
+        f"{FAIR} -k true_poses",
+    ),
+    (
+        "recorded odometry is exact",
+        "experiments/protocols/navigation_tasks.py",
+        "odometry.noise(RECORDING)",
+        "Odometry(drifts=False).noise(RECORDING)",
+        f"{FAIR} -k true_poses",
+    ),
+    (
+        "a robot navigates with the drift that it had while recording",
+        "experiments/protocols/odometry.py",
+        "DriftingOdometry(*self.seed, use)",
+        "DriftingOdometry(*self.seed)",
+        f"{FAIR} -k seed",
+    ),
     (
         "an edge is a wormhole at half the length",
         "experiments/protocols/navigation.py",

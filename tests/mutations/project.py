@@ -2,6 +2,20 @@
 
 MUTATIONS = [
     (
+        "a goal comes with the odometry of who took it",
+        "interfaces.py",
+        "np.zeros_like(self.odometry),",
+        "self.odometry,",
+        "test_interfaces.py",
+    ),
+    (
+        "a goal comes with a laser scan",
+        "interfaces.py",
+        "np.full(np.shape(self.laser), np.nan),",
+        "self.laser,",
+        "test_interfaces.py",
+    ),
+    (
         "a turn counts half in the size of a motion",
         "geometry.py",
         "np.sqrt(2 * heading**2",

@@ -51,6 +51,20 @@ MUTATIONS = [
         "world/test_simulation.py",
     ),
     (
+        "robots of a fleet share one stream of odometry noise",
+        "world/noise.py",
+        "[np.random.default_rng(one) for one in self._seed.spawn(count)]",
+        "[np.random.default_rng(self._seed)] * count",
+        "world/test_noise.py",
+    ),
+    (
+        "odometry repeats its errors",
+        "world/noise.py",
+        "self._noise[self._row - 1])",
+        "self._noise[0])",
+        "world/test_noise.py",
+    ),
+    (
         "the heading drifts in proportion to the distance",
         "world/noise.py",
         "self.drift * np.sqrt(length)",

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.made_up_maps import Streets, Table, numbered, sensed, table_map
+from tests.made_up_maps import Streets, Table, numbered, places_in, sensed, table_map
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Goals, Localizer, Plan, Planner
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -226,7 +226,7 @@ def test_a_localizer_that_returns_no_probabilities_is_named(belief):
 def test_only_candidates_are_queried():
     class Alike(Streets):
         def embed(self, observations):
-            x = observations.odometry[:, 0] / 40
+            x = places_in(observations)[:, 0] / 40
             return np.column_stack([np.cos(x), np.sin(x)]).astype(np.float32)[:, None]
 
     topomap = TopoMap(Alike())

@@ -85,9 +85,9 @@ class Simulation:
             body: their model, a `BicycleCar` unless given.
             people: people and obstacles.
             control_noise: sigma of `scale_controls`.
-            odometry_noise: exact odometry unless given.
+            odometry_noise: exact odometry unless given; experiments give `DriftingOdometry`.
             sensors: camera and laser.
-            rng: needed when there is noise.
+            rng: needed when there is noise, but for that of `DriftingOdometry`.
 
         Raises:
             InputError: when a robot would start inside a wall, or there is noise and no `rng`.
@@ -101,7 +101,7 @@ class Simulation:
         self._control_noise = control_noise
         if not control_noise >= 0:
             raise InputError(f"simulation: control_noise {control_noise}; give a sigma >= 0")
-        if rng is None and (control_noise or odometry_noise is not None):
+        if rng is None and (control_noise or self._odometry_noise.needs_rng):
             raise InputError("simulation: noise needs an rng; give np.random.default_rng(seed)")
         self._rng = rng
         count = len(self.poses)

@@ -22,6 +22,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import relative
 from tutorial_lib.learning.views import CameraView
 from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.noise import DriftingOdometry, NoNoise
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
@@ -108,9 +109,22 @@ def test_nobody_drove_through_a_wall(scene, shown):
         assert np.diff(t.arc_length).max() < 0.081
 
 
-def test_exact_odometry_is_the_pose_since_the_start(shown):
-    for t in shown:
-        assert relative(t.poses[0], t.poses) == pytest.approx(t.odometry, abs=1e-9)
+def drift(trajectory):
+    """Metres by which the odometry is off, at each frame."""
+    exact = relative(trajectory.poses[0], trajectory.poses)
+    return np.linalg.norm(trajectory.odometry[:, :2] - exact[:, :2], axis=1)
+
+
+def test_odometry_is_the_pose_since_the_start_as_wheels_measure_it(scene, shown):
+    exact = demonstrate(WORLD, scene, 12, 3, odometry_noise=NoNoise())
+    other = demonstrate(WORLD, scene, 12, 3, odometry_noise=DriftingOdometry(4))
+    for t, e, o in zip(shown, exact, other, strict=True):
+        assert (t.poses == e.poses).all()
+        assert (t.actions == e.actions).all()
+        assert drift(e).max() < 1e-9
+        assert drift(t)[0] == 0.0
+        assert 0.0 < drift(t)[-1] < 0.25 * t.arc_length[-1]
+        assert (o.odometry[-1] != t.odometry[-1]).all()
         moved = relative(t.poses[:-1], t.poses[1:])
         assert t.speed[1:] == pytest.approx(moved[:, 0] / 0.1, abs=1e-9)
 
@@ -158,7 +172,7 @@ def test_noise_is_in_the_motion_and_not_in_the_actions(scene, shown):
     assert content(demonstrate(WORLD, scene, 12, 3, control_noise=0.33)) == content(noisy)
     for t in noisy:
         assert np.abs(t.actions[:, 1]).max() <= BicycleCar().max_steering
-        assert relative(t.poses[0], t.poses) == pytest.approx(t.odometry, abs=1e-9)
+        assert 0.0 < drift(t)[-1] < 0.25 * t.arc_length[-1]
 
 
 def test_a_world_that_is_too_small_is_refused():
@@ -258,14 +272,24 @@ def test_trajectories_lead_from_given_starts_to_given_goals(scene, shown, trials
     assert {trajectory.seed for trajectory in found} == {77}
 
 
-def test_nothing_about_them_is_random(scene, trials):
+def test_nothing_about_them_is_random_but_the_drift(scene, trials):
     paths = GridPaths(scene.clearance)
-    one, two = (demonstrate_between(WORLD, scene, paths, *trials, seed) for seed in (1, 2))
+    one, two = (
+        demonstrate_between(WORLD, scene, paths, *trials, seed, NoNoise()) for seed in (1, 2)
+    )
     assert content(one) == content(two)
+    one, two = (demonstrate_between(WORLD, scene, paths, *trials, seed) for seed in (1, 2))
+    assert content(one) == content(demonstrate_between(WORLD, scene, paths, *trials, 1))
+    assert (one[1].poses == two[1].poses).all()
+    assert (one[1].odometry[-1] != two[1].odometry[-1]).all()
     for robot in range(2):
         starts, goals = (column[[robot]] for column in trials)
-        (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1)
-        assert content([alone]) == content([one[robot]])
+        (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1, NoNoise())
+        exact = demonstrate_between(WORLD, scene, paths, *trials, 1, NoNoise())[robot]
+        assert content([alone]) == content([exact])
+    starts, goals = (column[[0]] for column in trials)
+    (alone,) = demonstrate_between(WORLD, scene, paths, starts, goals, 1)
+    assert content([alone]) == content([one[0]])
 
 
 def test_a_robot_that_does_not_arrive_leaves_a_gap(monkeypatch):

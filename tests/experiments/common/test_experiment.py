@@ -16,7 +16,9 @@ EVERYTHING = {
     "map": Options(map=Path("depot.yaml")),
     "palette": Options(palette="shifted"),
     "agent": Options(agent="mine.py:Mine"),
+    "odometry": Options(odometry="exact"),
 }
+OPTIONAL = {"map", "palette", "agent", "odometry"}
 
 
 def run(options, settings):
@@ -61,10 +63,11 @@ def test_an_experiment_runs_on_its_worlds_with_its_settings(experiment, options,
     assert 0.0 <= report.seconds < 5.0
 
 
-@pytest.mark.parametrize("name", ["map", "palette", "agent"])
+@pytest.mark.parametrize("name", sorted(OPTIONAL))
 def test_an_option_is_taken_where_it_is_declared_and_refused_elsewhere(name):
-    make(accepts=frozenset({name})).report(EVERYTHING[name])
-    others = frozenset({"map", "palette", "agent"}) - {name}
+    report = make(accepts=frozenset({name})).report(EVERYTHING[name])
+    assert report.notes == ("a note", *(["odometry: exact"] if name == "odometry" else []))
+    others = frozenset(OPTIONAL) - {name}
     with pytest.raises(InputError, match=f"--{name}: trial cannot use it; its options: --worlds"):
         replace(make(accepts=others), run=never).report(EVERYTHING[name])
 
@@ -113,8 +116,8 @@ def test_every_entry_declares_settings_and_worlds_of_its_own(entry):
     assert isinstance(entry.quick_settings, type(entry.settings) | None)
     assert entry.quick_settings != entry.settings
     assert set(entry.quick_worlds) <= set(entry.worlds)
-    assert entry.accepts <= {"map", "palette", "agent"}
-    for name in {"map", "palette", "agent"} - entry.accepts:
+    assert entry.accepts <= OPTIONAL
+    for name in OPTIONAL - entry.accepts:
         with pytest.raises(InputError, match=f"^--{name}: {entry.name} cannot use it"):
             replace(entry, run=never).report(EVERYTHING[name])
 

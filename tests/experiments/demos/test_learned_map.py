@@ -54,7 +54,10 @@ def test_a_map_of_other_networks_settings_or_trajectories_is_learned_again(
 
 
 def test_the_default_demo_comes_with_its_map():
-    """If this fails, the networks have changed: python -m tutorial_lib demo --learn."""
+    """If this fails, networks or odometry have changed: python -m tutorial_lib demo --learn."""
     scene = Scene(generate("apartment", 0))
     building = explored("apartment 0", scene, np.random.default_rng(0), PLACES)
-    assert load_learned(building, agents.meng(), FOLDER) is not None
+    kept = load_learned(building, agents.meng(), FOLDER)
+    assert kept is not None
+    measured = {row.tobytes() for one in building.recorded.trajectories for row in one.odometry}
+    assert {row.tobytes() for row in kept.vertices.observations[kept.alive].odometry} <= measured

@@ -233,7 +233,7 @@ def test_fig_13_counts_vertices_at_even_numbers_of_frames():
 
 
 def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(building):
-    more = fig13.more_trajectories(building, 45, np.random.default_rng(0))
+    more = fig13.more_trajectories(building, 45, np.random.default_rng(0), 0)
     first = building.recorded.poses[building.recorded.first_frames, :2]
     for drive in more.trajectories:
         gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()

@@ -153,3 +153,12 @@ def test_the_same_seed_makes_the_same_tracks(under_way):
     one, two, other = (Trial(under_way, seed).begin().go(10).tracks for seed in (0, 0, 1))
     assert np.array_equal(one, two)
     assert not np.array_equal(one, other)
+
+
+@pytest.mark.parametrize("origin", [[90.0, -40.0, 2.0], [0.0, 0.0, -3.0]])
+def test_only_motions_by_odometry_matter_and_not_where_it_began(under_way, origin):
+    one, elsewhere = Trial(under_way).begin(), Trial(under_way).begin()
+    elsewhere.simulation.odometry = np.tile(origin, (len(elsewhere.simulation), 1))
+    first, second = (np.stack(trial.go(20).tracks) for trial in (one, elsewhere))
+    assert first[-1] == pytest.approx(second[-1], abs=1e-6)
+    assert (one.follower.log().state == elsewhere.follower.log().state).all()

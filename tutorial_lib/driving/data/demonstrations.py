@@ -25,6 +25,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller, Observation, Robots
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.noise import DriftingOdometry, OdometryNoise
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, Sensors, Simulation
@@ -44,6 +45,7 @@ def demonstrate(
     seed: int,
     controller: Controller | None = None,
     control_noise: float = 0.0,
+    odometry_noise: OdometryNoise | None = None,
 ) -> list[Trajectory]:
     """Drive a fleet along geodesics between random places, and record it.
 
@@ -54,6 +56,7 @@ def demonstrate(
         seed: of starts, goals and noise.
         controller: drives to the waypoints; `PARKING` unless given.
         control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
+        odometry_noise: of the recorded odometry; it drifts, after the seed, unless given.
 
     Returns:
         At most `count` trajectories, those that arrived; each ends a step before its goal counts as
@@ -65,14 +68,21 @@ def demonstrate(
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
     starts, goals, limit = _starts_and_goals(scene, paths, count, rng)
-    simulation = _fleet(scene, starts, control_noise, rng)
+    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
+    simulation = _fleet(scene, starts, odometry, control_noise, rng)
     oracle = OraclePolicy(simulation, paths, goals, controller)
     found = _recorded(world, seed, oracle, limit)
     return [one for one in found if one is not None and len(one) >= SHORTEST]
 
 
 def demonstrate_between(
-    world: str, scene: Scene, paths: GridPaths, starts: Array, goals: Array, seed: int
+    world: str,
+    scene: Scene,
+    paths: GridPaths,
+    starts: Array,
+    goals: Array,
+    seed: int,
+    odometry_noise: OdometryNoise | None = None,
 ) -> list[Trajectory | None]:
     """Drive from given poses to given places, and record it.
 
@@ -82,7 +92,9 @@ def demonstrate_between(
         paths: its geodesics.
         starts: (N, 3) poses.
         goals: (N, 2) metres.
-        seed: to put on the trajectories; nothing here is random.
+        seed: to put on the trajectories, and of the drift of the recorded odometry; nothing else
+            is random.
+        odometry_noise: of the recorded odometry; it drifts, after the seed, unless given.
 
     Returns:
         N trajectories as from `demonstrate`, None for a car that did not arrive.
@@ -90,7 +102,8 @@ def demonstrate_between(
     Raises:
         InputError: when no path leads from a start to its goal.
     """
-    simulation = _fleet(scene, starts, 0.0, None)
+    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
+    simulation = _fleet(scene, starts, odometry)
     limit = geodesic_limit(paths, starts, goals)
     return _recorded(world, seed, OraclePolicy(simulation, paths, goals), limit)
 
@@ -164,11 +177,22 @@ def _is_recorded(path: Path, world: str, seed: int) -> bool:
 
 
 def _fleet(
-    scene: Scene, starts: Array, control_noise: float, rng: np.random.Generator | None
+    scene: Scene,
+    starts: Array,
+    odometry: OdometryNoise,
+    control_noise: float = 0.0,
+    rng: np.random.Generator | None = None,
 ) -> Simulation:
     """Images are rendered on load; the controllers need only the laser."""
     sensors = Sensors(camera=None)
-    return Simulation(scene, starts, control_noise=control_noise, sensors=sensors, rng=rng)
+    return Simulation(
+        scene,
+        starts,
+        control_noise=control_noise,
+        odometry_noise=odometry,
+        sensors=sensors,
+        rng=rng,
+    )
 
 
 def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list[Trajectory | None]:

@@ -12,6 +12,8 @@ from tutorial_lib.experiments.common.report import Options, Report, Rows
 
 STANDARD = "standard"
 """The palette unless another one is given."""
+OPTIONAL = ("map", "palette", "agent", "odometry")
+"""Options that only some experiments take."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class Experiment:
         quick_worlds: the same for a quick run; `worlds` unless given.
         settings: a dataclass of the experiment's own.
         quick_settings: the same for a quick run; `settings` unless given.
-        accepts: which of "map", "palette" and "agent" it takes.
+        accepts: which of "map", "palette", "agent" and "odometry" it takes.
         ablations: other experiments that run in its place, by name.
     """
 
@@ -59,6 +61,7 @@ class Experiment:
             settings = settings if self.quick_settings is None else self.quick_settings
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         rows, notes = self.run(replace(options, worlds=worlds), settings)
+        notes = [*notes, *([] if options.drifts else [f"odometry: {options.odometry}"])]
         took = time.perf_counter() - begun
         return Report(
             self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
@@ -68,7 +71,7 @@ class Experiment:
         """Which options it takes, to read; every experiment takes --seed, --quick and --json."""
         seeds = "A:B" if len(self.worlds) > 1 else "A:A+1"
         worlds = (f"--worlds {seeds}",) if self.worlds else ()
-        others = tuple(f"--{name}" for name in ("map", "palette", "agent") if name in self.accepts)
+        others = tuple(f"--{name}" for name in OPTIONAL if name in self.accepts)
         ablations = (f"--ablation {{{','.join(self.ablations)}}}",) if self.ablations else ()
         return worlds + others + ablations
 
@@ -80,6 +83,7 @@ class Experiment:
             "map": options.map is not None,
             "palette": options.palette != STANDARD,
             "agent": bool(options.agent),
+            "odometry": not options.drifts,
         }
         for name, is_given in given.items():
             if is_given and name not in self.accepts:

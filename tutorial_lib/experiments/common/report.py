@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+DRIFTING, EXACT = ODOMETRY = ("drifting", "exact")
+"""The wheel odometry of robots, see `world.noise.WheelOdometry`."""
 Rows = list[dict[str, Any]]
 """One for each line of the table; all have the same keys."""
 
@@ -24,6 +26,7 @@ class Options:
         ablation: to run instead of the experiment itself.
         palette: of generated worlds.
         agent: FILE.py:CLASS of an agent, or of a component of one, to compare with the others.
+        odometry: one of `ODOMETRY`.
     """
 
     worlds: tuple[int, ...] = ()
@@ -33,6 +36,12 @@ class Options:
     ablation: str = ""
     palette: str = "standard"
     agent: str = ""
+    odometry: str = DRIFTING
+
+    @property
+    def drifts(self) -> bool:
+        """Whether the robots' odometry does."""
+        return self.odometry == DRIFTING
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     explored,
 )
+from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
@@ -55,7 +56,8 @@ def choose_task(scene: Scene, seed: int, places: int, say: Say = silent) -> Task
     """Explore a scene, and choose the trial that leads `ROOMS_AWAY` rooms away, or as nearly."""
     name = f"{scene.plan.family} {scene.plan.seed}"
     say("recording trajectories between the places of the building")
-    building = explored(name, scene, np.random.default_rng(seed), places)
+    odometry = Odometry(seed=(seed,))
+    building = explored(name, scene, np.random.default_rng(seed), places, odometry)
     say("choosing a start and a goal image")
     drawn = draw_trials(building, _TRIALS, np.random.default_rng(seed))
     trial, rooms, away = farthest(building, drawn)

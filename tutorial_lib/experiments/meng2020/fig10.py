@@ -55,7 +55,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[float, dict[str, Array]]:
     """One world: the outcome of each trial for each share of the trajectories."""
-    building = make_building(world, options.seed, settings.places)
+    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 1])
     trials = draw_trials(building, settings.trials, rng)
     goals = goals_of(trials, VIEWS["camera16"], K)
@@ -100,5 +100,11 @@ def _row(share: float, parts: list[dict[str, Array]]) -> dict[str, Any]:
 
 
 EXPERIMENT = Experiment(
-    "meng_fig10", run, WORLDS, WORLDS[:3], Settings(), quick_settings=Settings(trials=20)
+    "meng_fig10",
+    run,
+    WORLDS,
+    WORLDS[:3],
+    Settings(),
+    quick_settings=Settings(trials=20),
+    accepts=frozenset({"odometry"}),
 )

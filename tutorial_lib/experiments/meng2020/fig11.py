@@ -49,7 +49,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """
     use_threads(2)
     world = options.worlds[0]
-    building = make_building(world, options.seed, settings.places)
+    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 7])
     pairs = building.pairs
     kept = np.sort(rng.permutation(len(pairs))[: round(settings.share * len(pairs))])
@@ -92,4 +92,6 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, [note]
 
 
-EXPERIMENT = Experiment("meng_fig11", run, WORLDS[:1], settings=Settings())
+EXPERIMENT = Experiment(
+    "meng_fig11", run, WORLDS[:1], settings=Settings(), accepts=frozenset({"odometry"})
+)

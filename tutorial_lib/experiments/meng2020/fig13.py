@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     long_enough,
     make_building,
 )
+from tutorial_lib.experiments.protocols.odometry import RECORDING
 from tutorial_lib.interfaces import Experience
 from tutorial_lib.parallel import for_each
 
@@ -59,11 +60,11 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> Rows:
     """The rows of one world."""
-    building = make_building(world, options.seed, settings.places)
+    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 5])
     agent, frames, rows, clock = agents.meng(), 0, [], 0.0
     while frames < settings.frames:
-        recorded = more_trajectories(building, settings.at_once, rng)
+        recorded = more_trajectories(building, settings.at_once, rng, frames)
         for index, trajectory in enumerate(recorded.trajectories):
             observations = recorded.observe(recorded.frames_of(index))
             agent.learn([Experience(observations, clock + trajectory.timestamps)])
@@ -76,14 +77,28 @@ def run_world(world: int, options: Options, settings: Settings) -> Rows:
     return rows
 
 
-def more_trajectories(building: Building, count: int, rng: np.random.Generator) -> RecordedWorld:
-    """Record up to `count` more trajectories between the places, from perturbed starts."""
+def more_trajectories(
+    building: Building, count: int, rng: np.random.Generator, frames: int
+) -> RecordedWorld:
+    """Record up to `count` more trajectories between the places, from perturbed starts.
+
+    Their odometry drifts differently after each number of `frames` recorded before.
+    """
     chosen = rng.integers(len(building.pairs), size=count)
     first = building.recorded.first_frames[chosen]
     poses = building.recorded.poses[first]
     starts, _ = perturbed(building.scene, poses, PAPER_PERTURBATION, rng)
     goals = building.places[building.pairs[chosen, 1]]
-    made = demonstrate_between(building.name, building.scene, building.paths, starts, goals, 0)
+    odometry = replace(building.odometry, seed=(*building.odometry.seed, frames))
+    made = demonstrate_between(
+        building.name,
+        building.scene,
+        building.paths,
+        starts,
+        goals,
+        0,
+        odometry.noise(RECORDING),
+    )
     return RecordedWorld(building.scene, [part for part in made if long_enough(part)])
 
 
@@ -104,5 +119,11 @@ def _row(world: int, frames: int, agent: Any) -> dict[str, Any]:  # noqa: ANN401
 
 
 EXPERIMENT = Experiment(
-    "meng_fig13", run, WORLDS, WORLDS[:2], Settings(), quick_settings=Settings(frames=20_000)
+    "meng_fig13",
+    run,
+    WORLDS,
+    WORLDS[:2],
+    Settings(),
+    quick_settings=Settings(frames=20_000),
+    accepts=frozenset({"odometry"}),
 )

@@ -12,6 +12,7 @@ from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import in_points, measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import NOISE, WORLDS
+from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.sparsify import every_nth, stored_frames
@@ -62,7 +63,7 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[Key, dic
     indices = range(len(recorded.trajectories))
     found: dict[Key, dict[str, Array]] = {}
     for context in settings.contexts:
-        guide = Guide(recorded, context)
+        guide = Guide(recorded, context, Odometry(options.drifts, (options.seed, world)))
         choices = {("meng", p): [guide.anchors(i, p) for i in indices] for p in settings.thresholds}
         ours = list(choices)
         for n in settings.intervals:
@@ -180,4 +181,6 @@ def _between(
     return measured_over_worlds(gap, world, *columns)
 
 
-EXPERIMENT = Experiment("meng_fig7", run, WORLDS, WORLDS[:4], Settings(), QUICK)
+EXPERIMENT = Experiment(
+    "meng_fig7", run, WORLDS, WORLDS[:4], Settings(), QUICK, accepts=frozenset({"odometry"})
+)

@@ -31,7 +31,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[str, Any]:
     """The row of one world: poses (V, 3) and trajectories (V,) of the vertices, and the edges."""
-    building, agent = make_building(world, options.seed, settings.places), agents.meng()
+    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
+    agent = agents.meng()
     agent.learn(list(experiences(building)))
     topomap = agent.topomap
     return {
@@ -47,4 +48,6 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, Any
     }
 
 
-EXPERIMENT = Experiment("meng_fig8", run, WORLDS[:3], settings=Settings())
+EXPERIMENT = Experiment(
+    "meng_fig8", run, WORLDS[:3], settings=Settings(), accepts=frozenset({"odometry"})
+)

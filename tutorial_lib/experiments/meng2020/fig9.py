@@ -66,7 +66,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> Array:
     """In one world, (2, N): the probability of each plan, and whether the rollout succeeded."""
-    building = make_building(world, options.seed, settings.places)
+    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     agent = agents.meng(planner=PERMISSIVE, replans=0)
     agent.learn(list(experiences(building)))
     rng = np.random.default_rng([options.seed, world, 4])
@@ -104,5 +104,10 @@ def _rows(calibrated: bool, probability: Array, success: Array) -> Rows:
 
 
 EXPERIMENT = Experiment(
-    "meng_fig9", run, WORLDS, settings=Settings(), quick_settings=Settings(trials=50)
+    "meng_fig9",
+    run,
+    WORLDS,
+    settings=Settings(),
+    quick_settings=Settings(trials=50),
+    accepts=frozenset({"odometry"}),
 )

@@ -71,7 +71,9 @@ def run_world(
         options: of the run.
         settings: of the run.
     """
-    building = make_building(place, options.seed, settings.places, options.palette)
+    building = make_building(
+        place, options.seed, settings.places, options.palette, drifts=options.drifts
+    )
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
     trials = draw_trials(building, settings.trials, np.random.default_rng(seeds))
     entries: dict[str, Agent] = {
@@ -145,6 +147,6 @@ EXPERIMENT = Experiment(
     WORLDS[:3],
     Settings(),
     quick_settings=Settings(places=6, trials=40),
-    accepts=frozenset({"map", "palette", "agent"}),
+    accepts=frozenset({"map", "palette", "agent", "odometry"}),
     ablations={"thresholds": table2_thresholds.EXPERIMENT},
 )

@@ -49,7 +49,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[Key, Result]:
     """All variants in one world, on the same trials."""
-    building = make_building(world, options.seed, settings.places)
+    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 1])
     trials = draw_trials(building, settings.trials, rng)
     found: dict[Key, Result] = {}
@@ -96,4 +96,5 @@ EXPERIMENT = Experiment(
     WORLDS,
     settings=Settings(),
     quick_settings=Settings(trials=10),
+    accepts=frozenset({"odometry"}),
 )

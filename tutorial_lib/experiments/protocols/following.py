@@ -15,6 +15,7 @@ from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import SLOWEST, covered
 from tutorial_lib.driving.rollouts import ReachGoals, rollout
+from tutorial_lib.experiments.protocols.odometry import NAVIGATING, USUAL, Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Policy, Robots
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
@@ -72,10 +73,12 @@ class Guide:
     Attributes:
         recorded: the trajectories.
         context: one of `WEIGHTS`.
+        odometry: of the robots that follow, with the same drift each time.
     """
 
     recorded: RecordedWorld
     context: str
+    odometry: Odometry = USUAL
 
     @cached_property
     def predictor(self) -> WaypointNetwork:
@@ -135,6 +138,7 @@ class Guide:
             recorded.poses[ends[:, 0]],
             people=people,
             control_noise=noise,
+            odometry_noise=self.odometry.noise(NAVIGATING),
             rng=rng,
         )
         length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.rollouts import Record, rollout
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
+from tutorial_lib.experiments.protocols.odometry import NAVIGATING
 from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation
 from tutorial_lib.learning.views import VIEWS, View
@@ -109,8 +110,12 @@ def navigate(
     people: Sequence[Person] = (),
     record: Record | None = None,
 ) -> Outcome:
-    """Run all trials at once, each for at most `TIMES` the oracle's time and `GRACE` seconds."""
-    simulation = Simulation(building.scene, trials.starts, people=people)
+    """Run all trials at once, each for at most `TIMES` the oracle's time and `GRACE` seconds.
+
+    The robots have the building's odometry, with the same drift each time.
+    """
+    odometry = building.odometry.noise(NAVIGATING)
+    simulation = Simulation(building.scene, trials.starts, people=people, odometry_noise=odometry)
     navigation, goals = start(simulation), trials.goal_poses
     ends = NavigationEnds(navigation, TIMES * trials.seconds + GRACE)
     found = rollout(simulation, navigation, ends, record)

@@ -15,6 +15,7 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.protocols.odometry import RECORDING, USUAL, Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.importers import import_map
@@ -47,6 +48,7 @@ class Building:
         places: (P, 2) metres.
         recorded: the trajectories, one for each pair.
         pairs: (D, 2) the places that each trajectory joins.
+        odometry: of the robots that record trajectories and navigate in it.
     """
 
     name: str
@@ -55,6 +57,7 @@ class Building:
     places: Array
     recorded: RecordedWorld
     pairs: NDArray[np.intp]
+    odometry: Odometry = USUAL
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +97,12 @@ class Trials:
 
 
 def make_building(
-    place: int | Path, seed: int, count: int = PLACES, palette: str = "standard"
+    place: int | Path,
+    seed: int,
+    count: int = PLACES,
+    palette: str = "standard",
+    *,
+    drifts: bool = True,
 ) -> Building:
     """Choose places that cover a world, and record a trajectory for each ordered pair of them.
 
@@ -103,6 +111,7 @@ def make_building(
         seed: of everything that is random.
         count: places.
         palette: of a generated world.
+        drifts: whether the robots' odometry does.
 
     Raises:
         InputError: when the world is too small for so many places.
@@ -110,10 +119,18 @@ def make_building(
     generated = not isinstance(place, Path)
     name = map_world(place, palette) if generated else place.name
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
-    return explored(name, scene, np.random.default_rng([seed, place if generated else 0]), count)
+    seeds = (seed, place if generated else 0)
+    rng, odometry = np.random.default_rng(seeds), Odometry(drifts, seeds)
+    return explored(name, scene, rng, count, odometry)
 
 
-def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLACES) -> Building:
+def explored(
+    name: str,
+    scene: Scene,
+    rng: np.random.Generator,
+    count: int = PLACES,
+    odometry: Odometry = USUAL,
+) -> Building:
     """Choose places that cover a scene, and record a trajectory for each ordered pair of them.
 
     Raises:
@@ -123,14 +140,15 @@ def explored(name: str, scene: Scene, rng: np.random.Generator, count: int = PLA
     places = spread_places(paths, count, rng)
     pairs = np.array(list(permutations(range(count), 2)))
     starts = facing(scene, paths, places, pairs)
-    trajectories = demonstrate_between(name, scene, paths, starts, places[pairs[:, 1]], 0)
+    goals, noise = places[pairs[:, 1]], odometry.noise(RECORDING)
+    trajectories = demonstrate_between(name, scene, paths, starts, goals, 0, noise)
     kept = [i for i, one in enumerate(trajectories) if long_enough(one)]
     if not kept:
         raise InputError(
             f"{name}: no trajectory between any two of {count} places; give a larger map"
         )
     recorded = RecordedWorld(scene, [trajectories[i] for i in kept])
-    return Building(name, scene, paths, places, recorded, pairs[kept])
+    return Building(name, scene, paths, places, recorded, pairs[kept], odometry)
 
 
 def draw_trials(building: Building, count: int, rng: np.random.Generator) -> Trials:

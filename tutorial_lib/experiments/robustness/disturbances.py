@@ -16,6 +16,7 @@ from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
+from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.geometry import Array, compose
 from tutorial_lib.interfaces import Robots
 from tutorial_lib.parallel import for_each
@@ -68,7 +69,8 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, dic
     """
     rng = np.random.default_rng([options.seed, world])
     recorded = trajectories(world, settings.trajectories, rng)
-    guide = Guide(recorded, settings.context)
+    odometry = Odometry(options.drifts, (options.seed, world))
+    guide = Guide(recorded, settings.context, odometry)
     paths = [guide.anchors(i, settings.threshold) for i in range(len(recorded.trajectories))]
     ends = np.array([(path[0], path[-1]) for path in paths])
     length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
@@ -225,5 +227,11 @@ def _mean(column: Array) -> float:
 
 
 EXPERIMENT = Experiment(
-    "disturbances", run, WORLDS, WORLDS[:4], Settings(), quick_settings=Settings(trajectories=4)
+    "disturbances",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(),
+    quick_settings=Settings(trajectories=4),
+    accepts=frozenset({"odometry"}),
 )

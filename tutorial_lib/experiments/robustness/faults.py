@@ -60,7 +60,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
     """One world: for each fault, columns (N,) of the outcomes."""
     seed, count = options.seed, settings.trials
-    building, agent = make_building(world, seed, settings.places), agents.meng()
+    building = make_building(world, seed, settings.places, drifts=options.drifts)
+    agent = agents.meng()
     agent.learn(list(experiences(building)))
     trials = draw_trials(building, 3 * count, np.random.default_rng([seed, world, 2]))
     elsewhere = make_building(abs(world - _ELSEWHERE), seed, settings.places)
@@ -178,5 +179,11 @@ def _mean(column: Array) -> float:
 
 
 EXPERIMENT = Experiment(
-    "faults", run, WORLDS, WORLDS[:3], Settings(), quick_settings=Settings(trials=20)
+    "faults",
+    run,
+    WORLDS,
+    WORLDS[:3],
+    Settings(),
+    quick_settings=Settings(trials=20),
+    accepts=frozenset({"odometry"}),
 )
