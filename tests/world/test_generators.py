@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import distance_to_segments, to_local
-from tutorial_lib.world.generators import AREAS, FAMILIES, HALL_AREAS, generate
+from tutorial_lib.world.generators import FAMILIES, area_limits, generate
 from tutorial_lib.world.generators.furniture import FURNISHING, SIZES
 from tutorial_lib.world.generators.palette import COLOURS, FEATURES, FURNITURE, WALLS
 from tutorial_lib.world.generators.rectilinear import DoesNotFit, inset, outline_of
@@ -94,13 +94,9 @@ def assert_drivable(plan):
         assert inside(room.outline, floor).sum() * 0.05**2 >= 1.0
 
 
-def areas_of(family, size="any"):
-    return (HALL_AREAS if family == "hall" else AREAS)[size]
-
-
 @every_plan
 def test_area(family, seed):
-    least, most = areas_of(family)
+    least, most = area_limits(family)
     assert least <= cached(family, seed).area <= most
 
 
@@ -375,7 +371,7 @@ def test_json_round_trip(family):
 @settings(max_examples=12, deadline=None, derandomize=True)
 def test_any_seed(family, seed):
     plan = generate(family, seed)
-    least, most = areas_of(family)
+    least, most = area_limits(family)
     assert least <= plan.area <= most
     check_closed(plan)
     assert_drivable(plan)
@@ -434,7 +430,7 @@ def test_outline_refuses_holes_and_pieces(rects):
 @pytest.mark.parametrize("seed", [7])
 def test_large_plans_are_large_and_as_good(family, seed):
     plan = generate(family, seed, size="large")
-    least, most = areas_of(family, "large")
+    least, most = area_limits(family, "large")
     assert least <= plan.area <= most
     check_closed(plan)
     assert_drivable(plan)

@@ -12,7 +12,7 @@ from tutorial_lib.experiments.common.report import Options, Report, Rows
 
 STANDARD = "standard"
 """The palette unless another one is given."""
-OPTIONAL = ("map", "palette", "agent", "odometry")
+OPTIONAL = ("map", "palette", "family", "agent", "odometry")
 """Options that only some experiments take."""
 
 
@@ -29,7 +29,7 @@ class Experiment:
         quick_worlds: the same for a quick run; `worlds` unless given.
         settings: a dataclass of the experiment's own.
         quick_settings: the same for a quick run; `settings` unless given.
-        accepts: which of "map", "palette", "agent" and "odometry" it takes.
+        accepts: which of `OPTIONAL` it takes.
         ablations: other experiments that run in its place, by name.
     """
 
@@ -61,7 +61,8 @@ class Experiment:
             settings = settings if self.quick_settings is None else self.quick_settings
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         rows, notes = self.run(replace(options, worlds=worlds), settings)
-        notes = [*notes, *([] if options.drifts else [f"odometry: {options.odometry}"])]
+        changed = {"odometry": "" if options.drifts else options.odometry, "family": options.family}
+        notes = [*notes, *(f"{name}: {value}" for name, value in changed.items() if value)]
         took = time.perf_counter() - begun
         return Report(
             self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
@@ -82,6 +83,7 @@ class Experiment:
         given = {
             "map": options.map is not None,
             "palette": options.palette != STANDARD,
+            "family": bool(options.family),
             "agent": bool(options.agent),
             "odometry": not options.drifts,
         }
@@ -91,8 +93,9 @@ class Experiment:
                 raise InputError(f"--{name}: {self.name} cannot use it; its options: {known}")
         if options.map is not None and options.worlds:
             raise InputError("--map: replaces the generated worlds; leave out --worlds")
-        if options.map is not None and given["palette"]:
-            raise InputError("--palette: is that of generated worlds; leave out --map")
+        for name in ("palette", "family"):
+            if options.map is not None and given[name]:
+                raise InputError(f"--{name}: is that of generated worlds; leave out --map")
         if options.worlds and not self.worlds:
             raise InputError(f"--worlds: {self.name} runs in no world; leave it out")
         if len(options.worlds) > len(self.worlds) == 1:

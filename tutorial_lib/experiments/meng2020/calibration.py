@@ -49,9 +49,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     names = settings.estimators
     controllers = tuple(dict.fromkeys(name for name in names if name in CONTROLLERS))
     bounds = {name: fitted(name) for name in controllers}
-    found = for_each(
-        examine, options.worlds, names, bounds, settings.sizes, options.seed, label="calibration"
-    )
+    given = (names, bounds, settings.sizes, options.seed, options.family)
+    found = for_each(examine, options.worlds, *given, label="calibration")
     rows = [_row(name, [world[name] for world in found]) for name in names]
     rows.append(_geometry_row([world["k2"] for world in found], rows[names.index("k2")]))
     note = (
@@ -127,5 +126,6 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     QUICK,
+    accepts=frozenset({"family"}),
     ablations={"audit": calibration_audit.EXPERIMENT},
 )

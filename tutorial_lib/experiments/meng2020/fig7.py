@@ -59,7 +59,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 def run_world(world: int, options: Options, settings: Settings) -> dict[Key, dict[str, Array]]:
     """Every choice of anchors in one world; each value is (M,) over its trajectories."""
     rng = np.random.default_rng([options.seed, world])
-    recorded = trajectories(world, settings.trajectories, rng)
+    recorded = trajectories(world, settings.trajectories, rng, options.family)
     indices = range(len(recorded.trajectories))
     found: dict[Key, dict[str, Array]] = {}
     for context in settings.contexts:
@@ -182,5 +182,11 @@ def _between(
 
 
 EXPERIMENT = Experiment(
-    "meng_fig7", run, WORLDS, WORLDS[:4], Settings(), QUICK, accepts=frozenset({"odometry"})
+    "meng_fig7",
+    run,
+    WORLDS,
+    WORLDS[:4],
+    Settings(),
+    QUICK,
+    accepts=frozenset({"family", "odometry"}),
 )

@@ -60,21 +60,21 @@ def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
     count = settings.episodes
     if options.map is not None:
         places, count = [options.map], settings.map_episodes
-    results = _joined(for_each(run_world, places, count, options.seed, label="meng_table1"))
+    results = _joined(for_each(run_world, places, count, options, label="meng_table1"))
     return [_row(results, *key) for key in results], _notes(results)
 
 
-def run_world(place: Any, count: int, seed: int) -> Results:  # noqa: ANN401 - a seed or a file
+def run_world(place: Any, count: int, options: Options) -> Results:  # noqa: ANN401
     """Run every controller under every condition in one world.
 
     Args:
         place: seed of a generated world, or a map's file.
         count: episodes.
-        seed: of trajectories, episodes and noise.
+        options: have the seed of trajectories, episodes and noise.
     """
     found: Results = {}
-    factories = controllers(seeds_of(place, seed))
-    for name, condition in conditions(place, count, seed).items():
+    factories = controllers(seeds_of(place, options.seed))
+    for name, condition in conditions(place, count, options.seed, options.family).items():
         for controller, factory in factories.items():
             found[controller, name] = attempt(condition, factory)
     return found
@@ -138,6 +138,6 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
-    accepts=frozenset({"map"}),
+    accepts=frozenset({"map", "family"}),
     ablations=table1_ablations.EXPERIMENTS,
 )

@@ -9,7 +9,7 @@ import numpy as np
 
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_thresholds
@@ -72,7 +72,12 @@ def run_world(
         settings: of the run.
     """
     building = make_building(
-        place, options.seed, settings.places, options.palette, drifts=options.drifts
+        place,
+        options.seed,
+        settings.places,
+        options.palette,
+        drifts=options.drifts,
+        family=options.family,
     )
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
     trials = draw_trials(building, settings.trials, np.random.default_rng(seeds))
@@ -147,6 +152,6 @@ EXPERIMENT = Experiment(
     WORLDS[:3],
     Settings(),
     quick_settings=Settings(places=6, trials=40),
-    accepts=frozenset({"map", "palette", "agent", "odometry"}),
+    accepts=frozenset(OPTIONAL),
     ablations={"thresholds": table2_thresholds.EXPERIMENT},
 )

@@ -48,12 +48,14 @@ _SHORTEST = 10.0
 _BUDGET = 2.0  # times the time of the slowest rollout
 
 
-def trajectories(seed: int, count: int, rng: np.random.Generator) -> RecordedWorld:
+def trajectories(
+    seed: int, count: int, rng: np.random.Generator, family: str = ""
+) -> RecordedWorld:
     """A world with `count` recorded trajectories of about `LENGTH` metres on average.
 
     They begin once the cars are under way. There are fewer where fewer are 10 m long.
     """
-    name = local_world(seed)
+    name = local_world(seed, family=family)
     scene = scene_of(name)
     whole = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
     moved = [one.since(UNDER_WAY) for one in whole if one.arc_length[-1] > 2 * UNDER_WAY]

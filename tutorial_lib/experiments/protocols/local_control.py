@@ -75,12 +75,17 @@ class Condition:
         return matched
 
 
-def conditions(place: Any, count: int, seed: int) -> dict[str, Condition]:  # noqa: ANN401
+def conditions(
+    place: Any,  # noqa: ANN401
+    count: int,
+    seed: int,
+    family: str = "",
+) -> dict[str, Condition]:
     """The conditions of one world; shifted colours only where a world is generated.
 
     Episodes with obstacles are drawn from those that are long enough and leave room to pass.
     """
-    recorded, paths, rng = _explored(place, seed)
+    recorded, paths, rng = _explored(place, seed, family)
     episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
     found = {
         "clean": Condition(episodes, [], seed=seeds),
@@ -91,7 +96,7 @@ def conditions(place: Any, count: int, seed: int) -> dict[str, Condition]:  # no
     if len(blocked):
         found["obstacles"] = Condition(blocked, obstacles, seed=seeds)
     if isinstance(place, int):
-        scene = scene_of(local_world(place, "shifted"))
+        scene = scene_of(local_world(place, "shifted", family))
         shifted = RecordedWorld(scene, recorded.trajectories)
         found["shifted"] = Condition(episodes.within(shifted), [], seed=seeds)
     return found
@@ -108,10 +113,14 @@ def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
     return seed, place if isinstance(place, int) else 0
 
 
-def _explored(place: Any, seed: int) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:  # noqa: ANN401
+def _explored(
+    place: Any,  # noqa: ANN401
+    seed: int,
+    family: str = "",
+) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:
     """A world with recorded trajectories, its geodesics, and the generator for all else."""
     generated = isinstance(place, int)
-    name = local_world(place) if generated else str(place)
+    name = local_world(place, family=family) if generated else str(place)
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
     rng = np.random.default_rng(seeds_of(place, seed))
     trajectories = demonstrate(name, scene, CARS, int(rng.integers(2**31)))

@@ -103,6 +103,7 @@ def make_building(
     palette: str = "standard",
     *,
     drifts: bool = True,
+    family: str = "",
 ) -> Building:
     """Choose places that cover a world, and record a trajectory for each ordered pair of them.
 
@@ -112,12 +113,13 @@ def make_building(
         count: places.
         palette: of a generated world.
         drifts: whether the robots' odometry does.
+        family: of a generated world; that of its seed unless given.
 
     Raises:
         InputError: when the world is too small for so many places.
     """
     generated = not isinstance(place, Path)
-    name = map_world(place, palette) if generated else place.name
+    name = map_world(place, palette, family) if generated else place.name
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
     seeds = (seed, place if generated else 0)
     rng, odometry = np.random.default_rng(seeds), Odometry(drifts, seeds)

@@ -55,11 +55,16 @@ class Sizes:
 
 
 def examine(
-    world: int, names: tuple[str, ...], bounds: dict[str, Any], sizes: Sizes, seed: int
+    world: int,
+    names: tuple[str, ...],
+    bounds: dict[str, Any],
+    sizes: Sizes,
+    seed: int,
+    family: str = "",
 ) -> dict[str, dict[str, Array]]:
     """Predictions of each estimator in one world, and the outcomes; arrays by name."""
     rng = np.random.default_rng([seed, world])
-    name = local_world(world)
+    name = local_world(world, family=family)
     scene = scene_of(name)
     recorded = RecordedWorld(scene, demonstrate(name, scene, _CARS, int(rng.integers(2**31))))
     paths = GridPaths(scene.clearance)

@@ -46,6 +46,11 @@ _WITHIN = (10.0, -30.0)
 """Margins in square metres by which the area aimed at keeps within these limits."""
 
 
+def area_limits(family: str, size: str = "any") -> tuple[float, float]:
+    """Least and greatest square metres of all rooms of a plan together."""
+    return (HALL_AREAS if family == "hall" else AREAS)[size]
+
+
 def generate(
     family: str, seed: int, palette: str = "standard", size: str = "any", signs: str = "plain"
 ) -> FloorPlan:
@@ -78,7 +83,7 @@ def _drawn(family: str, seed: int, palette: str, size: str) -> FloorPlan:
     """A plan of rooms and doors, furnished and in colour."""
     stream = [FAMILIES.index(family), seed]
     rng = np.random.default_rng(stream)
-    least, most = (HALL_AREAS if family == "hall" else AREAS)[size]
+    least, most = area_limits(family, size)
     aim = rng.uniform(least + _WITHIN[0], most + _WITHIN[1])
     while True:
         try:
