@@ -17,7 +17,7 @@ LAYERS = (
     ("agents",),
     ("viz",),
     ("experiments", "checks"),
-    ("cli", "builder", "__main__"),
+    ("cli", "commands", "builder", "__main__"),
 )
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 DRAWING = {"matplotlib", "ipywidgets", "IPython", "PIL"}
