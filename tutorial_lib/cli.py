@@ -7,7 +7,7 @@ import sys
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 
-from tutorial_lib.commands import INTERRUPTED, WRONG_INPUT
+from tutorial_lib.commands.constants import INTERRUPTED, WRONG_INPUT
 from tutorial_lib.commands.lab import open_lab
 from tutorial_lib.errors import InputError
 

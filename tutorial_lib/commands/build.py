@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tutorial_lib.builder import build, write_guides
-from tutorial_lib.commands import PROJECT
+from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.errors import InputError
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tutorial_lib.commands import MISSED
+from tutorial_lib.commands.constants import MISSED
 from tutorial_lib.commands.narrator import Narrator
 
 

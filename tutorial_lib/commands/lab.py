@@ -6,7 +6,7 @@ import os
 import subprocess
 import sys
 
-from tutorial_lib.commands import INTERRUPTED, PROJECT
+from tutorial_lib.commands.constants import INTERRUPTED, PROJECT
 
 
 def lab_command(arguments: list[str]) -> list[str]:

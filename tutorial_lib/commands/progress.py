@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tutorial_lib.checks.progress import progress, report
-from tutorial_lib.commands import PROJECT
+from tutorial_lib.commands.constants import PROJECT
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tutorial_lib.commands import PROJECT
+from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.experiments.results_page.page import write_results
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from tutorial_lib.commands import PROJECT
+from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning import reach_recipes, recipes
 from tutorial_lib.learning.weights import save_network
