@@ -15,6 +15,7 @@ COMMANDS = {
     "lab": "open JupyterLab on the first notebook; arguments go to it",
     "demo": "navigate once by sight; leaves demo.webm, demo.png, demo.json",
     "progress": "which exercises are done, in every notebook",
+    "compile": "compile the numerical kernels now, which otherwise the first drive waits for",
     "mark": "check the answers that students handed in",
     "build": "write the notebooks from solutions/*.py",
     "train": "train a network from scratch, data included",
