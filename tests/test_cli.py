@@ -10,13 +10,14 @@ import cv2
 import numpy as np
 import pytest
 
-from tests.conftest import make_box
+from tests.conftest import in_turn, make_box
 from tutorial_lib.cli import main
 from tutorial_lib.commands import narrator
 from tutorial_lib.commands.lab import lab_command
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.demos import choose_places, navigation_demo, place_people, recorder
 from tutorial_lib.experiments.demos.outcome import Outcome
+from tutorial_lib.experiments.robustness import plans
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.scene import Scene
@@ -130,13 +131,13 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
         (["experiment", "meng_fig4", "--worlds", "1:3"], "--worlds: meng_fig4 runs in a single"),
     ],
 )
-def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
+def test_wrong_input_gets_one_line_and_leaves_nothing(
+    tmp_path, capsys, monkeypatch, arguments, words
+):
+    monkeypatch.setattr(plans, "for_each", in_turn)
     (tmp_path / "broken.json").write_text('{"schema": 1, "walls": [')
     save_plan(make_box(0.5, 0.5), tmp_path / "tiny.json")
     save_plan(make_box(1.5, 1.5), tmp_path / "small.json")
-    if arguments[:2] == ["experiment", "plans"]:
-        # It is read in other processes, which stay in the folder of the test that started them.
-        arguments = [str(tmp_path / a) if a == "tiny.json" else a for a in arguments]
     assert main(arguments) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ")
@@ -256,7 +257,8 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, what, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
+def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(plans, "for_each", in_turn)
     arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]
     assert main(arguments) == 0
     saved = json.loads((tmp_path / "p.json").read_text())
