@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.conftest import in_turn
 from tutorial_lib.cli import main
 from tutorial_lib.driving.data.episodes import Episodes
 from tutorial_lib.driving.rollouts import Rollouts
@@ -37,9 +36,7 @@ def course():
 def report():
     """Two worlds with few episodes."""
     few = replace(table1.EXPERIMENT, quick_settings=table1.Settings(episodes=3))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(table1, "for_each", in_turn)  # starting processes takes longer than the work
-        return few.report(Options(worlds=(10_000, 10_001), quick=True))
+    return few.report(Options(worlds=(10_000, 10_001), quick=True))
 
 
 def test_every_controller_has_a_row_for_every_condition(report):
