@@ -130,6 +130,8 @@ def setup() -> None:
     for what in (["-q", "pip>=21.3"], ["-e", ".[test]"]):  # 21.3: -e with pyproject.toml alone
         if run([*pip, "--log", str(log), *what], cwd=HERE):
             sys.exit(f"pip failed; log: {log}. No network, or behind a proxy? See environment.md")
+    print("Compiling the numerical kernels: half a minute, once.", flush=True)
+    run([str(python_of(VENV)), "-m", "tutorial_lib", "compile"], cwd=HERE)
     STAMP.write_text(wanted, encoding="utf-8")
 
 

@@ -4,17 +4,20 @@ import select
 import signal
 import subprocess
 import sys
+import time
 
 import cv2
 import numpy as np
 import pytest
 
-from tests.conftest import make_box
-from tutorial_lib import cli
-from tutorial_lib.cli import lab_command, main
+from tests.conftest import in_turn, make_box
+from tutorial_lib.cli import main
+from tutorial_lib.commands import narrator
+from tutorial_lib.commands.lab import lab_command
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.demos import choose_places, navigation_demo, place_people, recorder
 from tutorial_lib.experiments.demos.outcome import Outcome
+from tutorial_lib.experiments.robustness import plans
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.scene import Scene
@@ -72,7 +75,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
     missed = Outcome(
         *(False, False, 9.0, 2.0, "demo", "box 0", 0, ("open", "open"), 0, 5.0, 2, 0.9, 1, 30, 60)
     )
-    monkeypatch.setattr(cli, "run_demo", lambda *_, **__: missed)
+    monkeypatch.setattr(navigation_demo, "run_demo", lambda *_, **__: missed)
     assert main(["demo"]) == 1
     assert "MISSED the goal" in capsys.readouterr().out
 
@@ -128,13 +131,13 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
         (["experiment", "meng_fig4", "--worlds", "1:3"], "--worlds: meng_fig4 runs in a single"),
     ],
 )
-def test_wrong_input_gets_one_line_and_leaves_nothing(tmp_path, capsys, arguments, words):
+def test_wrong_input_gets_one_line_and_leaves_nothing(
+    tmp_path, capsys, monkeypatch, arguments, words
+):
+    monkeypatch.setattr(plans, "for_each", in_turn)
     (tmp_path / "broken.json").write_text('{"schema": 1, "walls": [')
     save_plan(make_box(0.5, 0.5), tmp_path / "tiny.json")
     save_plan(make_box(1.5, 1.5), tmp_path / "small.json")
-    if arguments[:2] == ["experiment", "plans"]:
-        # It is read in other processes, which stay in the folder of the test that started them.
-        arguments = [str(tmp_path / a) if a == "tiny.json" else a for a in arguments]
     assert main(arguments) == 2
     error = capsys.readouterr().err
     assert error.startswith("error: ")
@@ -189,6 +192,34 @@ def test_the_help_shows_which_experiment_takes_which_options(capsys, command, li
         assert f"\n  {line}" in shown
 
 
+def test_commands_that_need_no_network_are_quick_to_start():
+    script = "import sys; from tutorial_lib.cli import parse; parse(['{}']); print(*sys.modules)"
+    for command in ("demo", "progress"):
+        done = [sys.executable, "-c", script.format(command)]
+        modules = subprocess.run(done, check=True, capture_output=True, text=True).stdout.split()
+        assert not {"torch", "numba", "scipy", "matplotlib"} & {*modules}
+
+
+def test_the_version_is_told(capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["--version"])
+    assert stopped.value.code == 0
+    assert capsys.readouterr().out.strip()
+
+
+def test_work_that_takes_long_is_told_again_and_again(monkeypatch, capsys):
+    monkeypatch.setattr(narrator, "QUIET", 0.05)
+    with narrator.Narrator() as say:
+        say("counting: 5 sheep")
+        time.sleep(0.4)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].endswith("0.0 s  counting: 5 sheep")
+    assert len(lines) >= 3
+    assert all(line.endswith(" s  still counting") for line in lines[1:])
+    time.sleep(0.2)
+    assert capsys.readouterr().out == ""  # it is over
+
+
 INTERRUPTED = """
 import runpy, signal, sys, time
 from tutorial_lib.experiments.demos.navigation_demo import agents
@@ -229,7 +260,8 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, what, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys):
+def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(plans, "for_each", in_turn)
     arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]
     assert main(arguments) == 0
     saved = json.loads((tmp_path / "p.json").read_text())

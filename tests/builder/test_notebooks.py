@@ -6,6 +6,8 @@ import pytest
 from tutorial_lib.builder import STUB, build, compact_imports, for_students, read, stubbed, to_text
 from tutorial_lib.errors import InputError
 
+WIDGET = "application/vnd.jupyter.widget-view+json"
+
 GOOD = """# %% [markdown]
 # # Doubling
 
@@ -139,6 +141,19 @@ def test_a_build_executes_once_and_a_rebuild_changes_nothing(project):
     assert "### BEGIN" not in before[1].decode()
     assert len(build(source, project)) == 1
     assert [file.read_bytes() for file in files] == before
+
+
+def test_a_page_has_no_progress_bars(project):
+    source, target = (project / "solutions" / f"09_double.{kind}" for kind in ("py", "ipynb"))
+    source.write_text(RUNNABLE + "\n# %%\nfrom tqdm.auto import tqdm\n\nlist(tqdm(range(3)))\n")
+    build(source, project)
+    assert "it/s" not in target.read_text()
+    page = nbformat.read(target, as_version=4)
+    bar = {"text/plain": "  0%|    | 0/3 [00:00<?, ?it/s]", WIDGET: {"model_id": "1"}}
+    page.cells[-1].outputs.append(nbformat.v4.new_output("display_data", bar))
+    nbformat.write(page, target)
+    assert target in build(source, project)  # a page that has one is executed again
+    assert "it/s" not in target.read_text()
 
 
 def test_building_for_students_runs_nothing(project):

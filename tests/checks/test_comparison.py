@@ -78,12 +78,12 @@ def test_what_is_equal_how_to_say_it_and_what_to_draw_can_be_chosen():
 
 def test_errors_are_explained():
     invoke = calling({IndexError: "stay within the list"}, {"division": "never divide by zero"})
-    words = r"^add, small: your function stops with IndexError: .*; stay within the list$"
+    words = r"^add, small: your code stops with IndexError: .*, in line .*; stay within the list$"
     with pytest.raises(WrongAnswer, match=words):
         compared(lambda a, b: [][a], invoke=invoke)
     with pytest.raises(WrongAnswer, match=r"ZeroDivisionError: .*; never divide by zero$"):
         compared(lambda a, b: a / 0, invoke=invoke)
-    with pytest.raises(WrongAnswer, match=r"stops with KeyError: 1$"):
+    with pytest.raises(WrongAnswer, match=r"KeyError: 1, in line .*; there is no such key$"):
         compared(lambda a, b: {}[a], invoke=invoke)
 
 

@@ -10,6 +10,7 @@ import torch
 
 from tests.learning.test_reach_batches import made_up
 from tutorial_lib import cli
+from tutorial_lib.commands import train as train_command
 from tutorial_lib.driving.data.demonstrations import record_demonstrations
 from tutorial_lib.driving.data.rollout_outcomes import load_outcomes, save_outcomes
 from tutorial_lib.driving.data.trajectories import load_trajectories
@@ -271,9 +272,9 @@ def tiny(tmp_path, monkeypatch, recorded):
         REACHABILITY["0"], architecture=architecture, first=short, second=replace(short, seed=1)
     )
     monkeypatch.setitem(REACHABILITY, "0", recipe)
-    monkeypatch.setitem(cli.NETWORKS["reachability"], "0", recipe)
+    monkeypatch.setitem(train_command.NETWORKS["reachability"], "0", recipe)
     sptm = replace(SPTM, first=short)
-    monkeypatch.setitem(cli.NETWORKS["reachability"], "sptm", sptm)
+    monkeypatch.setitem(train_command.NETWORKS["reachability"], "sptm", sptm)
     requested = []
 
     def labelled_worlds(recipe, worlds, work, jobs):
@@ -290,9 +291,9 @@ def tiny(tmp_path, monkeypatch, recorded):
         reach_recipes, "ProximitySource", partial(ProximitySource, worlds=2, targets=4)
     )
     monkeypatch.setattr(recipes, "WORK", tmp_path / "work")
-    monkeypatch.setattr(cli, "PROJECT", tmp_path)
+    monkeypatch.setattr(train_command, "PROJECT", tmp_path)
     monkeypatch.setattr(
-        cli, "save_network", lambda *both: save_network(*both, tmp_path / "weights")
+        train_command, "save_network", lambda *both: save_network(*both, tmp_path / "weights")
     )
     (tmp_path / "work").mkdir()
     return requested

@@ -11,6 +11,7 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from tutorial_lib import cli
+from tutorial_lib.commands import train as train_command
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning import recipes, weights
 from tutorial_lib.learning.batches import Source
@@ -278,7 +279,7 @@ def test_shipped_weights_fit_their_cards(name):
     assert card.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert all(value.isfinite().all() for value in network.parameters())
     assert np.isfinite(card.validation["validation"])
-    assert cli._parser().parse_args(card.command.split()).command == "train"
+    assert cli.parse(card.command.split()).command == "train"
     assert outputs_of(network).isfinite().all()
 
 
@@ -347,9 +348,9 @@ def tiny(tmp_path, monkeypatch):
     monkeypatch.setitem(recipes.WAYPOINT, "0", recipe)
     monkeypatch.setattr(recipes, "Source", partial(Source, worlds=2, targets=4))
     monkeypatch.setattr(recipes, "WORK", tmp_path / "work")
-    monkeypatch.setattr(cli, "PROJECT", tmp_path)
+    monkeypatch.setattr(train_command, "PROJECT", tmp_path)
     folder = tmp_path / "weights"
-    monkeypatch.setattr(cli, "save_network", lambda *both: save_network(*both, folder))
+    monkeypatch.setattr(train_command, "save_network", lambda *both: save_network(*both, folder))
     monkeypatch.chdir(tmp_path)
     return recipe
 

@@ -17,7 +17,7 @@ LAYERS = (
     ("agents",),
     ("viz",),
     ("experiments", "checks"),
-    ("cli", "builder", "__main__"),
+    ("cli", "commands", "builder", "__main__"),
 )
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 DRAWING = {"matplotlib", "ipywidgets", "IPython", "PIL"}
@@ -27,7 +27,7 @@ for part in ("driving", "learning", "topology", "exploration", "agents"):
 SEPARATE = {"topology": {"learning"}, "exploration": {"learning"}}
 
 LOOP = {"geodesics", "metrics", "rollouts"}
-STUDIES = ("meng2020", "robustness", "benchmarks", "demos")
+STUDIES = ("meng2020", "nts", "robustness", "benchmarks", "demos")
 NOTEBOOKS = [f"nb{number:02}" for number in range(7)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
@@ -54,7 +54,9 @@ INSIDE = {
     },
 }
 """What each part of a package may import from the package, besides itself."""
-APART = {f"tutorial_lib.experiments.{study}" for study in ("meng2020", "robustness", "benchmarks")}
+APART = {
+    f"tutorial_lib.experiments.{study}" for study in ("meng2020", "nts", "robustness", "benchmarks")
+}
 """Each module is an experiment: it imports no other, only parts of itself (`table1_ablations`)."""
 
 

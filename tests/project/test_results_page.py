@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tutorial_lib import cli
 from tutorial_lib.cli import main
+from tutorial_lib.commands import results
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.results_page.markdown import interval, percent
 from tutorial_lib.experiments.results_page.page import (
@@ -103,8 +103,8 @@ def test_the_command_writes_both_and_says_so(tmp_path, monkeypatch, capsys):
     readme = tmp_path / "README.md"
     readme.write_text(f"# Mine\n\n{BEGIN}\nold\n{END}\n\nThe rest.\n", encoding="utf-8")
     made = tmp_path / "made.md"
-    monkeypatch.setattr(cli, "PROJECT", tmp_path)
-    monkeypatch.setattr(cli, "write_results", lambda path: [path, made])
+    monkeypatch.setattr(results, "PROJECT", tmp_path)
+    monkeypatch.setattr(results, "write_results", lambda path: [path, made])
     assert main(["results"]) == 0
     assert capsys.readouterr().out == "wrote README.md\nwrote made.md\n"
 

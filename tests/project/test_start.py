@@ -134,6 +134,7 @@ def test_the_first_start_installs_and_the_second_does_not(start, machine, capsys
     assert not start.is_ready()
     assert start.main(["setup"]) == 0
     assert len(machine.made) == len(machine.installed) == 1
+    assert machine.calls[-1][-2:] == ["tutorial_lib", "compile"]
     assert "--clear" not in machine.made[0]
     assert machine.folders[-1] == start.HERE
     assert start.is_ready()

@@ -953,7 +953,7 @@ def ahead_of__empty_none(t, p, reused):
 
 
 def ahead_of__crash_empty(t, p, reused):
-    """IndexError, list index out of"""
+    """IndexError: list index out of"""
     v = reused[-1]
     return (t != t[v]) | (p > p[v])
 

@@ -35,6 +35,7 @@ LARGEST = 1_000_000
 """Bytes of a notebook with its outputs."""
 _STORED = {my_answers.FOLDER: "", STATIC: "1", "TQDM_DISABLE": "1"}
 """While a notebook is executed for its page: no answers are saved, no progress bars shown."""
+_WIDGET = "application/vnd.jupyter.widget-view+json"
 _TIMEOUT = 120  # seconds a cell may take while it is built
 
 
@@ -163,8 +164,18 @@ def execute(notebook: NotebookNode, folder: Path) -> None:
         raise InputError(f"a cell of the notebook raised {error.ename}: {error.evalue}") from error
     for cell in notebook.cells:
         cell.source = unmarked(cell.source)
+        if cell.cell_type == "code":
+            cell.outputs = [output for output in cell.outputs if not is_bar(output)]
     notebook.metadata.pop("widgets", None)
     notebook.metadata.language_info = {"name": "python"}
+
+
+def is_bar(output: NotebookNode) -> bool:
+    """Whether an output is a progress bar; as widgets they heed no TQDM_DISABLE, and stay at 0%."""
+    data = output.get("data", {})
+    return (
+        _WIDGET in data and re.search(r"\[00:00.*it/s\]", str(data.get("text/plain"))) is not None
+    )
 
 
 def to_text(notebook: NotebookNode) -> str:
@@ -209,6 +220,8 @@ def _is_current(target: Path, solved: NotebookNode) -> bool:
         return False
     there = nbformat.read(target, as_version=4)
     code = [(cell.id, cell.source) for cell in there.cells]
+    if any(is_bar(output) for cell in there.cells for output in cell.get("outputs", ())):
+        return False
     return code == [(cell.id, unmarked(cell.source)) for cell in solved.cells]
 
 

@@ -16,6 +16,7 @@ from tutorial_lib.experiments.meng2020 import (
     table1,
     table2,
 )
+from tutorial_lib.experiments.nts import wayfinding
 from tutorial_lib.experiments.robustness import disturbances, faults, plans
 
 _EXPERIMENTS = (
@@ -34,6 +35,7 @@ _EXPERIMENTS = (
     fig13,
     disturbances,
     faults,
+    wayfinding,
 )
 _BENCHMARKS = (raycast, fleet, control, reachability, map_building)
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import in_turn, make_box, needs
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.benchmarks import map_building
 from tutorial_lib.experiments.common import agents
@@ -49,6 +50,12 @@ def one_building(building, monkeypatch):
         monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
         if hasattr(module, "for_each"):
             monkeypatch.setattr(module, "for_each", in_turn)
+
+
+def part(building, count):
+    """A building of which only the first trajectories were recorded."""
+    recorded = RecordedWorld(building.scene, building.recorded.trajectories[:count])
+    return replace(building, recorded=recorded, pairs=building.pairs[:count])
 
 
 def saved(report):
@@ -168,7 +175,8 @@ def test_plans_of_fig_9_are_driven_whatever_their_probability(building, monkeypa
 @networks
 def test_fig_10_learns_nested_shares_of_the_trajectories(building, monkeypatch):
     few = replace(fig10.EXPERIMENT, quick_settings=fig10.Settings(trials=6))
-    learned = []
+    building, learned = part(building, 5), []
+    monkeypatch.setattr(fig10, "make_building", lambda *_, **__: building)
     monkeypatch.setattr(
         fig10,
         "experiences",
@@ -362,7 +370,10 @@ def test_faults_without_a_path_to_block_have_an_empty_row():
 
 
 @networks
-def test_the_bench_compares_the_index_with_all_queries(building):
+def test_the_bench_compares_the_index_with_all_queries(building, monkeypatch):
+    building = part(building, 6)
+    monkeypatch.setattr(map_building, "make_building", lambda *_, **__: building)
+    monkeypatch.setattr(map_building, "_PLANS", 4)
     few = map_building.Settings(places=5, sizes=(20, 40))
     report = replace(map_building.EXPERIMENT, quick_settings=few).report(QUICK)
     kinds = list(dict.fromkeys(row["map"] for row in report.rows))

@@ -3,7 +3,7 @@ import shutil
 
 import pytest
 
-from tutorial_lib.cli import _parser
+from tutorial_lib.cli import parse
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.results_page.page import page_of, write_results
@@ -31,7 +31,7 @@ def test_every_stored_result_has_its_command_and_the_other_way_round():
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_command_makes_the_report_of_that_name(name):
     *_, arguments = command_of(name).partition(" tutorial_lib ")
-    options = _parser().parse_args(arguments.split())
+    options = parse(arguments.split())
     assert options.json.name == f"{name}.json"
     entry = options.table[options.name]
     ablation = getattr(options, "ablation", "")

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.geometry import Array
 
 
@@ -27,12 +28,12 @@ def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 -
 
 
 def calling(
-    hints: Mapping[type[Exception], str], said: Mapping[str, str] | None = None
+    hints: Mapping[type[Exception], str] | None = None, said: Mapping[str, str] | None = None
 ) -> Callable[..., Any]:
     """A way to call a student's function that explains its errors.
 
     Args:
-        hints: what to say of each kind of error.
+        hints: what to say of kinds of errors in this exercise.
         said: what words of Python's own message mean here; they go first.
     """
 
@@ -43,10 +44,7 @@ def calling(
         except (WrongAnswer, NotImplementedError):
             raise
         except Exception as error:
-            known = [words for part, words in (said or {}).items() if part in str(error)]
-            known += [words for kind, words in hints.items() if isinstance(error, kind)]
-            stops = f"your function stops with {type(error).__name__}: {error}"
-            raise WrongAnswer(f"{what}: {'; '.join([stops, *known[:1]])}") from error
+            raise WrongAnswer(f"{what}: {explained(error, hints, said)}") from error
 
     return invoke
 

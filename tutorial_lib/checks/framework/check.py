@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import html
-import linecache
 import re
 import time
-import traceback
 from base64 import b64encode
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -17,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework import guard, my_answers
+from tutorial_lib.checks.framework.explanation import place, stops
 
 SLOWEST = 20.0
 """How many times slower than the reference a solution may be and still be used..."""
@@ -101,10 +100,10 @@ class Check:
         except KeyboardInterrupt:  # the student's own wish
             raise
         except BaseException as error:
-            return Result(self.name, "failed", self._words(error, student))
+            return Result(self.name, "failed", self._words(error))
         return Result(self.name, "passed", "Correct; the cells below use yours.", picture)
 
-    def _words(self, error: BaseException, student: Function) -> str:
+    def _words(self, error: BaseException) -> str:
         """What to say when judging ended with an error."""
         if isinstance(error, guard.TimeUp):
             return (self.endless or ENDLESS).format(seconds=guard.SECONDS)
@@ -112,10 +111,10 @@ class Check:
             return "Your function fills the memory. Does a loop never end, or an array grow?"
         if isinstance(error, SystemExit):
             return "Your function ends the program, as sys.exit() does; return the answer instead."
-        place = _place(error, student)
+        if place(error):
+            said = stops(error)
+            return f"{said[0].upper()}{said[1:]}"
         said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        if place:
-            return f"Your function raised {said}\n{place}"
         return f"The check could not use your answer ({said}); compare it with the docstring."
 
     def use(self, student: Function) -> Function:
@@ -192,21 +191,6 @@ def check(
         return Check(judge, reference, example, calls, endless)
 
     return decorate
-
-
-def _place(error: BaseException, student: Function) -> str:
-    """The line of the student's code that raised an error; empty if another function did."""
-    code = getattr(student, "__code__", None)
-    if code is None:
-        return ""
-    frames = [
-        f for f in traceback.extract_tb(error.__traceback__) if f.filename == code.co_filename
-    ]
-    if not frames:
-        return ""
-    last = frames[-1]
-    line = linecache.getline(last.filename, last.lineno or 0).strip()
-    return f"in line {last.lineno}: {line}" if line else f"in line {last.lineno}"
 
 
 def _seconds(function: Function, example: tuple) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.answers import call
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.comparison import close, farthest
+from tutorial_lib.checks.framework.explanation import stops
 
 Function = Callable[..., Any]
 _TOLERANCE = 1e-5  # as single precision has
@@ -93,9 +93,7 @@ def attempt(what: str, words: str, student: Function, *case: Any, invoke: Functi
     except (NotImplementedError, WrongAnswer, MemoryError):
         raise
     except Exception as error:
-        said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        stops = f"your code stops with {said}{_line(error, student)}"
-        raise WrongAnswer(f"{what}: {stops}.\n{words}") from None
+        raise WrongAnswer(f"{what}: {stops(error)}.\n{words}") from None
 
 
 def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # noqa: ANN401
@@ -111,13 +109,6 @@ def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # no
     except Exception:
         words = "came back whose form is not the one that the docstring names"
         raise WrongAnswer(f"{what}: a {type(answer).__name__} {words}") from None
-
-
-def _line(error: Exception, student: Function) -> str:
-    """The student's line that raised an error; empty where it is not to be had."""
-    file = getattr(getattr(student, "__code__", None), "co_filename", None)
-    own = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == file and f.line]
-    return f", in line {own[-1].lineno}: {own[-1].line}" if own else ""
 
 
 def _known(

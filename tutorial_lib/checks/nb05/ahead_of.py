@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import mask
+from tutorial_lib.checks.framework.answers import calling, mask
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.topology.mapping import edge_rules
 
 Case = tuple[NDArray, NDArray, list[int]]
@@ -115,7 +114,7 @@ _FAULTS: dict[str, Callable[..., Any]] = {
 @check(edge_rules.ahead_of, _CASES["one of each trajectory"])
 def check_ahead_of(student: Callable[..., Any]) -> None:
     """Maps of several trajectories: nothing reused yet, one vertex, several, and no order."""
-    invoke = explained(
+    invoke = calling(
         {
             IndexError: "reused may be empty, and holds indices of vertices",
             ValueError: "reused may be empty; then all vertices may be taken",

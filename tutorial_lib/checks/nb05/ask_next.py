@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import mask
+from tutorial_lib.checks.framework.answers import calling, mask
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.checks.nb05.trajectories import MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -138,7 +137,7 @@ def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
         _CASES,
         ask_next,
         faults,
-        invoke=explained({IndexError: words}),
+        invoke=calling({IndexError: words}),
         form=_pairs,
         difference=_why,
         draw=_tables,

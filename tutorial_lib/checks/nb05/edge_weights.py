@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, expect
-from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 from tutorial_lib.viz.figures.edge_tables import edge_table
@@ -83,7 +82,7 @@ _CASES = (
 @check(edge_weights, (*_random_map(120, 2), 0.9))
 def check_edge_weights(student: Callable[..., Any]) -> NDArray[np.uint8]:
     """The map done by hand with other thresholds, RE almost 0, no edges at all, a larger one."""
-    invoke, picture = explained(), None
+    invoke, picture = calling(), None
     for name, *case in _CASES:
         what, want = f"edge_weights, {name}", edge_weights(*case)
         with np.errstate(divide="ignore", invalid="ignore"):

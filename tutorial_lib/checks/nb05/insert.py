@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.nb05.calls import in_words
+from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.nb05.insert_faults import FAULTS
 from tutorial_lib.checks.nb05.insert_maps import CASES, EXAMPLE, Case
 from tutorial_lib.checks.nb05.small_map import SmallMap, insert, through
@@ -42,7 +42,7 @@ def check_insert(student: Callable[..., Any]) -> None:
         except Exception as error:
             words = "a map may be empty, and an anchor's neighbours may not exist"
             hints = {IndexError: words, ValueError: words}
-            raise WrongAnswer(f"insert, {name}: {in_words(error, hints)}") from None
+            raise WrongAnswer(f"insert, {name}: {explained(error, hints)}") from None
         for number, (mine, right) in enumerate(zip(got, wanted, strict=True)):
             said = _difference(mine, right)
             if said:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.framework.answers import calling
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare
-from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 
@@ -119,7 +119,7 @@ _FAULTS: dict[str, Callable[..., int]] = {
 @check(edge_rules.reusable, _CASES["two fit"])
 def check_reusable(student: Callable[..., Any]) -> None:
     """Anchors for which vertices fit, fit by half, may not be taken, or do not exist."""
-    invoke = explained(
+    invoke = calling(
         {
             ValueError: "is there a vertex that fits? Ask .any() before argmax",
             IndexError: "is there a vertex that fits? Ask .any() first",

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb05.calls import explained
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -67,7 +66,7 @@ def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | No
         _CASES,
         weakest_aligned,
         faults,
-        invoke=explained({IndexError: "where a trajectory ends the sequence ends, too"}),
+        invoke=calling({IndexError: "where a trajectory ends the sequence ends, too"}),
         form=_per_pair,
         same=partial(close, tolerance=1e-9),
         difference=_why,

@@ -21,7 +21,7 @@ from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 
-_TRIALS = 40  # of which the one that leads most rooms away is run
+_TRIALS = 20  # of which the one that leads most rooms away is run
 
 Say = Callable[[str], None]
 """Is called with what is being done."""

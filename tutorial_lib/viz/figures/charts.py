@@ -1,13 +1,17 @@
 """Charts in the course's style, drawn by matplotlib without a display."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib import rc_context
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 _STYLE = {
     "font.size": 13,
@@ -34,6 +38,10 @@ def chart(
 
     The figure is not part of pyplot's state: show it by `from_figure`, or as a cell's last line.
     """
+    from matplotlib import rc_context  # where it is needed: half a second
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
     with rc_context(_STYLE):
         figure = Figure(figsize=(width, height), dpi=96, layout="constrained")
         FigureCanvasAgg(figure)
@@ -43,6 +51,9 @@ def chart(
 
 def from_figure(figure: Figure) -> Picture:
     """A matplotlib figure as an RGB picture (H, W, 3)."""
+    from matplotlib import rc_context
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     canvas = FigureCanvasAgg(figure)
     with rc_context(_STYLE):
         canvas.draw()

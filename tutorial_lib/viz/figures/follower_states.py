@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 import cv2
 import numpy as np
-from matplotlib.patches import FancyArrowPatch
 from numpy.typing import ArrayLike
 
 from tutorial_lib.topology.following.transitions import State
@@ -82,6 +81,8 @@ def frames_kept(total: int, kept: Sequence[int], anchors: Sequence[int]) -> Pict
 
 def follower_machine(width: float = 9.0) -> Picture:
     """The follower's states and transitions (Meng 2020, III-H)."""
+    from matplotlib.patches import FancyArrowPatch
+
     figure, (axis,) = chart(width, 3.4)
     axis.set(xlim=(0, 1), ylim=(0, 1))
     axis.axis("off")

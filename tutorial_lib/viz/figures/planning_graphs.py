@@ -4,8 +4,6 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-from matplotlib.patches import FancyArrowPatch
-
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.charts import chart, from_figure
@@ -35,6 +33,8 @@ def graph_picture(
         places: of the vertices, from (0, 0) to (1, 1); those of the example by hand unless given.
         width: inches.
     """
+    from matplotlib.patches import FancyArrowPatch
+
     places = _PLACES if places is None else places
     figure, (axis,) = chart(width, 0.62 * width)
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))

@@ -1,7 +1,10 @@
 """Figures of reachability: along a trajectory, pairs of images, reliability diagrams."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.viz.canvas import colours
@@ -10,6 +13,9 @@ from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.canvas.probabilities import probability_colours
 from tutorial_lib.viz.figures.charts import chart, from_figure
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side, stacked
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _Z = 1.96  # of a 95 % interval
 

@@ -1,0 +1,59 @@
+"""What an error of a student's code was, where, and what it may mean."""
+
+from __future__ import annotations
+
+import sysconfig
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+
+_OTHERS = (str(Path(__file__).resolve().parents[2]), *sysconfig.get_paths().values())
+"""Folders of code that is not the student's: this library, Python's, and what is installed."""
+_USUAL: dict[type[Exception], str] = {
+    IndexError: "an index lies beyond the end of an array; do not look there",
+    TypeError: "something is not of the type that you use it as; compare with the docstring",
+    ValueError: "do the shapes fit, and is there anything to choose from?",
+    KeyError: "there is no such key",
+    NameError: "is a name misspelt, or set in one branch only?",
+    AttributeError: "is a name misspelt? Compare with the docstring",
+    ZeroDivisionError: "something is divided by zero",
+    RecursionError: "the function calls itself for ever",
+}
+_ANY = "try this case by hand, and print what you have just before that line"
+
+
+def explained(
+    error: Exception,
+    hints: Mapping[type[Exception], str] | None = None,
+    said: Mapping[str, str] | None = None,
+) -> str:
+    """What an error was, where, and what it may mean.
+
+    Args:
+        error: of the student's code.
+        hints: for kinds of errors, what to say of them in this exercise.
+        said: what words of Python's own message mean here; they go first.
+    """
+    known = {**_USUAL, **(hints or {})}
+    meant = [words for part, words in (said or {}).items() if part in str(error)]
+    meant += [known[kind] for kind in type(error).__mro__ if kind in known]
+    return "; ".join([stops(error), *(meant or [_ANY])[:1]])
+
+
+def stops(error: BaseException) -> str:
+    """What an error was, and in which line of the student's code."""
+    said = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    return f"your code stops with {said}{place(error)}"
+
+
+def place(error: BaseException) -> str:
+    """The last line of a student's code on the way to an error; empty if there is none."""
+    own = [f for f in traceback.extract_tb(error.__traceback__) if not _is_others(f.filename)]
+    if not own:
+        return ""
+    line = f": {own[-1].line}" if own[-1].line else ""
+    return f", in line {own[-1].lineno}{line}"
+
+
+def _is_others(file: str) -> bool:
+    return file.startswith((*_OTHERS, "<frozen", "<__array_function__"))

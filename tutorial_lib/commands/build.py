@@ -1,0 +1,30 @@
+"""Writes the notebooks from solutions/*.py."""
+
+from __future__ import annotations
+
+import argparse
+
+from tutorial_lib.builder import build, write_guides
+from tutorial_lib.commands.constants import PROJECT
+from tutorial_lib.errors import InputError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the names and options."""
+    parser.add_argument("names", nargs="*", help="as in 01_world_and_car; all unless given")
+    parser.add_argument(
+        "--students", action="store_true", help="only what students get; runs nothing"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the guides and the notebooks."""
+    known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
+    for name in options.names:
+        if name not in known:
+            raise InputError(f"build: no solutions/{name}.py; there are {', '.join(known)}")
+    print(*(f"wrote {file.relative_to(PROJECT)}" for file in write_guides(PROJECT)), sep="\n")
+    for name in options.names or known:
+        for file in build(known[name], PROJECT, students_only=options.students):
+            print(f"wrote {file.relative_to(PROJECT)}")
+    return 0

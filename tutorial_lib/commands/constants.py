@@ -1,0 +1,6 @@
+"""What several commands need: the course's folder, and the exit codes."""
+
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[2]
+INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1

@@ -1,0 +1,54 @@
+"""Navigates once by sight, on film. What it needs is imported after its first word."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from tutorial_lib.commands.constants import MISSED
+from tutorial_lib.commands.narrator import Narrator
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the options."""
+    parser.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
+    parser.add_argument(
+        "--family",
+        default="apartment",
+        help="apartment (the default), office, symmetric_office, loop_corridor or maze",
+    )
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument(
+        "--oracle",
+        action="store_true",
+        help="show beside it an oracle on the same task, which knows the floor plan and its pose",
+    )
+    parser.add_argument(
+        "--learn", action="store_true", help="learn the map again, and keep it for later demos"
+    )
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the demo, and say all the time what is being done."""
+    takes = 30 if options.oracle else 20
+    with Narrator() as say:
+        say(f"importing the library: the demo takes about {takes} s on two idle cores")
+        from tutorial_lib.experiments.demos.navigation_demo import run_demo
+        from tutorial_lib.world.generators import generate
+        from tutorial_lib.world.importers import import_map
+
+        if options.map is not None:
+            plan = import_map(options.map, seed=options.seed)
+        else:
+            plan = generate(options.family, options.seed)
+        outcome = run_demo(
+            plan, options.seed, Path.cwd(), oracle=options.oracle, learn=options.learn, say=say
+        )
+    drives = [("by sight", outcome), *([("oracle", outcome.oracle)] if outcome.oracle else [])]
+    print(f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:")
+    for name, drive in drives:
+        verdict = "reached the goal" if drive.reached else "MISSED the goal"
+        words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
+        print(f"  {name}: {verdict} {words}")
+    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
+    return 0 if outcome.reached else MISSED

@@ -1,0 +1,63 @@
+"""Runs an experiment, prints its table, and writes its rows."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from dataclasses import fields
+from pathlib import Path
+
+from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
+from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
+from tutorial_lib.experiments.registry import EXPERIMENTS
+from tutorial_lib.files import check_writable, write_text
+from tutorial_lib.world.generators import FAMILIES
+from tutorial_lib.world.generators.palette import PALETTES
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the experiments and their options."""
+    add_common(parser, EXPERIMENTS)
+    parser.add_argument("--map", type=Path, help="a map's file, in place of worlds")
+    known = [name for entry in EXPERIMENTS.values() for name in entry.ablations]
+    parser.add_argument("--ablation", choices=known, default="")
+    parser.add_argument("--palette", choices=PALETTES, default=STANDARD)
+    parser.add_argument("--family", choices=FAMILIES, default="", help="of generated worlds")
+    parser.add_argument("--agent", default="", metavar="FILE.py:CLASS")
+    parser.add_argument(
+        "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
+    )
+
+
+def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) -> None:
+    """Declare the experiments of a table, and the options that all of them take."""
+    parser.epilog = _accepted(table)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument("name", choices=table)
+    parser.add_argument("--json", type=Path, help="where to write the rows")
+    parser.add_argument("--worlds", type=parse_worlds, default=(), metavar="A:B")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--quick", action="store_true", help="fewer episodes, same code")
+    parser.set_defaults(table=table)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run an experiment or a benchmark."""
+    if options.json is not None:
+        check_writable(options.json)
+    names = {field.name for field in fields(Options)}
+    given = {name: value for name, value in vars(options).items() if name in names}
+    report = options.table[options.name].report(Options(**given))
+    print(report.as_text())
+    if options.json is not None:
+        write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")
+    return 0
+
+
+def _accepted(table: dict[str, Experiment]) -> str:
+    """Which experiment takes which options, a line each."""
+    width = max(map(len, table))
+    lines = [
+        f"  {name:{width}}  {' '.join(entry.options())}".rstrip() for name, entry in table.items()
+    ]
+    return "\n".join(["all take --json, --seed and --quick; besides:", *lines])

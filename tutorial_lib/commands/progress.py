@@ -1,0 +1,19 @@
+"""Lists which exercises are done, in every notebook."""
+
+from __future__ import annotations
+
+import argparse
+
+from tutorial_lib.checks.progress import progress, report
+from tutorial_lib.commands.constants import PROJECT
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """There are no options."""
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print the list."""
+    del options
+    print(report(progress(PROJECT / "notebooks")))
+    return 0
