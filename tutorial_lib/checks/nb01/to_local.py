@@ -130,6 +130,12 @@ def _topics() -> list[Topic]:
             [(np.array([1.0, 2.0, -0.7]), rng.uniform(-4, 4, (5, 2)))],
         ),
         Topic(
+            "points at whole numbers of metres",
+            "their local coordinates have digits: np.zeros_like and astype take over the type of "
+            "whole numbers, which cuts them off",
+            [(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]]))],
+        ),
+        Topic(
             "20 random poses with one to nine points",
             "the simple cases are right; does a part of your formula hold for some headings only?",
             [(pose, rng.uniform(-9, 9, (1 + i % 9, 2))) for i, pose in enumerate(poses)],

@@ -146,6 +146,22 @@ def _at_limit(near: Touches, time: Touches, clean: Touches, *case: Array) -> Arr
     return (near[row, cars] & clean[row, cars]).astype(float)
 
 
+def _nearest(near: Touches, time: Touches, clean: Touches, *case: Array) -> Array:
+    row, cars = case[1].argmin(axis=0), np.arange(near.shape[1])
+    return (near & time & clean)[row, cars].astype(float)
+
+
+def _late_start(near: Touches, time: Touches, clean: Touches, *case: Array) -> Array:
+    """A touch in the first moment is overlooked."""
+    later = np.vstack([np.zeros_like(case[2][:1]), case[2][1:]])
+    return _labels(near & time & ~_so_far(later))
+
+
+def _even_steps(near: Touches, time: Touches, clean: Touches, *case: Array) -> Array:
+    steps = 0.1 * np.arange(len(near))[:, None] <= time_limit(case[3])
+    return _labels(near & clean & steps)
+
+
 def _before(touched: Touches) -> Touches:
     """What was touched before each moment, without that moment."""
     return np.vstack([np.zeros_like(touched[:1]), _so_far(touched)[:-1]])
@@ -191,6 +207,20 @@ _FAULTS: dict[str, Callable[..., Array]] = {
     "a car that was at the target once has reached it: do not look only at the moment t_max": (
         _with(_at_limit)
     ),
+    "a car that was at the target once has reached it: look at every moment, not at the last": (
+        _with(lambda near, time, _, *case: (near[-1] & time[-1] & ~case[2].any(0)).astype(float))
+    ),
+    "the nearest moment may come too late or after a touch, and an earlier one may be good: look "
+    "at every moment": _with(_nearest),
+    "the moments lie unevenly: compare times with t_max, not 0.1 s times the number of the row": (
+        _with(_even_steps)
+    ),
+    "accumulate over the moments, axis=0, and not over the cars": _with(
+        lambda near, time, _, *case: _labels(
+            near & time & ~np.logical_or.accumulate(case[2], axis=1)
+        )
+    ),
+    "a touch in the very first moment counts, too": _with(_late_start),
     "near means within 0.30 m, not 0.5 m": _another(near=0.5),
     "exactly 0.30 m counts as near, too: at most": lambda t, g, c, d: _labels(
         (g < REACHED) & (t[:, None] <= time_limit(d)) & ~_so_far(c)
