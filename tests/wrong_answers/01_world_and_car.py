@@ -1322,3 +1322,19 @@ def wall_share__makes_two_halves(depth, rows):
     above = np.clip(0.75 / depth / h - np.arange(rows // 2), 0, 1)
     below = np.clip(0.25 / depth / h - np.arange(rows - rows // 2), 0, 1)
     return np.concatenate([above[::-1], below])
+
+
+def to_local__rounds_to_millimetres(pose, points):
+    """rounded to millimetres"""
+    return to_local__right_by_complex_numbers(pose, points).round(3)
+
+
+def to_local__sends_the_heading_through_an_arctan(pose, points):
+    """takes half a turn from some"""
+    heading = np.arctan(np.tan(pose[2]))
+    return to_local__right_by_complex_numbers(np.array([*pose[:2], heading]), points)
+
+
+def wall_share__returns_grey_levels(depth, rows):
+    """no grey levels here"""
+    return (255 * _right_share(depth, rows)).astype(np.uint8)

@@ -1780,3 +1780,11 @@ def resolve__adds_up_nothing(policies):
     force = sum(j.T @ m @ a for j, a, m in policies)
     metric = sum(j.T @ m @ j for j, a, m in policies)
     return np.linalg.solve(metric + 1e-6 * np.eye(2), force)
+
+
+def resolve__limits_accelerations(policies):
+    """limit nothing here"""
+    force, metric = np.zeros(2), 1e-6 * np.eye(2)
+    for j, a, m in policies:
+        force, metric = force + j.T @ m @ a, metric + j.T @ m @ j
+    return np.clip(np.linalg.solve(metric, force), -5, 5)

@@ -1055,3 +1055,18 @@ def fit_temperature__stops_at_five(logits, labels):
 def mine_pairs__mines_what_is_just_sure(*case):
     """only pairs above it are mined"""
     return _mined(case[0] + 1e-9 * case[2], *case[1:])
+
+
+def reach_loss__divides_by_the_largest_weight(logits, labels, weights):
+    """not by the largest one"""
+    return np.sum(weights * _each(logits, labels)) / weights.max()
+
+
+def reach_loss__weighs_the_labels_only(logits, labels, weights):
+    """not only the part with the label"""
+    return np.mean(np.logaddexp(0, logits) - weights * labels * logits)
+
+
+def reach_loss__leaves_out_pairs_without_weight(logits, labels, weights):
+    """not only whether it does"""
+    return _each(logits, labels)[weights > 0].mean()

@@ -191,6 +191,11 @@ def _topics() -> list[Topic]:
             case([0, 0.1], slanted, [0.36, 0.58], [0.66, 0.98]),
         ),
         both(
+            "a wall 200 m away",
+            "the function has no largest range: far hits count, too",
+            case(by, ahead, [200, -300], [200, 300]),
+        ),
+        both(
             "a wall that is almost parallel to the ray",
             "a small denominator is not zero: only 1e-9 or less counts as parallel",
             case(at, ahead, [10, -0.0001], [20, 0.0001]),
@@ -200,11 +205,6 @@ def _topics() -> list[Topic]:
             "a short wall has a small denominator, but it is not parallel",
             case(by, ahead, [3, 0.245], [3, 0.255]),
             case(by, ahead, [3, 0.2495], [3, 0.2505]),
-        ),
-        both(
-            "a wall 200 m away",
-            "the function has no largest range: far hits count, too",
-            case(by, ahead, [200, -300], [200, 300]),
         ),
         Topic(
             "60 random rays",

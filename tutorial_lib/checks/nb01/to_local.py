@@ -91,6 +91,12 @@ _FAULTS = {
     "the answers are rounded; return all digits": (
         lambda pose, points: np.round(geometry.to_local(pose, points), 2)
     ),
+    "the answers are rounded to millimetres; return all digits": (
+        lambda pose, points: np.round(geometry.to_local(pose, points), 3)
+    ),
+    "the heading goes through an arctan, which takes half a turn from some": (
+        lambda pose, points: _turned(-np.arctan(np.tan(pose[2])), points - pose[:2])
+    ),
 }
 
 

@@ -83,6 +83,8 @@ def _same(got: Array, want: Array, *case: object) -> bool:
 def _difference(got: Array, want: Array, depth: float, rows: int) -> str:
     if np.isnan(got).any():
         return "some of it is not a number"
+    if (got > 2).any():
+        return f"a share of a whole row is 1, and {got.max():.4g} came back; no grey levels here"
     if ((got < -_TOLERANCE) | (got > 1 + _TOLERANCE)).any():
         return "shares lie between 0 and 1; clip them"
     row = int(np.abs(got - want).argmax())

@@ -193,6 +193,11 @@ def _topics() -> list[Topic]:
             [([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],)],
         ),
         Topic(
+            "a policy that wants much",
+            "limit nothing here: whoever calls this function limits speed and steering",
+            [([(_GOAL[0], 20 * _GOAL[1], _GOAL[2]), _WALL],)],
+        ),
+        Topic(
             "policies that weigh next to nothing",
             "add 1e-6 to the diagonal of the sum, once; it halves what a policy of 1e-6 wants",
             [([faint],), ([faint, faint, faint],)],
