@@ -979,7 +979,7 @@ for name, rollouts in outcomes.items():
 show(stacked([side_by_side(panels, titles, height=460), outcome_legend()]))
 
 # %% [markdown]
-# Ten of the 40 rollouts are drawn; a target that was reached is a green disc, one that was not a red cross.
+# Ten of the 40 rollouts are drawn; a disc is a target that was reached, a cross one that was not.
 #
 # Has the network learnt *this apartment*, or has it learnt to *compare images*? **Predict** how many of 40 targets it reaches in another apartment, in which neither network was trained.
 
