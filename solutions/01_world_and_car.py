@@ -79,9 +79,9 @@ view = PlanView(scene, 640, 480)
 def to_local(pose, points):
     """World points in the frame of a pose.
 
-    pose: (3,) x, y, heading. points: (N, 2), m.
-    Returns an array (N, 2), a row for each point: metres ahead, metres to the
-    left.
+    pose: (3,) x, y, heading. points: (N, 2), m, perhaps whole
+    numbers. Returns an array (N, 2), a row for each point: metres ahead,
+    metres to the left.
     """
     ### BEGIN SOLUTION
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
@@ -287,8 +287,8 @@ sliders(
 #
 # Motors are not exact. We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329)
 # (ICRA 2020, from here on Meng 2020; section IV-B), and multiply both controls, ten times a second, by a random number drawn from
-# $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheel odometry has errors too: about 5 % of each distance and of each turn, and a heading
-# drift of 0.02 rad in the first metre.
+# $\mathcal N(1, 0.33)$ (mean 1, standard deviation 0.33). The wheel odometry has errors too: about 5 % of each distance and of each turn, and the heading
+# drifts at random, by 0.02 rad over one metre and by 0.04 rad over four (standard deviations).
 #
 # **Predict:** 200 cars start at the same place and get the same commands. Which will have the larger spread after 20 seconds, the true positions
 # or the errors of the odometry? In which direction is the error largest, along the path or across it?
@@ -382,9 +382,11 @@ show(from_figure(figure))
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
+# Where ray and wall are parallel, the denominator is zero. Rounding can make it $10^{-16}$ instead, and both fractions can then come out as anything. So a size of $10^{-9}$ or less counts as parallel, whatever its sign.
+#
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
-# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (the denominator is zero, or so small that only rounding keeps it from being zero).</details>
+# <details><summary>Hint 1: concept</summary>The ray misses in three cases: the wall is behind it (t), it passes beyond the wall's ends (u), or the two are parallel (the denominator is zero but for rounding).</details>
 # <details><summary>Hint 2: approach</summary>Write a small function for the cross product. Treat the parallel case first and return np.inf.</details>
 # <details><summary>Hint 3: one line</summary>Python can test both ends of a range at once: <code>low &lt;= value &lt;= high</code>. Which conditions on t and u decide between t and np.inf?</details>
 
@@ -395,9 +397,9 @@ def ray_segment(origin, direction, start, end):
 
     The wall runs from `start` to `end`; all are (2,), m. Returns one number,
     np.inf when the ray misses the wall: when the wall is behind the origin,
-    when the ray passes beyond an end of it, and when the two are parallel. A
-    ray that starts on the wall (t = 0) or meets exactly an end of it (u = 0,
-    u = 1) hits it.
+    when the ray passes beyond an end of it, and when the two are parallel,
+    even if the wall lies along the ray. A ray that starts on any other wall
+    (t = 0) or meets exactly an end of it (u = 0, u = 1) hits it.
     """
 
     ### BEGIN SOLUTION
@@ -467,7 +469,7 @@ print(f"eye {EYE} m, wall {WALL_HEIGHT} m, the image ends at slopes ±{slope:.3f
 def wall_share(depth, rows):
     """How much of each pixel of a column a wall covers.
 
-    depth: m. rows: pixels of the column, any number from 1 on.
+    depth: m, greater than 0. rows: pixels of the column, any number from 1 on.
     Returns an array (rows,) in 0 to 1; row 0 is the top.
     """
     ### BEGIN SOLUTION

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 02 · Local control
 #
-# **110 minutes.** You need [notebook 01](01_world_and_car.ipynb): frames, the car, the camera. A little linear algebra helps: what a matrix times a vector is, and what its
+# **120 minutes.** You need [notebook 01](01_world_and_car.ipynb): frames, the car, the camera. A little linear algebra helps: what a matrix times a vector is, and what its
 # transpose is. No experience with neural networks is required.
 #
 # After this notebook you can
@@ -68,8 +68,10 @@ from tutorial_lib.viz import (
     colours,
     draw_arrows,
     draw_metrics,
+    draw_outcome,
     from_figure,
     matches_picture,
+    outcome_legend,
     play,
     show,
     side_by_side,
@@ -264,7 +266,7 @@ obstacle_policy = check_obstacle_policy.use(obstacle_policy)
 # $$ u = \arg\min_u \sum_i (J_i u - a_i)^{\top} M_i\, (J_i u - a_i) \;=\; \Bigl(\sum_i J_i^{\top} M_i J_i\Bigr)^{-1} \sum_i J_i^{\top} M_i\, a_i . $$
 #
 # $J^{\top} M a$ is the policy's *force* on the controls and $J^{\top} M J$ its metric there. Computing both is the **pullback**; summing and solving is called **resolve**.
-# If no policy has a weight in some direction, the sum of the metrics is singular; adding $10^{-6}$ to its diagonal means *then do nothing*.
+# If no policy has a weight in some direction, the sum of the metrics is singular; adding $10^{-6}$ to its diagonal means *then do nothing*: a policy that weighs far less than that is not obeyed.
 #
 # ### Exercise 3 · `resolve` (medium, 12 minutes)
 #
@@ -278,7 +280,7 @@ def resolve(policies):
     """The accelerations of the two controls that suit all policies best.
 
     policies: a list of (jacobian (D, 2), acceleration (D,), metric (D, D)); D
-    may differ.
+    may differ. The list may be empty; then nothing is wanted.
     Returns an array (2,). 1e-6 is added to the diagonal of the summed metric.
     """
     ### BEGIN SOLUTION
@@ -824,11 +826,11 @@ print(f"before: {outcomes['before'].reached.sum()} of {len(forty)} targets reach
 # A *batch* is a few pairs with their labels. A *step* computes the loss of one batch, and moves all weights a little against its [[gradient]]. How far is decided by the *optimizer* and its [[learning rate]] $\eta$. The loop has seven rules:
 #
 # 1. **Every step draws one batch**, `draw_batch(step)`, with steps counted $t = 0, 1, \dots, T - 1$ (`max_steps` is $T$), and computes its loss once, with `loss_of(network, batch)`.
-# 2. **The learning rate is set before every step.** It rises in $W$ steps (`warmup_steps`), since the first gradients of a random network are wild, and then decays along half a cosine:
+# 2. **The learning rate is set before every step.** It rises in $W$ steps (`warmup_steps`, at least 1), since the first gradients of a random network are wild, and then decays along half a cosine:
 #    $$ \eta_t = \eta\,\min\Bigl(1, \frac{t + 1}{W}\Bigr)\cdot\tfrac12\Bigl(1 + \cos\frac{\pi t}{T}\Bigr). $$
 # 3. **Gradients do not add up**: `optimizer.zero_grad()`, `loss.backward()`, `optimizer.step()`. Before the step, a gradient (of all weights together) that is longer than `max_norm` is shortened to it; others stay as they are. This is called *clipping*.
 # 4. **Evaluate** after every `eval_interval` steps, and after the last step in any case: `validate(network)` returns the loss on pairs that the network does not learn from. During an evaluation the network is in evaluation mode, `network.eval()`, and no gradients are tracked, `with torch.no_grad():`. While it learns it is in training mode, `network.train()`.
-# 5. **Keep the best**: whenever the validation loss is smaller than ever before, keep a *copy* of the weights, `deepcopy(network.state_dict())`. At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
+# 5. **Keep the best**: whenever the validation loss is smaller than ever before, keep a *copy* of the weights, `deepcopy(network.state_dict())` (imported above). At the end the network gets the best weights back, `network.load_state_dict(...)`, and is in evaluation mode.
 # 6. **End early**: when `patience` evaluations in a row were no better than the best before them, training ends.
 # 7. **Return the history**: for each evaluation the steps made, the mean of the training losses since the last evaluation, and the validation loss.
 #
@@ -967,18 +969,17 @@ for name, rollouts in outcomes.items():
         track = rollouts.poses[: round(rollouts.seconds[robot] / STEP) + 1, robot]
         view.polyline(picture, track[:, :2], colours.TRACK, 8)
         view.robot(picture, track[0], 1.4 * car.footprint)
-        colour = colours.GOAL if rollouts.reached[robot] else colours.LASER
-        view.disc(picture, forty.goals[robot, :2], 0.16, colour)
+        draw_outcome(view, picture, forty.goals[robot, :2], rollouts.reached[robot])
     panels.append(picture)
     titles.append(f"{name}: {rollouts.reached.sum()} of 40")
     near = np.median(closest(rollouts, forty))
     print(
         f"{name}: {rollouts.reached.sum()} of {len(forty)} reached, closest approach {near:.2f} m (median)"
     )
-show(side_by_side(panels, titles, height=460))
+show(stacked([side_by_side(panels, titles, height=460), outcome_legend()]))
 
 # %% [markdown]
-# Ten of the 40 rollouts are drawn; a target is green if it was reached and red if not.
+# Ten of the 40 rollouts are drawn; a disc is a target that was reached, a cross one that was not.
 #
 # Has the network learnt *this apartment*, or has it learnt to *compare images*? **Predict** how many of 40 targets it reaches in another apartment, in which neither network was trained.
 
@@ -1240,14 +1241,14 @@ for place, name in enumerate(order):
     paint = colours.unit(colours.FAINT if name in ("random", "oracle") else colours.ROBOT)
     axis.bar(place - aside, line["success"], 0.38, color=paint, yerr=error, capsize=3)
     text = {"ha": "center", "fontsize": 11}
-    axis.text(place - aside, line["high"] + 0.02, f"{line['success']:.0%}", **text)
+    axis.text(place - aside, line["high"] + 0.02, f"{100 * line['success']:.1f}", **text)
     if line["paper"] is not None:
         axis.bar(place + aside, line["paper"], 0.38, color=colours.unit(colours.PATH))
-        axis.text(place + aside, line["paper"] + 0.02, f"{line['paper']:.0%}", **text)
+        axis.text(place + aside, line["paper"] + 0.02, f"{100 * line['paper']:.0f}", **text)
 axis.set(
     ylim=(0, 1.08),
     ylabel="success rate",
-    title="blue and grey: ours, with 95 % intervals; orange: the paper",
+    title="numbers in %; blue and grey: ours, with 95 % intervals; orange: the paper",
 )
 names = {
     "k0": "waypoint, k = 0",
@@ -1261,7 +1262,7 @@ show(from_figure(figure))
 
 
 # %% hidden=true
-# Table I under four conditions, and on maps that real robots recorded
+# Table I under four conditions, and on maps from Nav2
 def success_table(columns, caption):
     """A table of success rates; columns are (name, line of each controller)."""
     rows = []
@@ -1289,13 +1290,11 @@ by_map = []
 for name, title in maps.items():
     rows = load_result(f"meng_table1_{name}").rows
     by_map.append((title, {r["controller"]: r for r in rows if r["condition"] == "clean"}))
-display(
-    success_table(by_map, "On maps that real robots recorded; no network has seen such a place")
-)
+display(success_table(by_map, "On three maps from Nav2; no network has seen such a place"))
 
 # %% [markdown]
 # *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
-# training. (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_table1`.)
+# training. The maps of the second table are occupancy grids that come with Nav2, the navigation software of ROS 2: their walls are crooked and have holes. (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_table1`.)
 #
 # <details><summary>Why do our numbers differ from the paper's?</summary>
 # In both, control through waypoints beats direct control. The paper's direct controller was trained to imitate forward acceleration and steering velocity; ours imitates speed and steering of the same demonstrator, and has k = 2. Our images are simpler than those of scanned buildings, which helps; but they have 16 rows in place of 64,
@@ -1304,7 +1303,7 @@ display(
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
 # A single image is enough for nine targets in ten. Context of k = 2 removes 45 % of the remaining failures, and k = 5 another 56 % of those that are left; k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the real maps the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within ten points of its result here, to either side.
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within ten points of its result here, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 03 · Reachability
 #
-# **110 minutes.** You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. A little probability helps: what it means that something happens seven times out of ten. Nothing else is required.
+# **120 minutes.** You need notebook 02: the [[controller]] $\mathcal C$ that drives to the place shown in an image. A little probability helps: what it means that something happens seven times out of ten. Nothing else is required.
 #
 # After this notebook you can
 #

@@ -1194,7 +1194,7 @@ def wall_share__puts_the_eye_as_high_as_the_rest(depth, rows):
 
 
 def wall_share__divides_only_the_lower_end(depth, rows):
-    """the upper end of the wall is not divided by the depth"""
+    """the upper end of the wall lies at 0.75 / depth"""
     return _slopes(0.75, -0.25 / depth, rows)
 
 
@@ -1251,3 +1251,90 @@ def wall_share__right_cumulative(depth, rows):
     e = np.linspace(SLOPE, -SLOPE, rows + 1)
     c = np.clip(e, -0.25 / depth, 0.75 / depth)
     return -np.diff(c) * rows / (2 * SLOPE)
+
+
+def to_local__fills_an_array_of_whole_numbers(pose, points):
+    """np.zeros_like and astype take over the type of whole numbers"""
+    local, right = np.zeros_like(points), to_local__right_by_complex_numbers(pose, points)
+    local[:] = right
+    return local
+
+
+def compose__wraps_everything(first, second):
+    """only the heading is wrapped; x and y are metres"""
+    cos, sin = np.cos(first[2]), np.sin(first[2])
+    x, y = cos * second[0] - sin * second[1], sin * second[0] + cos * second[1]
+    together = np.array([first[0] + x, first[1] + y, first[2] + second[2]])
+    return (together + np.pi) % (2 * np.pi) - np.pi
+
+
+def compose__takes_an_arcsine(first, second):
+    """arcsin knows headings up to a quarter turn only"""
+    x, y, heading = compose__right_by_matrices(first, second)
+    return np.array([x, y, np.arcsin(np.sin(heading))])
+
+
+def _crossing(origin, direction, start, end, parallel):
+    wall, offset = end - start, start - origin
+    across = direction[0] * wall[1] - direction[1] * wall[0]
+    if parallel(across):
+        return np.inf
+    t = (offset[0] * wall[1] - offset[1] * wall[0]) / across
+    u = (offset[0] * direction[1] - offset[1] * direction[0]) / across
+    return t if t >= 0 and 0 <= u <= 1 else np.inf
+
+
+def ray_segment__compares_with_zero_itself(*case):
+    """rounding keeps it from being zero"""
+    return _crossing(*case, lambda across: across == 0)
+
+
+def ray_segment__overlooks_short_walls(origin, direction, start, end):
+    """a short wall has a small denominator, but it is not parallel"""
+    if np.linalg.norm(end - start) < 0.005:
+        return np.inf
+    return _crossing(origin, direction, start, end, lambda across: abs(across) < 1e-12)
+
+
+def wall_share__lays_rows_at_even_angles(depth, rows):
+    """these lie at even angles"""
+    edges = np.tan(np.linspace(np.pi / 6, -np.pi / 6, rows + 1))
+    common = np.minimum(edges[:-1], 0.75 / depth) - np.maximum(edges[1:], -0.25 / depth)
+    return np.maximum(common, 0) / (edges[:-1] - edges[1:])
+
+
+def wall_share__forgets_where_the_wall_begins(depth, rows):
+    """the rows below it show the floor"""
+    edges = np.linspace(SLOPE, -SLOPE, rows + 1)
+    return np.maximum(np.minimum(edges[:-1], 0.75 / depth) - edges[1:], 0) * rows / (2 * SLOPE)
+
+
+def wall_share__takes_absolute_overlaps(depth, rows):
+    """make it 0, not positive"""
+    edges = np.linspace(SLOPE, -SLOPE, rows + 1)
+    common = np.minimum(edges[:-1], 0.75 / depth) - np.maximum(edges[1:], -0.25 / depth)
+    return np.minimum(np.abs(common) * rows / (2 * SLOPE), 1)
+
+
+def wall_share__makes_two_halves(depth, rows):
+    """the horizon runs through the middle of a row"""
+    h = 2 * SLOPE / rows
+    above = np.clip(0.75 / depth / h - np.arange(rows // 2), 0, 1)
+    below = np.clip(0.25 / depth / h - np.arange(rows - rows // 2), 0, 1)
+    return np.concatenate([above[::-1], below])
+
+
+def to_local__rounds_to_millimetres(pose, points):
+    """rounded to millimetres"""
+    return to_local__right_by_complex_numbers(pose, points).round(3)
+
+
+def to_local__sends_the_heading_through_an_arctan(pose, points):
+    """takes half a turn from some"""
+    heading = np.arctan(np.tan(pose[2]))
+    return to_local__right_by_complex_numbers(np.array([*pose[:2], heading]), points)
+
+
+def wall_share__returns_grey_levels(depth, rows):
+    """no grey levels here"""
+    return (255 * _right_share(depth, rows)).astype(np.uint8)

@@ -203,7 +203,8 @@ def resolve__returns_inside_the_loop(policies):
     return resolve__right_by_least_squares(policies[:1])
 
 
-def resolve__right_by_pinv(policies):
+def resolve__takes_a_pseudo_inverse(policies):
+    """a pseudo-inverse leaves out the 1e-6"""
     force, metric = _sums(policies)
     return np.linalg.pinv(metric) @ force
 
@@ -1725,7 +1726,7 @@ def train_network__steps_twice(*c):
 
 
 def train_network__ignores_max_norm(*c):
-    """the gradient of step 0 is [0.019 0.743 0.669], but [0.034 1.36"""
+    """gradients are shortened to 1, but plan.max_norm is"""
     return _train(*c, max_norm_fixed=1.0)
 
 
@@ -1746,3 +1747,44 @@ def train_network__counts_rises_of_the_loss(*c):
 
 def train_network__right_tn(*c):
     return _train(*c)
+
+
+def goal_policy__damps_within_near_only(offsets, velocities, gain, damping, near):
+    """the damping acts everywhere, not only within `near`"""
+    close_by = np.linalg.norm(offsets, axis=-1, keepdims=True) < near
+    return _pull(offsets, gain, near) - damping * velocities * close_by, _identities(offsets)
+
+
+def goal_policy__damps_far_away_only(offsets, velocities, gain, damping, near):
+    """the damping acts everywhere, not only farther away"""
+    far = np.linalg.norm(offsets, axis=-1, keepdims=True) >= near
+    return _pull(offsets, gain, near) - damping * velocities * far, _identities(offsets)
+
+
+def goal_policy__damps_along_the_way(offsets, velocities, gain, damping, near):
+    """works against the whole velocity"""
+    speed = np.linalg.norm(velocities, axis=-1, keepdims=True)
+    return _pull(offsets, 1.0, near) * (gain - damping * speed), _identities(offsets)
+
+
+def resolve__adds_a_millionth_for_every_policy(policies):
+    """1e-6 is added once, to the sum"""
+    force, metric = np.zeros(2), np.zeros((2, 2))
+    for j, a, m in policies:
+        force, metric = force + j.T @ m @ a, metric + j.T @ m @ j + 1e-6 * np.eye(2)
+    return np.linalg.solve(metric, force) if policies else force
+
+
+def resolve__adds_up_nothing(policies):
+    """no policy at all"""
+    force = sum(j.T @ m @ a for j, a, m in policies)
+    metric = sum(j.T @ m @ j for j, a, m in policies)
+    return np.linalg.solve(metric + 1e-6 * np.eye(2), force)
+
+
+def resolve__limits_accelerations(policies):
+    """limit nothing here"""
+    force, metric = np.zeros(2), 1e-6 * np.eye(2)
+    for j, a, m in policies:
+        force, metric = force + j.T @ m @ a, metric + j.T @ m @ j
+    return np.clip(np.linalg.solve(metric, force), -5, 5)

@@ -1014,3 +1014,59 @@ def _fitted(logits, labels):
         lambda x: _each(logits * np.exp(-x), labels).mean(), bounds=(-3, 3), method="bounded"
     )
     return np.exp(found.x)
+
+
+def rollout_labels__looks_at_the_nearest_moment(times, gaps, touched, geodesic):
+    """the nearest moment may come too late or after a touch"""
+    row, cars = gaps.argmin(axis=0), np.arange(gaps.shape[1])
+    good = (gaps <= 0.3) & _in_time(times, geodesic) & _clean(touched)
+    return good[row, cars].astype(float)
+
+
+def rollout_labels__accumulates_over_cars(times, gaps, touched, geodesic):
+    """accumulate over the moments, axis=0"""
+    clean = ~np.logical_or.accumulate(touched, axis=1)
+    return _float((gaps <= 0.3) & _in_time(times, geodesic) & clean)
+
+
+def rollout_labels__overlooks_the_first_moment(times, gaps, touched, geodesic):
+    """a touch in the very first moment counts, too"""
+    later = touched.copy()
+    later[0] = False
+    return _float((gaps <= 0.3) & _in_time(times, geodesic) & _clean(later))
+
+
+def rollout_labels__looks_at_the_last_moment_in_time(times, gaps, touched, geodesic):
+    """look at every moment, not at the last"""
+    return ((gaps[-1] <= 0.3) & _in_time(times, geodesic)[-1] & ~touched.any(axis=0)).astype(float)
+
+
+def rollout_labels__counts_tenths_of_a_second(times, gaps, touched, geodesic):
+    """the moments lie unevenly"""
+    even = 0.1 * np.arange(len(times))
+    return _float((gaps <= 0.3) & _in_time(even, geodesic) & _clean(touched))
+
+
+def fit_temperature__stops_at_five(logits, labels):
+    """yours never comes above 5"""
+    return min(_fitted(logits, labels), 5.0)
+
+
+def mine_pairs__mines_what_is_just_sure(*case):
+    """only pairs above it are mined"""
+    return _mined(case[0] + 1e-9 * case[2], *case[1:])
+
+
+def reach_loss__divides_by_the_largest_weight(logits, labels, weights):
+    """not by the largest one"""
+    return np.sum(weights * _each(logits, labels)) / weights.max()
+
+
+def reach_loss__weighs_the_labels_only(logits, labels, weights):
+    """not only the part with the label"""
+    return np.mean(np.logaddexp(0, logits) - weights * labels * logits)
+
+
+def reach_loss__leaves_out_pairs_without_weight(logits, labels, weights):
+    """not only whether it does"""
+    return _each(logits, labels)[weights > 0].mean()

@@ -85,6 +85,12 @@ _FAULTS = {
     "the heading is wrapped by half a turn; a whole turn is 2 pi": _heading(
         lambda first, second: (first + second + np.pi / 2) % np.pi - np.pi / 2
     ),
+    "arcsin knows headings up to a quarter turn only; np.arctan2(sine, cosine) knows all": _heading(
+        lambda first, second: np.arcsin(np.sin(first + second))
+    ),
+    "only the heading is wrapped; x and y are metres": lambda first, second: wrap(
+        np.array([*_moved(first[2], first, second), first[2] + second[2]])
+    ),
     "the headings are subtracted; they add up": _heading(
         lambda first, second: wrap(first - second)
     ),

@@ -6,6 +6,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.checks.framework.topics import Topic, judge_topics
 from tutorial_lib.geometry import Array
 
@@ -181,21 +182,29 @@ def _topics() -> list[Topic]:
             "a wall along the ray",
             "it is parallel too, so it is missed: return np.inf",
             case(by, ahead, [1, 0.25], [3, 0.25]),
+            case(at, ahead, [-1, 0], [1, 0]),
         ),
         both(
-            "a wall that is almost parallel to the ray",
-            "a small denominator is not zero: only 1e-9 or less counts as parallel",
-            case(at, ahead, [10, -0.01], [20, 0.01]),
-        ),
-        both(
-            "a wall of 1 cm",
-            "a short wall has a small denominator, but it is not parallel",
-            case(by, ahead, [3, 0.245], [3, 0.255]),
+            "a wall along a slanting ray, whose denominator is 1e-16",
+            "rounding keeps it from being zero: 1e-9 or less counts as parallel, to either side",
+            case([0, 0.1], slanted, [0.3, 0.5], [0.9, 1.3]),
+            case([0, 0.1], slanted, [0.36, 0.58], [0.66, 0.98]),
         ),
         both(
             "a wall 200 m away",
             "the function has no largest range: far hits count, too",
             case(by, ahead, [200, -300], [200, 300]),
+        ),
+        both(
+            "a wall that is almost parallel to the ray",
+            "a small denominator is not zero: only 1e-9 or less counts as parallel",
+            case(at, ahead, [10, -0.0001], [20, 0.0001]),
+        ),
+        both(
+            "walls of 1 cm and of 1 mm",
+            "a short wall has a small denominator, but it is not parallel",
+            case(by, ahead, [3, 0.245], [3, 0.255]),
+            case(by, ahead, [3, 0.2495], [3, 0.2505]),
         ),
         Topic(
             "60 random rays",
@@ -225,6 +234,7 @@ def check_ray_segment(student: Callable[..., float]) -> None:
             ray_segment,
             _FAULTS,
             form=_form,
+            same=_same,
             difference=_difference,
         )
 
@@ -239,6 +249,18 @@ def _form(what: str, answer: object, *case: Array) -> Array:
     if np.shape(answer):
         raise WrongAnswer(f"{what}: shape {np.shape(answer)} came back; return one number")
     return numbers(what, answer, ())
+
+
+def _same(got: Array, want: float, *case: Array) -> bool:
+    """Whether two answers agree; of a wall along the ray, any distance on it is good, too.
+
+    Only where rounding keeps the denominator from being zero: other rules than that of the two
+    fractions see such a wall as crossing the ray.
+    """
+    origin, direction, start, end = case
+    near, far = sorted([(start - origin) @ direction, (end - origin) @ direction])
+    rounded = 0 < abs(_cross(direction, end - start)) < _PARALLEL
+    return close(got, want, tolerance=1e-5) or bool(rounded and near > 0 and near <= got <= far)
 
 
 def _difference(got: Array, want: float, *case: Array) -> str:

@@ -91,6 +91,12 @@ _FAULTS = {
     "the answers are rounded; return all digits": (
         lambda pose, points: np.round(geometry.to_local(pose, points), 2)
     ),
+    "the answers are rounded to millimetres; return all digits": (
+        lambda pose, points: np.round(geometry.to_local(pose, points), 3)
+    ),
+    "the heading goes through an arctan, which takes half a turn from some": (
+        lambda pose, points: _turned(-np.arctan(np.tan(pose[2])), points - pose[:2])
+    ),
 }
 
 
@@ -128,6 +134,12 @@ def _topics() -> list[Topic]:
             "a robot with a negative heading",
             "a negative heading is a turn to the right; the same formula holds",
             [(np.array([1.0, 2.0, -0.7]), rng.uniform(-4, 4, (5, 2)))],
+        ),
+        Topic(
+            "points at whole numbers of metres",
+            "their local coordinates have digits: np.zeros_like and astype take over the type of "
+            "whole numbers, which cuts them off",
+            [(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]]))],
         ),
         Topic(
             "20 random poses with one to nine points",

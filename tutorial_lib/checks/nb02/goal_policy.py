@@ -77,6 +77,29 @@ _FAULTS = {
             lambda o, d, v, gain, damping, near: gain * o / np.sqrt(d**2 + near**2) - damping * v
         )
     ),
+    "the damping acts everywhere, not only within `near`": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * o / np.maximum(d, near) - damping * v * (d < near)
+            )
+        )
+    ),
+    "the damping acts everywhere, not only farther away than `near`": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * o / np.maximum(d, near) - damping * v * (d >= near)
+            )
+        )
+    ),
+    "the damping works against the whole velocity, not only along the way to the goal": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                (gain - damping * np.linalg.norm(v, axis=-1, keepdims=True))
+                * o
+                / np.maximum(d, near)
+            )
+        )
+    ),
     "within `near` the pull is gain * offset / near; it is not divided by `near`": (
         _accelerating(
             lambda o, d, v, gain, damping, near: (
@@ -211,7 +234,11 @@ def _topics() -> list[Topic]:
         Topic(
             "another damping",
             "the damping is an argument; use it, and no number in its place",
-            [(many, 0.1 * many, 2.4, damping, 0.35) for damping in (0.5, 1.0, 5.0)],
+            [
+                (many * scale, 0.1 * many, 2.4, damping, 0.35)
+                for scale in (1.0, 0.02)
+                for damping in (0.5, 1.0, 5.0)
+            ],
         ),
         Topic(
             "another `near`",

@@ -135,12 +135,26 @@ _FAULTS = {
     "no policy constrains one direction: add 1e-6 to the diagonal": (
         lambda policies: np.linalg.solve(*reversed(_sums(policies)))
     ),
+    "a pseudo-inverse leaves out the 1e-6: add it to the diagonal, and solve": (
+        lambda policies: np.linalg.pinv(_sums(policies)[1]) @ _sums(policies)[0]
+    ),
+    "1e-6 is added once, to the sum, not for each policy": (
+        lambda policies: np.linalg.solve(
+            _sums(policies)[1] + len(policies) * _DIAGONAL, _sums(policies)[0]
+        )
+    ),
 }
+
+
+def _unless_empty(fault: Callable[[list[Policy]], Array]) -> Callable[[list[Policy]], Array]:
+    """A mistake that shows only where there are policies."""
+    return lambda policies: fault(policies) if policies else np.zeros(2)
 
 
 def _topics() -> list[Topic]:
     rng = np.random.default_rng(8)
     slow = (np.eye(2), np.array([0.0, -1.0]), np.diag([1.0, 3.0]))
+    faint = (np.eye(2), _GOAL[1], _DIAGONAL)
     spatial = (rng.normal(size=(3, 2)), rng.normal(size=3), np.diag([1.0, 0.5, 2.0]))
     return [
         Topic(
@@ -179,9 +193,24 @@ def _topics() -> list[Topic]:
             [([(_GOAL[0], _GOAL[1], 0.01 * np.eye(2))],)],
         ),
         Topic(
+            "a policy that wants much",
+            "limit nothing here: whoever calls this function limits speed and steering",
+            [([(_GOAL[0], 20 * _GOAL[1], _GOAL[2]), _WALL],)],
+        ),
+        Topic(
+            "policies that weigh next to nothing",
+            "add 1e-6 to the diagonal of the sum, once; it halves what a policy of 1e-6 wants",
+            [([faint],), ([faint, faint, faint],)],
+        ),
+        Topic(
             "25 random groups of one to six policies",
             "the simple cases are right; does a part of your rule hold for some policies only?",
             [(_group(rng),) for _ in range(25)],
+        ),
+        Topic(
+            "no policy at all",
+            "nothing is wanted: begin with np.zeros(2) and 1e-6 * np.eye(2), and add to them",
+            [([],)],
         ),
     ]
 
@@ -209,7 +238,7 @@ def check_resolve(student: Callable[..., Any]) -> None:
             student,
             _topics(),
             resolve,
-            _FAULTS,
+            {words: _unless_empty(fault) for words, fault in _FAULTS.items()},
             form=lambda what, answer, policies: numbers(what, answer, (2,)),
             invoke=_invoke,
             same=_same,

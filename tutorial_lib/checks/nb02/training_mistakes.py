@@ -78,8 +78,14 @@ def _updating(got: Trace, batches: Array, plan: TrainingPlan) -> str | None:
         return "only gradients longer than max_norm are shortened; the others stay as they are"
     if close_arrays(mine, np.clip(raw, -plan.max_norm, plan.max_norm)):
         return "shorten the whole gradient, do not cut each number: clip_grad_norm_, no value"
-    if close_arrays(mine, np.concatenate([_cut(raw[:, :2], plan), _cut(raw[:, 2:], plan)], axis=1)):
+    if close_arrays(mine, _cut_parts(raw, plan)):
         return "max_norm limits the gradient of all parameters together, not of each tensor alone"
+    other = np.linalg.norm(mine, axis=1).max()
+    if close_arrays(mine, _cut(raw, other)):
+        return (
+            f"gradients are shortened to {other:.4g}, but plan.max_norm is {plan.max_norm:g}; "
+            "write no number in its place"
+        )
     step = int(np.argmax(np.abs(mine - shortened).max(axis=1) > 1e-4))
     now, right = mine[step].round(3), shortened[step].round(3)
     return f"the gradient of step {step} is {now}, but {right} is right; see rule 3, plan.max_norm"
@@ -89,9 +95,15 @@ def _length(gradient: Array, plan: TrainingPlan) -> float:
     return float(np.linalg.norm(gradient)) / plan.max_norm
 
 
-def _cut(part: Array, plan: TrainingPlan) -> Array:
-    length = np.linalg.norm(part, axis=1, keepdims=True) / plan.max_norm
-    return part / np.maximum(length, 1.0)
+def _cut(gradients: Array, norm: float) -> Array:
+    return gradients / np.maximum(np.linalg.norm(gradients, axis=1, keepdims=True) / norm, 1.0)
+
+
+def _cut_parts(raw: Array, plan: TrainingPlan) -> Array:
+    """Each of the two parameters by itself."""
+    return np.concatenate(
+        [_cut(raw[:, :2], plan.max_norm), _cut(raw[:, 2:], plan.max_norm)], axis=1
+    )
 
 
 def _modes(got: Trace) -> str | None:
@@ -156,7 +168,8 @@ def _keeping(got: Trace, want: Trace) -> str | None:
         losses = [entry[2] for entry in want.history]
         return (
             f"the network must end with the weights of its best evaluation; the validation losses "
-            f"were {losses}, and the first of equals counts. Keep {copied} changing"
+            f"were {losses}, and the first of equals counts. Keep {copied} changing. And give it "
+            "back at the end: network.load_state_dict(...)"
         )
     if not got.ends_evaluating:
         return "in the end the network must be in evaluation mode: network.eval()"

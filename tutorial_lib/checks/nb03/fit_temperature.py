@@ -158,6 +158,7 @@ _FAULTS: dict[str, Callable[[Array, Array], float]] = {
     "a temperature above 1 is allowed, it makes a network less confident": _clipped(LOWEST, 1.0),
     "T is sought from 0.05 to 20; yours never comes below 0.1": _clipped(0.1, HIGHEST),
     "T is sought from 0.05 to 20; yours never comes above 10": _clipped(LOWEST, 10.0),
+    "T is sought from 0.05 to 20; yours never comes above 5": _clipped(LOWEST, 5.0),
     "T is sought from 0.05 to 20; yours stays between 0.1 and 10": _clipped(0.1, 10.0),
     "T is sought from 0.05 to 20; yours stays between 0.5 and 5": _clipped(0.5, 5.0),
     "the cross-entropy is to be smallest, not the squared error": _smallest(

@@ -55,6 +55,12 @@ def _pool(seed: int, count: int = 400, known: float = 0.2, occluded: float = 0.6
     )
 
 
+def _at_threshold(pool: Pool) -> Pool:
+    """A pool in which an occluded pair is predicted with exactly `sure`, and nothing is full."""
+    fits = np.isnan(pool.labels) & pool.occluded
+    return replace(pool, sure=float(np.sort(pool.probability[fits])[-20]), most=400, each=400)
+
+
 _USUAL = _pool(1)
 POOLS: dict[str, Pool] = {
     "400 pairs": _USUAL,
@@ -65,6 +71,7 @@ POOLS: dict[str, Pool] = {
     "nothing that is sure": replace(_pool(6), sure=0.9995),
     "nothing occluded": replace(_pool(7), occluded=np.zeros(400, dtype=bool)),
     "a single hard negative": replace(_pool(8, occluded=1.1), most=1),
+    "a pair at exactly the threshold": _at_threshold(_pool(10)),
     "12 pairs": replace(_pool(9, 12, known=0.3), sure=0.2, share=0.1),
 }
 

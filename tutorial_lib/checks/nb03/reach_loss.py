@@ -145,6 +145,15 @@ _FAULTS: dict[str, Callable[..., float]] = {
     "labels may lie between 0 and 1: one is not always either 1 or 0": _loss(
         lambda z, y: _each(z, y == 1)
     ),
+    "divide by the sum of the weights, not by the largest one": (
+        lambda z, y, w: (w * _each(z, y)).sum() / w.max()
+    ),
+    "a weight multiplies the whole loss of its pair, not only the part with the label": (
+        lambda z, y, w: (np.logaddexp(0, z) - w * y * z).mean()
+    ),
+    "a weight says how much a pair counts, not only whether it does": (
+        lambda z, y, w: _each(z, y)[w > 0].mean()
+    ),
     "the weights do not count yet": lambda z, y, w: float(_each(z, y).mean()),
     "divide by the sum of the weights, not by the number of pairs": lambda z, y, w: float(
         (w * _each(z, y)).mean()

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare
 from tutorial_lib.checks.nb03.forms import calling, vector
+from tutorial_lib.checks.nb03.rollout_faults import FAULTS, rollout_labels
 from tutorial_lib.checks.nb03.rollout_stories import (
     STORIES,
     Case,
@@ -20,30 +21,10 @@ from tutorial_lib.checks.nb03.rollout_stories import (
     random_rollouts,
     rollouts_of,
 )
-from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
+from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
-
-Touches = NDArray[np.bool_]
-
-
-def rollout_labels(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> Array:
-    """1 for each rollout (N,) within 0.30 m of its target in time, with nothing touched before.
-
-    Args:
-        times: (T,) seconds since the start, rising.
-        gaps: (T, N) metres to the target.
-        touched: (T, N) whether something is touched at that moment.
-        geodesic: (N,) metres from start to target along the shortest path.
-    """
-    in_time = times[:, None] <= time_limit(geodesic)
-    return ((gaps <= REACHED) & in_time & ~_so_far(touched)).any(axis=0).astype(float)
-
-
-def _so_far(touched: Touches) -> Touches:
-    return np.logical_or.accumulate(touched, axis=0)
-
 
 _CASES: dict[str, Case] = {
     "single stories": rollouts_of(),
@@ -71,7 +52,7 @@ def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         student,
         _CASES,
         rollout_labels,
-        _FAULTS,
+        FAULTS,
         invoke=calling(_HINTS),
         form=_form,
         same=_same,
@@ -109,114 +90,6 @@ def _worst(got: Array, want: Array, *case: Array) -> str:
     facts = f"it is within 0.30 m {near}, touches something {touches}, and t_max is"
     limit = f"{time_limit(geodesic[number]):.4g} s"
     return f"{story} has the label {want[number]:.0f}, not {got[number]:.3g}: {facts} {limit}"
-
-
-def _labels(moments: Touches) -> Array:
-    return moments.any(axis=0).astype(float)
-
-
-def _parts(case: Case) -> tuple[Touches, Touches, Touches]:
-    """Where a car is near, in time, and clean so far."""
-    times, gaps, touched, geodesic = case
-    return gaps <= REACHED, times[:, None] <= time_limit(geodesic), ~_so_far(touched)
-
-
-def _another(near: float = REACHED, slowest: float = SLOWEST, grace: float = GRACE) -> Any:  # noqa: ANN401
-    """The rule with other constants."""
-
-    def fault(times: Array, gaps: Array, touched: Touches, geodesic: Array) -> Array:
-        in_time = times[:, None] <= geodesic / slowest + grace
-        return _labels((gaps <= near) & in_time & ~_so_far(touched))
-
-    return fault
-
-
-def _with(rule: Callable[..., Array]) -> Callable[..., Array]:
-    """A rule of near, in time and clean, and of the case, for the case alone."""
-    return lambda *case: rule(*_parts(case), *case)
-
-
-def _at_end(near: Touches, time: Touches, clean: Touches, *case: Array) -> Array:
-    return (near[-1] & ~case[2].any(axis=0)).astype(float)
-
-
-def _at_limit(near: Touches, time: Touches, clean: Touches, *case: Array) -> Array:
-    times, cars = case[0], np.arange(near.shape[1])
-    row = np.abs(times[:, None] - time_limit(case[3])).argmin(axis=0)
-    return (near[row, cars] & clean[row, cars]).astype(float)
-
-
-def _before(touched: Touches) -> Touches:
-    """What was touched before each moment, without that moment."""
-    return np.vstack([np.zeros_like(touched[:1]), _so_far(touched)[:-1]])
-
-
-def _as_index(near: Touches, time: Touches, clean: Touches, *case: Array) -> Array:
-    steps = np.arange(len(near))[:, None] <= time_limit(case[3])
-    return _labels(near & clean & steps)
-
-
-_FAULTS: dict[str, Callable[..., Array]] = {
-    "every rollout counts as reached; three things must hold": lambda t, g, c, d: np.ones(len(d)),
-    "no rollout counts as reached; look at each moment": lambda t, g, c, d: np.zeros(len(d)),
-    "a rollout that touched something has failed, even if it arrives": _with(
-        lambda near, time, clean, *_: _labels(near & time)
-    ),
-    "what a car touches after it has arrived does not count: look at what was touched up to each "
-    "moment": _with(lambda near, time, _, *case: _labels(near & time) * ~case[2].any(axis=0)),
-    "a rollout that touched something has failed, even if the car is free again when it arrives; "
-    "see np.logical_or.accumulate": _with(
-        lambda near, time, _, *case: _labels(near & time & ~case[2])
-    ),
-    "a touch in the moment in which the car arrives counts, too": _with(
-        lambda near, time, _, *case: _labels(near & time & ~_before(case[2]))
-    ),
-    "a target that is reached after t_max does not count": _with(
-        lambda near, _, clean, *case: _labels(near & clean)
-    ),
-    "t_max has 5 s on top: geodesic / 0.3 + 5": _another(grace=0.0),
-    "0.3 m/s is a speed: divide the geodesic by it": lambda t, g, c, d: _labels(
-        (g <= REACHED) & (t[:, None] <= SLOWEST * d + GRACE) & ~_so_far(c)
-    ),
-    "t_max is geodesic / 0.3 + 5: the 5 s come on top of the quotient": lambda t, g, c, d: _labels(
-        (g <= REACHED) & (t[:, None] <= (d + GRACE) / SLOWEST) & ~_so_far(c)
-    ),
-    "t_max is different for each car; it depends on its geodesic": lambda t, g, c, d: _labels(
-        (g <= REACHED) & (t[:, None] <= time_limit(d.max())) & ~_so_far(c)
-    ),
-    "t_max is in seconds: compare it with times, not with the number of the row": _with(_as_index),
-    "a car that was at the target once has reached it: do not look only at the last moment": (
-        _with(_at_end)
-    ),
-    "a car that was at the target once has reached it: do not look only at the moment t_max": (
-        _with(_at_limit)
-    ),
-    "near means within 0.30 m, not 0.5 m": _another(near=0.5),
-    "exactly 0.30 m counts as near, too: at most": lambda t, g, c, d: _labels(
-        (g < REACHED) & (t[:, None] <= time_limit(d)) & ~_so_far(c)
-    ),
-    "exactly t_max is still in time: at t_max at the latest": lambda t, g, c, d: _labels(
-        (g <= REACHED) & (t[:, None] < time_limit(d)) & ~_so_far(c)
-    ),
-    "both limits belong to it: at most 0.30 m, at t_max at the latest": lambda t, g, c, d: _labels(
-        (g < REACHED) & (t[:, None] < time_limit(d)) & ~_so_far(c)
-    ),
-    "a rollout that touched something counts 0, not nan: it is a failure, not a gap in the data": (
-        lambda *case: np.where(
-            case[2].any(axis=0) & (rollout_labels(*case) == 0), np.nan, rollout_labels(*case)
-        )
-    ),
-    "near, in time and clean must hold at the same moment, not each at some moment": _with(
-        lambda near, time, clean, *_: (near.any(0) & time.any(0) & clean.any(0)).astype(float)
-    ),
-    "one good moment is enough: any, not all": _with(
-        lambda near, time, clean, *_: (near & time & clean).all(axis=0).astype(float)
-    ),
-    "1 is for those that arrive, 0 for those that do not": lambda *case: 1 - rollout_labels(*case),
-    "a label is 1 or 0, not the number of good moments": _with(
-        lambda near, time, clean, *_: (near & time & clean).sum(axis=0).astype(float)
-    ),
-}
 
 
 def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
