@@ -443,7 +443,7 @@ def test_large_plans_are_large_and_as_good(family, seed):
 def test_the_usual_size_is_any_of_them():
     assert plan_to_json(generate("office", 40, size="any")) == plan_to_json(cached("office", 40))
     areas = [cached("office", seed).area for seed in SEEDS]
-    assert max(areas) > AREAS["large"][1]
+    assert max(areas) > area_limits("office", "large")[1]
 
 
 def test_large_plans_differ_in_area():
