@@ -18,7 +18,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.demos import choose_places, navigation_demo, place_people, recorder
 from tutorial_lib.experiments.demos.outcome import Outcome
 from tutorial_lib.experiments.robustness import plans
-from tutorial_lib.world.generators import FAMILIES, generate
+from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.scene import Scene
 
@@ -178,7 +178,7 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, wor
     [
         (
             "experiment",
-            ["meng_table2   --worlds A:B --map --palette --agent --odometry --ablation {thr"],
+            ["meng_table2     --worlds A:B --map --palette --family --agent --odometry --abl"],
         ),
         ("bench", ["raycast\n", "fleet         --worlds A:A+1\n"]),
     ],
@@ -260,6 +260,16 @@ def test_an_interrupted_demo_leaves_nothing_behind(tmp_path, what, arguments):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("family", ["hall", "scanned"])
+def test_experiment_plans_runs_in_the_family_asked_for(family, capsys, monkeypatch):
+    monkeypatch.setattr(plans, "for_each", in_turn)
+    assert main(["experiment", "plans", "--worlds", "10502:10503", "--family", family]) == 0
+    (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if family in line][:1]
+    assert row[:4] == [family, "1", "1", "20"]
+    assert float(row[4]) >= 0.9
+    assert row[5] == "0"
+
+
 def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(plans, "for_each", in_turn)
     arguments = ["experiment", "plans", "--worlds", "10500:10501", "--quick", "--json", "p.json"]
@@ -267,7 +277,7 @@ def test_experiment_plans_gives_a_row_for_every_family(tmp_path, capsys, monkeyp
     saved = json.loads((tmp_path / "p.json").read_text())
     assert {"name", "seed", "worlds", "quick", "seconds", "rows"} <= set(saved)
     assert saved["worlds"] == [10_500]
-    assert [row["family"] for row in saved["rows"]] == list(FAMILIES)
+    assert [row["family"] for row in saved["rows"]] == list(plans.USUAL)
     for row in saved["rows"]:
         assert (row["plans"], row["valid"], row["drives"]) == (1, 1, 20)
         assert row["success"] >= 0.9

@@ -17,8 +17,10 @@ EVERYTHING = {
     "palette": Options(palette="shifted"),
     "agent": Options(agent="mine.py:Mine"),
     "odometry": Options(odometry="exact"),
+    "family": Options(family="hall"),
 }
-OPTIONAL = {"map", "palette", "agent", "odometry"}
+OPTIONAL = {"map", "palette", "family", "agent", "odometry"}
+NOTED = {"odometry": "odometry: exact", "family": "family: hall"}
 
 
 def run(options, settings):
@@ -66,7 +68,7 @@ def test_an_experiment_runs_on_its_worlds_with_its_settings(experiment, options,
 @pytest.mark.parametrize("name", sorted(OPTIONAL))
 def test_an_option_is_taken_where_it_is_declared_and_refused_elsewhere(name):
     report = make(accepts=frozenset({name})).report(EVERYTHING[name])
-    assert report.notes == ("a note", *(["odometry: exact"] if name == "odometry" else []))
+    assert report.notes == ("a note", *([NOTED[name]] if name in NOTED else []))
     others = frozenset(OPTIONAL) - {name}
     with pytest.raises(InputError, match=f"--{name}: trial cannot use it; its options: --worlds"):
         replace(make(accepts=others), run=never).report(EVERYTHING[name])
@@ -126,7 +128,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
     assert list(BENCHMARKS) == ["raycast", "fleet", "control", "reachability", "map"]
     figures = {f"meng_fig{number}" for number in (4, 5, 6, 7, 8, 9, 10, 11, 13)}
     tables = {"plans", "meng_table1", "meng_table2", "calibration", "disturbances", "faults"}
-    assert set(EXPERIMENTS) == figures | tables
+    assert set(EXPERIMENTS) == figures | tables | {"nts_wayfinding"}
     assert set(ABLATIONS) == {
         "meng_table1 encoder",
         "meng_table1 worlds",
