@@ -192,8 +192,8 @@ _FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
         {0, len(r) - 1, *np.flatnonzero(r[0] > p).tolist()}
     ),
     "threshold is an argument; yours has 0.9 written into it": lambda r, p: choose_anchors(r, 0.9),
-    "threshold is an argument; yours has 0.95 written into it": lambda r, p: (
-        choose_anchors(r, 0.95)
+    "threshold is an argument; yours has 0.95 written into it": lambda r, p: choose_anchors(
+        r, 0.95
     ),
     "the last frame, T - 1, may be reached from afar like any other one": lambda r, p: _greedy(
         r, p, lambda r, i, k, p: bool(r[i, k] > p) and k < len(r) - 1

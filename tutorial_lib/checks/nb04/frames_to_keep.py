@@ -165,9 +165,9 @@ _FAULTS: dict[str, Callable[..., NDArray[np.intp]]] = {
     "the frames of a context are 3 apart, whatever k is": _kept(
         lambda k: [k * s for s in range(-k, k + 1)]
     ),
-    "k may be 0; then the anchors themselves are kept": lambda a, n, k: (
-        frames_to_keep(a, n, k)[: None if k else 0]
-    ),
+    "k may be 0; then the anchors themselves are kept": lambda a, n, k: frames_to_keep(a, n, k)[
+        : None if k else 0
+    ],
     "k is an argument; yours has k = 2 written into it": _kept(lambda k: _steps(2)),
     "that is the anchors alone; each needs its context, too": lambda a, n, k: a,
     "the anchors themselves are missing": _kept(lambda k: [s for s in _steps(k) if s]),
