@@ -297,11 +297,6 @@ def frames_to_keep__right_as_a_set(anchors, total, k):
     return kept
 
 
-def frames_to_keep__right_by_leaving_out(anchors, total, k):
-    frames = np.unique(anchors[:, None] + 3 * np.arange(-k, k + 1))
-    return frames[(frames >= 0) & (frames < total)]
-
-
 def move_on__goes_back(active, visited, reach, overlap, at, rules):
     """never goes back to an earlier one"""
     closest = _closest(active, overlap)
@@ -1185,12 +1180,6 @@ def transition__never_done_alone(state, active, visited, reach, overlap, at, wai
     return right
 
 
-def transition__resets_when_lost(state, active, visited, reach, overlap, at, waited, rules):
-    """a robot that becomes lost keeps active and visited"""
-    right = _steps(state, active, visited, reach, overlap, at, waited, rules)
-    return (State.LOST, -1, -1) if right[0] == State.LOST else right
-
-
 def transition__done_by_overlap(state, active, visited, reach, overlap, at, waited, rules):
     """a high overlap with the last anchor is not enough to be DONE: at"""
     close = overlap[active] > rules.visited
@@ -1231,11 +1220,6 @@ def follow_step__right_by_the_difference(*step):
 def follow_step__right_by_the_sum(*step):
     """Progress as a sum below the nearest."""
     return _looped(*step, nearer=lambda far, nearest: far + 0.05 < nearest)
-
-
-def follow_step__any_nearer(*step):
-    """only nearer by more than 0.05 m is progress"""
-    return _looped(*step, nearer=lambda far, nearest: far < nearest)
 
 
 def follow_step__old_clock(*step):

@@ -214,9 +214,6 @@ FAULTS: dict[str, Callable[..., None]] = {
     ),
     "reuse asks reach; scores are for the edges": _by_scores(into=True),
     "reuse asks reach onward, too; scores are for the edges": _by_scores(into=False),
-    "p_reuse is an argument, and not always 0.99": lambda grown, own, scores, p: insert(
-        grown, own, scores, 0.99
-    ),
     "the edge back has the RE back, scores[other, vertex]; RE is not symmetric": _then(_same_back),
     "new vertices are joined with the old ones, too": _then(_among_themselves),
     "edge_reach of a driven step is at least reach; where scores has more, that stays": _then(
@@ -259,4 +256,7 @@ FAULTS: dict[str, Callable[..., None]] = {
     ),
     "the place counts all anchors of the trajectory, also those that were replaced": _then(_from_0),
     "the path is right, but the map did not grow: add the new vertices": _then(_nothing_new),
+    "p_reuse is an argument, and not always 0.99": lambda grown, own, scores, p: insert(
+        grown, own, scores, 0.99
+    ),
 }
