@@ -876,19 +876,19 @@ def follow_step__never_arrives(memory, reach, overlap, waypoints, odometry, rule
 
 
 def follow_step__believes_void_waypoints(memory, reach, overlap, waypoints, odometry, rules):
-    """its RE 0.10 (rules.p_lose = 0.4)"""
+    """below it the waypoint means nothing"""
     close = np.linalg.norm(waypoints[memory.active]) < rules.at
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(close))
 
 
 def follow_step__has_a_distance_of_its_own(memory, reach, overlap, waypoints, odometry, rules):
-    """(rules.at = 0.4)"""
+    """the waypoint of anchor 0 is 0.05 m away (rules.at = 0.01)"""
     near = np.linalg.norm(waypoints[memory.active]) < 0.25 and reach[memory.active] > rules.p_lose
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(near))
 
 
 def follow_step__never_gives_up(memory, reach, overlap, waypoints, odometry, rules):
-    """no nearer for more than rules.effort = 1.55 s, so it gives up"""
+    """a robot in Follow that gets nowhere gives up: LOST"""
     return _step(memory, reach, overlap, waypoints, odometry, rules, effort=1e6)
 
 
