@@ -159,7 +159,8 @@ def _by_scores(into: bool) -> Callable[..., None]:
 
 def _same_back(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
     for vertex in _new(grown, old):
-        others = [v for v in old.vertices if v != vertex]
+        others = [v for v in grown.vertices if v != vertex]
+        grown.edge_reach[vertex, others] = scores[vertex, others]
         grown.edge_reach[others, vertex] = scores[vertex, others]
     _follow(grown)
 

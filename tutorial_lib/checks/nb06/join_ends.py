@@ -59,7 +59,8 @@ def _joined(
             v, w = w, v
         if fault == "p_here in sight" and v == HERE:
             least = p_here
-        enough = p >= least if fault == "equal" else p > least or fault == "all"
+        even = {"equal": True, "equal from here": w != GOAL, "equal to the goal": w == GOAL}
+        enough = p >= least if even.get(fault, False) else p > least or fault == "all"
         if ((v in joined and w in joined) or fault == "ghosts") and enough:
             joined.setdefault(v, {})[w] = -math.log(p) if fault == "new weights" else p
             if fault == "both ways" and w != GOAL:
@@ -148,6 +149,8 @@ _CASES: dict[str, tuple[Any, ...]] = {
 _FAULTS = {
     "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
     "greater than the threshold, not equal to it": "equal",
+    "from HERE RE must be greater than p_here, not equal to it": "equal from here",
+    "to GOAL RE must be greater than p_goal, not equal to it": "equal to the goal",
     "what is below the threshold is no edge": "all",
     "p_here is for the edges from HERE, p_goal for those to GOAL; yours exchanges them": (
         "exchanged"
