@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 04 · Sparsification
 #
-# **110 minutes.** You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place shown in an image, and the [[reachability estimator]] $\mathcal{RE}$, which predicts the probability that it arrives.
+# **120 minutes.** You need notebooks 02 and 03: the local controller $\mathcal C$, which drives to the place shown in an image, and the [[reachability estimator]] $\mathcal{RE}$, which predicts the probability that it arrives.
 #
 # After this notebook you can
 #
@@ -84,7 +84,7 @@ torch.set_num_threads(1)  # the networks are small: a second thread would mostly
 #
 # Which ones can be dropped? Those that the controller **does not need**: if it can get from the image here to an image 2 m ahead, it does not need the ones between. The images that are kept are called **[[anchor]]s**.
 #
-# Below is one trajectory, one dot per frame, with six of its images, evenly spaced. **Predict:** how many would *you* keep, and where: on the straights, at the doors, in the bends?
+# Below is one trajectory, one dot per frame, with six of its images, evenly spaced. **Predict:** how many would *you* keep, and where: on the straights, at the doors, in the bends? (About 5 s.)
 
 # %% hidden=true
 # Draw a recorded trajectory with six of its images
@@ -379,11 +379,12 @@ table(headings, [["24 trajectories here, k = 2, under way", *values]])
 def frames_to_keep(anchors, total, k):
     """The frames to store for a trajectory's anchors with their contexts.
 
-    anchors: array (A,) of their indices, rising. total: frames of the whole
-    trajectory, 0 to total - 1. k: frames of context on either side, 3 apart, 0
-    or more. A context that reaches beyond an end repeats the frame there.
-    Returns the indices of the frames, each once and in any order, an array, a
-    list or a set.
+    anchors: array (A,) of their indices, rising; any frames, also without the
+    first and the last. total: frames of the whole trajectory, 0 to total - 1.
+    k: frames of context on either side, 3 apart, 0 or more. A context that
+    reaches beyond an end repeats the frame there.
+    Returns the indices of the frames, whole numbers, each once and in any
+    order, an array, a list or a set.
     """
     ### BEGIN SOLUTION
     offsets = 3 * np.arange(-k, k + 1)
@@ -397,10 +398,10 @@ frames_to_keep = check_frames_to_keep.use(frames_to_keep)
 # %% hidden=true
 # Count anchors and stored frames for four controllers
 figure_view = PlanView(scene, 480, 760)
-guides = {context: Guide(recorded, context) for context in ("k0", "k2", "k5", "laser")}
+guides = {context: Guide(recorded, context) for context in ("k0", "k5", "laser")} | {"k2": guide}
 chosen = {
     (context, p): guides[context].anchors(tour, p) - frames[0]
-    for context in guides
+    for context in ("k0", "k2", "k5", "laser")
     for p in (0.9, 0.99)
 }
 lines = []
@@ -499,7 +500,7 @@ table({"": "", "value": "g", "what must be above it": ""}, lines)
 # 1. **Last visited.** Of the three anchors before, at and after the active one (fewer at the ends of the path) take the closest, the one with the largest overlap. It counts as visited if its overlap is above `rules.visited`. The active anchor also counts as visited if the car is *at* it: its waypoint is less than `rules.at` away, whatever the car's heading. (A car that stands there with another heading has little overlap.) The last visited anchor never moves backwards.
 # 2. **Active.** Advance by one, to the next one, if there is a next one, and
 #     - it is reachable, above `rules.p_follow`, *and* near, its overlap above `rules.near`; or
-#     - the active one was visited, now or earlier: then the car must move on, whatever the next one's $\mathcal{RE}$.
+#     - the active one, or the one after it, was visited, now or earlier: then the car must move on, whatever the next one's $\mathcal{RE}$.
 #
 #     Otherwise it stays.
 #
@@ -569,7 +570,7 @@ def transition(state, active, visited, reach, overlap, at, waited, rules):
     state: State.SEARCH, State.FOLLOW or State.DEAD_RECKONING. active, visited:
     as for move_on; in Search both are -1. reach, overlap, at, rules: as for
     move_on; in Search, reach is known for every anchor, and at means nothing.
-    waited: seconds in dead reckoning.
+    waited: seconds in dead reckoning; in the other states it means nothing.
     Returns state, active, visited.
     """
     ### BEGIN SOLUTION
@@ -639,7 +640,7 @@ show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], heigh
 # 3. **The place:** a new waypoint is taken, that of the (new) active anchor, if the new state is Follow, or if the active anchor has changed in this step. Otherwise the old place stays.
 # 4. **The point** to drive to is the place, in the car's present frame.
 # 5. **Progress:** the state or the active anchor has changed in this step; or the new state is Follow, and the point is nearer than `nearest` by more than 0.05 m. With progress, `waited` becomes 0, and `nearest` the distance to the point. Without it, `waited` grows by 0.1 s, and `nearest` stays. In dead reckoning coming nearer is no progress, or the clock would only start when the car has arrived.
-# 6. **Giving up:** a car in Follow that has waited for more than `rules.effort` seconds is lost, too: something that it does not see is in its way.
+# 6. **Giving up:** a car in Follow that has waited for more than `rules.effort` seconds is lost, too, and the step returns `None`: something that it does not see is in its way.
 #
 # **Think first:** a car has just left Follow, at 1.3 m from its waypoint, for dead reckoning. What is `waited` now, and why does rule 5 not keep what it was?
 #
@@ -722,6 +723,7 @@ def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
     noise = np.broadcast_to(noise, len(starts))[:, None]  # sigma of each car
     memories, over = [Memory() for _ in starts], np.zeros(len(starts), dtype=bool)
     track, states = [simulation.poses], []
+    progress = tqdm(desc="steps of 0.1 s", leave=False)
     while not over.all() and len(states) < limit:
         if disturb is not None:
             disturb(simulation, len(states))
@@ -742,6 +744,8 @@ def follow(guide, paths, starts, people=(), disturb=None, noise=0.0, limit=700):
         simulation.step(actions * rng.normal(1.0, noise, actions.shape))
         track.append(simulation.poses)
         states.append(np.array([memory.state for memory in memories]))
+        progress.update()
+    progress.close()
     return np.array(track), np.array(states)
 
 
@@ -1165,7 +1169,8 @@ show(stacked([side_by_side(row, gap=20) for row in rows], gap=10))
 # Follow the same trajectories without their first metres
 later = RecordedWorld(scene, [trajectory.since(UNDER_WAY) for trajectory in trajectories])
 later_guide = Guide(later, "k2")
-later_kept = [later_guide.anchors(index, P_SPARSIFY) for index in range(len(trajectories))]
+numbers = tqdm(range(len(trajectories)), "trajectories", leave=False)
+later_kept = [later_guide.anchors(index, P_SPARSIFY) for index in numbers]
 later_metres = later_guide.follow(later_kept)[0]
 later_lengths = np.array([later.arc[path[-1]] - later.arc[path[0]] for path in later_kept])
 lines = [

@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 05 · Map building
 #
-# **110 minutes.** You need notebooks 03 and 04: the estimator $\mathcal{RE}$, which predicts the probability that the local controller gets from one image to another, and the anchors, the few images of a trajectory that are kept.
+# **120 minutes.** You need notebooks 03 and 04: the estimator $\mathcal{RE}$, which predicts the probability that the local controller gets from one image to another, and the anchors, the few images of a trajectory that are kept.
 #
 # After this notebook you can
 #

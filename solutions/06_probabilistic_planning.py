@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 06 · Probabilistic planning
 #
-# **110 minutes.** You need notebooks 04 and 05: anchors, a follower that drives along them, and a map that joins the anchors of many trajectories by edges with $\mathcal{RE}$ on them.
+# **120 minutes.** You need notebooks 04 and 05: anchors, a follower that drives along them, and a map that joins the anchors of many trajectories by edges with $\mathcal{RE}$ on them.
 #
 # After this notebook you can
 #
@@ -539,8 +539,8 @@ def without(graph, excluded):
 #
 # 1. **Without a path** (at the start, or when it was lost) the robot searches. In the first step of a search, and then every `limits.interval` steps, it looks and decides, on the map without what is excluded; this goes into a list of all plans.
 #    - Is there a path, and no reason against it? Follow it, in this very step.
-#    - Is there a path and a *reason*? As long as the robot was never lost, that is the end: `"refused"`. (To search elsewhere does not make a foreign goal known.) Once it was lost it takes the path all the same: rather an improbable path than none.
-#    - Is there no path? Turn for this step. If it has turned for `limits.search` steps of this search, it gives up instead: `"gave up"`.
+#    - Is there a path and a *reason*? As long as the robot was never lost, that is the end: `"refused"`. (To search elsewhere does not make a foreign goal known.) Once it was lost, on the way or before the goal, it takes the path all the same: rather an improbable path than none.
+#    - Is there no path? Turn for this step. If it has turned for `limits.search` steps of this search, it gives up instead: `"gave up"`. (A look that is due in this step comes first.)
 # 2. **With a path** it follows. On `"arrived"` that is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those to which an edge leads from it *and* from which one leads back, in the whole `graph`. They show the same place. (Never `GOAL`: then nothing is excluded.) It may be lost `limits.replans` times and search again from the next step on; when it is lost once more, it ends with `"gave up"`.
 # 3. After `limits.steps` steps the end is `"late"`.
 #
@@ -1234,7 +1234,7 @@ show(from_figure(figure))
 #
 # ### Where nothing has been tuned
 #
-# All thresholds were chosen on generated worlds like those above. Here are the same buildings in colours that no network has seen, and three maps that real robots recorded: a depot, a small test room and a warehouse. Nothing is retrained. **Predict** which of the two systems suffers more.
+# All thresholds were chosen on generated worlds like those above. Here are the same buildings in colours that no network has seen, and three maps from Nav2, occupancy grids of a depot, a small test room and a warehouse. Nothing is retrained. **Predict** which of the two systems suffers more.
 
 # %% hidden=true
 # Where nothing has been tuned, from stored runs
@@ -1251,7 +1251,7 @@ table({**head, "meng, vertices": ",.0f", "sptm, vertices": ",.0f"}, rows)
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# Other colours affect neither of them: both networks learned what fits together, not what is blue. The maps of real robots affect both, since walls there are crooked, rooms have other sizes, and RE, which is less sure, keeps many more vertices in the depot and the warehouse. But SPTM loses more: its threshold was right for generated walls, and here it leaves too few edges (in the depot two for each vertex, and one of them is the trajectory itself), so that for many goals there is no path at all. Here the benefit of a probability shows: 16 points in the depot, 32 in the small room, 1 in the warehouse.
+# Other colours affect neither of them: both networks learned what fits together, not what is blue. The maps from Nav2 affect both, since walls there are crooked, rooms have other sizes, and RE, which is less sure, keeps many more vertices in the depot and the warehouse. But SPTM loses more: its threshold was right for generated walls, and here it leaves too few edges (in the depot two for each vertex, and one of them is the trajectory itself), so that for many goals there is no path at all. Here the benefit of a probability shows: 16 points in the depot, 32 in the small room, 1 in the warehouse.
 # </details>
 #
 # ### Fig. 10, and ours: with fewer trajectories

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 
+from tutorial_lib.checks.nb04 import check_transition
+from tutorial_lib.geometry import to_local, to_world
 from tutorial_lib.topology.following.transitions import State
 
 
@@ -293,11 +295,6 @@ def frames_to_keep__right_as_a_set(anchors, total, k):
         for step in range(-k, k + 1):
             kept.add(min(max(int(anchor) + 3 * step, 0), total - 1))
     return kept
-
-
-def frames_to_keep__right_by_leaving_out(anchors, total, k):
-    frames = np.unique(anchors[:, None] + 3 * np.arange(-k, k + 1))
-    return frames[(frames >= 0) & (frames < total)]
 
 
 def move_on__goes_back(active, visited, reach, overlap, at, rules):
@@ -879,19 +876,19 @@ def follow_step__never_arrives(memory, reach, overlap, waypoints, odometry, rule
 
 
 def follow_step__believes_void_waypoints(memory, reach, overlap, waypoints, odometry, rules):
-    """its RE 0.10 (rules.p_lose = 0.4)"""
+    """below it the waypoint means nothing"""
     close = np.linalg.norm(waypoints[memory.active]) < rules.at
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(close))
 
 
 def follow_step__has_a_distance_of_its_own(memory, reach, overlap, waypoints, odometry, rules):
-    """(rules.at = 0.4)"""
+    """the waypoint of anchor 0 is 0.05 m away (rules.at = 0.01)"""
     near = np.linalg.norm(waypoints[memory.active]) < 0.25 and reach[memory.active] > rules.p_lose
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=bool(near))
 
 
 def follow_step__never_gives_up(memory, reach, overlap, waypoints, odometry, rules):
-    """no nearer for more than rules.effort = 1.55 s, so it gives up"""
+    """a robot in Follow that gets nowhere gives up: LOST"""
     return _step(memory, reach, overlap, waypoints, odometry, rules, effort=1e6)
 
 
@@ -1114,3 +1111,117 @@ def _into(pose, point):
 def _matrix(pose):
     cos, sin = np.cos(pose[2]), np.sin(pose[2])
     return np.array([[cos, -sin, pose[0]], [sin, cos, pose[1]], [0.0, 0.0, 1.0]])
+
+
+def frames_to_keep__loses_the_frame_at_an_end(anchors, total, k):
+    """needs the frame there, which need not be an anchor"""
+    steps = range(-3 * k, 3 * k + 1, 3)
+    return sorted({int(a) + s for a in anchors for s in steps if 0 <= a + s < total})
+
+
+def frames_to_keep__ends_at_the_last_anchor(anchors, total, k):
+    """the trajectory ends at total - 1, not at the last anchor"""
+    return np.unique(np.clip(anchors[:, None] + 3 * np.arange(-k, k + 1), 0, anchors[-1]))
+
+
+def frames_to_keep__floats(anchors, total, k):
+    """these are floats, which select nothing from an array"""
+    frames = anchors[:, None] + np.linspace(-3 * k, 3 * k, 2 * k + 1)
+    return np.unique(np.clip(frames, 0, total - 1))
+
+
+def move_on__one_of_two(active, visited, reach, overlap, at, rules):
+    """one of them is not enough"""
+    last, first = len(reach) - 1, max(active - 1, 0)
+    closest = first + int(np.argmax(overlap[first : active + 2]))
+    if overlap[closest] > rules.visited:
+        visited = max(visited, closest)
+    if at:
+        visited = max(visited, active)
+    if active == last:
+        return active, visited
+    near = reach[active + 1] > rules.p_follow or overlap[active + 1] > rules.near
+    return active + int(visited >= active or near), visited
+
+
+def move_on__closest_by_reach(active, visited, reach, overlap, at, rules):
+    """the closest anchor is the one with the largest overlap"""
+    last, first = len(reach) - 1, max(active - 1, 0)
+    closest = first + int(np.argmax(reach[first : active + 2]))
+    if overlap[closest] > rules.visited:
+        visited = max(visited, closest)
+    if at:
+        visited = max(visited, active)
+    if active == last:
+        return active, visited
+    near = reach[active + 1] > rules.p_follow and overlap[active + 1] > rules.near
+    return active + int(visited >= active or near), visited
+
+
+def _steps(state, active, visited, reach, overlap, at, waited, rules):
+    """The right state machine, for the mistakes below."""
+    return check_transition.reference(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def transition__times_out_in_follow(state, active, visited, reach, overlap, at, waited, rules):
+    """waited counts in dead reckoning alone"""
+    over = at and active == len(reach) - 1
+    if state == State.FOLLOW and waited > rules.timeout and not over:
+        return State.LOST, active, visited
+    return _steps(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def transition__never_done_alone(state, active, visited, reach, overlap, at, waited, rules):
+    """a path may have a single anchor"""
+    right = _steps(state, active, visited, reach, overlap, at, waited, rules)
+    if right[0] == State.DONE and len(reach) == 1:
+        sure = reach[0] > rules.p_lose
+        return (State.FOLLOW if sure else State.DEAD_RECKONING), 0, 0
+    return right
+
+
+def transition__done_by_overlap(state, active, visited, reach, overlap, at, waited, rules):
+    """a high overlap with the last anchor is not enough to be DONE: at"""
+    close = overlap[active] > rules.visited
+    if state == State.FOLLOW and active == len(reach) - 1 and (at or close):
+        return State.DONE, active, visited
+    return _steps(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def _looped(memory, reach, overlap, waypoints, odometry, rules, *, nearer, clock=None):
+    """The loop with another rule of progress, and another clock for giving up."""
+    old = memory
+    gap = np.hypot(*waypoints[old.active])
+    at = bool(gap < rules.at and reach[old.active] > rules.p_lose)
+    before = old.state, old.active, old.visited
+    state, active, visited = _steps(*before, reach, overlap, at, old.waited, rules)
+    if state in (State.LOST, State.DONE):
+        return old._replace(state=state, active=active, visited=visited), None
+    place = old.place
+    if state == State.FOLLOW or active != old.active:
+        place = to_world(odometry, waypoints[active])
+    point = to_local(odometry, place)
+    far, waited, nearest = float(np.hypot(*point)), old.waited + 0.1, old.nearest
+    changed = state != old.state or active != old.active
+    if changed or (state == State.FOLLOW and nearer(far, nearest)):
+        waited, nearest = 0.0, far
+    new = old._replace(state=state, active=active, visited=visited)
+    new = new._replace(place=place, waited=waited, nearest=nearest)
+    if state == State.FOLLOW and (old.waited if clock == "old" else waited) > rules.effort:
+        return new._replace(state=State.LOST), None
+    return new, point
+
+
+def follow_step__right_by_the_difference(*step):
+    """Progress as a difference above 0.05 m."""
+    return _looped(*step, nearer=lambda far, nearest: nearest - far > 0.05)
+
+
+def follow_step__right_by_the_sum(*step):
+    """Progress as a sum below the nearest."""
+    return _looped(*step, nearer=lambda far, nearest: far + 0.05 < nearest)
+
+
+def follow_step__old_clock(*step):
+    """is compared with rules.effort after this step has been added"""
+    return _looped(*step, nearer=lambda far, nearest: far < nearest - 0.05, clock="old")

@@ -4,6 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from tutorial_lib.checks.nb05 import check_insert
+
 
 def edge_weights__forgets_the_minus(reach, driven, p_edge):
     """a weight is never negative"""
@@ -1067,3 +1069,69 @@ def ask_next__mutates(reach, before, after, p):
     f = _an(reach, before, after, p) & np.isnan(reach)
     reach[np.isnan(reach)] = 0
     return f
+
+
+def insert__takes_reach_for_driven_steps(grown, own, scores, p_reuse):
+    """where scores has more, that stays"""
+    check_insert.reference(grown, own, scores, p_reuse)
+    for source, target in pairwise(grown.paths[-1]):
+        grown.edge_reach[source, target] = grown.reach[source, target]
+
+
+def insert__drives_new_steps_only(grown, own, scores, p_reuse):
+    """every step of the path is driven, also between vertices that were there"""
+    old = set(grown.vertices)
+    check_insert.reference(grown, own, scores, p_reuse)
+    for source, target in pairwise(grown.paths[-1]):
+        if source in old and target in old:
+            grown.driven[source, target] = False
+
+
+def insert__never_replaces_the_last(grown, own, scores, p_reuse):
+    """the last anchor may be replaced, too"""
+    last = int(own[-1])
+
+    def into_and_onward(grown, own, path, i):
+        before = path[i - 1] if i else own[0]
+        into = grown.reach[before, grown.vertices] * (own[i] != last)
+        return into, grown.reach[grown.vertices, own[min(i + 1, len(own) - 1)]]
+
+    check_insert.reference(grown, own, scores, p_reuse, through=into_and_onward)
+
+
+def weakest_aligned__takes_minus_1_for_the_last(reach, before, after, steps):
+    """to numpy it is the last one; there the sequence ends"""
+    least = reach.copy()
+    for row, column in np.ndindex(*reach.shape):
+        for step, beside in ((-1, before), (1, after)):
+            i, v = row, column
+            for _ in range(steps):
+                i, v = i + step, beside[v]
+                if not 0 <= i < len(reach):
+                    break
+                least[row, column] = min(least[row, column], reach[i, v])
+    return least
+
+
+def weakest_aligned__stops_on_both_sides(reach, before, after, steps):
+    """a sequence ends on its own side only"""
+    least = reach.copy()
+    for row, column in np.ndindex(*reach.shape):
+        behind = ahead = column
+        for step in range(1, steps + 1):
+            behind, ahead = before[behind], after[ahead]
+            if min(behind, ahead, row - step) < 0 or row + step >= len(reach):
+                break
+            pairs = reach[row - step, behind], reach[row + step, ahead]
+            least[row, column] = min(least[row, column], *pairs)
+    return least
+
+
+def ask_next__forgets_one_neighbour(reach, before, after, p_edge):
+    """of the four neighbours (i, before[v]) is missing"""
+    votes = np.zeros(reach.shape, dtype=bool)
+    for i, v in np.argwhere(reach > p_edge):
+        for row, column in ((i + 1, after[v]), (i - 1, before[v]), (i, after[v])):
+            if 0 <= row < len(reach) and column >= 0:
+                votes[row, column] = True
+    return votes & np.isnan(reach)

@@ -5,6 +5,9 @@ import math
 from collections import Counter, defaultdict
 from itertools import pairwise
 
+from tutorial_lib.checks.nb06 import check_decide
+from tutorial_lib.checks.nb06.navigate import without
+
 HERE, GOAL = -1, -2
 
 
@@ -1530,3 +1533,90 @@ def decide__right_with_a_helper(graph, from_here, to_goals, rules):
     if sure[0]:
         return (*sure, ("too improbable", "")[sure[1] >= rules.least])
     return [*doubtful, "not on the map" if doubtful[0] else "no path"]
+
+
+def most_probable_path__a_few_rounds(graph, start, goal):
+    """a few rounds over all edges are not enough"""
+    found, before = {start: 1.0}, {}
+    for _ in range(3):
+        for v in graph:
+            for w, p in graph[v].items():
+                if found.get(v, 0.0) * p > found.get(w, 0.0):
+                    found[w], before[w] = found[v] * p, v
+    if goal not in found:
+        return [], 0.0
+    path = [goal]
+    while path[-1] != start:
+        path.append(before[path[-1]])
+    return path[::-1], found[goal]
+
+
+def travel__lists_what_is_excluded(plan, drive, replans):
+    """give it a set of what is excluded"""
+    excluded = []
+    for _ in range(replans + 1):
+        path = plan(excluded)
+        if not path:
+            break
+        stopped = drive(path)
+        if stopped is None:
+            return True, set(excluded)
+        if path[stopped] != GOAL:
+            excluded.append(path[stopped])
+    return False, set(excluded)
+
+
+def travel__starts_anew(plan, drive, replans):
+    """the set lives outside of the loop"""
+    for _ in range(replans + 1):
+        excluded = set()
+        path = plan(excluded)
+        if not path:
+            break
+        stopped = drive(path)
+        if stopped is None:
+            return True, excluded
+        if path[stopped] != GOAL:
+            excluded.add(path[stopped])
+    return False, excluded
+
+
+def _driven_by(robot, graph, rules, limits, fresh=None, last_look=True):
+    """The navigator, with another rule of refusing, and with or without a last look."""
+    path, turned, lost, excluded, plans = [], 0, 0, set(), []
+    for _ in range(limits.steps):
+        if not path and not last_look and turned == limits.search:
+            return "gave up", plans, excluded
+        if not path and turned % limits.interval == 0:
+            left = without(graph, excluded)
+            plans.append(check_decide.reference(left, *robot.look(), rules))
+            path, _, reason = plans[-1]
+            if path and reason and (fresh(excluded) if fresh else not lost):
+                return "refused", plans, excluded
+        if not path:
+            if turned == limits.search:
+                return "gave up", plans, excluded
+            robot.turn()
+            turned += 1
+            continue
+        state = robot.follow(path)
+        if state == "arrived":
+            return "arrived", plans, excluded
+        if state == "lost":
+            vertex = path[robot.active]
+            if vertex != GOAL:
+                excluded |= {vertex, *(w for w in graph[vertex] if vertex in graph[w])}
+            lost, path, turned = lost + 1, [], 0
+            if lost > limits.replans:
+                return "gave up", plans, excluded
+    return "late", plans, excluded
+
+
+def navigate__refuses_after_the_goal(robot, graph, rules, limits):
+    """not whether anything is excluded"""
+    return _driven_by(robot, graph, rules, limits, fresh=lambda excluded: not excluded)
+
+
+def navigate__gives_up_before_the_last_look(robot, graph, rules, limits):
+    """where a look is due, it comes before giving up"""
+    return _driven_by(robot, graph, rules, limits, last_look=False)

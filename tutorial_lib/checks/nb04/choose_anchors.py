@@ -191,6 +191,13 @@ _FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
     "one anchor after the other; yours keeps every frame that can be reached": lambda r, p: sorted(
         {0, len(r) - 1, *np.flatnonzero(r[0] > p).tolist()}
     ),
+    "threshold is an argument; yours has 0.9 written into it": lambda r, p: choose_anchors(r, 0.9),
+    "threshold is an argument; yours has 0.95 written into it": lambda r, p: choose_anchors(
+        r, 0.95
+    ),
+    "the last frame, T - 1, may be reached from afar like any other one": lambda r, p: _greedy(
+        r, p, lambda r, i, k, p: bool(r[i, k] > p) and k < len(r) - 1
+    ),
     "the last frame comes twice": lambda r, p: [*choose_anchors(r, p), len(r) - 1],
     "each RE is compared for itself; do not average them": lambda r, p: _greedy(
         r, p, lambda r, i, k, p: bool(np.mean(r[i, i + 1 : k + 1]) > p)

@@ -11,7 +11,9 @@ import numpy as np
 
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follow_words import (
+    FAULTS,
     NEARER,
     wrong_clock,
     wrong_nearest,
@@ -21,7 +23,7 @@ from tutorial_lib.checks.nb04.follow_words import (
 )
 from tutorial_lib.checks.nb04.follower_answers import calling, whole
 from tutorial_lib.checks.nb04.observations import RULES
-from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory
+from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory, Story
 from tutorial_lib.checks.nb04.transition import transition
 from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
@@ -50,25 +52,68 @@ def follow_step(
     Returns:
         The memory, and the point in the robot's frame; None where the robot stops.
     """
+    return _stepped(memory, reach, overlap, waypoints, odometry, rules)
+
+
+def _stepped(
+    memory: Memory,
+    reach: Array,
+    overlap: Array,
+    waypoints: Array,
+    odometry: Array,
+    rules: FollowerSettings,
+    fault: str = "",
+) -> Answer:
+    """A step of the loop, with a `fault` if one is named."""
     before = memory
-    close = np.linalg.norm(waypoints[before.active]) < rules.at
-    at = bool(close and reach[before.active] > rules.p_lose)
+    at = _at(before, reach, waypoints, odometry, rules, fault)
+    waited = {"no clock": 0.0, "clock first": before.waited + STEP}.get(fault, before.waited)
     state, active, visited = transition(
-        before.state, before.active, before.visited, reach, overlap, at, before.waited, rules
+        before.state, before.active, before.visited, reach, overlap, at, waited, rules
     )
     if state in (State.LOST, State.DONE):
-        return before._replace(state=state, active=active, visited=visited), None
+        over = before._replace(state=state, active=active, visited=visited)
+        return (before if fault == "old memory" else over), None
     place = before.place
-    if state == State.FOLLOW or active != before.active:
+    new = state == State.FOLLOW or active != before.active
+    if (state != before.state or active != before.active) if fault == "changes only" else new:
         place = to_world(odometry, waypoints[active])
     target = to_local(odometry, place)
     distance, waited, nearest = float(np.linalg.norm(target)), before.waited + STEP, before.nearest
+    margin = {"any nearer": 0.0, "sign": -NEARER}.get(fault, NEARER)
     changed = (state, active) != (before.state, before.active)
-    if changed or (state == State.FOLLOW and distance < nearest - NEARER):
+    changed |= fault == "visited" and visited != before.visited
+    if changed or (state == State.FOLLOW and distance < nearest - margin):
         waited, nearest = 0.0, distance
-    if state == State.FOLLOW and waited > rules.effort:
-        return Memory(State.LOST, active, visited, place, waited, nearest), None
-    return Memory(state, active, visited, place, waited, nearest), target
+    elif fault == "nearest each time":
+        nearest = min(nearest, distance)
+    told = Memory(state, active, visited, place, waited, nearest)
+    if fault == "exchanged":
+        told = told._replace(waited=nearest, nearest=waited)
+    late = {"old clock": before.waited > rules.effort, "timeout": waited > rules.timeout}
+    if fault != "never" and late.get(fault, waited > rules.effort):
+        if fault == "follows on":
+            return told, None
+        if state == State.FOLLOW or fault == "any state":
+            return told._replace(state=State.LOST), None
+    return told, target
+
+
+def _at(
+    memory: Memory,
+    reach: Array,
+    waypoints: Array,
+    odometry: Array,
+    rules: FollowerSettings,
+    fault: str,
+) -> bool:
+    """Whether the robot is at the active anchor, with the `fault`."""
+    waypoint = waypoints[memory.active]
+    if fault == "old place":
+        waypoint = memory.place - odometry[:2]
+    gap = abs(waypoint[0]) if fault == "ahead only" else np.linalg.norm(waypoint)
+    least = {"no RE": -1.0, "p_follow": rules.p_follow}.get(fault, rules.p_lose)
+    return bool(gap < rules.at and reach[memory.active] > least)
 
 
 _HINTS: dict[type[Exception], str] = {
@@ -95,50 +140,65 @@ def _exact(
     return memory, *seen, rules
 
 
+_ARRAYS = ("memory.place", "reach", "overlap", "waypoints", "odometry")
 _ON_ITS_WAY = Memory(State.FOLLOW, 0, -1, np.array([2.0, 0.0]), 1.0, 1.05)
 _EXACT = {
     "exactly rules.at from the waypoint": _exact(_ON_ITS_WAY, 0.25, 0.97),
     "at the waypoint, RE of exactly rules.p_lose": _exact(_ON_ITS_WAY, 0.1, 0.4),
-    "exactly 0.05 m nearer": _exact(_ON_ITS_WAY, 1.0, 0.97),
+    # Of these numbers every way to write the difference makes exactly 0.05.
+    "exactly 0.05 m nearer": _exact(
+        _ON_ITS_WAY._replace(nearest=0.1), 0.05, 0.97, replace(RULES, at=0.01)
+    ),
     "without progress for exactly rules.effort": _exact(
         _ON_ITS_WAY._replace(waited=0.0), 1.5, 0.97, replace(RULES, effort=0.1)
     ),
+    "without progress for a minute": _exact(_ON_ITS_WAY._replace(waited=60.0), 1.5, 0.97),
 }
+
+
+def _moments(name: str, story: Story) -> dict[str, tuple[Any, ...]]:
+    """Every step of a story."""
+    cases, corridor, memory = {}, Corridor(story), Memory()
+    while corridor.seconds < story.seconds:
+        seen = (*corridor.observe(memory), story.rules)
+        cases[f"{name}, after {corridor.seconds:.1f} s in {memory.state.name}"] = memory, *seen
+        memory, target = follow_step(memory, *seen)
+        if target is None:
+            break
+        corridor.drive(target)
+    return cases
 
 
 @check(follow_step, _example(), calls=10_000)
 def check_follow_step(student: Callable[..., Any]) -> None:
     """Seventeen drives along a corridor: left alone, blind, pushed, behind a chair, and lost."""
-    invoke = calling(_HINTS)
-    for name, story in STORIES.items():
-        corridor, memory = Corridor(story), Memory()
-        while corridor.seconds < story.seconds:
-            seen = (*corridor.observe(memory), story.rules)
-            what = f"follow_step, {name}, after {corridor.seconds:.1f} s in {memory.state.name}"
-            want = follow_step(memory, *seen)
-            arrays = {"memory.place": memory.place, "reach": seen[0], "overlap": seen[1]}
-            arrays |= {"waypoints": seen[2], "odometry": seen[3]}
-            copies = {key: array.copy() for key, array in arrays.items()}
-            got = _form(what, invoke(what, partial(student, memory, *seen)))
-            for key, array in arrays.items():
-                if not np.array_equal(array, copies[key], equal_nan=True):
-                    raise WrongAnswer(f"{what}: your function changes {key}; make a new array")
-            _compare(what, memory, seen, got, want)
-            memory, target = want
-            if target is None:
-                break
-            corridor.drive(target)
-    for name, (memory, *seen) in _EXACT.items():
-        what = f"follow_step, {name}"
-        got = _form(what, invoke(what, partial(student, memory, *seen)))
-        want = follow_step(memory, *seen)
-        if (got[0].state, got[1] is None) != (want[0].state, want[1] is None):
-            words = f"{got[0].state.name} came back, {want[0].state.name} is right"
-            raise WrongAnswer(f"{what}: {words}; exactly a threshold is neither above nor below it")
-        _compare(what, memory, seen, got, want)
+    faults = with_faults(_stepped, FAULTS)
+    for story in STORIES.items():
+        compare(
+            "follow_step",
+            student,
+            _moments(*story) | _EXACT,
+            follow_step,
+            faults,
+            invoke=_invoke,
+            form=_form,
+            same=lambda got, want, *case: not _difference(got, want, *case),
+            difference=_difference,
+        )
 
 
-def _form(what: str, got: Any) -> Answer:  # noqa: ANN401 - students' answers
+def _invoke(what: str, student: Callable[..., Any], memory: Memory, *seen: Any) -> Any:  # noqa: ANN401
+    """A student's answer, if the memory and what was seen stay as they are."""
+    arrays = dict(zip(_ARRAYS, (memory.place, *seen[:4]), strict=True))
+    copies = {key: array.copy() for key, array in arrays.items()}
+    got = calling(_HINTS)(what, partial(student, memory, *seen))
+    for key, array in arrays.items():
+        if not np.array_equal(array, copies[key], equal_nan=True):
+            raise WrongAnswer(f"{what}: your function changes {key}; make a new array")
+    return got
+
+
+def _form(what: str, got: Any, *_: object) -> Answer:  # noqa: ANN401 - students' answers
     """A memory and a point, of the right form."""
     memory, target = parts(what, got, 2, "return memory, target: a Memory, and a point or None")
     if not isinstance(memory, Memory):
@@ -169,24 +229,22 @@ def _point(what: str, got: Any) -> Array:  # noqa: ANN401
     return point
 
 
-def _compare(what: str, memory: Memory, seen: tuple[Any, ...], got: Answer, want: Answer) -> None:
-    """Demand the right memory and the right point, part by part."""
+def _difference(got: Answer, want: Answer, memory: Memory, *seen: Any) -> str:  # noqa: ANN401
+    """What is wrong with the memory or the point, part by part; empty if nothing is."""
     mine, right = got[0], want[0]
     if mine[:3] != right[:3]:
-        raise WrongAnswer(f"{what}: {wrong_state(memory, seen, mine, right)}")
-    if right.state == State.LOST or right.state == State.DONE:
-        if got[1] is not None:
-            words = f"a robot that is {right.state.name} stops: return None in place of a point"
-            raise WrongAnswer(f"{what}: {words}")
-        return
+        return wrong_state(memory, seen, mine, right)
+    if want[1] is None:
+        words = f"a robot that is {right.state.name} stops: return None in place of a point"
+        return "" if got[1] is None else words
     if got[1] is None:
-        words = f"the new state is {right.state.name}, so the robot drives on; return a point"
-        raise WrongAnswer(f"{what}: {words}")
+        return f"the new state is {right.state.name}, so the robot drives on; return a point"
     if not np.allclose(mine.place, right.place, atol=1e-6):
-        raise WrongAnswer(f"{what}: {wrong_place(memory, seen, mine, right)}")
+        return wrong_place(memory, seen, mine, right)
     if not np.allclose(got[1], want[1], atol=1e-6):
-        raise WrongAnswer(f"{what}: {wrong_target(seen, got[1], right)}")
+        return wrong_target(seen, got[1], right)
     if not abs(mine.waited - right.waited) <= 1e-6:
-        raise WrongAnswer(f"{what}: {wrong_clock(memory, mine, right)}")
+        return wrong_clock(memory, mine, right)
     if not np.isclose(mine.nearest, right.nearest, atol=1e-6):
-        raise WrongAnswer(f"{what}: {wrong_nearest(memory, mine, right)}")
+        return wrong_nearest(memory, mine, right)
+    return ""

@@ -12,6 +12,38 @@ from tutorial_lib.topology.following.transitions import State
 
 NEARER = 0.05
 """Metres that count as coming nearer."""
+FAULTS = {
+    "at needs RE of the active anchor above rules.p_lose, too; below it the waypoint means "
+    "nothing": "no RE",
+    "RE above rules.p_lose is enough for at; rules.p_follow is not needed": "p_follow",
+    "at compares the distance to the waypoint as it is predicted now, not to the old place": (
+        "old place"
+    ),
+    "at compares the distance to the waypoint, not only how far ahead it lies": "ahead only",
+    "transition needs waited, or dead reckoning never ends": "no clock",
+    "transition gets waited as it is in memory; it grows at the end of the step": "clock first",
+    "a robot that stops remembers its new state as well: return a new Memory": "old memory",
+    "in Follow a new waypoint is taken at every step, not only when something changes": (
+        "changes only"
+    ),
+    "only nearer by more than 0.05 m is progress; any less may be noise": "any nearer",
+    "progress is a point nearer than nearest by more than 0.05 m: distance < nearest - 0.05": (
+        "sign"
+    ),
+    "progress is a change of the state or of the active anchor; the one visited does not count": (
+        "visited"
+    ),
+    "nearest changes with progress alone, or many steps of less than 0.05 m would never count": (
+        "nearest each time"
+    ),
+    "in a Memory waited comes before nearest": "exchanged",
+    "waited is compared with rules.effort after this step has been added, not before": "old clock",
+    "a robot in Follow gives up after rules.effort; rules.timeout is for dead reckoning": "timeout",
+    "a robot in Follow that gets nowhere gives up: LOST, after rules.effort seconds": "never",
+    "a robot that gives up is LOST; the new memory must hold that": "follows on",
+    "rules.effort is for Follow alone; when dead reckoning ends, transition decides": "any state",
+}
+"""For known mistakes in a step, what to say and the name of the fault."""
 
 
 def wrong_state(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Memory) -> str:
@@ -56,6 +88,12 @@ def wrong_place(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Memo
         "the odometer's pose turns the waypoint, it does not only shift it: to_world": (
             odometry[:2] + waypoints[right.active]
         ),
+        "the heading turns the waypoint the other way: look at the signs of the sine": to_world(
+            odometry * [1.0, 1.0, -1.0], waypoints[right.active]
+        ),
+        "the heading is in radians already": to_world(
+            [*odometry[:2], np.deg2rad(odometry[2])], waypoints[right.active]
+        ),
         "to_world, not to_local: the waypoint is in the robot's frame and goes to the odometer's": (
             to_local(odometry, waypoints[right.active])
         ),
@@ -71,6 +109,7 @@ def wrong_target(seen: tuple[Any, ...], mine: Array, right: Memory) -> str:
     odometry = seen[3]
     want = to_local(odometry, right.place)
     candidates = {
+        "y is positive to the left, as everywhere": want * [1.0, -1.0],
         "the point is in the odometer's frame; the robot needs it in its own: to_local": (
             right.place
         ),

@@ -30,4 +30,7 @@ def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa:
         raise WrongAnswer(f"{what}: shape {numbers.shape}, but a flat list of frames is needed")
     if not np.isfinite(numbers).all() or (numbers % 1).any():
         raise WrongAnswer(f"{what}: return whole numbers, the indices of frames")
+    if numbers.size and np.asarray(got).dtype.kind == "f":
+        words = "these are floats, which select nothing from an array; return whole numbers, int"
+        raise WrongAnswer(f"{what}: {words}")
     return numbers.astype(np.intp)

@@ -39,6 +39,8 @@ _CASES = {
     "k = 0": (np.array([0, 5, 21, 29]), 30, 0),
     "anchors near the ends, k = 5": (np.array([0, 4, 30, 57, 59]), 60, 5),
     "one anchor in the middle": (np.array([30]), 60, 2),
+    "one anchor near the start": (np.array([2]), 60, 2),
+    "one anchor near the end": (np.array([57]), 60, 2),
     "a short trajectory, k = 5": (np.array([0, 4]), 5, 5),
     **_random(20),
 }
@@ -151,6 +153,21 @@ _FAULTS: dict[str, Callable[..., NDArray[np.intp]]] = {
         lambda k: range(-3 * k, 3 * k, 3)
     ),
     "k frames on either side, not k + 1": _kept(lambda k: range(-3 * k - 3, 3 * k + 4, 3)),
+    "a context that reaches beyond an end needs the frame there, which need not be an anchor": (
+        lambda a, n, k: np.unique([f for f in _around(a, _steps(k)) if 0 <= f < n])
+    ),
+    "the trajectory ends at total - 1, not at the last anchor": lambda a, n, k: np.unique(
+        np.clip(_around(a, _steps(k)), 0, a[-1])
+    ),
+    "the trajectory begins at frame 0, not at the first anchor": lambda a, n, k: np.unique(
+        np.clip(_around(a, _steps(k)), a[0], n - 1)
+    ),
+    "the frames of a context are 3 apart, whatever k is": _kept(
+        lambda k: [k * s for s in range(-k, k + 1)]
+    ),
+    "k may be 0; then the anchors themselves are kept": lambda a, n, k: frames_to_keep(a, n, k)[
+        : None if k else 0
+    ],
     "k is an argument; yours has k = 2 written into it": _kept(lambda k: _steps(2)),
     "that is the anchors alone; each needs its context, too": lambda a, n, k: a,
     "the anchors themselves are missing": _kept(lambda k: [s for s in _steps(k) if s]),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, two_anchors
-from tutorial_lib.checks.nb04.observations import OBSERVATIONS, random_observations
+from tutorial_lib.checks.nb04.observations import OBSERVATIONS, RULES, random_observations
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
@@ -53,12 +54,19 @@ def _moved(
 ) -> tuple[int, int]:
     """The rule with a `fault`."""
     last, before = len(reach) - 1, visited
-    visited = _visited(active, visited, overlap, at, rules, fault)
+    rules = _ruled(rules, fault)
+    visited = _visited(active, visited, reach, overlap, at, rules, fault)
     kept = before if at and fault == "at forgotten" else visited
+    if fault == "exchanged":
+        moved, seen = move_on(active, before, reach, overlap, at, rules)
+        return seen, moved
+    if active == last and fault == "past the end":
+        return active + int(visited >= active), kept
     if active == last:
         return active, before if fault == "last stays" else kept
     sure = bool(reach[active if fault == "own reach" else active + 1] > rules.p_follow)
-    near, been = bool(overlap[active + 1] > rules.near), visited >= active
+    near = bool(overlap[active if fault == "own overlap" else active + 1] > rules.near)
+    been = visited >= active
     sure |= fault == "reach even" and reach[active + 1] == rules.p_follow
     near |= fault == "near even" and overlap[active + 1] == rules.near
     if fault == "runs":
@@ -73,6 +81,7 @@ def _moved(
     if fault == "leaps" and been:
         return visited + 1, visited
     go = {
+        "one of two": been or sure or near,
         "no overlap": been or sure,
         "no reach": been or near,
         "no visit": sure and near,
@@ -88,8 +97,25 @@ def _ready(place: int, reach: Array, overlap: Array, rules: FollowerSettings) ->
     return bool(reach[place] > rules.p_follow and overlap[place] > rules.near)
 
 
+def _ruled(rules: FollowerSettings, fault: str) -> FollowerSettings:
+    """The thresholds, with the `fault`."""
+    if fault == "constants":
+        return RULES
+    if fault == "lose":
+        return replace(rules, p_follow=rules.p_lose)
+    if fault == "visited when near":
+        return replace(rules, visited=rules.near)
+    return replace(rules, near=rules.visited) if fault == "near when visited" else rules
+
+
 def _visited(
-    active: int, visited: int, overlap: Array, at: bool, rules: FollowerSettings, fault: str
+    active: int,
+    visited: int,
+    reach: Array,
+    overlap: Array,
+    at: bool,
+    rules: FollowerSettings,
+    fault: str,
 ) -> int:
     """The last visited anchor, with the `fault`."""
     last = len(overlap) - 1
@@ -97,10 +123,15 @@ def _visited(
     first, end = {
         "whole path": (0, last + 1),
         "wraps": (active - 1, end),
+        "wraps round": (active - 1, end),
+        "not before": (active, end),
+        "not after": (first, active + 1),
         "wide": (first, min(active + 2, last) + 1),
         "wide back": (max(active - 2, 0), end),
     }.get(fault, (first, end))
-    closest = max(range(first, end), key=lambda place: overlap[place])
+    best = reach if fault == "by reach" else overlap
+    closest = max(range(first, end), key=lambda place: best[place])
+    closest = closest % (last + 1) if fault == "wraps round" else closest
     found = bool(overlap[closest] > rules.visited)
     found |= fault == "visited even" and overlap[closest] == rules.visited
     if fault == "farthest" and found:
@@ -109,6 +140,8 @@ def _visited(
         visited = closest if fault == "back" else max(visited, closest)
     if not at or fault == "no at" or (fault == "either" and found):
         return visited
+    if fault == "at back":
+        return active
     return max(visited, closest if fault == "at closest" else active)
 
 
@@ -131,6 +164,22 @@ _FAULTS = {
         "farthest"
     ),
     "before the first anchor there is none; overlap[-1] is the last one of the path": "wraps",
+    "before the first anchor there is none; yours compares overlap[-1], that of the last one": (
+        "wraps round"
+    ),
+    "the anchor before the active one may be the closest, too": "not before",
+    "the anchor after the active one may be the closest, too": "not after",
+    "the closest anchor is the one with the largest overlap, not with the highest RE": "by reach",
+    "at does not take the last visited anchor back to the active one: max": "at back",
+    "after the last anchor there is none: it stays active": "past the end",
+    "return first the active anchor, then the one last visited": "exchanged",
+    "to be near, the overlap of the next anchor counts, overlap[active + 1], not that of the "
+    "active one": "own overlap",
+    "the next anchor must be reachable and near; one of them is not enough": "one of two",
+    "an anchor is reachable above rules.p_follow, not above rules.p_lose": "lose",
+    "an anchor counts as visited above rules.visited, not above rules.near": "visited when near",
+    "an anchor is near above rules.near, not above rules.visited": "near when visited",
+    "the thresholds stand in rules, and are not always the same": "constants",
     "the next anchor must be near, too: its overlap above rules.near": "no overlap",
     "the next anchor must be reachable, too: its RE above rules.p_follow": "no reach",
     "a robot at the active anchor has visited it, whatever the overlap": "no at",

@@ -42,7 +42,7 @@ def transition(
         reach: see `move_on`; while searching, all are evaluated.
         overlap: see `move_on`.
         at: see `move_on`.
-        waited: seconds in dead reckoning.
+        waited: seconds in dead reckoning; it means nothing in the other states.
         rules: the thresholds.
     """
     return _changed(state, active, visited, reach, overlap, at, waited, rules)
@@ -61,12 +61,13 @@ def _changed(
 ) -> tuple[State, int, int]:
     """The state machine, with a `fault` if one is named."""
     search = rules.p_follow if fault == "follow's threshold" else rules.p_search
-    follow = rules.p_lose if fault == "soon back" else rules.p_follow
+    follow = {"soon back": rules.p_lose, "search's": rules.p_search}.get(fault, rules.p_follow)
     lose = rules.p_follow if fault == "soon lost" else rules.p_lose
     if state == State.SEARCH:
         best = int(np.argmax(reach > search) if fault == "first" else np.argmax(reach))
-        if reach[best] > search or (fault == "even" and reach[best] == search):
-            return State.FOLLOW, best, best if fault == "been there" else best - 1
+        if reach[best] > search or (fault in ("even", "even search") and reach[best] == search):
+            before = {"been there": best, "as it was": visited, "no -1": max(best - 1, 0)}
+            return State.FOLLOW, best, before.get(fault, best - 1)
         if fault == "best all the same":
             return State.LOST, best, best - 1
         stays = {"searches on": State.SEARCH, "searches blindly": State.DEAD_RECKONING}
@@ -78,16 +79,28 @@ def _changed(
             active, visited = move_on(active, visited, reach, overlap, at, rules)
         late = waited > rules.timeout and fault != "never lost"
         late |= waited == rules.timeout and fault == "impatient"
-        above = reach[active] > follow or (fault == "even" and reach[active] == follow)
+        if fault == "done blindly" and at and active == len(reach) - 1:
+            return State.DONE, active, visited
+        trusted = reach.max() if fault == "any" else reach[active]
+        above = trusted > follow or (fault in ("even", "even back") and trusted == follow)
+        if fault == "moves on coming back" and above:
+            active, visited = move_on(active, visited, reach, overlap, at, rules)
+        if fault == "resets" and late and not above:
+            return State.LOST, -1, -1
         back = above and not (late and fault == "lost first")
         here = State.LOST if late else State.DEAD_RECKONING
         return State.FOLLOW if back else here, active, visited
     last = active == len(reach) - 1
+    close = overlap[active] > rules.visited
+    if fault == "times out" and waited > rules.timeout and not (at and last):
+        return State.LOST, active, visited
     if at and last and fault == "moves at the end":
         return State.DONE, *move_on(active, visited, reach, overlap, at, rules)
-    if {"any anchor": at, "last is enough": last, "never done": False, "done after": False}.get(
-        fault, at and last
-    ):
+    done = {"any anchor": at, "last is enough": last, "never done": False, "done after": False}
+    done |= {"close or at": last and (at or close), "close": last and close}
+    if fault == "not alone":
+        last &= len(reach) > 1
+    if done.get(fault, at and last):
         return State.DONE, active, visited
     ahead, seen = move_on(active, visited, reach, overlap, at, rules)
     if fault == "done after" and at and ahead == len(reach) - 1:
@@ -95,7 +108,7 @@ def _changed(
     if fault == "stands":
         ahead, seen = active, visited
     trusted = reach[active if fault == "old reach" else ahead] > lose
-    trusted |= fault == "even" and reach[ahead] == lose
+    trusted |= fault in ("even", "even follow") and reach[ahead] == lose
     if fault == "moved":
         trusted |= ahead > active
     if fault == "forgets" and not trusted:
@@ -108,6 +121,24 @@ _FAULTS = {
     "dead reckoning must end, too: in FOLLOW, or in LOST": "no end",
     "a robot that is done keeps its anchors: DONE before move_on": "moves at the end",
     "RE of exactly a threshold is not above it": "even",
+    "in Search RE of exactly rules.p_search is not above it": "even search",
+    "in Follow RE of exactly rules.p_lose is not above it": "even follow",
+    "in dead reckoning RE of exactly rules.p_follow is not above it": "even back",
+    "visited is the anchor before the one that was found, not what went in": "as it was",
+    "before the first anchor there is none: where Search finds anchor 0, visited is -1": "no -1",
+    "dead reckoning is left above rules.p_follow, not above rules.p_search": "search's",
+    "dead reckoning is left when the active anchor can be reached, not any anchor": "any",
+    "in dead reckoning the robot cannot be DONE: first it must see its anchor again": (
+        "done blindly"
+    ),
+    "back in Follow the active anchor stays for this step; do not call move_on": (
+        "moves on coming back"
+    ),
+    "a robot that becomes lost keeps active and visited as they were": "resets",
+    "waited counts in dead reckoning alone; in Follow no time is up here": "times out",
+    "a high overlap with the last anchor is not enough to be DONE, and none is needed: at": "close",
+    "a high overlap with the last anchor is not enough to be DONE: at": "close or at",
+    "a path may have a single anchor, which is the last one, too": "not alone",
     "a robot that found no anchor keeps active and visited as they were": "best all the same",
     "Search takes the anchor with the highest RE, not the first above the threshold": "first",
     "the anchor that was found is still ahead; visited is the one before it": "been there",
@@ -176,6 +207,8 @@ _CASES = [
     ),
     _step("Follow, the last anchor, not there yet", _F, OBSERVATIONS["end"], at=False),
     _step("Follow, at the last anchor", _F, OBSERVATIONS["end"]),
+    _step("Follow, at the only anchor", _F, OBSERVATIONS["one"]),
+    _step("Follow, waited for long", _F, OBSERVATIONS["way"], 9.0),
     _step("Dead reckoning, RE(active) low", _D, observe("", 1, 0, _LOW, _BESIDE), 1.0),
     _step("Dead reckoning, RE(active) middling", _D, observe("", 1, 0, _HALF, _BESIDE), 1.0),
     _step("Dead reckoning, RE(active) high", _D, observe("", 1, 0, _HIGH, _BESIDE), 1.0),
@@ -204,7 +237,7 @@ def _random_steps(count: int, seed: int) -> dict[str, tuple[Any, ...]]:
         if state == _S:
             active, visited, at = -1, -1, False
         waited = float((0.0, rules.timeout, rules.timeout + 0.1)[rng.integers(3)])
-        case = (state, active, visited, reach, overlap, at, waited if state == _D else 0.0, rules)
+        case = (state, active, visited, reach, overlap, at, waited, rules)
         steps[f"step {number}, {state.name}"] = case
     return steps
 

@@ -95,6 +95,14 @@ _FAULTS: dict[str, Callable[..., Any]] = {
     "a vertex's index says nothing about its place along its trajectory: compare place": _behind(
         lambda t, p, v: (t != t[v]) | (np.arange(len(p)) > v)
     ),
+    "reused holds indices of vertices: trajectory[vertex], not trajectories": _behind(
+        lambda t, p, v: (t != v) | (p > p[v])
+    ),
+    "of trajectories of which nothing was reused all vertices may be taken": (
+        lambda t, p, reused: (
+            edge_rules.ahead_of(t, p, reused) & np.isin(t, t[np.array(reused, dtype=int)])
+        )
+    ),
     "reused holds indices of vertices: place[vertex], not places": _behind(
         lambda t, p, v: (t != t[v]) | (p > v)
     ),

@@ -42,6 +42,15 @@ def _queried(
         fault, reach > p_edge
     )
     pairs = {"diagonal": _BESIDE[:2], "across": _BESIDE[2:], "one direction": _BESIDE[::2]}
+    pairs |= {f"without {i}": (*_BESIDE[:i], *_BESIDE[i + 1 :]) for i in range(4)}
+    pairs |= {"straight": (*_BESIDE[:2], (1, 0), (-1, 0))}
+    if fault == "not low":
+        sure = ~(reach <= p_edge)
+    if fault == "best of each":
+        best = np.where(np.isnan(reach), -1.0, reach).argmax(axis=1)
+        sure &= np.arange(reach.shape[1]) == best[:, None]
+    if fault == "first only":
+        sure &= np.cumsum(sure).reshape(sure.shape) == 1
     steps = pairs.get(fault, _BESIDE)
     if fault == "rows":
         steps = (*_BESIDE, (1, 0), (-1, 0))
@@ -71,6 +80,10 @@ def _queried(
         found[ahead[exist], beside[exist]] = True
     if fault == "all unknown":
         return np.isnan(reach)
+    if fault == "or":
+        return found | np.isnan(reach)
+    if fault == "known":
+        return found & ~np.isnan(reach)
     if fault == "nothing":
         return np.zeros_like(found)
     return found if fault == "again" else found & np.isnan(reach)
@@ -104,6 +117,18 @@ _FAULTS = {
         "nothing"
     ),
     "not all that is unknown is worth a query, only what lies beside a sure pair": "all unknown",
+    "a pair must be both unknown and beside a sure one: &, not |": "or",
+    "query what is not a number yet, not what is known already": "known",
+    "nan is not sure: it is neither above nor below p_edge, so ask reach > p_edge": "not low",
+    "every sure pair counts, not only the best one of each anchor": "best of each",
+    "every sure pair counts, not only the first one": "first only",
+    "of the four neighbours (i + 1, after[v]) is missing": "without 0",
+    "of the four neighbours (i - 1, before[v]) is missing": "without 1",
+    "of the four neighbours (i, after[v]) is missing": "without 2",
+    "of the four neighbours (i, before[v]) is missing": "without 3",
+    "two of the four neighbours are of the same anchor: (i, after[v]) and (i, before[v])": (
+        "straight"
+    ),
     "p_edge is an argument, and not always 0.5": "always 0.5",
     "p_edge is an argument, and not always 0.99": "always 0.99",
     "column 0 is a vertex, too": "no column 0",

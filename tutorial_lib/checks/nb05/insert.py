@@ -121,7 +121,8 @@ def _known(student: Callable[..., Any]) -> str:
 def _difference(got: SmallMap, want: SmallMap) -> str:
     """The first difference of two maps; empty if there is none."""
     if len(got.paths) != len(want.paths):
-        return f"the map has {len(got.paths)} paths, but {len(want.paths)} is right"
+        shown = f"the map has {len(got.paths)} paths, but {len(want.paths)} is right"
+        return f"{shown}: append the new path to those that are there"
     if got.paths != want.paths:
         mine, right = got.paths[-1], want.paths[-1]
         shown = f"the new path is {mine}, but {right} is right"
@@ -130,6 +131,8 @@ def _difference(got: SmallMap, want: SmallMap) -> str:
         if len(mine) == len(right):
             i = next(i for i, pair in enumerate(zip(mine, right, strict=True)) if len({*pair}) > 1)
             shown += f": look at anchor {i} of the trajectory"
+        else:
+            shown += ": it has a vertex for each anchor, reused or not"
         return shown
     if sorted(got.vertices) != sorted(want.vertices):
         extra = sorted(set(got.vertices) - set(want.vertices))

@@ -120,7 +120,115 @@ def _keeps_all(grown: SmallMap, own: Indices, scores: Array, p_reuse: float) -> 
     connect(grown, own, own.tolist(), scores)
 
 
+def _cut(first: bool) -> Through:
+    """Nothing fits at one end of the trajectory."""
+
+    def rule(grown: SmallMap, own: Indices, path: list[int], i: int) -> tuple[Array, Array]:
+        into, onward = through(grown, own, path, i)
+        return into * (i != (0 if first else len(own) - 1)), onward
+
+    return rule
+
+
+def _alike(grown: SmallMap, own: Indices, path: list[int], i: int) -> tuple[Array, Array]:
+    return grown.reach[own[i], grown.vertices], through(grown, own, path, i)[1]
+
+
+def _reversed(grown: SmallMap, own: Indices, path: list[int], i: int) -> tuple[Array, Array]:
+    before = path[i - 1] if i else own[0]
+    return grown.reach[grown.vertices, before], through(grown, own, path, i)[1]
+
+
+def _round(grown: SmallMap, own: Indices, path: list[int], i: int) -> tuple[Array, Array]:
+    return through(grown, own, path, i)[0], grown.reach[grown.vertices, own[(i + 1) % len(own)]]
+
+
+def _by_scores(into: bool) -> Callable[..., None]:
+    """Reuse by RE as edges."""
+
+    def rule(grown: SmallMap, own: Indices, scores: Array, p_reuse: float) -> None:
+        def judged(grown: SmallMap, own: Indices, path: list[int], i: int) -> tuple[Array, Array]:
+            seen = SmallMap(**{**vars(grown), "reach": scores})
+            right, other = through(grown, own, path, i), through(seen, own, path, i)
+            return (other[0], right[1]) if into else (right[0], other[1])
+
+        insert(grown, own, scores, p_reuse, through=judged)
+
+    return rule
+
+
+def _same_back(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
+    for vertex in _new(grown, old):
+        others = [v for v in grown.vertices if v != vertex]
+        grown.edge_reach[vertex, others] = scores[vertex, others]
+        grown.edge_reach[others, vertex] = scores[vertex, others]
+    _follow(grown)
+
+
+def _among_themselves(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
+    new = _new(grown, old)
+    grown.edge_reach[np.ix_(new, old.vertices)] = 0.0
+    grown.edge_reach[np.ix_(old.vertices, new)] = 0.0
+    _follow(grown)
+
+
+def _overwritten(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
+    for source, target in pairwise(grown.paths[-1]):
+        grown.edge_reach[source, target] = grown.reach[source, target]
+
+
+def _surely_driven(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
+    for source, target in pairwise(grown.paths[-1]):
+        grown.edge_reach[source, target] = 1.0
+
+
+def _path_again(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
+    path = grown.paths[-1]
+    for vertex in path:
+        others = [v for v in grown.vertices if v != vertex]
+        grown.edge_reach[vertex, others] = scores[vertex, others]
+        grown.edge_reach[others, vertex] = scores[others, vertex]
+    _follow(grown)
+
+
+def _new_steps_driven(grown: SmallMap, old: SmallMap, own: Indices, scores: Array) -> None:
+    new = _new(grown, old)
+    for source, target in pairwise(grown.paths[-1]):
+        grown.driven[source, target] = source in new or target in new
+
+
 FAULTS: dict[str, Callable[..., None]] = {
+    "the first anchor may be replaced, too: into is RE from the anchor itself": partial(
+        insert, through=_cut(first=True)
+    ),
+    "the last anchor may be replaced, too: onward is RE to the anchor itself": partial(
+        insert, through=_cut(first=False)
+    ),
+    "into leads from what stands on the path before, not from the anchor itself": partial(
+        insert, through=_alike
+    ),
+    "into is RE to the vertex: row what stands on the path before, column the vertex": partial(
+        insert, through=_reversed
+    ),
+    "the last anchor is its own successor; yours leads on to the first one": partial(
+        insert, through=_round
+    ),
+    "reuse asks reach; scores are for the edges": _by_scores(into=True),
+    "reuse asks reach onward, too; scores are for the edges": _by_scores(into=False),
+    "the edge back has the RE back, scores[other, vertex]; RE is not symmetric": _then(_same_back),
+    "new vertices are joined with the old ones, too": _then(_among_themselves),
+    "edge_reach of a driven step is at least reach; where scores has more, that stays": _then(
+        _overwritten
+    ),
+    "a driven step has the RE in reach, if scores has not more; it is not sure": _then(
+        _surely_driven
+    ),
+    "only new vertices are joined; those that were reused have their edges already": _then(
+        _path_again
+    ),
+    "every step of the path is driven, also between vertices that were there": _then(
+        _new_steps_driven
+    ),
     "your trajectory never reuses a vertex: call reusable for each anchor": _keeps_all,
     "if the anchor before was replaced, the robot stands on the vertex that replaced it: take RE "
     "from that one, not from the anchor": partial(insert, through=_through(from_anchor=True)),
@@ -149,4 +257,7 @@ FAULTS: dict[str, Callable[..., None]] = {
     ),
     "the place counts all anchors of the trajectory, also those that were replaced": _then(_from_0),
     "the path is right, but the map did not grow: add the new vertices": _then(_nothing_new),
+    "p_reuse is an argument, and not always 0.99": lambda grown, own, scores, p: insert(
+        grown, own, scores, 0.99
+    ),
 }

@@ -29,14 +29,14 @@ def _along(places: list[list[float]], p_reuse: float, seed: int, less: float = 0
         places: metres along the corridor of each trajectory's anchors.
         p_reuse: of the case.
         seed: of a little noise.
-        less: by which RE as edges is lower, as with sequences.
+        less: by which RE as edges is lower, as with sequences; higher if negative.
     """
     rng, metres = np.random.default_rng(seed), np.concatenate(places)
     ahead = metres - metres[:, None]
     far = np.where(ahead >= 0, ahead, -3 * ahead)
     reach = (np.exp(-0.05 * far**2) * rng.uniform(0.97, 1.0, far.shape)).round(4)
     np.fill_diagonal(reach, 1.0)
-    scores = np.maximum(reach - less * rng.random(far.shape), 0.0).round(4)
+    scores = np.clip(reach - less * rng.random(far.shape), 0.0, 1.0).round(4)
     bounds = np.cumsum([0, *map(len, places)])
     own = [np.arange(first, last) for first, last in pairwise(bounds)]
     return Case(reach, scores, own, p_reuse)
@@ -60,6 +60,7 @@ CASES = {
     "nothing may be reused": _along(_TWICE, 1.0, 3),
     "a part in common": _along([[0, 1, 2, 3], [9, 8, 2, 3, 4, 5], [1, 2, 3, 4]], 0.9, 4),
     "scores below reach": _along([[0, 1, 2, 3], [0.5, 1.5, 2.5, 7], [1, 2, 3, 4, 8]], 0.85, 5, 0.4),
+    "some scores above reach": _along([[0, 1, 2, 3], [0.2, 1.2, 5, 6]], 0.85, 9, -0.3),
     "back and there again": _along([[0, 1, 2, 3], [3, 2, 1, 0], [0, 1, 2, 3]], 0.8, 6),
     "many anchors close together": _along([[0, 0.5, 1, 1.5], [0, 0.1, 0.2, 0.3, 0.4, 1.4]], 0.9, 7),
 } | {f"RE at random ({seed})": _random_case(seed) for seed in range(6)}

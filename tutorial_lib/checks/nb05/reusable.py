@@ -74,6 +74,17 @@ def _best_first(into: Array, onward: Array, allowed: Array, p_reuse: float) -> i
     return best if fits else -1
 
 
+def _best_of_all(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
+    best = int((into * onward).argmax()) if len(into) else -1
+    fits = best >= 0 and min(into[best], onward[best]) > p_reuse and bool(allowed[best])
+    return best if fits else -1
+
+
+def _until_forbidden(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
+    end = len(allowed) if allowed.all() else int(allowed.argmin())
+    return edge_rules.reusable(into[:end], onward[:end], allowed[:end], p_reuse)
+
+
 def _last_that_fits(into: Array, onward: Array, allowed: Array, p_reuse: float) -> int:
     fit = np.flatnonzero((into > p_reuse) & (onward > p_reuse) & allowed)
     return int(fit[-1]) if len(fit) else -1
@@ -81,6 +92,8 @@ def _last_that_fits(into: Array, onward: Array, allowed: Array, p_reuse: float) 
 
 _FAULTS: dict[str, Callable[..., int]] = {
     "the best of all need not fit: first find those that do, then the best of them": _best_first,
+    "the best of all need not fit, or be allowed: first find those that do and are": _best_of_all,
+    "after a vertex that is not allowed others may come: continue, not break": _until_forbidden,
     "the next anchor must be reachable from the vertex, too: onward > p_reuse": _by(
         lambda i, o, p: i > p
     ),

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
 from tutorial_lib.checks.nb05.trajectories import JOINED, MIXED, ONE, TWO, random_reach, stepped
 from tutorial_lib.geometry import Array
@@ -93,12 +93,16 @@ def _why(got: Array, want: Array, reach: Array, before: Indices, after: Indices,
 
 
 def _per_pair(what: str, got: object, reach: Array, *_: object) -> Array:
-    return numbers(what, got, reach.shape)
+    values = numbers(what, got, reach.shape)
+    if isinstance(got, np.ndarray) and got.dtype.kind in "iu":
+        raise WrongAnswer(f"{what}: your array holds whole numbers, and cuts RE off; dtype=float")
+    return values
 
 
 def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault: str) -> Array:
     """The rule with a `fault`, pair by pair."""
     steps = {"one step": min(steps, 1), "three": steps + 1, "none": 0}.get(fault, steps)
+    steps = max(steps - 1, 0) if fault == "one less" else steps
     steps = {"always two": 2, "always one": 1}.get(fault, steps)
     fold = {"mean": np.mean, "product": np.prod, "greatest": np.max}.get(fault, np.min)
     directions = ((-1, before), (1, after))
@@ -111,13 +115,43 @@ def _misaligned(reach: Array, before: Indices, after: Indices, steps: int, fault
     found = np.empty_like(reach)
     for pair in np.ndindex(*reach.shape):
         values = [] if fault == "not itself" else [reach[pair]]
+        if fault == "together":
+            found[pair] = _on_both_sides(reach, pair, directions, steps)
+            continue
+        start = pair
         for step, beside in directions:
+            if fault == "goes on from the end":
+                found_here, start = _from(reach, start, step, beside, steps)
+                values += found_here
+                continue
             found_here = _along(reach, pair, step, beside, steps, fault)
             values += found_here[-1:] if fault == "farthest" else found_here
         if fault == "end is 0" and len(values) < 2 * steps + 1:
             values.append(0.0)
         found[pair] = fold(values) if values else 1.0
     return found
+
+
+def _from(
+    reach: Array, start: tuple[int, ...], step: int, beside: Indices, steps: int
+) -> tuple[list[float], tuple[int, ...]]:
+    """RE of the pairs to one side, and where a finger is that was moved beyond the end."""
+    (row, column), values = start, []
+    for _ in range(steps):
+        row, column = row + step, int(beside[column])
+        if not 0 <= row < len(reach) or column < 0:
+            break
+        values.append(reach[row, column])
+    return values, (row, column)
+
+
+def _on_both_sides(
+    reach: Array, pair: tuple[int, ...], directions: tuple[tuple[int, Indices], ...], steps: int
+) -> float:
+    """The least RE where a sequence ends on both sides as soon as it ends on one."""
+    sides = [_along(reach, pair, step, beside, steps, "") for step, beside in directions]
+    shorter = min(map(len, sides))
+    return min([reach[pair], *(value for side in sides for value in side[:shorter])])
 
 
 def _of_neighbours(reach: Array, directions: tuple[tuple[int, Indices], ...], steps: int) -> Array:
@@ -145,6 +179,14 @@ def _along(
         if fault == "wraps" and -len(reach) <= row < len(reach):
             values.append(reach[row, column])
             continue
+        if fault == "no vertex 0" and column == 0:
+            break
+        if fault == "column wraps" and 0 <= row < len(reach):
+            values.append(reach[row, column])
+            continue
+        if fault == "row wraps" and -len(reach) <= row < len(reach) and column >= 0:
+            values.append(reach[row, column])
+            continue
         if fault == "no 0" and (row == 0 or column == 0):
             break
         if not 0 <= row < len(reach) or column < 0:
@@ -163,6 +205,14 @@ _FAULTS = {
     "steps is an argument; yours always looks one anchor to either side": "always one",
     "all pairs on the way count, not only the farthest on either side": "farthest",
     "anchor 0 and vertex 0 exist; only -1 is none": "no 0",
+    "vertex 0 exists; only -1 is none": "no vertex 0",
+    "-1 is no vertex: to numpy it is the last one; there the sequence ends": "column wraps",
+    "-1 is no anchor: to numpy it is the last one; before row 0 the sequence ends": "row wraps",
+    "in the second direction both fingers start again from the pair itself": (
+        "goes on from the end"
+    ),
+    "a sequence ends on its own side only; the other one may be longer": "together",
+    "yours goes one anchor less far than steps says: range(steps) has steps of them": "one less",
     "the anchors before count, too": "only after",
     "the anchors after count, too": "only before",
     "before goes with the anchor before, after with the one after: both move in the same "

@@ -6,15 +6,13 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.nb06.decide_cases import CASES, RULES
 from tutorial_lib.checks.nb06.graphs import (
     GOAL,
     HERE,
-    SMALL_MAP,
     Found,
     Graph,
     Vertex,
@@ -61,6 +59,8 @@ def _decided(
     parts: tuple[Callable[..., Graph], Callable[..., Found]] = (join_ends, most_probable_path),
 ) -> Decision:
     """The decision, with a `fault` if one is named."""
+    if fault in _BY_OTHER_RULES:
+        return _BY_OTHER_RULES[fault](graph, from_here, to_goals, rules)
 
     def found(p_goal: float) -> tuple[list[Vertex], float]:
         p_here = rules.p_goal if fault == "p_goal from here" else rules.p_query
@@ -111,45 +111,52 @@ def _decided(
     return ([], 0.0, reason) if fault == "empty" else (path, probability, reason)
 
 
-def _random_case(seed: int) -> tuple[Any, ...]:
-    """A map of eight vertices, and rules of all kinds."""
-    rng = np.random.default_rng(seed)
-    seen, image = rng.uniform(0.2, 1.0, (2, 8)).round(2).tolist()
-    least, query = rng.uniform(0.1, 0.7, 2).round(2).tolist()
-    rules = DijkstraPlanner(least, query, round(float(rng.uniform(query, 1.0)), 2))
-    return random_graph(8, 1, seed), dict(enumerate(seen[:3])), [dict(enumerate(image))], rules
+def _planned(graph: Graph, *case: Any) -> Found:  # noqa: ANN401
+    return most_probable_path(join_ends(graph, *case), HERE, GOAL)
 
 
-_RULES = DijkstraPlanner(least=0.5, p_query=0.5, p_goal=0.985)
-_OTHER_RULES = DijkstraPlanner(least=0.8, p_query=0.6, p_goal=0.9)
-_LONG: Graph = {v: {v + 1: 0.9} for v in range(8)} | {8: {}}
-_APART: Graph = {0: {}, 1: {}}
-_FORK: Graph = {0: {1: 0.99, 2: 0.9}, 1: {}, 2: {}}
-_HALF: Graph = {0: {1: 0.5}, 1: {}}
-_CASES: dict[str, tuple[Any, ...]] = {
-    "a goal of this map": (SMALL_MAP, {0: 0.95}, [{2: 0.99}], _RULES),
-    "a goal in another building": (SMALL_MAP, {0: 0.95}, [{2: 0.9, 3: 0.97}], _RULES),
-    "a long path": (_LONG, {0: 0.99}, [{8: 0.99}], _RULES),
-    "two ends of the path": (_FORK, {0: 0.99}, [{1: 0.98, 2: 0.99}], _RULES),
-    "exactly as probable as needed": (_HALF, {0: 1.0}, [{1: 1.0}], _RULES),
-    "the map is not reached from here": (SMALL_MAP, {0: 0.4}, [{2: 0.99}], _RULES),
-    "the goal is not reached from the map": (SMALL_MAP, {0: 0.95}, [{2: 0.3}], _RULES),
-    "a long path to a goal in another building": (_LONG, {0: 0.99}, [{8: 0.9}], _RULES),
-    "no path to where it is seen": (_APART, {0: 0.9}, [{0: 0.6, 1: 0.99}], _RULES),
-    "the goal is in sight": (SMALL_MAP, {0: 0.95}, [{HERE: 0.999, 2: 0.99}], _RULES),
-    "other rules": (SMALL_MAP, {0: 0.7}, [{0: 0.92, 2: 0.95}], _OTHER_RULES),
-    "other rules, a goal in another building": (SMALL_MAP, {0: 0.7}, [{2: 0.8}], _OTHER_RULES),
-    "too improbable by other rules": (SMALL_MAP, {0: 0.7}, [{2: 0.95}], _OTHER_RULES),
-    "daring rules": (_LONG, {0: 0.6}, [{8: 0.9}], DijkstraPlanner(0.1, 0.3, 0.5)),
-    "seen by two images": (SMALL_MAP, {0: 0.95}, [{2: 0.9}, {3: 0.99}], _RULES),
-    "RE to the goal equals p_goal": (SMALL_MAP, {0: 0.95}, [{2: 0.985}], _RULES),
-    "RE from here equals p_query": (SMALL_MAP, {0: 0.5}, [{2: 0.99}], _RULES),
-    "RE to the goal equals p_query": (SMALL_MAP, {0: 0.95}, [{2: 0.5}], _RULES),
-    "only in sight": ({}, {}, [{HERE: 0.99}], _RULES),
-    "doubtfully in sight": ({}, {}, [{HERE: 0.9}], _RULES),
-    "an empty map": ({}, {}, [{}], _RULES),
-    "surely there, over a doubtful edge": (_HALF, {0: 0.9}, [{1: 0.99}], _RULES),
-} | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(10)}
+def _otherwise(
+    first: tuple[str, str], second: tuple[str, str] = ("p_query", "p_query"), again: bool = False
+) -> Callable[..., Decision]:
+    """The decision by other thresholds at both ends; with `again`, least decides on a new plan."""
+
+    def rule(graph: Graph, here: Any, goals: Any, rules: DijkstraPlanner) -> Decision:  # noqa: ANN401
+        pairs = [[getattr(rules, name, 0.0) for name in names] for names in (first, second)]
+        path, p = _planned(graph, here, goals, *pairs[0])
+        if path and (p >= rules.least or not again):
+            return path, p, "" if p >= rules.least else "too improbable"
+        path, p = _planned(graph, here, goals, *pairs[1])
+        return path, p, "not on the map" if path else "no path"
+
+    return rule
+
+
+def _emptied(*reasons: str) -> Callable[..., Decision]:
+    """The decision without the path, for some reasons."""
+
+    def rule(*case: Any) -> Decision:  # noqa: ANN401
+        path, p, reason = decide(*case)
+        return ([], 0.0, reason) if reason in reasons else (path, p, reason)
+
+    return rule
+
+
+_USUAL = "p_query", "p_goal"
+_BY_OTHER_RULES: dict[str, Callable[..., Decision]] = {
+    "goal at both": _otherwise(("p_goal", "p_goal")),
+    "ends exchanged": _otherwise(("p_goal", "p_query")),
+    "again": _otherwise(_USUAL, again=True),
+    "anything to the goal": _otherwise(_USUAL, ("p_query", "none")),
+    "goal from here again": _otherwise(_USUAL, ("p_goal", "p_query")),
+    "no second path": _emptied("not on the map"),
+    "no improbable path": _emptied("too improbable"),
+    "inner path": lambda *case: (decide(*case)[0][1:-1], *decide(*case)[1:]),
+    "half": lambda graph, here, goals, rules: decide(
+        graph, here, goals, DijkstraPlanner(0.5, rules.p_query, rules.p_goal)
+    ),
+}
+
+
 _FAULTS = {
     "yours starts towards a goal that no vertex reaches with more than rules.p_goal; compare the "
     "edges to the goal with it, not the path": "trusts",
@@ -158,6 +165,24 @@ _FAULTS = {
         "asks last"
     ),
     "p_goal is for the edges to the goal; from here rules.p_query is enough": "p_goal from here",
+    "from here rules.p_query is enough in the first plan, too; rules.p_goal is for the edges to "
+    "the goal": "goal at both",
+    "from here rules.p_query, to the goal rules.p_goal; yours exchanges them": "ends exchanged",
+    "a path that is too improbable is the end; plan again only where there is none": "again",
+    "in the second plan RE to the goal must be above rules.p_query as well": (
+        "anything to the goal"
+    ),
+    "in the second plan rules.p_query counts at both ends, from here as well": (
+        "goal from here again"
+    ),
+    "return the path of the second plan and its probability, though the robot refuses": (
+        "no second path"
+    ),
+    "return a path that is too improbable, and its probability, all the same": (
+        "no improbable path"
+    ),
+    "the path leads from HERE to GOAL; both belong to it": "inner path",
+    "rules.least is not always 0.5": "half",
     "a path that is less probable than rules.least is too improbable": "dares",
     "exactly rules.least is enough": "strict",
     "the thresholds stand in rules, and are not always the same: rules.p_query, rules.p_goal and "
@@ -184,14 +209,14 @@ _FAULTS = {
 }
 
 
-@check(decide, (random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], _RULES))
+@check(decide, (random_graph(80, 4, 3), {0: 0.9, 1: 0.9}, [{5: 0.99}], RULES))
 def check_decide(student: Callable[..., Any]) -> None:
     """Goals near and far, here and elsewhere, starts from nowhere, and rules of all kinds."""
     faults = with_faults(_decided, _FAULTS)
     compare(
         "decide",
         student,
-        _CASES,
+        CASES,
         decide,
         faults,
         invoke=untouched,

@@ -54,13 +54,17 @@ def _joined(
     joined |= {HERE: {}, GOAL: {}}
 
     def connect(v: Vertex, w: Vertex, p: float, least: float) -> None:
-        if fault == "backwards":
+        turned = {"backwards": True, "goal backwards": w == GOAL, "here backwards": w != GOAL}
+        if turned.get(fault, False):
             v, w = w, v
         if fault == "p_here in sight" and v == HERE:
             least = p_here
-        enough = p >= least if fault == "equal" else p > least or fault == "all"
+        even = {"equal": True, "equal from here": w != GOAL, "equal to the goal": w == GOAL}
+        enough = p >= least if even.get(fault, False) else p > least or fault == "all"
         if ((v in joined and w in joined) or fault == "ghosts") and enough:
-            joined.setdefault(v, {})[w] = p
+            joined.setdefault(v, {})[w] = -math.log(p) if fault == "new weights" else p
+            if fault == "both ways" and w != GOAL:
+                joined[w][v] = p
 
     for vertex, probability in from_here.items():
         connect(HERE, vertex, probability, p_here)
@@ -72,6 +76,10 @@ def _joined(
             reach.setdefault(vertex, []).append(probability)
     combine: dict[str, Callable[[list[float]], float]] = {
         "last": lambda p: p[-1],
+        "first": lambda p: p[0],
+        "least of all": min,
+        "any": lambda p: 1.0 - math.prod(1.0 - q for q in p),
+        "every": lambda p: max(p) if len(p) == len(to_goals) and min(p) > p_goal else 0.0,
         "last above": lambda p: next((q for q in reversed(p) if q > p_goal), 0.0),
         "first above": lambda p: next((q for q in p if q > p_goal), 0.0),
         "least": lambda p: min(p) if len(p) == len(to_goals) else 0.0,
@@ -141,6 +149,8 @@ _CASES: dict[str, tuple[Any, ...]] = {
 _FAULTS = {
     "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
     "greater than the threshold, not equal to it": "equal",
+    "from HERE RE must be greater than p_here, not equal to it": "equal from here",
+    "to GOAL RE must be greater than p_goal, not equal to it": "equal to the goal",
     "what is below the threshold is no edge": "all",
     "p_here is for the edges from HERE, p_goal for those to GOAL; yours exchanges them": (
         "exchanged"
@@ -154,6 +164,16 @@ _FAULTS = {
     "of several images that a vertex sees take the highest RE, not that of the first image": (
         "first above"
     ),
+    "of several images that a vertex sees take the highest RE, not the one that comes first": (
+        "first"
+    ),
+    "of several images that a vertex sees take the highest RE, not the least": "least of all",
+    "one goal image is enough: take the highest RE; chances are not combined": "any",
+    "one goal image above p_goal is enough; yours demands that all are": "every",
+    "edges lead from a vertex to GOAL, joined[v][GOAL]; GOAL leads nowhere": "goal backwards",
+    "edges lead from HERE to a vertex, joined[HERE][v], not back": "here backwards",
+    "edges lead from HERE to a vertex, not back as well": "both ways",
+    "new edges hold RE, as the map's do; -log RE is taken by the planner": "new weights",
     "all vertices above p_goal are joined to GOAL, not only the best one": "best only",
     "edges hold RE here; -log RE is taken by the planner": "weights",
     "one goal image is enough; yours demands all of them": "least",

@@ -52,6 +52,11 @@ _CASES: dict[str, tuple[Graph, Vertex, Vertex]] = {
     "start and goal are one, on a cycle": (_SURE, 1, 1),
     "back to the start is surer": ({0: {1: 0.5}, 1: {0: 1.0, 2: 0.5}, 2: {}}, 0, 2),
     "very doubtful edges": ({0: {1: 1e-5, 2: 1e-9}, 1: {2: 1e-3}, 2: {}}, 0, 2),
+    "a chain whose vertices stand in reverse order": (
+        {12: {}} | {v: {v + 1: 0.95} for v in range(11, -1, -1)},
+        0,
+        12,
+    ),
     "a long chain": ({v: {v + 1: 0.99} for v in range(60)} | {60: {}}, 0, 60),
 } | {
     f"a graph drawn at random ({seed})": (random_graph(8 + seed, 2, 20 + seed), 0, 7 + seed)

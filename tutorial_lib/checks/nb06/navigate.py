@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -11,6 +12,7 @@ from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
+from tutorial_lib.checks.nb06.navigate_words import FAULTS
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
 from tutorial_lib.checks.nb06.untouched import explained, number
 from tutorial_lib.topology.planner import DijkstraPlanner
@@ -58,14 +60,22 @@ def _navigated(
 ) -> Navigated:
     """The navigation, with a `fault` if one is named."""
     excluded, plans, lost = set[Vertex](), list[Decision](), 0
-    path, searched = [], 0
+    path, searched, started = [], 0, False
     interval = {"always looks": 1}.get(fault, limits.interval)
-    for _ in range(limits.steps):
-        if (not path or fault == "replans all the time") and searched % interval == 0:
+    limits = _limited(limits, fault)
+    for step in range(limits.steps):
+        turned = {"all steps": step, "looks late": searched + 1}.get(fault, searched)
+        turned = 0 if fault == "looks late" and not searched else turned
+        looks = searched == 0 if fault == "looks once" else turned % interval == 0
+        over = fault == "no last look" and searched >= limits.search
+        if (not path or fault == "replans all the time") and looks and not over:
             left = graph if fault == "excludes nothing" else without(graph, excluded)
             path, probability, reason = decide(left, *robot.look(), rules)
             plans.append((path, probability, reason))
-            refuses = path and reason and (not lost or fault == "always refuses")
+            fresh = not excluded if fault == "by excluded" else not lost
+            refuses = path and reason and (fresh or fault == "always refuses")
+            if refuses and fault == "turns on":
+                path, refuses = [], False
             if refuses and fault != "dares":
                 return "refused", plans, excluded
             if not path and fault == "gives up at once":
@@ -76,13 +86,23 @@ def _navigated(
             robot.turn()
             searched += 1
             continue
+        if fault == "follows later" and plans and looks and not started:
+            started = True
+            robot.turn()
+            continue
+        started = True
+        active = robot.active
         state = robot.follow(path)
         if state == "arrived":
-            return "arrived", plans, excluded
+            return "arrived", plans, set() if fault == "forgets in the end" else excluded
         if state != "lost":
             continue
         lost += 1
-        vertex = path[robot.active - (fault == "behind")]
+        place = {"behind": robot.active - 1, "ahead": min(robot.active + 1, len(path) - 1)}
+        place |= {"active too early": min(active, len(path) - 1)}
+        vertex = path[place.get(fault, robot.active)]
+        if vertex == GOAL and fault == "goal":
+            excluded.add(vertex)
         if fault == "forgets":
             excluded = set()
         if vertex not in (HERE, GOAL):
@@ -91,7 +111,19 @@ def _navigated(
             return "gave up", plans, excluded
         if fault != "same path":
             path, searched = [], searched if fault == "searched before" else 0
+            started = False
     return "gave up" if fault == "never late" else "late", plans, excluded
+
+
+def _limited(limits: Limits, fault: str) -> Limits:
+    """The limits, with the `fault`."""
+    changes = {
+        "search less": {"search": limits.search - 1},
+        "search more": {"search": limits.search + 1},
+        "steps less": {"steps": limits.steps - 1},
+        "steps more": {"steps": limits.steps + 1},
+    }
+    return replace(limits, **changes.get(fault, {}))
 
 
 def _beside(graph: Graph, vertex: Vertex, fault: str) -> set[Vertex]:
@@ -100,32 +132,6 @@ def _beside(graph: Graph, vertex: Vertex, fault: str) -> set[Vertex]:
     return {"alone": set(), "out": there, "in": back, "either": there | back}.get(
         fault, there & back
     )
-
-
-_FAULTS = {
-    "exclude the vertices beside it, too: those that it leads to and that lead back": "alone",
-    "beside it are those that it leads to and that lead back to it, not all that it leads to": (
-        "out"
-    ),
-    "beside it are those that it leads to and that lead back to it, not all that lead to it": "in",
-    "beside it are those with edges in both directions; one direction is not enough": "either",
-    "exclude the vertex that could not be reached, path[robot.active], not the one before it": (
-        "behind"
-    ),
-    "exclude every vertex that could not be reached so far, not only the last one": "forgets",
-    "plan on the graph without what is excluded: without(graph, excluded)": "excludes nothing",
-    "a robot that was lost takes a refused path rather than none": "always refuses",
-    "before it was lost, the robot ends with a refused path; yours drives it": "dares",
-    "where there is no path, turn and look again; yours gives up at once": "gives up at once",
-    "after limits.search steps of turning the robot gives up": "searches for ever",
-    "while it turns, the robot looks every limits.interval steps, not at each": "always looks",
-    "while there is a path, follow it; yours plans again and again": "replans all the time",
-    "a robot that was lost needs a new plan; yours follows the old one": "same path",
-    "each search begins anew: the steps of turning are counted from 0": "searched before",
-    "it may be lost limits.replans times and plan again; yours allows one less": "too few",
-    "it may be lost limits.replans times and plan again; yours allows one more": "too many",
-    "after limits.steps steps the ending is late": "never late",
-}
 
 
 def _play(travels: Callable[..., Any], story: Story) -> tuple[Any, list[tuple[Any, ...]]]:
@@ -179,7 +185,7 @@ _LINE: Graph = {v: {v + 1: 0.99} for v in range(5)} | {5: {}}
 )
 def check_navigate(student: Callable[..., Any]) -> None:
     """Robots that arrive, search, refuse, are lost here and there, and run out of time."""
-    faults = with_faults(_navigated, _FAULTS)
+    faults = with_faults(_navigated, FAULTS)
     played = {words: partial(_play, rule) for words, rule in faults.items()}
     compare(
         "navigate",

@@ -160,6 +160,11 @@ STORIES: dict[str, Story] = {
     "not on the map": _told([_FOREIGN], [_GOES]),
     "turned, then too improbable": _told([_NOTHING, _FAR], [_GOES]),
     "lost, then only improbable": _told([_SEEN, _FAR], [(2, "lost", 3), _GOES]),
+    "lost at the goal, then only improbable": _told([_SEEN, _FAR], [(2, "lost", 99), _GOES]),
+    "nothing in sight until the search is over": _told(
+        [_NOTHING, _NOTHING, _SEEN], [_GOES], interval=5, search=10
+    ),
+    "nothing in sight for ever, a last look": _told([_NOTHING], [_GOES], interval=5, search=10),
     "lost, then nothing in sight": _told([_SEEN, _NOTHING], [(2, "lost", 3), _GOES]),
     "lost, nothing in sight, then it arrives": _told(
         [_NOTHING, _NOTHING, _SEEN, _NOTHING, _NOTHING, _NOTHING, _SEEN],

@@ -87,7 +87,76 @@ def _sure_of_nothing(graph: Graph, start: Vertex, goal: Vertex) -> Found:
     return path, probability if path else 1.0
 
 
+def _by_cost(
+    cost: Callable[[float], float], total: Callable[..., float] = math.fsum, fault: str = ""
+) -> Callable[..., Found]:
+    """The best path by another cost, and the exponential of minus this cost."""
+
+    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+        path, _ = _searched(graph, start, goal, cost, fault)
+        if not path:
+            return path, 0.0
+        return path, math.exp(-total([cost(graph[v][w]) for v, w in pairwise(path)] or [0.0]))
+
+    return answer
+
+
+def _few_rounds(rounds: int) -> Callable[..., Found]:
+    """Bellman and Ford's rounds over all edges, but not enough of them."""
+
+    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+        found, before = {start: 1.0}, {start: start}
+        for _ in range(rounds):
+            for v in graph:
+                for w, p in graph[v].items():
+                    if found.get(v, 0.0) * p > found.get(w, 0.0):
+                        found[w], before[w] = found[v] * p, v
+        return _back(graph, before, start, goal)
+
+    return answer
+
+
+def _vertex_first(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    """A heap of (vertex, length)."""
+    least, before, heap, done = {start: 0.0}, {start: start}, [(start, 0.0)], set()
+    while heap:
+        vertex, reached = heapq.heappop(heap)
+        if vertex == goal:
+            break
+        if vertex in done:
+            continue
+        done.add(vertex)
+        for other, probability in graph[vertex].items():
+            through = reached + _cost(probability)
+            if through < least.get(other, math.inf):
+                least[other], before[other] = through, vertex
+                heapq.heappush(heap, (other, through))
+    return _back(graph, before, start, goal)
+
+
 FAULTS: dict[str, Callable[..., Found]] = {
+    "vertex 0 is a vertex, too: compare with None, or with the start, since 0 is false in Python": (
+        lambda graph, start, goal: _restated(
+            lambda path, p, steps: ([v for v in path if v != 0], p)
+        )(graph, start, goal)
+    ),
+    "one round over all edges is not enough: go on until nothing changes": _few_rounds(1),
+    "a few rounds over all edges are not enough: go on until nothing changes": _few_rounds(3),
+    "in the heap the length stands first, (length, vertex): it sorts by what stands first": (
+        _vertex_first
+    ),
+    "1 - RE only resembles -log RE, and only near 1; take the logarithm, and exp of its sum": (
+        _by_cost(lambda p: 1.0 - p)
+    ),
+    "RE is no cost: the smaller it is, the worse; take -log RE, and exp of minus its sum": (
+        _by_cost(lambda p: p)
+    ),
+    "that is the path of the fewest steps; add up -log RE, not 1 for each step": _by_cost(
+        lambda p: 1.0
+    ),
+    "that is the path whose weakest edge is strongest; all edges must hold: add, do not take max": (
+        _by_cost(_cost, max, "weakest")
+    ),
     "where start and goal are the same vertex, the path is that vertex, with probability 1": (
         _not_itself
     ),

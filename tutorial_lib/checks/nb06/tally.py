@@ -73,6 +73,11 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
                 tried, passed = not arrived and place <= stopped, not arrived and place < stopped
             if fault == "turned":
                 edge = (edge[1], edge[0])
+            ends = {"not from here": HERE in edge, "not to the goal": GOAL in edge}
+            if ends.get(fault, False):
+                continue
+            if fault == "last one never passed":
+                passed = place < (len(path) - 1 if arrived else stopped)
             if fault == "only the map" and min(edge) < 0:
                 continue
             if fault == "once a trip" and edge in list(pairwise(path))[: place - 1]:
@@ -82,6 +87,12 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
             if tried:
                 before = (0, 0) if fault == "last trip" else counts.get(edge, (0, 0))
                 counts[edge] = (before[0] + 1, before[1] + int(passed))
+                if fault == "not added":
+                    counts[edge] = (before[0] + 1, int(passed))
+    if fault == "share":
+        return {edge: (tried, passed // tried) for edge, (tried, passed) in counts.items()}
+    if fault == "passed ones":
+        return {edge: both for edge, both in counts.items() if both[1]}
     if fault == "exchanged":
         return {edge: (passed, tried) for edge, (tried, passed) in counts.items()}
     if fault == "failed":
@@ -132,6 +143,12 @@ _FAULTS = {
     "the robot was lost on the edge that leads to path[stopped], not on the one before it": (
         "one too early"
     ),
+    "the edges from HERE count as well": "not from here",
+    "the edges to GOAL count as well": "not to the goal",
+    "on arrival the last edge was passed, too": "last one never passed",
+    "passed is counted over all trips, as tried is: add": "not added",
+    "the second number is how often it was passed, not its share": "share",
+    "an edge that was tried and never passed is the one we look for: it stays": "passed ones",
     "trips that failed count, too": "only arrivals",
     "trips that arrived count, too": "only failures",
     "an edge is a pair (from, to); yours are turned round": "turned",

@@ -34,19 +34,36 @@ def travel(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
 def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple[bool, set[Vertex]]:
     """The navigation, with a `fault` if one is named."""
     excluded: set[Vertex] = set()
+    if fault == "plans ahead":
+        return _planning_ahead(plan, drive, replans)
     rounds = {"too few": replans, "too many": replans + 2, "once": 1}.get(fault, replans + 1)
     path: list[Vertex] = []
     number = -1
     while number + 1 < rounds:
         number += 1
+        if fault == "resets":
+            excluded = set()
         if not (fault == "same path" and number):
             path = plan(set(excluded))
+        if not path and fault == "refusal forgets":
+            return False, set()
+        if not path and fault == "refused, again":
+            continue
         if not path and fault != "drives on nothing":
             return fault == "refusal arrives", excluded
         stopped = drive(path)
         if stopped is None:
             return fault != "never arrives", set() if fault == "forgets on arrival" else excluded
-        place = stopped - 1 if fault == "behind" else stopped
+        place = stopped - (fault in ("behind", "behind or here"))
+        if fault == "ahead":
+            place = min(stopped + 1, len(path) - 2) if path[stopped] != GOAL else stopped
+        if fault == "goal arrives" and path[stopped] == GOAL:
+            return True, excluded
+        if fault == "last one forgotten" and number == replans:
+            return False, excluded
+        if fault == "behind or here" and path[stopped] != GOAL:
+            excluded.add(path[place])
+            continue
         vertex = path[place] if path else GOAL
         if vertex == GOAL and fault == "gives up at the goal":
             return False, excluded
@@ -60,10 +77,27 @@ def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple
             excluded |= {v for v in path if v not in (HERE, GOAL)}
         elif fault == "all until":
             excluded |= {v for v in path[1 : stopped + 1] if v != GOAL}
+        elif fault == "all until, and the goal":
+            excluded |= set(path[1 : stopped + 1])
         elif fault == "all ahead":
             excluded |= {v for v in path[stopped:] if v != GOAL}
         elif (vertex not in (HERE, GOAL) or fault == "goal") and fault != "excludes nothing":
             excluded.add(stopped if fault == "place" else vertex)
+    return False, excluded
+
+
+def _planning_ahead(plan: Plan, drive: Drive, replans: int) -> tuple[bool, set[Vertex]]:
+    """Plans once more than it drives."""
+    excluded: set[Vertex] = set()
+    path = plan(set())
+    for _ in range(replans + 1):
+        if not path:
+            break
+        stopped = drive(path)
+        if stopped is None:
+            return True, excluded
+        excluded |= {path[stopped]} - {GOAL}
+        path = plan(set(excluded))
     return False, excluded
 
 
@@ -75,8 +109,9 @@ class _Story:
 
     def plan(self, excluded: set[Vertex]) -> list[Vertex]:
         """The first path without excluded vertices."""
-        if not isinstance(excluded, set | frozenset | list | tuple):
-            raise WrongAnswer(f"plan got {excluded!r}; give it the set of what is excluded")
+        if not isinstance(excluded, set | frozenset):
+            words = "give it a set of what is excluded, also where there is none: set()"
+            raise WrongAnswer(f"plan got {excluded!r}; {words}")
         if not all(isinstance(v, int | np.integer) for v in excluded):
             raise WrongAnswer(f"plan got {excluded!r}; exclude vertices, one by one")
         self.log.append(("plan", tuple(sorted(excluded))))
@@ -116,6 +151,19 @@ _CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
 _FAULTS = {
     "exclude the vertex that could not be reached, path[stopped], not the one before it": "behind",
     "exclude every vertex that could not be reached so far, not only the last one": "forgets",
+    "what is excluded stays so: the set lives outside of the loop": "resets",
+    "exclude path[stopped]; the one before it was reached, and may be HERE": "behind or here",
+    "exclude path[stopped], the vertex that could not be reached, not the one after it": "ahead",
+    "return what is excluded also on a refusal": "refusal forgets",
+    "a refusal is the end: the same plan would be refused again": "refused, again",
+    "lost before the goal is not arrived: only None is": "goal arrives",
+    "the last vertex that could not be reached is excluded, too, though no plan follows": (
+        "last one forgotten"
+    ),
+    "plan when you are about to drive; yours plans once more after the last drive": "plans ahead",
+    "what was reached on the way, and the goal, are not excluded: path[stopped] only": (
+        "all until, and the goal"
+    ),
     "only one vertex could not be reached; excluding the whole path leaves no other": "whole path",
     "the vertices before path[stopped] were reached; exclude path[stopped] only": "all until",
     "only path[stopped] was tried in vain; what comes after it was never tried": "all ahead",
