@@ -157,4 +157,18 @@ MUTATIONS = [
         "except OSError as error:",
         "experiments/results_page/test_sources.py -k damaged",
     ),
+    (
+        "the lowest score chooses a direction",
+        "experiments/protocols/directions.py",
+        "np.lexsort((-scores, found.number))",
+        "np.lexsort((scores, found.number))",
+        "experiments/protocols/test_directions.py",
+    ),
+    (
+        "signs are read where there are none",
+        "experiments/protocols/directions.py",
+        "Depth(scene.plan) if signs else None",
+        "Depth(scene.plan)",
+        "experiments/protocols/test_directions.py -k depth",
+    ),
 ]

@@ -358,7 +358,8 @@ def test_geometry_has_a_row_of_its_own_with_the_same_columns():
 def test_the_experiment_has_a_row_for_every_estimator(monkeypatch, quick):
     fitted, examined = [], []
 
-    def examine(world, names, bounds, sizes, seed):
+    def examine(world, names, bounds, sizes, seed, family):
+        assert not family
         examined.append((world, sizes, seed))
         assert set(bounds) == set(fitted)
         return {name: part(world % 7) for name in names}

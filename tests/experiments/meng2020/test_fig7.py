@@ -80,7 +80,8 @@ def test_a_row_is_what_was_kept_and_what_was_followed():
 class Keeping:
     """A guide that keeps the first frame, the last and some between, and follows half of it."""
 
-    def __init__(self, recorded, context):
+    def __init__(self, recorded, context, odometry):
+        assert odometry.drifts
         self.recorded, self.context, self.k = recorded, context, int(context[1:])
 
     def anchors(self, trajectory, threshold):

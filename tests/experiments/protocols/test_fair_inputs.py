@@ -341,7 +341,7 @@ class Caught(Exception):  # noqa: N818 - what was asked for
     ids=lambda value: getattr(value, "__name__", value),
 )
 def test_the_option_reaches_the_robots(module, maker, kind, monkeypatch):
-    def ask(*given, drifts=None):
+    def ask(*given, drifts=None, **_):
         raise Caught(given[0] if drifts is None else drifts)
 
     monkeypatch.setattr(module, maker, ask)

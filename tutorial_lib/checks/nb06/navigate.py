@@ -91,7 +91,7 @@ def _navigated(
             robot.turn()
             continue
         started = True
-        active = robot.active
+        before = robot.active if fault == "active too early" else 0
         state = robot.follow(path)
         if state == "arrived":
             return "arrived", plans, set() if fault == "forgets in the end" else excluded
@@ -99,7 +99,7 @@ def _navigated(
             continue
         lost += 1
         place = {"behind": robot.active - 1, "ahead": min(robot.active + 1, len(path) - 1)}
-        place |= {"active too early": min(active, len(path) - 1)}
+        place |= {"active too early": min(before, len(path) - 1)}
         vertex = path[place.get(fault, robot.active)]
         if vertex == GOAL and fault == "goal":
             excluded.add(vertex)
