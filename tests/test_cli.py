@@ -123,6 +123,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
             "--agent: meng_fig9 cannot use it; its options: --worlds A:B",
         ),
         (["experiment", "meng_table2", "--agent", "x.py:A"], "there is no file x.py"),
+        (["build", "99_nothing"], "build: no solutions/99_nothing.py; there are 00_start_here"),
         (["experiment", "meng_table2", "--agent", "x.py"], "give FILE.py:CLASS"),
         (["experiment", "meng_table2", "--ablation", "rows"], "meng_table2 has thresholds"),
         (["bench", "raycast", "--worlds", "1:3"], "--worlds: raycast runs in no world"),

@@ -1,12 +1,14 @@
 """Scanned worlds: like maps that robots recorded, and as good to drive in as the others."""
 
+from dataclasses import replace
 from functools import cache
 
 import cv2
 import numpy as np
 import pytest
 
-from tutorial_lib.world.generators import generate
+from tutorial_lib.world.generators import generate, scanned
+from tutorial_lib.world.generators.rectilinear import DoesNotFit
 from tutorial_lib.world.occupancy import check_closed, clearance_grid
 from tutorial_lib.world.plan_json import plan_from_json, plan_to_json
 
@@ -44,6 +46,29 @@ def test_buildings_lie_at_angles():
     walls = [cached("scanned", seed).walls.reshape(-1, 2).astype(np.float32) for seed in SEEDS]
     angles = [cv2.minAreaRect(ends)[2] % 90 for ends in walls]
     assert sum(2 < angle < 88 for angle in angles) >= 4
+
+
+def test_a_scan_that_falls_apart_is_drawn_again():
+    plan = generate("hall", 41)
+    halves = replace(plan, walls=np.concatenate([plan.walls, _across(plan)]), **_more(plan))
+    with pytest.raises(DoesNotFit):
+        scanned(halves, ("scanned", 40), np.random.default_rng(0), "standard")
+
+
+def _across(plan):
+    """A wall through the middle of a plan, along y."""
+    ends = plan.walls.reshape(-1, 2)
+    (x0, y0), (x1, y1) = ends.min(axis=0), ends.max(axis=0)
+    middle = (x0 + x1) / 2 + 0.07
+    return np.array([[middle, y0, middle, y1]])
+
+
+def _more(plan):
+    """Material and offset of one more wall."""
+    return {
+        "wall_materials": (*plan.wall_materials, plan.wall_materials[0]),
+        "wall_offsets": np.append(plan.wall_offsets, 0.0),
+    }
 
 
 def test_resolutions_angles_and_buildings_differ():
