@@ -16,8 +16,10 @@ USUAL = 0.05
 """Metres a cell of most maps that robots record."""
 RESOLUTIONS = (0.025, 0.10)
 """Metres a cell of the others, at least and at most."""
-THICKEST = 0.08
+THICKEST = 0.10
 """Metres by which a wall comes out too thick, at most, on either side."""
+THINNEST = 0.71
+"""Cells by which it does at least: with fewer, a thin wall could be crossed between two cells."""
 WHOLE = 0.8
 """Share of the floor that hangs together in a scan, at least."""
 _FINE = 0.025  # metres a cell of the grid that a scan samples
@@ -71,8 +73,9 @@ def _thickness(
 ) -> NDArray[np.float32]:
     """Metres (H, W) from a wall up to which cells are taken for occupied: smooth noise."""
     noise = _smooth(rng, shape, rng.uniform(0.7, 2.0))
-    most = min(resolution, THICKEST) * rng.uniform(0.3, 1.2)
-    return np.clip(0.4 * most * (1.0 + noise), 0.0, THICKEST).astype(np.float32)
+    spread = resolution * rng.uniform(0.2, 0.8)
+    least = THINNEST * resolution
+    return np.clip(least + spread * noise, least, max(least, THICKEST)).astype(np.float32)
 
 
 def _smooth(rng: np.random.Generator, shape: tuple[int, ...], cells: float) -> NDArray[np.float32]:
