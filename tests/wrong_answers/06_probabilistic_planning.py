@@ -1236,7 +1236,7 @@ def most_probable_path__no_path_prob1(graph, start, goal):
 
 
 def most_probable_path__raises(graph, start, goal):
-    """KeyError,"""
+    """KeyError:"""
     least = dict.fromkeys(graph, math.inf)
     least[start] = 0
     before = {}
@@ -1454,7 +1454,7 @@ def travel__all_until(plan, drive, replans):
 
 
 def travel__plan_noarg(plan, drive, replans):
-    """TypeError, _Story.plan() missing 1 required positional argument:"""
+    """TypeError: _Story.plan() missing 1 required positional argument:"""
     path = plan()
     return drive(path) is None, set()
 

@@ -24,7 +24,7 @@ from tutorial_lib.checks.nb06.graphs import (
     random_graph,
 )
 from tutorial_lib.checks.nb06.path_faults import FAULTS
-from tutorial_lib.checks.nb06.untouched import explained, number, vertices
+from tutorial_lib.checks.nb06.untouched import explaining, number, vertices
 from tutorial_lib.viz.figures.panels import side_by_side
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 
@@ -98,7 +98,7 @@ def _invoke(what: str, student: Callable[..., Any], graph: Graph, *ends: Vertex)
         ValueError: "every RE is above 0, and every path has a vertex; what is it that has none?",
         TypeError: "in the heap there are pairs (length, vertex), the length first",
     }
-    got = explained(what, partial(student, given, *ends), hints)
+    got = explaining(what, partial(student, given, *ends), hints)
     if given != graph:
         raise WrongAnswer(f"{what}: your function changes the graph; leave it as it is")
     return got

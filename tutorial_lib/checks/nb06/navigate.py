@@ -14,7 +14,7 @@ from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.navigate_words import FAULTS
 from tutorial_lib.checks.nb06.navigation_stories import STORIES, Limits, ScriptedRobot, Story
-from tutorial_lib.checks.nb06.untouched import explained, number
+from tutorial_lib.checks.nb06.untouched import explaining, number
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 ENDINGS = ("arrived", "refused", "gave up", "late")
@@ -149,7 +149,7 @@ def _invoke(what: str, student: Callable[..., Any], story: Story) -> Any:  # noq
         TypeError: "look() and turn() take nothing, follow(path) the path; active is a number",
     }
     try:
-        return explained(what, lambda: _play(student, story), hints)
+        return explaining(what, lambda: _play(student, story), hints)
     except WrongAnswer as wrong:
         said = str(wrong)
         raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None

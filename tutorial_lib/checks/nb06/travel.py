@@ -12,7 +12,7 @@ from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
-from tutorial_lib.checks.nb06.untouched import explained
+from tutorial_lib.checks.nb06.untouched import explaining
 
 Plan = Callable[[set[Vertex]], list[Vertex]]
 """Plans around excluded vertices; returns no vertices when it refuses."""
@@ -200,7 +200,7 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, li
     words = "plan(excluded) and drive(path) take one argument each; drive returns a number or None"
     hints = {TypeError: words, IndexError: "stopped is a place along the path: path[stopped]"}
     try:
-        return explained(what, lambda: _play(student, *case), hints)
+        return explaining(what, lambda: _play(student, *case), hints)
     except WrongAnswer as wrong:
         said = str(wrong)
         raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None

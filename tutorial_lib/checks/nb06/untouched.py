@@ -3,23 +3,17 @@
 from __future__ import annotations
 
 import copy
-import traceback
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.explanation import explained
 
-_USUAL: dict[type[Exception], str] = {
+_HINTS: dict[type[Exception], str] = {
     KeyError: "a dictionary has no such key; ask with in, or with .get(key, something)",
     IndexError: "an index lies beyond the end of a list",
-    TypeError: "something is not of the type that you use it as; compare with the docstring",
-    ValueError: "is there anything to choose from, and is every number in range?",
-    NameError: "is a name misspelt, or set in one branch only?",
-    AttributeError: "is a name misspelt? Compare with the docstring",
-    ZeroDivisionError: "something is divided by zero",
-    RecursionError: "the function calls itself for ever",
     RuntimeError: "does a dictionary or set change while a loop goes through it?",
 }
 
@@ -31,7 +25,7 @@ def untouched(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  
         WrongAnswer: when one was changed, an error was raised, or nothing came back.
     """
     given = copy.deepcopy(arguments)
-    got = explained(what, partial(student, *given))
+    got = explaining(what, partial(student, *given))
     for number, (old, new) in enumerate(zip(arguments, given, strict=True), 1):
         if old == new:
             continue
@@ -42,7 +36,7 @@ def untouched(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  
     return returned(what, got)
 
 
-def explained(
+def explaining(
     what: str,
     student: Callable[[], Any],
     hints: Mapping[type[Exception], str] | None = None,
@@ -55,20 +49,14 @@ def explained(
         hints: for kinds of errors, what to say of them in this exercise.
 
     Raises:
-        WrongAnswer: when an error was raised: its kind, its line, and what it may mean.
+        WrongAnswer: when an error was raised: what it was, its line, and what it may mean.
     """
     try:
         return student()
     except (WrongAnswer, NotImplementedError):
         raise
     except Exception as error:
-        known = {**_USUAL, **(hints or {})}
-        other = "try this case by hand, and print what you have just before that line"
-        hint = next((known[kind] for kind in type(error).__mro__ if kind in known), other)
-        line = traceback.extract_tb(error.__traceback__)[-1].line or ""
-        place = f" (in: {line.strip()})" if line else ""
-        kind = type(error).__name__
-        raise WrongAnswer(f"{what}: {kind}, {error}{place}; {hint}") from None
+        raise WrongAnswer(f"{what}: {explained(error, {**_HINTS, **(hints or {})})}") from error
 
 
 def number(what: str, got: object, words: str) -> float:
