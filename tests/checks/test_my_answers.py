@@ -93,9 +93,10 @@ def test_what_cannot_be_saved_passes_all_the_same(folder, capsys):
 
 def test_mine_is_the_saved_answer_or_the_librarys(folder, capsys):
     assert check_doubled.mine() is reference
-    assert "no answer is saved" in capsys.readouterr().out
     check_doubled.use(doubled)
+    capsys.readouterr()
     assert check_doubled.mine()(3.0) == 6.0
+    assert not capsys.readouterr().out
     (file,) = folder.glob("*.py")
     file.write_text("def doubled(x):\n    return x\n")
     assert check_doubled.mine() is reference

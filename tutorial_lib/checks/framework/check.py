@@ -140,14 +140,15 @@ class Check:
         return chosen
 
     def mine(self) -> Function:
-        """The student's saved answer if it passes, and the reference otherwise; says which."""
+        """The student's saved answer if it passes, and the reference otherwise.
+
+        It says why one that is saved is not used.
+        """
         student = my_answers.load(self.notebook, self.name)
         if student is None:
-            print(f"{self.name}: no answer is saved yet, so the library's is used")
             return self.reference
         result = self(student)
         if result.status == "passed":
-            print(f"{self.name}: yours, from {my_answers.path(self.notebook, self.name).name}")
             return student
         print(f"{result}\nThe library's {self.name} is used.")
         return self.reference
