@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--family",
         default="apartment",
-        help="apartment (the default), office, symmetric_office, loop_corridor or maze",
+        help="apartment, office, symmetric_office, loop_corridor, maze, hall or scanned",
     )
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument(

@@ -50,13 +50,13 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         seeds = [*range(settings.fitted), *options.worlds]
         found = for_each(_decisions, seeds, signs, options.seed, label=f"{signs} worlds")
         training, test = found[: settings.fitted], found[settings.fitted :]
-        right, levels = {}, []
+        right = {}
         for model in ("blind", "goal"):
             scores = _scores(model, training, test)
             chosen = [best_chosen(f, s, WITHIN) for f, s in zip(test, scores, strict=True)]
             right[model] = np.concatenate([ok for _, ok in chosen]).astype(float)
-            levels = np.concatenate([level for level, _ in chosen])
-            worlds = np.repeat(options.worlds, [len(ok) for _, ok in chosen])
+        levels = np.concatenate([level for level, _ in chosen])  # the same for both
+        worlds = np.repeat(options.worlds, [len(level) for level, _ in chosen])
         for number, difficulty in enumerate(DIFFICULTIES):
             mine = levels == number
             gained = difference(right["goal"][mine], right["blind"][mine], worlds[mine])

@@ -78,17 +78,21 @@ def decisions(scene: Scene, rng: np.random.Generator, *, signs: bool) -> Decisio
         for level, (least, most) in enumerate(DIFFICULTIES.values()):
             for place in np.flatnonzero((far >= least) & (far < most) & (possible.sum(1) > 1)):
                 rows = np.flatnonzero(possible[place])
-                end, here = at_end[place, rows], np.tile(from_here[place], (len(rows), 1))
-                there = np.tile(at_goal[goal], (len(rows), 1))
-                own = np.column_stack([long[place, rows], here, end, end - here])
-                shown = [there, np.abs(end - there), np.abs(here - there)]
-                shown.append(np.abs(end - there) - np.abs(here - there))
-                level_of = np.full(len(rows), level)
-                parts.append((level_of, metres[place, rows], own, np.column_stack(shown)))
+                known = _known(from_here[place], at_end[place, rows], at_goal[goal])
+                here = np.column_stack([long[place, rows], known[0]])
+                parts.append((np.full(len(rows), level), metres[place, rows], here, known[1]))
                 number += 1
     counts = [len(part[0]) for part in parts]
     columns = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Decisions(np.repeat(np.arange(number), counts), *columns)
+
+
+def _known(here: Array, ends: Array, goal: Array) -> tuple[Array, Array]:
+    """What is read here (F,) and at D ends (D, F), and what the goal (F,) adds; D rows each."""
+    here, goal = np.broadcast_to(here, ends.shape), np.broadcast_to(goal, ends.shape)
+    from_end, from_here = np.abs(ends - goal), np.abs(here - goal)
+    added = [goal, from_end, from_here, from_end - from_here]
+    return np.column_stack([here, ends, ends - here]), np.column_stack(added)
 
 
 def best_chosen(
