@@ -4,29 +4,38 @@ from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.heading_search import ASIDE
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.topology.localization import BayesFilter, FilterSettings
 from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
 from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.motion_model import MotionModel, motion_model, moved
 from tutorial_lib.topology.planner import DijkstraPlanner
+from tutorial_lib.topology.view_sensor import ViewSensor
 
 __all__ = [
     "ASIDE",
     "AnchorPaths",
     "Anchors",
+    "BayesFilter",
     "DijkstraPlanner",
+    "FilterSettings",
     "Follower",
     "FollowerSettings",
     "MapSettings",
+    "MotionModel",
     "State",
     "TopoMap",
+    "ViewSensor",
     "add_trajectory",
     "anchors_of",
     "export_graphml",
     "likeness",
     "load_map",
     "most_alike",
+    "motion_model",
+    "moved",
     "save_map",
 ]

@@ -139,7 +139,18 @@ def explored(
         InputError: when the world is too small for so many places.
     """
     paths = GridPaths(scene.clearance)
-    places = spread_places(paths, count, rng)
+    return recorded_between(name, scene, paths, spread_places(paths, count, rng), odometry)
+
+
+def recorded_between(
+    name: str, scene: Scene, paths: GridPaths, places: Array, odometry: Odometry = USUAL
+) -> Building:
+    """Record a trajectory for each ordered pair of places (P, 2).
+
+    Raises:
+        InputError: when there is none between any two.
+    """
+    count = len(places)
     pairs = np.array(list(permutations(range(count), 2)))
     starts = facing(scene, paths, places, pairs)
     goals, noise = places[pairs[:, 1]], odometry.noise(RECORDING)
@@ -153,12 +164,19 @@ def explored(
     return Building(name, scene, paths, places, recorded, pairs[kept], odometry)
 
 
-def draw_trials(building: Building, count: int, rng: np.random.Generator) -> Trials:
+def draw_trials(
+    building: Building,
+    count: int,
+    rng: np.random.Generator,
+    among: NDArray[np.intp] | None = None,
+) -> Trials:
     """Draw trials between the places of a building; pairs come equally often.
 
-    A trial starts where the recorded trajectory of its pair did, perturbed as in Table I.
+    A trial starts where the recorded trajectory of its pair did, perturbed as in Table I. `among`
+    holds the numbers of the pairs to draw from; all unless given.
     """
-    which = np.resize(rng.permutation(len(building.pairs)), round(_SPARE * count) + 1)
+    among = np.arange(len(building.pairs)) if among is None else among
+    which = np.resize(rng.permutation(among), round(_SPARE * count) + 1)
     first = building.recorded.first_frames[which]
     starts, found = perturbed(
         building.scene, building.recorded.poses[first], PAPER_PERTURBATION, rng

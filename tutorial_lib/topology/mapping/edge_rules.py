@@ -23,6 +23,8 @@ class MapSettings:
         p_edge: RE above which two vertices are joined.
         p_reuse: RE to a vertex, and onward from it, above which it replaces an anchor; 1 for never.
         sequence: anchors before and after both ends of an edge that must be reachable, too.
+        reuse_sequence: anchors before and after one that is to be replaced that must match those
+            before and after the vertex, too; 0 as in the paper, where look-alike places merge.
         candidates: most similar vertices that a new anchor is compared with first.
         p_outdated: RE below which a vertex between two that are seen again is outdated.
     """
@@ -30,6 +32,7 @@ class MapSettings:
     p_edge: float = 0.99
     p_reuse: float = 0.95
     sequence: int = 2
+    reuse_sequence: int = 0
     candidates: int = 12
     p_outdated: float = 0.1
 

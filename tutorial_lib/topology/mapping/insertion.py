@@ -61,7 +61,7 @@ class Insertion:
         self.queries = vertices.queries
         self.prepared = self._prepared()
         self.count = len(vertices)
-        self.along = self._along(max(self.settings.sequence, 1))
+        self.along = self._along(max(self.settings.sequence, self.settings.reuse_sequence, 1))
         worth, worth_back = self._worth()
         onward, back = self._seeds(worth, worth_back)
         least = min(self.settings.p_edge, self.settings.p_reuse)
@@ -157,16 +157,25 @@ class Insertion:
 
         At the ends, the first anchor is its own predecessor and the last its own successor.
         """
+        matched = self._matched()
         taken, chosen = np.full(len(self.anchors), -1), list[int]()
         out, back = np.nan_to_num(self.out), np.nan_to_num(self.back)
         for anchor, (before, after) in enumerate(zip(*neighbours(len(taken)), strict=True)):
             into, onward = out[before, : self.count], back[after, : self.count]
             into = self._from_before(int(taken[before]) if anchor else -1, into, onward)
-            allowed = ahead_of(self.map.trajectory, self.map.place, chosen)
+            allowed = ahead_of(self.map.trajectory, self.map.place, chosen) & matched[anchor]
             taken[anchor] = reusable(into, onward, allowed, self.settings.p_reuse)
             if taken[anchor] >= 0:
                 chosen.append(int(taken[anchor]))
         return taken, taken >= 0
+
+    def _matched(self) -> NDArray[np.bool_]:
+        """(A, V) whether the sequences around an anchor and a vertex are alike, if that matters."""
+        least, reach = self.settings.p_reuse, self.settings.reuse_sequence
+        if not reach:
+            return np.ones((len(self.anchors), self.count), dtype=bool)
+        weakest = weakest_aligned(self._query_out, self.out, self.along, reach, least)
+        return weakest[:, : self.count] > least
 
     def _from_before(self, before: int, into: Array, onward: Array) -> Array:
         """RE (V,) to vertices from the vertex `before` that replaced the anchor before."""

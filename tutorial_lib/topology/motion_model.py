@@ -1,0 +1,118 @@
+"""How a robot moves along the edges of a map, by what its wheels measure."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, relative
+from tutorial_lib.topology.mapping.topomap import TopoMap
+
+TURN = 0.5
+"""Metres that one rad counts as: turning changes the view as driving does."""
+STRAYS, RETURNS_AFTER = 0.03, 1.0
+"""Share of what leaves a vertex that goes off the map, and metres until it is on the map again."""
+BACK = 0.15
+"""Share of what leaves a vertex that goes back along an edge: the robot was not yet where it was
+believed to be, or it reverses."""
+_USUAL, _SHORTEST = 1.5, 0.3  # metres of an edge
+
+
+@dataclass(frozen=True, eq=False)
+class MotionModel:
+    """A motion model along edges, for beliefs over V vertices and off the map.
+
+    Attributes:
+        lengths: (V + 1,) metres that a robot goes on average until it leaves each.
+        onward: (V + 1, V + 1) where it comes to then; each row sums to one.
+
+    Raises:
+        InputError: when shapes do not fit, a length is not positive or a row does not sum to one.
+    """
+
+    lengths: Array
+    onward: Array
+
+    def __post_init__(self) -> None:
+        count = len(self.lengths)
+        if self.onward.shape != (count, count):
+            raise InputError(f"motion: onward {self.onward.shape}; give ({count}, {count})")
+        if not (self.lengths > 0).all():
+            raise InputError("motion: a length is not positive; give metres")
+        if not np.allclose(self.onward.sum(axis=1), 1.0) or (self.onward < 0).any():
+            raise InputError("motion: a row of onward does not sum to one; give probabilities")
+
+
+def moved(motion: Array) -> Array:
+    """Metres (N,) that motions (N, 3) in a robot's frame count as.
+
+    >>> moved(np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 1.0]])).tolist()
+    [5.0, 0.5]
+    """
+    return np.linalg.norm(motion[..., :2], axis=-1) + TURN * np.abs(motion[..., 2])
+
+
+def motion_model(topomap: TopoMap) -> MotionModel:
+    """The motion model of a map: from each vertex along its edges, the surer ones more often.
+
+    Lengths are those that odometry measured where one trajectory made both ends of an edge; the
+    others have the usual one.
+    """
+    alive = topomap.alive
+    column = {int(vertex): i for i, vertex in enumerate(alive)}
+    count = len(alive)
+    length, share = np.zeros((2, count, count))
+    for v, w, edge in topomap.graph.edges(data=True):
+        share[column[v], column[w]] = edge["probability"]
+        length[column[v], column[w]] = _length(topomap, v, w)
+    known = length > 0
+    usual = float(np.median(length[known])) if known.any() else _USUAL
+    length = np.where((share > 0) & ~known, usual, length)
+    edges = (share > 0).sum(axis=1)
+    mean = np.where(edges > 0, length.sum(axis=1) / np.maximum(edges, 1), usual)
+    return MotionModel(np.append(np.maximum(mean, _SHORTEST), RETURNS_AFTER), _onward(share))
+
+
+def neighbourhoods(topomap: TopoMap, steps: int) -> NDArray[np.bool_]:
+    """(V, V) which vertices lie at most so many edges from each, forwards or backwards."""
+    count = len(topomap)
+    joined = np.eye(count, dtype=bool)
+    if topomap.graph.number_of_edges():
+        edges = nx.to_numpy_array(topomap.graph, nodelist=topomap.alive.tolist(), weight=None) > 0
+        joined |= edges
+    near = np.eye(count, dtype=bool)
+    for _ in range(steps):
+        near = near @ joined
+    return near | near.T
+
+
+def _length(topomap: TopoMap, v: int, w: int) -> float:
+    """Metres between two vertices of one trajectory, 0 where odometry does not know."""
+    if topomap.trajectory[v] != topomap.trajectory[w]:
+        return 0.0
+    start, end = topomap.vertices.observations[np.array([v, w])].odometry
+    return float(moved(relative(start, end)))
+
+
+def _onward(share: Array) -> Array:
+    """Where a robot comes to from each vertex, and from off the map: anywhere."""
+    count = len(share)
+    onward = np.zeros((count + 1, count + 1))
+    ahead, behind = (_rows(edges) for edges in (share, share.T))
+    onward[:count, :count] = (1.0 - BACK) * ahead + BACK * behind
+    onward[:count, count] = STRAYS
+    onward[:count, :count] *= 1.0 - STRAYS
+    onward[:count, count] += 1.0 - onward[:count].sum(axis=1)  # where there is no edge
+    onward[count, :count] = 1.0 / max(count, 1)
+    onward[count, count] = 0.0 if count else 1.0
+    return onward
+
+
+def _rows(edges: Array) -> Array:
+    """Rows that sum to one, or to zero where there is no edge."""
+    total = edges.sum(axis=1, keepdims=True)
+    return np.divide(edges, total, out=np.zeros_like(edges), where=total > 0)

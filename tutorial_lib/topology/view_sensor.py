@@ -1,0 +1,43 @@
+"""How likely is what a robot sees, were it at each vertex? By predicted overlap of the views."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation, Targets, WaypointPredictor
+from tutorial_lib.topology.mapping.topomap import TopoMap
+
+
+class ViewSensor:
+    """Likelihoods of views: the mutual overlap with each vertex's picture, as C_WP predicts it.
+
+    It is nearly one where the picture was taken, about a half 1.5 m before, and nearly nothing
+    elsewhere, unless that looks alike. RE would do worse: it is high for all that lies ahead.
+    """
+
+    def __init__(
+        self, topomap: TopoMap, predictor: WaypointPredictor, targets: Targets, candidates: int = 48
+    ) -> None:
+        """Look for a map's vertices.
+
+        Args:
+            topomap: the map, which must not grow meanwhile.
+            predictor: C_WP.
+            targets: all vertices as it prepared them, the removed ones as well.
+            candidates: vertices that are compared with a view, those most alike.
+        """
+        self._map, self._predictor, self._targets = topomap, predictor, targets
+        self._candidates = candidates
+        self._column = np.full(len(topomap.vertices), -1)
+        self._column[topomap.alive] = np.arange(len(topomap))
+
+    def __call__(self, observations: Observation) -> Array:
+        """(N, V) likelihoods, 0 for vertices that are not alike at all."""
+        near = self._map.nearby(observations, self._candidates)
+        likelihood = np.zeros((len(observations), len(self._map)))
+        if near.size:
+            rows = np.repeat(np.arange(len(near)), near.shape[1])
+            _, overlaps = self._predictor.predict(observations[rows], self._targets[near.ravel()])
+            likelihood[rows, self._column[near.ravel()]] = np.asarray(overlaps).mean(axis=1)
+        return np.clip(likelihood, 0.0, 1.0)
