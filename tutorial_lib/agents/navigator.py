@@ -120,7 +120,7 @@ class MapNavigation:
 
     def _plan(self, observation: Observation, robot: int) -> None:
         """Plan and start, or search, or give up."""
-        plan = self._find_path(observation, self._goals[robot], self._excluded[robot])
+        plan = self._path(observation, robot)
         self.history[robot].append(plan)
         # A robot that was under way takes an improbable path rather than none.
         if not plan.refusal or (plan.probability > 0 and self._lost[robot]):
@@ -129,6 +129,10 @@ class MapNavigation:
         elif plan.probability > 0:
             # The best path is refused; to search elsewhere will not help.
             self.plans[robot], self.given_up[robot] = plan, True
+
+    def _path(self, observation: Observation, robot: int) -> Plan:
+        """A path from what one robot observes to its goal."""
+        return self._find_path(observation, self._goals[robot], self._excluded[robot])
 
     def _lose(self, robot: int) -> None:
         """Replan in the next step; what could not be reached is excluded from now on."""
@@ -213,13 +217,18 @@ class MapAgent(ABC):
 
     def start(self, goals: Sequence[Goals]) -> MapNavigation:
         """Send robots to one goal each."""
-        make_follower = partial(
+        if self._targets.topomap is not self.topomap:
+            self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
+        return MapNavigation(
+            self.find_path, self.make_follower(), self._targets, goals, self.replans
+        )
+
+    def make_follower(self) -> Callable[..., Follower]:
+        """Makes a `Follower` of paths and `starts`, with the agent's parts."""
+        return partial(
             Follower,
             predictor=self.predictor,
             controller=self.controller,
             reachability=self.reachability,
             settings=self.follower,
         )
-        if self._targets.topomap is not self.topomap:
-            self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
-        return MapNavigation(self.find_path, make_follower, self._targets, goals, self.replans)

@@ -177,8 +177,12 @@ class BayesFilter:
         self._pose = np.full((robots, 3), np.nan)  # odometry at the last prediction
         self._waited = np.full(robots, np.inf)  # steps since the last look
 
-    def observe(self, observations: Observation, robots: Robots) -> None:
-        """Predict and update the beliefs of robots (M,) that moved far enough, or waited."""
+    def observe(self, observations: Observation, robots: Robots) -> NDArray[np.bool_]:
+        """Predict and update the beliefs of robots (M,) that moved far enough, or waited.
+
+        Returns:
+            (M,) for which robots the belief is new.
+        """
         robots, odometry = np.asarray(robots), np.asarray(observations.odometry)
         fresh = np.isnan(self._pose[robots, 0])
         self._pose[robots[fresh]] = odometry[fresh]
@@ -187,9 +191,10 @@ class BayesFilter:
         self._prior[robots[far]] = predict(self.belief[robots[far]], motion[far], self.model)
         self._pose[robots[far]] = odometry[far]
         self._waited[robots] += 1
-        look = np.flatnonzero(far | (self._waited[robots] >= self.settings.interval))
-        if look.size:
-            self._look(observations[look], robots[look])
+        due = far | (self._waited[robots] >= self.settings.interval)
+        if due.any():
+            self._look(observations[due], robots[due])
+        return due
 
     def forget(self, robot: int) -> None:
         """Let a robot be anywhere again."""

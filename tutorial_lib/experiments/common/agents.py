@@ -13,6 +13,8 @@ import numpy as np
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.random import RandomAgent
+from tutorial_lib.agents.remedies import Remedies
+from tutorial_lib.agents.remedy_agent import RemedyAgent
 from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.errors import InputError
@@ -34,12 +36,25 @@ COMPONENTS = {
 
 def meng(**changed: Any) -> MengAgent:  # noqa: ANN401 - any attribute of the agent
     """The agent of Meng 2020 with the shipped networks; `changed` replaces attributes."""
-    parts: dict[str, Any] = {
+    return MengAgent(**{**_shipped(), **changed})
+
+
+def remedied(name: str, **changed: Any) -> RemedyAgent:  # noqa: ANN401 - any attribute
+    """The same with remedies for places that look alike, one of `REMEDIES`.
+
+    Raises:
+        InputError: for an unknown name.
+    """
+    return RemedyAgent(**{**_shipped(), "remedies": Remedies.named(name), **changed})
+
+
+def _shipped() -> dict[str, Any]:
+    """The shipped networks, and the controller."""
+    return {
         "predictor": WaypointNetwork(f"waypoint_{CONTEXT}"),
         "controller": RMPController(),
         "reachability": ReachabilityNetwork(f"reach_{CONTEXT}"),
     }
-    return MengAgent(**{**parts, **changed})
 
 
 def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the agent

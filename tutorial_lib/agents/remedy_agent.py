@@ -1,0 +1,46 @@
+"""The system of Meng 2020 with remedies for places that look alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.navigator import MapTargets
+from tutorial_lib.agents.remedies import Remedies, Tools
+from tutorial_lib.agents.remedy_navigation import RemedyNavigation
+from tutorial_lib.interfaces import Goals
+from tutorial_lib.topology.localization import FilterSettings
+from tutorial_lib.topology.mapping.topomap import TopoMap
+
+SEQUENCE = 4
+"""Anchors before and after both ends of an edge, and of one that is replaced, that must match."""
+
+
+@dataclass(kw_only=True)
+class RemedyAgent(MengAgent):
+    """Meng's agent with remedies; see `MapAgent` and `MengAgent` for the other parts.
+
+    Attributes:
+        remedies: that are on.
+        filter_settings: of the Bayes filter.
+    """
+
+    remedies: Remedies = field(default_factory=Remedies)
+    filter_settings: FilterSettings = field(default_factory=FilterSettings)
+
+    def empty_map(self) -> TopoMap:
+        """A map whose edges, and reused vertices, rest on sequences or on single anchors."""
+        reach = SEQUENCE if self.remedies.sequence else 0
+        settings = replace(self.settings, sequence=reach, reuse_sequence=reach)
+        return TopoMap(self.reachability, settings)
+
+    def start(self, goals: Sequence[Goals]) -> RemedyNavigation:
+        """Send robots to one goal each."""
+        if self._targets.topomap is not self.topomap:
+            self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
+        tools = Tools(self.planner, self.predictor, self.remedies, self.filter_settings)
+        replans = self.replans if self.remedies.replan else 0
+        return RemedyNavigation(
+            self.find_path, self.make_follower(), self._targets, goals, replans, tools
+        )
