@@ -246,7 +246,7 @@ def test_a_drive_along_the_row_is_followed():
 
 
 def test_at_standstill_nothing_flickers_and_no_evidence_counts_twice():
-    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor(noise=0.05))
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor(noise=0.02))
     x = np.arange(0.0, 3.0, 0.1)
     drive(robot, x, along(*x))
     settled = robot.belief[0].max()

@@ -93,6 +93,13 @@ class PlaceGuess:
         """Belief that a robot is off the map."""
         return float(self.filter.belief[robot, OFF_MAP])
 
+    def confidence(self) -> Array:
+        """(N,) belief of being near the vertex at which each robot is localized."""
+        belief, vertex = self.filter.belief, self.filter.vertex
+        near = self._near[vertex]
+        mass = (belief[:, :OFF_MAP] * near).sum(axis=1)
+        return np.where(vertex == OFF_MAP, belief[:, OFF_MAP], mass)
+
     def far_from(self, robot: int, vertices: Sequence[int]) -> float:
         """Belief that a robot is not near any of some vertices, or is off the map."""
         columns = self._column[list(vertices)]

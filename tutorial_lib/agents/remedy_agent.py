@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.navigator import MapTargets
+from tutorial_lib.agents.place_guess import PlaceGuess
 from tutorial_lib.agents.remedies import Remedies, Tools
 from tutorial_lib.agents.remedy_navigation import RemedyNavigation
+from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology.localization import FilterSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -29,6 +33,18 @@ class RemedyAgent(MengAgent):
     remedies: Remedies = field(default_factory=Remedies)
     filter_settings: FilterSettings = field(default_factory=FilterSettings)
 
+    def with_remedies(self, remedies: Remedies) -> RemedyAgent:
+        """The same agent with other remedies, and what it has learned so far.
+
+        Raises:
+            InputError: when its map was built with sequences and this one's is not, or conversely.
+        """
+        if remedies.sequence != self.remedies.sequence:
+            raise InputError("remedies: a map is built with sequences or without; learn again")
+        other = replace(self, remedies=remedies)
+        other.topomap = self.topomap
+        return other
+
     def empty_map(self) -> TopoMap:
         """A map whose edges, and reused vertices, rest on sequences or on single anchors."""
         reach = SEQUENCE if self.remedies.sequence else 0
@@ -39,8 +55,19 @@ class RemedyAgent(MengAgent):
         """Send robots to one goal each."""
         if self._targets.topomap is not self.topomap:
             self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
-        tools = Tools(self.planner, self.predictor, self.remedies, self.filter_settings)
-        replans = self.replans if self.remedies.replan else 0
         return RemedyNavigation(
-            self.find_path, self.make_follower(), self._targets, goals, replans, tools
+            self.find_path,
+            self.make_follower(),
+            self._targets,
+            goals,
+            self.replans if self.remedies.replan else 0,
+            self._tools(),
         )
+
+    def guess(self, robots: int) -> PlaceGuess:
+        """Localizes so many robots, which may be anywhere."""
+        contexts = self.topomap.vertices.contexts[np.arange(len(self.topomap.vertices))]
+        return PlaceGuess(robots, self.topomap, self._tools(), self.predictor.prepare(contexts))
+
+    def _tools(self) -> Tools:
+        return Tools(self.planner, self.predictor, self.remedies, self.filter_settings)

@@ -7,6 +7,7 @@ import json
 from dataclasses import fields
 from pathlib import Path
 
+from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
 from tutorial_lib.experiments.registry import EXPERIMENTS
@@ -26,6 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--agent", default="", metavar="FILE.py:CLASS")
     parser.add_argument(
         "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
+    )
+    parser.add_argument(
+        "--remedies", choices=REMEDIES, default="", help="for places that look alike"
     )
 
 

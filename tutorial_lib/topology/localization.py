@@ -135,9 +135,9 @@ class FilterSettings:
 
     stride: float = 0.3
     interval: int = 10
-    unknown: float = 0.3
+    unknown: float = 0.4
     least: float = 0.02
-    sharpness: float = 1.0
+    sharpness: float = 3.0
     hysteresis: float = 0.5
 
     def __post_init__(self) -> None:

@@ -18,9 +18,10 @@ EVERYTHING = {
     "agent": Options(agent="mine.py:Mine"),
     "odometry": Options(odometry="exact"),
     "family": Options(family="hall"),
+    "remedies": Options(remedies="no_filter"),
 }
-OPTIONAL = {"map", "palette", "family", "agent", "odometry"}
-NOTED = {"odometry": "odometry: exact", "family": "family: hall"}
+OPTIONAL = {"map", "palette", "family", "agent", "odometry", "remedies"}
+NOTED = {"odometry": "odometry: exact", "family": "family: hall", "remedies": "remedies: no_filter"}
 
 
 def run(options, settings):

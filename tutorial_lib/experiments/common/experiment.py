@@ -12,7 +12,7 @@ from tutorial_lib.experiments.common.report import Options, Report, Rows
 
 STANDARD = "standard"
 """The palette unless another one is given."""
-OPTIONAL = ("map", "palette", "family", "agent", "odometry")
+OPTIONAL = ("map", "palette", "family", "agent", "odometry", "remedies")
 """Options that only some experiments take."""
 
 
@@ -62,6 +62,7 @@ class Experiment:
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         rows, notes = self.run(replace(options, worlds=worlds), settings)
         changed = {"odometry": "" if options.drifts else options.odometry, "family": options.family}
+        changed |= {"remedies": options.remedies}
         notes = [*notes, *(f"{name}: {value}" for name, value in changed.items() if value)]
         took = time.perf_counter() - begun
         return Report(
@@ -86,6 +87,7 @@ class Experiment:
             "family": bool(options.family),
             "agent": bool(options.agent),
             "odometry": not options.drifts,
+            "remedies": bool(options.remedies),
         }
         for name, is_given in given.items():
             if is_given and name not in self.accepts:

@@ -28,6 +28,7 @@ class Options:
         family: of generated worlds; the experiment's own, by seed, unless given.
         agent: FILE.py:CLASS of an agent, or of a component of one, to compare with the others.
         odometry: one of `ODOMETRY`.
+        remedies: for places that look alike, see `agents.remedies`; the experiment's own if empty.
     """
 
     worlds: tuple[int, ...] = ()
@@ -39,6 +40,7 @@ class Options:
     family: str = ""
     agent: str = ""
     odometry: str = DRIFTING
+    remedies: str = ""
 
     @property
     def drifts(self) -> bool:

@@ -86,6 +86,8 @@ def run_world(
         "sptm": agents.sptm(),
         "random": agents.random_agent(np.random.default_rng(seeds)),
     }
+    if options.remedies:
+        entries["meng"] = agents.remedied(options.remedies)
     found = {name: attempt(building, trials, agent) for name, agent in entries.items()}
     found["oracle"] = Result(
         navigate(

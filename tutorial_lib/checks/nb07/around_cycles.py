@@ -1,0 +1,184 @@
+"""The check of cycle detection, in notebook 07."""
+
+from __future__ import annotations
+
+import copy
+from collections import Counter
+from collections.abc import Callable, Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import parts, returned
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.explanation import explained
+
+Graph = dict[int, dict[int, float]]
+"""RE of the edge from v to w: graph[v][w]."""
+
+
+def around_cycles(
+    graph: Graph, visited: Sequence[int], cycle: int, bias: float
+) -> tuple[bool, Graph]:
+    """Whether a robot goes round in circles, and a graph that leads it elsewhere; see there."""
+    return _around(graph, visited, cycle, bias)
+
+
+def _around(
+    graph: Graph, visited: Sequence[int], cycle: int, bias: float, fault: str = ""
+) -> tuple[bool, Graph]:
+    """The rule, with a `fault` if one is named."""
+    came = visited if fault == "steps" else [vertex for vertex, _ in groupby(visited)]
+    if fault == "set":
+        came = list(dict.fromkeys(visited))
+    visits = Counter(came)
+    most = max(visits.values(), default=0)
+    limit = cycle + (fault == "more than") - (fault == "one too few")
+    found = {"any": len(came) >= cycle, "last": bool(came) and visits[came[-1]] >= cycle}.get(
+        fault, most >= limit
+    )
+    if fault == "only in a cycle" and not found:
+        return found, copy.deepcopy(graph)
+
+    def factor(v: int, w: int) -> float:
+        n = visits[v if fault == "leaving" else w]
+        more = {"each visit": n, "once": min(max(n - 1, 0), 1)}.get(fault, max(n - 1, 0))
+        if fault == "from the limit":
+            more = max(n - cycle + 1, 0)
+        if fault == "times":
+            return 1.0 if n < 2 else bias / n
+        return bias**more
+
+    biased = {v: {w: p * factor(v, w) for w, p in out.items()} for v, out in graph.items()}
+    if fault == "removes":
+        biased = {v: {w: graph[v][w] for w in out if visits[w] < 2} for v, out in graph.items()}
+    if fault == "subtracts":
+        biased = {
+            v: {w: p - bias * max(visits[w] - 1, 0) for w, p in out.items()}
+            for v, out in graph.items()
+        }
+    if fault == "same":
+        biased = copy.deepcopy(graph)
+    return found, biased
+
+
+_FAULTS = {
+    "a visit is a coming: the same vertex several times in a row is one visit": "steps",
+    "a vertex may be visited several times, with others in between; yours counts each once": "set",
+    "`cycle` visits are a cycle already: >=, not >": "more than",
+    "`cycle` visits are a cycle, not one less": "one too few",
+    "it is the visits of one vertex that make a cycle, not all visits together": "any",
+    "any vertex that was visited often makes a cycle, not only the last one": "last",
+    "edges are biased from the second visit on, whether or not it is a cycle yet": (
+        "only in a cycle"
+    ),
+    "the edges to a vertex that was visited are biased, not those that leave it": "leaving",
+    "the first visit is free: bias ** (n - 1) for n visits": "each visit",
+    "each visit but the first counts: bias ** (n - 1); yours biases once": "once",
+    "the bias begins with the second visit, not with the one that makes a cycle": "from the limit",
+    "multiply by bias for each further visit: bias ** (n - 1), not bias / n": "times",
+    "edges to vertices that were visited stay, with less probability; there may be no other way": (
+        "removes"
+    ),
+    "multiply RE by the bias; a difference may be negative": "subtracts",
+    "the graph that you return has the same RE as before; bias the edges to visited vertices": (
+        "same"
+    ),
+}
+_SMALL: Graph = {
+    0: {1: 0.99, 2: 0.9},
+    1: {2: 0.98, 3: 0.97},
+    2: {0: 0.99, 3: 0.95},
+    3: {4: 0.9, 1: 0.96},
+    4: {},
+}
+_CASES: dict[str, tuple[Graph, list[int], int, float]] = {
+    "round and round": (_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5),
+    "straight on": (_SMALL, [0, 1, 3, 4], 3, 0.5),
+    "several steps at each vertex": (_SMALL, [0, 0, 0, 1, 1, 3, 3, 3], 3, 0.5),
+    "twice at one vertex": (_SMALL, [0, 1, 2, 0], 3, 0.5),
+    "a cycle that it has left": (_SMALL, [1, 2, 1, 2, 1, 3, 4], 3, 0.8),
+    "no visit yet": (_SMALL, [], 3, 0.5),
+    "twice is a cycle": (_SMALL, [2, 3, 2], 2, 0.9),
+    "one vertex for long, then others": (_SMALL, [4, 4, 4, 4, 3, 1], 4, 0.5),
+    "four times": (_SMALL, [0, 1, 0, 1, 0, 2, 0], 4, 0.7),
+    "an empty map": ({}, [], 3, 0.5),
+}
+
+
+@check(around_cycles, (_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5))
+def check_around_cycles(student: Callable[..., Any]) -> None:
+    """Cycles, straight ways, and long stays at a vertex."""
+    compare(
+        "around_cycles",
+        student,
+        _CASES,
+        around_cycles,
+        with_faults(_around, _FAULTS),
+        invoke=_invoke,
+        form=_formed,
+        same=_same,
+        difference=_why,
+    )
+
+
+def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa: ANN401
+    given = copy.deepcopy(case)
+    try:
+        got = student(*given)
+    except (WrongAnswer, NotImplementedError):
+        raise
+    except Exception as error:
+        hints = {
+            KeyError: "a dictionary has no such key; a Counter returns 0 for what it has not seen",
+            ValueError: "max() of nothing needs default=0: there may be no visit yet",
+        }
+        raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
+    if given != case:
+        words = "the map is needed again; make a new one, with new inner dictionaries"
+        raise WrongAnswer(f"{what}: your function changes its arguments; {words}")
+    return returned(what, got)
+
+
+def _formed(what: str, got: object, graph: Graph, *_: object) -> tuple[bool, Graph]:
+    found, biased = parts(what, got, 2, "return whether it is a cycle, and the biased graph")
+    if not isinstance(found, bool | np.bool_):
+        raise WrongAnswer(f"{what}: {found!r} came back; return True in a cycle, False otherwise")
+    if not isinstance(biased, dict) or not all(isinstance(out, dict) for out in biased.values()):
+        raise WrongAnswer(f"{what}: return the graph as a dictionary of dictionaries")
+    if biased.keys() != graph.keys():
+        raise WrongAnswer(f"{what}: the graph that came back has other vertices; keep all of them")
+    return bool(found), biased
+
+
+def _same(got: tuple[bool, Graph], want: tuple[bool, Graph], *_: object) -> bool:
+    return got[0] == want[0] and _difference(got[1], want[1]) is None
+
+
+def _difference(mine: Graph, right: Graph) -> tuple[int, int] | None:
+    """The first edge that differs."""
+    for v, out in right.items():
+        for w in {**out, **mine[v]}:
+            one, other = mine[v].get(w), out.get(w)
+            if one is None or other is None or not np.isclose(one, other, rtol=0, atol=1e-9):
+                return v, w
+    return None
+
+
+def _why(
+    got: tuple[bool, Graph],
+    want: tuple[bool, Graph],
+    graph: Graph,
+    visited: list[int],
+    cycle: int,
+    *_: object,
+) -> str:
+    """What is wrong."""
+    if got[0] != want[0]:
+        words = "it is a cycle" if want[0] else "it is no cycle"
+        return f"after {visited} with cycle = {cycle} {words}; yours says {got[0]}"
+    v, w = _difference(got[1], want[1]) or (0, 0)
+    mine, right = got[1][v].get(w), want[1][v].get(w)
+    return f"after {visited} the edge from {v} to {w} has {right}, yours {mine}"

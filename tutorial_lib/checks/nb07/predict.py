@@ -1,0 +1,120 @@
+"""The check of the filter's prediction, in notebook 07."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import calling, numbers
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.checks.nb07.small_models import random_beliefs, random_model
+from tutorial_lib.geometry import Array
+
+
+def predict(belief: Array, motion: Array, lengths: Array, onward: Array) -> Array:
+    """The prior (N, V + 1) after N robots have moved by `motion` (N,); see the exercise."""
+    return _predicted(belief, motion, lengths, onward)
+
+
+def _predicted(
+    belief: Array, motion: Array, lengths: Array, onward: Array, fault: str = ""
+) -> Array:
+    """The prediction, with a `fault` if one is named."""
+    ratio = motion[:, None] / (lengths.mean() if fault == "same length" else lengths)
+    if fault == "first robot":
+        ratio = np.tile(ratio[:1], (len(belief), 1))
+    if fault == "times":
+        ratio = motion[:, None] * lengths
+    leave = 1.0 - np.exp(-ratio)
+    leave = {
+        "linear": np.minimum(ratio, 1.0),
+        "unclipped": ratio,
+        "stays": np.exp(-ratio),
+        "all": np.ones_like(ratio),
+    }.get(fault, leave)
+    ways = onward.T if fault == "transposed" else onward
+    arrives = (belief * leave) @ ways
+    if fault == "leave after":
+        arrives = (belief @ ways) * leave
+    if fault == "all arrives":
+        arrives = belief @ ways
+    return {
+        "lost": arrives,
+        "kept twice": belief + arrives,
+        "nothing arrives": belief * (1.0 - leave),
+    }.get(fault, belief * (1.0 - leave) + arrives)
+
+
+_FAULTS = {
+    "the share that leaves is 1 - exp(-motion / length), not motion / length": "linear",
+    "the share that leaves is 1 - exp(-motion / length); motion / length may be more than 1": (
+        "unclipped"
+    ),
+    "exp(-motion / length) is the share that stays; 1 minus that leaves": "stays",
+    "only a share of the belief leaves each vertex; in yours all of it does": "all",
+    "the lengths differ: divide by that of each vertex, not by their mean": "same length",
+    "motion / length, not motion times length: a long edge is left later": "times",
+    "each robot has moved on its own; yours moves all as the first one": "first robot",
+    "row v of onward tells where v leads: (belief * leave) @ onward, not its transpose": (
+        "transposed"
+    ),
+    "what leaves is that of the vertex it comes from: belief * leave first, then @ onward": (
+        "leave after"
+    ),
+    "only what leaves arrives elsewhere, not the whole belief": "all arrives",
+    "what does not leave stays: add belief * (1 - leave)": "lost",
+    "what leaves a vertex is no longer there: take it away": "kept twice",
+    "what leaves must arrive somewhere: (belief * leave) @ onward is missing": "nothing arrives",
+}
+
+
+def _case(robots: int, vertices: int, seed: int, most: float) -> tuple[Array, ...]:
+    rng = np.random.default_rng(seed)
+    motion = rng.uniform(0.0, most, robots)
+    return random_beliefs(robots, vertices, seed), motion, *random_model(vertices, seed)
+
+
+_CASES = {
+    "one robot that moved half a metre": (
+        np.array([[1.0, 0.0, 0.0]]),
+        np.array([0.5]),
+        np.array([1.0, 2.0, 1.0]),
+        np.eye(3)[[1, 2, 0]],
+    ),
+    "three robots, each with its own motion": _case(3, 4, 1, 1.0),
+    "robots that moved far": _case(3, 5, 2, 9.0),
+    "a robot that did not move": (random_beliefs(1, 4, 3), np.zeros(1), *random_model(4, 3)),
+    "one vertex": _case(2, 1, 4, 2.0),
+    "many vertices": _case(4, 12, 5, 1.0),
+}
+
+
+@check(predict, _case(4, 60, 6, 1.0), calls=300)
+def check_predict(student: Callable[..., Any]) -> None:
+    """One robot and several, near and far, and one that stands still."""
+    shapes = "motion[:, None] / lengths has the shape (N, V + 1) of belief"
+    compare(
+        "predict",
+        student,
+        _CASES,
+        predict,
+        with_faults(_predicted, _FAULTS),
+        invoke=calling({ValueError: shapes, IndexError: shapes}),
+        form=lambda what, got, belief, *_: numbers(what, got, belief.shape),
+        same=partial(close, tolerance=1e-9),
+        difference=_why,
+    )
+
+
+def _why(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
+    """Where a prior is wrong."""
+    sums = got.sum(axis=1)
+    row = int(np.abs(got - want).max(axis=1).argmax())
+    if not np.isclose(sums[row], 1.0, atol=1e-9):
+        return f"the prior of robot {row} sums to {sums[row]:.3f}, not to 1"
+    place = int(np.abs(got - want)[row].argmax())
+    return f"robot {row}, state {place}: {got[row, place]:.4f}, but {want[row, place]:.4f} is right"

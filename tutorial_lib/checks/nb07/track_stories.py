@@ -1,0 +1,115 @@
+"""Drives with what is seen on them, for the check of the filter's loop in notebook 07."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.nb07.small_models import random_model, row_of
+from tutorial_lib.geometry import Array
+from tutorial_lib.topology.localization import FilterSettings
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """A drive.
+
+    Attributes:
+        odometry: (T, 3).
+        likelihoods: (T, V) of what is seen.
+        lengths: (V + 1,) of the motion model.
+        onward: (V + 1, V + 1) of the motion model.
+        rules: of the filter.
+    """
+
+    odometry: Array
+    likelihoods: Array
+    lengths: Array
+    onward: Array
+    rules: FilterSettings
+
+
+class Drive:
+    """A story that is looked at.
+
+    Attributes:
+        log: the steps at which somebody looked.
+    """
+
+    def __init__(self, story: Story) -> None:
+        """Nobody has looked yet."""
+        self._story, self.log = story, list[int]()
+
+    def look(self, step: int) -> Array:
+        """The likelihoods (V,) at a step."""
+        if isinstance(step, bool) or not isinstance(step, int | np.integer):
+            raise WrongAnswer(f"look got {step!r}; give it the number of the step")
+        if not 0 <= step < len(self._story.likelihoods):
+            raise WrongAnswer(
+                f"look got {step}; the steps are 0 to {len(self._story.odometry) - 1}"
+            )
+        if self.log and step <= self.log[-1]:
+            raise WrongAnswer(
+                f"look got {step} after {self.log[-1]}; look once at a step, in order"
+            )
+        self.log.append(int(step))
+        return self._story.likelihoods[step].copy()
+
+
+_RULES = FilterSettings(stride=0.3, interval=6)
+
+
+def _along(
+    places: Sequence[float],
+    gone: Sequence[float] | None = None,
+    vertices: int = 6,
+    twins: dict[int, int] | None = None,
+    rules: FilterSettings = _RULES,
+) -> Story:
+    """A drive along vertices a metre apart; a place below -1 shows what no vertex does."""
+    x = np.asarray(places, dtype=float)
+    wheels = x - x[0] if gone is None else np.asarray(gone, dtype=float)
+    at = np.array([(twins or {}).get(v, v) for v in range(vertices)], dtype=float)
+    seen = np.exp(-np.abs(x[:, None] - at)) * (x[:, None] >= -1)
+    odometry = np.column_stack([wheels, 0 * wheels, 0 * wheels])
+    return Story(odometry, seen, *row_of(vertices), rules)
+
+
+def _random(seed: int) -> Story:
+    """Motions and likelihoods at random; the robot often stands still."""
+    rng = np.random.default_rng([seed, 11])
+    steps, vertices = int(rng.integers(14, 22)), int(rng.integers(2, 5))
+    motion = rng.choice([0.0, 0.05, 0.12, 0.5], (steps, 1)) * rng.normal(size=(steps, 3))
+    likelihoods = rng.uniform(0.0, 1.0, (steps, vertices)) ** 2
+    rules = FilterSettings(
+        stride=float(rng.choice([0.2, 0.4])),
+        interval=int(rng.integers(3, 8)),
+        unknown=float(rng.choice([0.2, 0.5])),
+        least=float(rng.choice([0.02, 0.1])),
+        sharpness=float(rng.choice([1.0, 2.0])),
+        hysteresis=float(rng.choice([0.5, 0.9])),
+    )
+    return Story(np.cumsum(motion, axis=0), likelihoods, *random_model(vertices, seed), rules)
+
+
+_EXACT = FilterSettings(stride=0.25, interval=6)
+_ON = np.arange(0.0, 2.0, 0.1)
+_AWAY = np.full(12, -2.0)
+
+STORIES: dict[str, Story] = {
+    "along the row": _along(_ON),
+    "at standstill": _along(np.full(16, 2.0)),
+    "along the row, then still": _along([*_ON, *np.full(14, 1.9)]),
+    "the same stretch twice": _along(np.arange(1.0, 3.4, 0.1), twins={4: 1, 5: 2}),
+    "kidnapped from the row's end to its middle": _along(
+        [*np.arange(0.0, 1.2, 0.1), *np.arange(3.0, 4.6, 0.1)], np.arange(28) * 0.1
+    ),
+    "kidnapped to a place that is not on the map": _along(
+        [*np.arange(0.0, 1.2, 0.1), *_AWAY], np.arange(24) * 0.1
+    ),
+    "exactly a stride a step": _along(np.arange(0.0, 2.0, 0.25), rules=_EXACT),
+    **{f"at random ({seed})": _random(seed) for seed in range(4)},
+}

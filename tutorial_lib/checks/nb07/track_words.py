@@ -1,0 +1,44 @@
+"""What to say of known mistakes in the filter's loop, for the check of notebook 07."""
+
+from __future__ import annotations
+
+FAULTS = {
+    "standing still, the same evidence counts again and again in yours: update the prior of the "
+    "last motion, not the belief": "twice",
+    "each look begins with the prior; yours forgets all that was believed before": "no memory",
+    "predict from the belief after the last look, not from the prior before it": "from the prior",
+    "look at the first step, too: nothing is known yet": "no first look",
+    "looking costs time: look after a stride or after rules.interval steps, not at each": (
+        "always looks"
+    ),
+    "a robot that has not moved looks all the same after rules.interval steps": "never waits",
+    "wait rules.interval steps from one look to the next, not one more": "late",
+    "after a look the steps of waiting are counted from 0": "always due",
+    "predict once the robot has moved a stride since the last prediction, not at each step": (
+        "each step"
+    ),
+    "measure the motion from the pose of the last prediction, not from the step before": (
+        "step by step"
+    ),
+    "measure the motion from the pose of the last prediction; yours measures it from the start": (
+        "from the start"
+    ),
+    "a motion of just a stride is enough: >=": "greater",
+    "predict with the motion that was measured, not with the stride": "stride",
+    "a picture may always deceive: no likelihood below rules.least": "no least",
+    "off the map any view has the likelihood rules.unknown; append it": "no unknown",
+    "all likelihoods to the power of rules.sharpness, that of being off the map as well": (
+        "unknown as it is"
+    ),
+    "the likelihoods to the power of rules.sharpness": "no power",
+    "return the beliefs, after the look, not the priors": "prior",
+    "off the map is the last state; the robot may be there: vertex -1": "never lost",
+    "off the map the vertex is -1, not the number of the last state": "last number",
+    "the robot stays at its vertex while that has rules.hysteresis times the best belief": (
+        "no hysteresis"
+    ),
+    "the robot leaves its vertex once another one is clearly more probable": "for ever",
+    "compare the old vertex's belief with the best one's times rules.hysteresis, not with "
+    "rules.hysteresis itself": "half",
+}
+"""For each mistake, what to say and the name of the fault."""

@@ -1,0 +1,106 @@
+"""The check of the filter's update, in notebook 07."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import calling, numbers
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
+from tutorial_lib.checks.nb07.small_models import random_beliefs
+from tutorial_lib.geometry import Array
+
+
+def update(prior: Array, likelihood: Array) -> Array:
+    """The belief (N, V + 1) after a look (Bayes' rule); see the exercise."""
+    return _updated(prior, likelihood)
+
+
+def _updated(prior: Array, likelihood: Array, fault: str = "") -> Array:
+    """The update, with a `fault` if one is named."""
+    weights = np.array(prior * likelihood, dtype=float)
+    if fault == "sum":
+        weights = prior + likelihood
+    if fault == "likelihood":
+        weights = np.array(likelihood, dtype=float)
+    if fault == "squared":
+        weights = prior**2 * likelihood
+    if fault == "unnormalized":
+        return weights
+    nowhere = weights.sum(axis=1) <= 0
+    if fault == "uniform":
+        weights[nowhere] = 1.0
+    elif fault == "prior kept":
+        weights[nowhere] = prior[nowhere]
+    elif fault == "first vertex":
+        weights[nowhere, 0] = 1.0
+    elif fault == "zeros":
+        weights[nowhere] = 0.0
+        return weights / np.where(nowhere, 1.0, weights.sum(axis=1))[:, None]
+    elif fault != "divides":
+        weights[nowhere, -1] = 1.0
+    with np.errstate(all="ignore"):
+        if fault == "all robots":
+            return weights / weights.sum()
+        if fault == "columns":
+            return weights / weights.sum(axis=0)
+        if fault == "greatest":
+            return weights / weights.max(axis=1, keepdims=True)
+        return weights / weights.sum(axis=1, keepdims=True)
+
+
+_FAULTS = {
+    "multiply the prior by the likelihood; yours adds them": "sum",
+    "the prior counts as well: multiply it by the likelihood": "likelihood",
+    "the prior counts once; yours counts it twice": "squared",
+    "the products must sum to one again: divide each row by its sum": "unnormalized",
+    "each robot's row sums to one by itself; yours divides by the sum of all robots": "all robots",
+    "divide each row by its own sum, axis=1; yours divides the columns": "columns",
+    "divide by the sum of the row, not by its greatest entry": "greatest",
+    "where nothing is possible the row of products is all 0: the robot is off the map, its last "
+    "state gets 1; yours spreads it evenly": "uniform",
+    "where nothing is possible the robot is off the map; yours keeps the prior": "prior kept",
+    "off the map is the last state, column -1, not the first": "first vertex",
+    "where nothing is possible the robot is off the map; yours returns zeros": "zeros",
+    "where nothing is possible yours divides by 0; set the last state to 1 before": "divides",
+}
+
+
+def _case(robots: int, vertices: int, seed: int, share: float = 0.0) -> tuple[Array, Array]:
+    rng = np.random.default_rng([seed, 5])
+    likelihood = rng.uniform(0.05, 0.95, (robots, vertices + 1))
+    return random_beliefs(robots, vertices, seed), likelihood * (rng.random((robots, 1)) >= share)
+
+
+_CASES = {
+    "one robot, two vertices": (np.array([[0.5, 0.5, 0.0]]), np.array([[0.9, 0.1, 0.2]])),
+    "three robots": _case(3, 4, 1),
+    "a flat likelihood": (random_beliefs(2, 4, 2), np.full((2, 5), 0.3)),
+    "a robot for which nothing is possible": (
+        np.array([[0.6, 0.4, 0.0], [0.2, 0.2, 0.6]]),
+        np.array([[0.0, 0.0, 0.5], [0.5, 0.1, 0.1]]),
+    ),
+    "many vertices": _case(4, 12, 3),
+    "several for which nothing is possible": _case(6, 4, 4, 0.5),
+}
+
+
+@check(update, _case(4, 60, 6), calls=300)
+def check_update(student: Callable[..., Any]) -> None:
+    """One robot and several, a flat likelihood, and robots for which nothing is possible."""
+    words = "prior and likelihood have the same shape; keepdims=True keeps a sum's second axis"
+    compare(
+        "update",
+        student,
+        _CASES,
+        update,
+        with_faults(_updated, _FAULTS),
+        invoke=calling({ValueError: words}),
+        form=lambda what, got, prior, *_: numbers(what, got, prior.shape),
+        same=partial(close, tolerance=1e-9),
+        difference=farthest,
+    )

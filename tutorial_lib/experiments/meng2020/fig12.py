@@ -1,0 +1,176 @@
+"""Fig. 12 of Meng 2020: starts that look alike, and what each remedy does for them.
+
+Robots start in rooms that have an exact twin in the same office, and look for a room that has none.
+All remedies run the same trials; those that match sequences share a map, and so do the others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.agents.remedies import REMEDIES, Remedies
+from tutorial_lib.agents.remedy_agent import RemedyAgent
+from tutorial_lib.agents.remedy_navigation import ENDLESS
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.meng2020 import fig12_localization
+from tutorial_lib.experiments.protocols.lookalikes import (
+    TWINS,
+    UNIQUE,
+    draw_ambiguous_trials,
+    make_office,
+)
+from tutorial_lib.experiments.protocols.navigation import (
+    ENDINGS,
+    WORMHOLE,
+    K,
+    Outcome,
+    edge_lengths,
+    experiences,
+    goals_of,
+    navigate,
+)
+from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.parallel import for_each
+
+OFFICES = tuple(range(20_000, 20_010))
+"""Test worlds."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of Fig. 12.
+
+    Attributes:
+        trials: in each office.
+        remedies: rows of the table, unless `--remedies` names one.
+        twins: places of an office in rooms that have a twin.
+        unique: places in rooms that have none.
+    """
+
+    trials: int = 50
+    remedies: tuple[str, ...] = REMEDIES
+    twins: int = TWINS
+    unique: int = UNIQUE
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """How the trials of one office ended with some remedies.
+
+    Attributes:
+        outcome: of the trials.
+        lost: (N,) which robots said that they were lost.
+        circled: (N,) which robots came to some vertex more than `ENDLESS` times.
+        vertices: of the map.
+        edges: of the map.
+        wormholes: edges longer than `WORMHOLE`.
+    """
+
+    outcome: Outcome
+    lost: NDArray[np.bool_]
+    circled: NDArray[np.bool_]
+    vertices: int
+    edges: int
+    wormholes: int
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Run the same trials with each choice of remedies, in every office."""
+    names = (options.remedies,) if options.remedies else settings.remedies
+    parts = for_each(run_world, options.worlds, options, settings, names, label="meng_fig12")
+    world = np.repeat(np.arange(len(parts)), [len(part[names[0]].lost) for part in parts])
+    return [_row(name, [part[name] for part in parts], world) for name in names], _notes(
+        parts, names, world
+    )
+
+
+def run_world(
+    world: int, options: Options, settings: Settings, names: tuple[str, ...]
+) -> dict[str, Attempt]:
+    """All choices of remedies in one office."""
+    office = make_office(
+        world, options.seed, settings.twins, settings.unique, drifts=options.drifts
+    )
+    building = office.building
+    rng = np.random.default_rng([options.seed, world, 8])
+    trials = draw_ambiguous_trials(office, settings.trials, rng)
+    goals = goals_of(trials, VIEWS["camera16"], K)
+    learned, found = dict[bool, RemedyAgent](), {}
+    for name in names:
+        remedies = Remedies.named(name)
+        if remedies.sequence not in learned:
+            learned[remedies.sequence] = agents.remedied(name)
+            learned[remedies.sequence].learn(list(experiences(building)))
+        agent = learned[remedies.sequence].with_remedies(remedies)
+        navigation = agent.start(goals)
+        outcome = navigate(building, trials, lambda _, started=navigation: started)
+        long = edge_lengths(building, agent.topomap) > WORMHOLE
+        found[name] = Attempt(
+            outcome,
+            navigation.lost,
+            navigation.visits.max(axis=1) > ENDLESS,
+            len(agent.topomap),
+            len(long),
+            int(long.sum()),
+        )
+    return found
+
+
+def _row(name: str, parts: list[Attempt], world: NDArray[np.intp]) -> dict[str, Any]:
+    success, low, high = over_worlds(_success(parts), world)
+    row: dict[str, Any] = {
+        "remedy": name,
+        "trials": len(world),
+        "success": success,
+        "low": low,
+        "high": high,
+    }
+    row |= {
+        what: sum(getattr(part, what) for part in parts)
+        for what in ("wormholes", "edges", "vertices")
+    }
+    columns = {
+        "wrong_place": [part.outcome.wrong for part in parts],
+        **{end: [part.outcome.ending == end for part in parts] for end in ENDINGS[1:]},
+        "lost": [part.lost for part in parts],
+        "circled": [part.circled for part in parts],
+    }
+    return row | {what: float(np.concatenate(values).mean()) for what, values in columns.items()}
+
+
+def _success(parts: list[Attempt]) -> NDArray[np.float64]:
+    return np.concatenate([part.outcome.success for part in parts]).astype(float)
+
+
+def _notes(
+    parts: list[Mapping[str, Attempt]], names: tuple[str, ...], world: NDArray[np.intp]
+) -> list[str]:
+    """What each remedy adds alone, and what is missing without it; paired differences."""
+    success = {name: _success([part[name] for part in parts]) for name in names}
+    notes = []
+    for name in names:
+        whole = "all" if name.startswith("no_") else "none"
+        if name != whole and whole in success:
+            found = difference(success[name], success[whole], world)
+            notes.append(f"{name} - {whole}: {in_points(found)}")
+    return notes
+
+
+EXPERIMENT = Experiment(
+    "meng_fig12",
+    run,
+    OFFICES,
+    OFFICES[:3],
+    Settings(),
+    quick_settings=Settings(trials=20, remedies=("none", "all")),
+    accepts=frozenset({"odometry", "remedies"}),
+    ablations={"localization": fig12_localization.EXPERIMENT},
+)
