@@ -19,7 +19,7 @@ from tutorial_lib.topology.view_sensor import ViewSensor
 
 _VIEWS, _APART = 4, 0.7  # views of a sequence, and metres from one to the next
 _NEAR = 2  # edges around a vertex within which a robot may be said to be there
-_LIKELY = 0.05  # least weight of a vertex that RE is queried about
+_LEAST = 0.3  # weight of a start that is hardly believed: better a path from there than none
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,16 +28,25 @@ class Weighted:
 
     Attributes:
         likely: (V,) from 0 to 1, relative to the most likely vertex.
+        p_query: RE above which a vertex can be driven to at all.
+        candidates: vertices that RE is queried about, those most alike.
     """
 
     likely: Array
+    p_query: float
+    candidates: int
 
     def localize(self, observations: Observation, topomap: TopoMap) -> Array:
         """(1, V) probabilities with which each vertex can be driven to."""
-        found, columns = np.zeros((1, len(topomap))), np.flatnonzero(self.likely > _LIKELY)
+        near = np.union1d(
+            topomap.nearby(observations, self.candidates)[0], topomap.alive[self.likely.argmax()]
+        )
+        columns = np.searchsorted(topomap.alive, near)
+        columns = columns[self.likely[columns] > 0]
         rows = np.zeros(len(columns), dtype=int)
         reach = topomap.vertices.into(observations, rows, topomap.alive[columns])
-        found[0, columns] = reach * self.likely[columns]
+        found = np.zeros((1, len(topomap)))
+        found[0, columns] = np.where(reach > self.p_query, reach, 0.0) * self.likely[columns]
         return found
 
 
@@ -82,7 +91,7 @@ class PlaceGuess:
             if self.off_map(robot) > 0.5:  # wherever RE finds it plausible
                 return np.ones(len(self._map))
             mass = self.filter.belief[robot, :OFF_MAP] @ self._near
-            return mass / mass.max()
+            return np.maximum(mass / mass.max(), _LEAST)
         seen = self._sensor(observation)
         if self._on.sequence:
             views = np.maximum([*self._views[robot], seen[0]], 1e-3)

@@ -76,6 +76,15 @@ class RemedyNavigation(MapNavigation):
 
     # Localization and planning.
 
+    def _plan(self, observation: Observation, robot: int) -> None:
+        """Plan and start, or search; with the filter, a refusal is not the end.
+
+        From elsewhere the robot may know better where it is.
+        """
+        super()._plan(observation, robot)
+        if self._on.filter and self.given_up[robot]:
+            self.given_up[robot], self.plans[robot] = False, None
+
     def _path(self, observation: Observation, robot: int) -> Plan:
         """The plan that is ready, or a new one from where the robot may be."""
         if robot in self._ready:
@@ -84,7 +93,10 @@ class RemedyNavigation(MapNavigation):
         if self._on.cycles:
             topomap = self._biased(robot)
             likely = likely * self._worth(robot)[topomap.alive]
-        planner = replace(self._tools.planner, localizer=Weighted(likely))
+        planner = self._tools.planner
+        # The threshold is on RE; what an unlikely start is worth may be less.
+        localizer = Weighted(likely, planner.p_query, planner.candidates)
+        planner = replace(planner, localizer=localizer, p_query=0.0)
         return planner.plan(observation, self._goals[robot], topomap, self._excluded[robot])
 
     def _lose(self, robot: int) -> None:

@@ -3,8 +3,14 @@
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide
+from tutorial_lib.experiments.protocols.lookalikes import (
+    Office,
+    draw_ambiguous_trials,
+    make_office,
+)
 from tutorial_lib.experiments.protocols.navigation import (
     WORMHOLE,
+    edge_lengths,
     experiences,
     goals_of,
     navigate,
@@ -24,14 +30,18 @@ __all__ = [
     "WORMHOLE",
     "Building",
     "Guide",
+    "Office",
     "Trials",
     "agents",
+    "draw_ambiguous_trials",
     "draw_trials",
+    "edge_lengths",
     "experiences",
     "facing",
     "goals_of",
     "load_result",
     "make_building",
+    "make_office",
     "navigate",
     "spread_places",
     "vertex_poses",

@@ -1,0 +1,764 @@
+# %% [markdown]
+# # 07 · When places look alike
+#
+# **100 minutes.** You need notebooks 05 and 06: maps whose edges carry $\mathcal{RE}$, and a navigator that plans over them.
+#
+# After this notebook you can
+#
+# - say what [[perceptual aliasing]] does to a map and to a robot, and why no better network cures it;
+# - write a discrete Bayes filter over the vertices of a map: predict, update, and the loop around them;
+# - match sequences of views, where one view is not enough;
+# - tell when a robot goes round in circles, and lead it elsewhere;
+# - say which remedy helps against which failure, and measure it.
+#
+# There are five exercises with hints behind folds, one of them large. When your function passes its check, **the cells below use it**; until then they use the library's. Cells that only draw are folded; unfold one to see its code.
+#
+# We follow X. Meng, N. Ratliff, Y. Xiang and D. Fox, [*Scaling Local Control to Large-Scale Topological Navigation*](https://arxiv.org/abs/1909.12329) (ICRA 2020), from here on "the paper", sections III-G and IV-C; and for the filter S. Thrun, W. Burgard and D. Fox, [*Probabilistic Robotics*](https://mitpress.mit.edu/9780262201629/probabilistic-robotics/) (2005), chapters 2 and 4.
+
+# %%
+from collections import Counter
+
+import numpy as np
+
+from tutorial_lib.checks.nb07 import (
+    check_around_cycles,
+    check_match_sequence,
+    check_predict,
+    check_track,
+    check_update,
+    distance,
+)
+from tutorial_lib.learning import use_threads
+from tutorial_lib.topology import FilterSettings
+from tutorial_lib.viz import show, sliders, table
+
+use_threads(1)  # the networks are small: a second thread would mostly wait
+
+# %% hidden=true
+# Imports for the office, the maps and the figures
+from dataclasses import replace
+from itertools import pairwise
+
+from IPython.display import display
+from tqdm.auto import tqdm
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments import (
+    WORMHOLE,
+    agents,
+    draw_ambiguous_trials,
+    edge_lengths,
+    experiences,
+    goals_of,
+    load_result,
+    make_office,
+    vertex_poses,
+)
+from tutorial_lib.experiments import navigate as run_agent
+from tutorial_lib.geometry import compose, relative
+from tutorial_lib.topology import (
+    MapSettings,
+    TopoMap,
+    ViewSensor,
+    add_trajectory,
+    anchors_of,
+    motion_model,
+)
+from tutorial_lib.viz import (
+    PlanView,
+    camera_picture,
+    chart,
+    colours,
+    draw_edges,
+    draw_plan,
+    draw_topomap,
+    film_strip,
+    from_figure,
+    side_by_side,
+    write_beside,
+)
+from tutorial_lib.world import BicycleCar, Camera
+
+# %% [markdown]
+# ## 1 · Twins
+#
+# Here is an office whose rooms were drawn once and copied: the same walls, the same furniture, the same door at the same place. Some rooms at the ends are different. The car knows six places: four in rooms that have a twin, two in rooms that have none. (About 10 s.)
+
+# %% hidden=true
+# An office with look-alike rooms, its places, and what a car sees in two of them
+OFFICE = 10_002
+office = make_office(OFFICE, 0, twins=4, unique=2)
+building, car, people_camera = office.building, BicycleCar(), Camera(rows=64)
+view = PlanView(building.scene, 560, 400)
+
+
+def with_places(picture):
+    """The places on the plan: numbers, green where the room has no twin."""
+    for number, place in enumerate(building.places):
+        tone = colours.LASER if office.twin[number] else colours.GOAL
+        view.points(picture, place, tone, 5)
+        write_beside(view, picture, str(number), [*place, 0.0], 14)
+    return picture
+
+
+def twin_places():
+    """Two places in rooms of the same group, and the pose of the first one's view in the other."""
+    kinds = office.group[office.rooms]
+    first = next(i for i in range(len(kinds)) if (kinds == kinds[i]).sum() > 1)
+    second = next(i for i in range(first + 1, len(kinds)) if kinds[i] == kinds[first])
+    return first, second
+
+
+def room_frame(number):
+    """The frame of the room of a place: its first corner, looking along the first wall."""
+    corners = np.asarray(building.scene.plan.rooms[office.rooms[number]].outline)
+    ahead = corners[1] - corners[0]
+    return np.array([*corners[0], np.arctan2(ahead[1], ahead[0])])
+
+
+first, second = twin_places()
+start = next(
+    building.recorded.poses[f]
+    for f, pair in zip(building.recorded.first_frames, building.pairs, strict=True)
+    if pair[0] == first
+)
+there = compose(room_frame(second), relative(room_frame(first), start))
+other = int(np.flatnonzero(~office.twin)[0])
+elsewhere = next(
+    building.recorded.poses[f]
+    for f, pair in zip(building.recorded.first_frames, building.pairs, strict=True)
+    if pair[0] == other
+)
+poses = np.array([start, there, elsewhere])
+images, _ = people_camera.look(building.scene, poses)
+titles = [
+    f"in the room of {first}",
+    f"the same spot in that of {second}",
+    f"in the room of {other}",
+]
+display(show(with_places(view.base.copy())))
+show(side_by_side([camera_picture(image, 300) for image in images], titles))
+
+# %% [markdown]
+# Orange places are in rooms with a twin, green ones in rooms without. No network can tell the first two pictures apart, since they *are* the same picture. This is **[[perceptual aliasing]]**.
+#
+# **Predict:** $\mathcal{RE}$ is "the probability that the controller reaches the target". What will it say of the picture of room 2 seen from room 1? Is it *wrong* to say so?
+
+# %% hidden=true
+# RE between the three pictures
+agent = agents.remedied("all")
+net, lens, k = agent.reachability, agent.predictor.view, agent.predictor.k
+looks = building.recorded.observe(building.recorded.first_frames[:3])
+seen = replace(looks, image=lens.camera.look(building.scene, poses)[0])
+contexts = np.repeat(lens.render(building.scene, poses)[:, None], 2 * k + 1, axis=1)
+prepared = net.prepare(contexts)
+rows, columns = np.divmod(np.arange(9), 3)
+reach = net.probability(seen[rows], prepared[columns]).reshape(3, 3)
+head = {"RE": "", **dict.fromkeys(titles, ".2f")}
+table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, strict=True)])
+
+# %% [markdown]
+# <details><summary>Answer</summary>
+# From the first room it says of the twin's picture exactly what it says of its own. That is the best that can be said from these two pictures: among all the pairs that look like this, most are in one room. A better network would say the same. What is missing is not in the picture. It is in <i>how the robot came here</i>.
+# </details>
+#
+# ## 2 · One wrong edge ruins a map
+#
+# Notebook 05 joined anchors where $\mathcal{RE}$ was above 0.99, and reused a vertex where it could replace an anchor. With twins both go wrong: an edge leads from one room into its twin, and two places become *one vertex*. Such an edge is a [[wormhole]]: on the map it is a step, in the building a long way.
+#
+# The paper's answer (III-G): "match a sequence of anchors instead of one". Two places that only look alike have neighbours that do not, sooner or later.
+#
+# **Predict:** below, the same thirty trajectories make two maps, one from single views, one from sequences of four anchors on either side. Which map has more vertices? More edges? Which one has the shorter plans? (About 10 s.)
+
+# %% hidden=true
+# Two maps of the same trajectories: of single views, and of sequences
+all_anchors = [
+    anchors_of(net, one.observations, lens.of(one.observations), k, 0.99, one.timestamps)
+    for one in tqdm(list(experiences(building)), "anchors", leave=False)
+]
+
+
+def map_of(reach):
+    """A map in which so many anchors on either side must match."""
+    settings = MapSettings(sequence=reach, reuse_sequence=reach)
+    topomap = TopoMap(net, settings)
+    for one in all_anchors:
+        add_trajectory(topomap, one)
+    return topomap
+
+
+maps = {"single views": map_of(0), "sequences": map_of(4)}
+rows, pictures = [], []
+for name, topomap in maps.items():
+    places, picture = vertex_poses(building, topomap), view.base.copy()
+    long = edge_lengths(building, topomap) > WORMHOLE
+    draw_topomap(view, picture, topomap, places)
+    holes = [edge for edge, far in zip(topomap.graph.edges, long, strict=True) if far]
+    draw_edges(view, picture, places, holes, colours.LASER, 2.0)
+    rows.append([name, len(topomap), len(long), len(holes), len(holes) / max(len(long), 1)])
+    pictures.append(picture)
+head = {"map of": "", "vertices": "d", "edges": "d", "longer than 5 m": "d", "share": ".0%"}
+display(table(head, rows))
+show(side_by_side(pictures, list(maps)))
+
+# %% [markdown]
+# <details><summary>What do you see?</summary>
+# Orange lines are edges longer than 5 m. The map of single views is small: twins were merged, and the building is <i>folded</i>. On it nearly everything is near everything, so all plans are short, probable, and wrong. The map of sequences has many more vertices. Some wormholes remain: where a trajectory begins in a twin, the sequence has nothing before it, and along equal stretches of a corridor the neighbours are twins as well.
+# </details>
+#
+# A planner *looks for* such edges: of all paths it takes the most probable one, and a wormhole is a shortcut that costs nothing. That is the optimizer's curse of notebook 06 again.
+#
+# ## 3 · A belief
+#
+# Now the robot. It stands in a room and looks. Three answers to "where am I?":
+#
+# - **argmax**: the vertex that looks most like this. (SPTM; one wrong guess, and all that follows is wrong.)
+# - **a sequence**: the vertices that the last few views fit, one after the other. (III-G.)
+# - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves the belief moves along the edges; when it looks, the vertices that look like this gain.
+#
+# A belief can say "in one of these four rooms", which is the truth. And it forgets nothing: what was seen at the corner counts as long as nothing contradicts it.
+#
+# ### Predict
+#
+# Let $b_v$ be the belief in state $v$: one of the vertices, or, as the last one, off the map. The wheels measure that the robot has moved by $d$ metres (turning counts as well). How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, it should be about the share $d/\ell_v$, but never more than all, and moving by $d$ twice must be the same as moving by $2d$. There is one function like that:
+#
+# $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
+#
+# $P(w\mid v)$, the row $v$ of the matrix `onward`, says where the edges of $v$ lead; a little of each row leads off the map, and from there anywhere. $\bar b$ is called the **[[prior]]**: what is believed before the next look. Odometry drifts; it does not matter much, since only the *last* motion is used, and the exponential is generous.
+#
+# **Predict:** what is the prior when $d = 0$? When $d$ is very large? Does the sum of the belief change?
+#
+# <details><summary>Answer</summary>
+# Nothing leaves: the prior is the belief. With a very large motion all of it leaves, but over one edge only; predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
+# </details>
+#
+# ### Exercise 1 · `predict` (medium, 10 minutes)
+#
+# For N robots at once: each row of `belief` is one robot, with V + 1 columns.
+#
+# <details><summary>Hint 1: concept</summary>Each robot has its own motion, each state its own length: the shares that leave are a table with a row for each robot and a column for each state.</details>
+# <details><summary>Hint 2: approach</summary>motion[:, None] / lengths is a table (N, V + 1). What leaves is belief * leave. What stays is the rest of the belief. What leaves is sent on by a product of matrices.</details>
+# <details><summary>Hint 3: one line</summary>If out is a table of what leaves each state, a row for each robot, then out @ onward is a table of what arrives at each.</details>
+
+
+# %% exercise="predict"
+def predict(belief, motion, lengths, onward):
+    """The prior: where robots may be after they have moved.
+
+    belief: array (N, V + 1), each row sums to 1. motion: array (N,), metres that
+    each robot has moved. lengths: array (V + 1,), metres of the edges of each
+    state. onward: array (V + 1, V + 1); row v holds the probabilities of where a
+    robot comes to that leaves state v, and sums to 1.
+    Returns an array (N, V + 1).
+    """
+    ### BEGIN SOLUTION
+    leave = 1 - np.exp(-motion[:, None] / lengths)
+    return belief * (1 - leave) + (belief * leave) @ onward
+    ### END SOLUTION
+
+
+# %%
+predict = check_predict.use(predict)
+
+# %% [markdown]
+# ### Update
+#
+# The robot looks. For each vertex there is a **[[likelihood]]**: how likely is this view, if the robot is there? We take the overlap of the two views as the waypoint network predicts it (notebook 02): nearly 1 at the vertex, a half from 1.5 m away, little elsewhere, *unless it looks alike*. ($\mathcal{RE}$ would be worse: it is high for all that lies ahead.) Off the map, any view is equally likely. Bayes' rule:
+#
+# $$ b_v \;\propto\; \bar b_v \cdot p(\text{view} \mid v), \qquad \sum_v b_v = 1 . $$
+#
+# **Predict:** a robot believes to be in one of two twins, half and half, and sees something that is as likely in both. What is the belief then? And if the likelihood is the same number for *all* states?
+#
+# <details><summary>Answer</summary>
+# Still half and half: the picture says nothing about which twin it is. A likelihood that is the same everywhere changes nothing at all; only its ratios count.
+# </details>
+#
+# ### Exercise 2 · `update` (easy, 8 minutes)
+#
+# It may happen that *no* state is possible: all products are 0. Then the robot is off the map, which is the last state.
+#
+# <details><summary>Hint 1: concept</summary>A product, and a division by its sum, for each row by itself.</details>
+# <details><summary>Hint 2: approach</summary>Where a row of products sums to 0, set its last entry to 1 before you divide; then no division by 0 is left.</details>
+# <details><summary>Hint 3: one line</summary>table[rows, -1] = 1 sets the last column of some rows, where rows is an array of True and False; table.sum(axis=1, keepdims=True) has a row for each robot, and can divide the table.</details>
+
+
+# %% exercise="update"
+def update(prior, likelihood):
+    """The belief after a look, by Bayes' rule.
+
+    prior: array (N, V + 1), each row sums to 1. likelihood: array (N, V + 1), not
+    negative: of what each robot sees, were it in each state.
+    Returns an array (N, V + 1), each row of which sums to 1; where nothing is
+    possible, all of it is in the last state.
+    """
+    ### BEGIN SOLUTION
+    weights = prior * likelihood
+    weights[weights.sum(axis=1) == 0, -1] = 1
+    return weights / weights.sum(axis=1, keepdims=True)
+    ### END SOLUTION
+
+
+# %%
+update = check_update.use(update)
+
+# %% [markdown]
+# ### A corridor by hand
+#
+# Eight vertices in a row, a metre apart; vertex 5 looks exactly like vertex 1, and 6 like 2, but 3 and 7 look different. A robot starts at vertex 1 and does not know it. Move the slider: each step is a motion of half a metre and a look.
+#
+# **Predict:** after how many steps will the robot know where it is?
+
+# %% hidden=true
+# The corridor of eight vertices: the belief step by step
+LOOKS_LIKE, STEPS = np.array([0, 1, 2, 3, 4, 1, 2, 7]), 8
+row_lengths, row_onward = np.ones(9), np.zeros((9, 9))
+for v in range(8):
+    row_onward[v, min(v + 1, 8)] = 0.95
+    row_onward[v, 8] = 0.05 if v < 7 else 1.0
+row_onward[8, :8] = 1 / 8
+row_beliefs, row_belief = [], np.full((1, 9), 1 / 9)
+for step in range(STEPS):
+    place = 1 + 0.5 * step
+    if step:
+        row_belief = predict(row_belief, np.array([0.5]), row_lengths, row_onward)
+    near = np.exp(-2.5 * np.abs(place - LOOKS_LIKE))
+    row_belief = update(row_belief, np.append(np.maximum(near, 0.02), 0.1)[None])
+    row_beliefs.append(row_belief[0])
+
+
+def corridor_belief(step):
+    """The belief at a step, as bars."""
+    figure, axes = chart(7.0, 2.6)
+    tones = [colours.unit(colours.ROBOT)] * 8 + [colours.unit(colours.FAINT)]
+    axes.bar(range(9), row_beliefs[step], color=tones)
+    axes.axvline(1 + 0.5 * step, color=colours.unit(colours.GOAL), linewidth=2)
+    axes.set_xticks(range(9), [*map(str, range(8)), "off"])
+    axes.set(ylim=(0, 1), ylabel="belief", xlabel="vertex; the green line is the robot")
+    return from_figure(figure), f"after {step} motions: at most {row_beliefs[step].max():.2f}"
+
+
+sliders(corridor_belief, {"step": "step"}, step=(0, STEPS - 1, 1, 2))
+
+# %% [markdown]
+# <details><summary>What do you see?</summary>
+# At first two equal bars, at 1 and at 5: the truth. They move on together, past 2 and 6, which are twins as well. Only at 3, which is not 7, one of them dies. The robot was never wrong on the way: it <i>did not know</i>, and said so.
+# </details>
+#
+# ## 4 · Sequences
+#
+# The filter sums over all ways in which the robot can have come here. Sequence matching (III-G) takes the last few views only, and of all ways the *best* one. It needs no motion model: from one view to the next the robot has stayed at its vertex, or has come to it from the vertex before on the trajectory.
+#
+# For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$; for more, the same again with the result so far in the place of $p_1$.
+#
+# **Predict:** twins A and B are entered from a corridor that is different. Which of the two has the higher score after one view? After two?
+#
+# ### Exercise 3 · `match_sequence` (medium, 12 minutes)
+#
+# So that sequences of different lengths can be compared, take the T-th root of the product of T likelihoods (their geometric mean).
+#
+# <details><summary>Hint 1: concept</summary>Go through the views from the first to the last, and keep for each vertex the best product of a sequence that ends there.</details>
+# <details><summary>Hint 2: approach</summary>total[before] holds for each vertex the product at the vertex before; where before is -1 there is none, and 0 must stand in its place: np.where. Then the greater of staying and coming, times the new view.</details>
+# <details><summary>Hint 3: one line</summary>np.maximum(a, b) takes the greater of each pair; x ** (1 / n) is the n-th root.</details>
+
+
+# %% exercise="match_sequence"
+def match_sequence(likelihoods, before):
+    """How well a sequence of views fits that ends at each vertex.
+
+    likelihoods: array (T, V), the likelihoods of T views, the latest in the last
+    row. before: array (V,) of whole numbers, the vertex before each on its
+    trajectory, -1 where there is none.
+    Returns an array (V,): of all sequences that end at the vertex, in which each
+    view is at the same vertex as the view before it or one further, the greatest
+    product of likelihoods, and of that the T-th root.
+    """
+    ### BEGIN SOLUTION
+    total = likelihoods[0]
+    for look in likelihoods[1:]:
+        come = np.where(before >= 0, total[before], 0)
+        total = look * np.maximum(total, come)
+    return total ** (1 / len(likelihoods))
+    ### END SOLUTION
+
+
+# %%
+match_sequence = check_match_sequence.use(match_sequence)
+
+# %% [markdown]
+# ## 5 · The filter on a real drive
+#
+# A car drives through the office, from a place in one twin to the green place; its wheels drift. **Half-way it is kidnapped**: somebody carries it to another room, and no odometer notices. Then it drives on from there. All was recorded: the odometry at each step, and what is seen there.
+#
+# The loop around `predict` and `update` has to answer three more questions.
+#
+# - **When to look?** Each look costs a pass of the network over many vertices. So: when the robot has moved by `rules.stride` since the last prediction, or after `rules.interval` steps without a look.
+# - **What does a robot learn that stands still?** It sees the same again. *The same evidence must not count twice*, or a robot that stands for a minute would be sure of anything. So the update starts from the **prior of the last motion** each time, not from the belief.
+# - **Where is it, in one word?** At the state with the most belief. But two neighbours that take turns would make it flicker. So it stays at its vertex as long as that has at least `rules.hysteresis` times the best one's belief.
+#
+# Likelihoods of views that are taken close to each other are not independent, and pictures may deceive. So each likelihood is at least `rules.least`; off the map it is `rules.unknown`; and all of them are raised to the power `rules.sharpness`.
+
+# %%
+rules = FilterSettings()
+print(rules)
+
+# %% [markdown]
+# ### Exercise 4 · `track` (hard, 40 minutes)
+#
+# At the start nothing is known: the belief is the same for all states, it is also the first prior, the vertex is -1, and the robot looks at step 0. Then for each step:
+#
+# 1. `distance(last, pose)` is how far the robot has moved since the last prediction (at first, since step 0). If that is at least `rules.stride`, predict from the *belief*; this is the new prior, and `pose` the new `last`.
+# 2. If it has moved that far, or this is the first step, or `rules.interval` steps have passed since the last look: look, and update from the *prior*.
+# 3. Choose the vertex: keep it while its belief is at least `rules.hysteresis` times the greatest; otherwise the one with the greatest, and -1 if that is the last state.
+#
+# <details><summary>Hint 1: concept</summary>Five things are remembered from step to step: the belief, the prior, the pose of the last prediction, the steps since the last look, and the vertex.</details>
+# <details><summary>Hint 2: approach</summary>Belief and prior are arrays (1, V + 1), the motion for predict is np.array([metres]). The likelihoods for update: np.maximum(look(step), rules.least), with rules.unknown appended, to the power of rules.sharpness, and as one row: [None]. belief[0, -1] is that of being off the map, so vertex -1 needs no case of its own when you look up its belief.</details>
+# <details><summary>Hint 3: one line</summary>Count waited += 1 at each step, and set it to 0 after a look; which value must it begin with, so that the first step looks?</details>
+
+
+# %% exercise="track"
+def track(odometry, look, lengths, onward, rules):
+    """Localize one robot at each step of a drive.
+
+    odometry: array (T, 3) of poses as the wheels measure them. look: look(step)
+    returns an array (V,) of the likelihoods of what is seen at that step; call it
+    only where the robot looks, once. lengths, onward: as for predict.
+    rules: rules.stride, .interval, .least, .unknown, .sharpness, .hysteresis.
+    Returns the beliefs after each step, an array (T, V + 1), and the vertices, a
+    list of T numbers, -1 for off the map.
+    """
+    ### BEGIN SOLUTION
+    belief = prior = np.full((1, len(lengths)), 1 / len(lengths))
+    last, waited, vertex = odometry[0], rules.interval - 1, -1
+    beliefs, vertices = [], []
+    for step, pose in enumerate(odometry):
+        motion = distance(last, pose)
+        far = motion >= rules.stride
+        if far:
+            prior, last = predict(belief, np.array([motion]), lengths, onward), pose
+        waited += 1
+        if far or waited >= rules.interval:
+            seen = np.append(np.maximum(look(step), rules.least), rules.unknown)
+            belief = update(prior, seen[None] ** rules.sharpness)
+            waited = 0
+        best = int(belief[0].argmax())
+        if belief[0, vertex] < rules.hysteresis * belief[0, best]:
+            vertex = best if best < len(lengths) - 1 else -1
+        beliefs.append(belief[0])
+        vertices.append(vertex)
+    return np.array(beliefs), vertices
+    ### END SOLUTION
+
+
+# %%
+track = check_track.use(track)
+
+# %% [markdown]
+# Now the drive. The blue discs are the belief, the larger the more; the grey bar at the left edge is the belief of being off the map. The car is drawn where it really is, which it does not know.
+#
+# **Predict:** the car starts in a room with a twin. When will it know in which one? How long after the kidnapping will it notice, and how long until it knows where it is? (About 8 s.)
+
+# %% hidden=true
+# A drive that is cut and goes on elsewhere, its likelihoods, and the belief along it
+topomap = maps["sequences"]
+alive, places = topomap.alive, vertex_poses(building, topomap)
+trials = draw_ambiguous_trials(office, 12, np.random.default_rng(1))
+lasts = [len(one) for one in trials.recorded.trajectories]
+order = np.argsort(lasts)[::-1]
+one = int(order[0])
+another = next(int(i) for i in order[1:] if trials.pairs[i, 0] != trials.pairs[one, 0])
+cut = min(lasts[one], 150)
+frames = np.concatenate(
+    [
+        trials.recorded.first_frames[one] + np.arange(cut),
+        trials.recorded.first_frames[another] + np.arange(min(lasts[another], 150)),
+    ]
+)
+drive = trials.recorded.observe(frames)
+drive_poses = trials.recorded.poses[frames]
+wheels = drive.odometry.copy()
+jump = drive.odometry[cut]  # the wheels go on counting where they were
+wheels[cut:] = [compose(wheels[cut - 1], relative(jump, pose)) for pose in wheels[cut:]]
+sensor = ViewSensor(
+    topomap,
+    agent.predictor,
+    agent.predictor.prepare(topomap.vertices.contexts[np.arange(len(topomap.vertices))]),
+)
+likelihoods = {}
+
+
+def look(step):
+    """What is seen at a step; kept, since it takes time."""
+    if step not in likelihoods:
+        likelihoods[step] = sensor(drive[[step]])[0]
+    return likelihoods[step]
+
+
+model = motion_model(topomap)
+beliefs, vertices = track(wheels, look, model.lengths, model.onward, rules)
+track_poses = places[alive]
+
+
+def metres_off(step):
+    """Metres from the car to the vertex at which it is localized; not a number off the map."""
+    vertex = vertices[step]
+    if vertex < 0:
+        return np.nan
+    ends = drive_poses[step, None, :2], track_poses[vertex, None, :2]
+    return float(building.paths.between(*ends)[0])
+
+
+def belief_picture(step):
+    """The plan with the belief at a step."""
+    picture = view.base.copy()
+    for vertex in np.flatnonzero(beliefs[step, :-1] > 0.01):
+        radius = 0.12 + 0.5 * np.sqrt(beliefs[step, vertex])
+        view.disc(picture, track_poses[vertex, :2], radius, colours.TRACK)
+    if vertices[step] >= 0:
+        view.arrow(picture, track_poses[vertices[step]], colours.ROBOT, 8.0)
+    view.robot(picture, drive_poses[step], car.footprint)
+    high = int(beliefs[step, -1] * (len(picture) - 8))
+    picture[len(picture) - 4 - high : len(picture) - 4, 4:12] = colours.FAINT
+    return picture
+
+
+def belief_at(second):
+    """The picture at a time, and words."""
+    step = min(int(10 * second), len(frames) - 1)
+    off = metres_off(step)
+    where = (
+        "off the map"
+        if vertices[step] < 0
+        else f"{off:.1f} m from the vertex that it takes for its own"
+    )
+    when = "before" if step < cut else "after"
+    return belief_picture(
+        step
+    ), f"{when} the kidnapping: {where}; off the map {beliefs[step, -1]:.2f}"
+
+
+print(f"kidnapped after {cut / 10:.1f} s; looked {len(likelihoods)} times in {len(frames)} steps")
+sliders(belief_at, {"second": "time, s"}, second=(0, len(frames) // 10, 1, cut // 10 + 2))
+
+# %% hidden=true
+# The same drive for argmax, sequences and the filter: metres from the truth
+looked = sorted(likelihoods)
+before = np.full(len(alive), -1)
+column = {int(v): i for i, v in enumerate(alive)}
+for path in topomap.paths:
+    for v, w in pairwise(path):
+        before[column[w]] = column[v]
+guesses = {"argmax": [], "sequence of four": [], "belief": []}
+for number, step in enumerate(looked):
+    views = np.maximum([likelihoods[s] for s in looked[max(0, number - 3) : number + 1]], 1e-3)
+    guesses["argmax"].append(int(likelihoods[step].argmax()))
+    guesses["sequence of four"].append(int(match_sequence(views, before).argmax()))
+    guesses["belief"].append(vertices[step])
+figure, axes = chart(8.5, 2.8)
+rows = []
+for name, tone in zip(guesses, (colours.LASER, colours.PATH, colours.ROBOT), strict=True):
+    there = np.array(guesses[name])
+    gap = building.paths.between(drive_poses[looked, :2], track_poses[there, :2])
+    gap = np.where(there < 0, np.nan, gap)
+    axes.plot(np.array(looked) / 10, gap, ".-", color=colours.unit(tone), label=name)
+    known = np.nan_to_num(gap, nan=np.inf)
+    rows.append([name, (known <= 2.5).mean(), int((np.diff(there) != 0).sum())])
+axes.axvline(cut / 10, color=colours.unit(colours.INK), linestyle="--")
+axes.set(xlabel="time, s (dashed: the kidnapping)", ylabel="m off", ylim=(0, None))
+axes.legend(frameon=False, ncols=3, fontsize=10)
+head = {"by": "", "within 2.5 m": ".0%", "changes of the vertex": "d"}
+display(table(head, rows))
+show(from_figure(figure))
+
+# %% [markdown]
+# <details><summary>What does the plot show?</summary>
+# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief may begin in the wrong twin, or in several, and once something has told them apart it stays right, along corridors of identical doors as well. After the kidnapping it is wrong for a moment, since it trusts its prior; then the views contradict it more and more, and it lets go.
+# </details>
+#
+# **Predict:** what happens with `FilterSettings(least=0.0001)`? With `sharpness=8`? With `unknown=0.9`? Change `rules` in the cell above exercise 4, and run the cells from there.
+#
+# ## 6 · Round and round
+#
+# A robot in a twin plans, drives, finds the next view missing, and replans. The best plan may lead back to where it came from, and there the best plan leads forward again. A robot that replans needs a memory of where it has been. The paper names it as future work: count the visits, and plan *around* what was visited often.
+#
+# **Predict:** why not simply remove the vertices that were visited twice?
+#
+# <details><summary>Answer</summary>
+# They may be the only way out: a dead end is left the way it was entered. So their edges only become less probable: any other way is taken first.
+# </details>
+#
+# ### Exercise 5 · `around_cycles` (easy, 10 minutes)
+#
+# A *visit* is a coming: a vertex that stands several times in a row in `visited` was visited once.
+#
+# <details><summary>Hint 1: concept</summary>First leave out the repetitions in a row, then count, then build a new graph.</details>
+# <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, an edge to w with its RE times a power of the bias.</details>
+# <details><summary>Hint 3: one line</summary>The power is 0 for no visit and for one, 1 for two, 2 for three: max(visits[w] - 1, 0).</details>
+
+
+# %% exercise="around_cycles"
+def around_cycles(graph, visited, cycle, bias):
+    """Whether a robot goes round in circles, and a graph that leads it elsewhere.
+
+    graph: dictionary of dictionaries, graph[v][w] is RE from v to w; it stays as
+    it is. visited: list of the vertices at which the robot was, in order, perhaps
+    empty. cycle: so many visits of one vertex, or more, make a cycle.
+    bias: a number from 0 to 1.
+    Returns True or False, and a new graph with the same edges: RE of each edge
+    to a vertex that was visited n times, n >= 2, is multiplied by bias ** (n - 1),
+    whether it is a cycle or not.
+    """
+    ### BEGIN SOLUTION
+    came = [v for i, v in enumerate(visited) if i == 0 or v != visited[i - 1]]
+    visits = Counter(came)
+    biased = {
+        v: {w: p * bias ** max(visits[w] - 1, 0) for w, p in out.items()}
+        for v, out in graph.items()
+    }
+    return max(visits.values(), default=0) >= cycle, biased
+    ### END SOLUTION
+
+
+# %%
+around_cycles = check_around_cycles.use(around_cycles)
+
+# %% [markdown]
+# ## 7 · Fig. 12: an ambiguous start
+#
+# The paper's Fig. 12 shows a robot that starts in an ambiguous place, takes itself to be elsewhere, notices the discrepancy while it drives, and replans. Here is its twin: the same start and goal, without a remedy and with all of them. The orange path is the plan at that moment. (About 15 s.)
+#
+# **Predict:** what does the robot without a remedy do when the view that it expects does not come?
+
+# %% hidden=true
+# The same trials without a remedy and with all, and a film strip of one of them
+FEW = 6
+few = trials.subset(order[:FEW])
+goals = goals_of(few, lens, k)
+parts = {"predictor": agent.predictor, "controller": agent.controller, "reachability": net}
+ends, strips = {}, {}
+for name, kind in (("none", "single views"), ("all", "sequences")):
+    robot = agents.remedied(name, **parts)
+    robot.topomap = maps[kind]
+    navigation = robot.start(goals)
+    moments = []
+
+    def keep(simulation, robots, observations, actions, navigation=navigation, moments=moments):
+        plans = [
+            plan and plan.vertices[navigation.follower.memory.active[i] :]
+            for i, plan in enumerate(navigation.plans)
+        ]
+        moments.append((simulation.poses.copy(), plans))
+
+    outcome = run_agent(building, few, lambda _, started=navigation: started, record=keep)
+    ends[name] = outcome, [len(history) for history in navigation.history], moments
+scores = [int(ends["all"][0].success[i]) - int(ends["none"][0].success[i]) for i in range(len(few))]
+shown = int(np.argmax(np.array(scores) + 0.1 * np.array(ends["all"][1])))
+for name, kind in (("none", "single views"), ("all", "sequences")):
+    outcome, plans, moments = ends[name]
+    steps = max(int(outcome.seconds[shown] * 10), 1)
+    kept = [moments[i] for i in np.linspace(0, min(steps, len(moments)) - 1, 4).astype(int)]
+    where, frames_of_film = vertex_poses(building, maps[kind]), []
+    for poses_now, plans_now in kept:
+        picture = view.base.copy()
+        ahead = plans_now[shown] or ()
+        draw_plan(view, picture, where, ahead, poses_now[shown], few.goal_poses[shown])
+        view.robot(picture, poses_now[shown], car.footprint)
+        frames_of_film.append(picture)
+    times = np.linspace(0, outcome.seconds[shown], len(kept))
+    print(f"{name}: {outcome.ending[shown].replace('_', ' ')}, {plans[shown]} plans, ", end="")
+    print(f"{outcome.gap[shown]:.1f} m from the goal; of {len(few)}: {outcome.success.sum()} right")
+    display(show(film_strip(frames_of_film, times)))
+
+# %% [markdown]
+# ## 8 · Which remedy helps?
+#
+# Five choices of remedies cannot be judged by six trials. The command below runs the same trials in ten offices with each remedy alone, each left out, and all together:
+#
+# `python -m tutorial_lib experiment meng_fig12`
+#
+# - `none`: edges from single views, argmax, no replanning;
+# - `sequence`: edges, reused vertices, and the robot's vertex by sequences;
+# - `replan`: a robot that is lost plans again, and so does one that is long in dead reckoning;
+# - `cycles`: visits are counted, and plans lead around them;
+# - `filter`: the belief decides where a plan begins, ends a plan that it contradicts, and begins the recovery when the robot is off the map: turn, back up, look for a plausible vertex, and say *lost* when there is none.
+#
+# **Predict, and write it down:** which remedy alone helps most? Which one is missed most when it is left out? Is there one that does *harm* alone?
+
+# %% hidden=true
+# The stored results
+try:
+    report = load_result("meng_fig12")
+    rows = [
+        [
+            row["remedy"],
+            row["trials"],
+            row["success"],
+            row["low"],
+            row["high"],
+            row["wormholes"],
+            row["lost"],
+            row["circled"],
+        ]
+        for row in report.rows
+    ]
+    head = {"remedy": "", "trials": "d", "success": ".1%", "from": ".1%", "to": ".1%"}
+    display(table({**head, "wormholes": "d", "says lost": ".1%", "in circles": ".1%"}, rows))
+    print(f"worlds {report.worlds[0]} to {report.worlds[-1]}", *report.notes, sep="\n")
+except InputError as error:
+    print(f"Not measured yet ({error}); run the command above.")
+
+# %% [markdown]
+# Read the table in pairs: what a remedy adds *alone* (less `none`), and what is missing *without* it (less `all`). The two differ where remedies stand in for each other: replanning repairs what a wrong start has done, and the filter avoids the wrong start. They also need each other: a belief is of little use to a robot that may not plan again.
+#
+# The paper shows one example (its Fig. 12) and no table, so there is no number of theirs beside ours; their worlds are scans of real buildings, whose rooms look alike less perfectly than these.
+#
+# ## 9 · The failures that remain
+#
+# **Predict:** a robot has a perfect belief and a perfect map. In which of these cases does it fail all the same?
+#
+# 1. It is carried from one room to its twin, to the same spot, while nobody looks.
+# 2. It starts in a twin, and the goal is in sight of neither.
+# 3. Its map has one wormhole in the only corridor to the goal.
+#
+# <details><summary>Answer</summary>
+# 1: nothing that it will ever see in there tells it; it notices only after it has left. 2: no, it drives off to the likelier one, and learns on the way. 3: yes, if every plan leads through the wormhole. The belief then says that the robot is not where the plan has it, again and again, but no edge learns from that. Edges that do are the subject of lifelong maps.
+# </details>
+
+# %% hidden=true
+# A gallery: how the trials without success ended
+gallery = []
+for name in ends:
+    outcome, plans, _ = ends[name]
+    for i in np.flatnonzero(~outcome.success)[:2]:
+        picture = with_places(view.base.copy())
+        steps = max(int(outcome.seconds[i] * 10), 2)
+        view.polyline(picture, outcome.poses[:steps, i, :2], colours.TRACK, 3.0)
+        view.robot(picture, few.starts[i], car.footprint)
+        view.goal(picture, few.goal_poses[i, :2])
+        gallery.append(
+            (picture, f"{name}: {outcome.ending[i].replace('_', ' ')}, {plans[i]} plans")
+        )
+if gallery:
+    display(
+        show(side_by_side([picture for picture, _ in gallery], [title for _, title in gallery]))
+    )
+else:
+    print("All trials of this cell succeeded; set FEW = 12 above for more.")
+
+# %% [markdown]
+# Each picture: the start (car), the goal (green), and where the robot drove. Ask of each: was the *map* wrong (a wormhole, a merged vertex), the *localization* (a twin), or the *drive*?
+#
+# ## Optional extras
+#
+# - **Extra 1.** Replace the likelihood by $\mathcal{RE}$: let `look` return `topomap.vertices.into(...)` for step `step`. Where does the belief lie now, ahead of the car or behind it? Why?
+# - **Extra 2.** `distance` counts half a metre for each radian. Write one that counts metres only, and use it in `track`: what happens to the belief of a car that turns sharply?
+# - **Extra 3.** A *maximum* filter: replace the sum in `predict` by a maximum. That is Viterbi's algorithm, and nearly `match_sequence`. Compare both on the drive.
+#
+# ## What to remember
+#
+# - Where places look alike, the picture does not hold the answer; how the robot came here does.
+# - A wrong edge is a shortcut, and planners look for shortcuts. Sequences make wrong edges rare; they do not end them.
+# - A belief says "one of these four", moves with the wheels, and changes with what is seen: predict, update, normalize.
+# - The same evidence counts once. A robot that stands still learns nothing new.
+# - *Lost* is an answer. A robot that knows that it is lost can turn, back up and look; one that does not drives on.
+#
+# **Read next:** the paper, III-G. On Bayes filters over topological maps: L. Suomela, J. Kalliola, H. Edelman and J.-K. Kämäräinen, [*PlaceNav: Topological Navigation through Place Recognition*](https://arxiv.org/abs/2309.17260) (ICRA 2024). On sequences: M. J. Milford and G. F. Wyeth, [*SeqSLAM*](https://doi.org/10.1109/ICRA.2012.6224623) (ICRA 2012).
