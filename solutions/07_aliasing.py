@@ -328,7 +328,7 @@ for step in range(STEPS):
 
 def corridor_belief(step):
     """The belief at a step, as bars."""
-    figure, axes = chart(7.0, 2.6)
+    figure, (axes,) = chart(7.0, 2.6)
     tones = [colours.unit(colours.ROBOT)] * 8 + [colours.unit(colours.FAINT)]
     axes.bar(range(9), row_beliefs[step], color=tones)
     axes.axvline(1 + 0.5 * step, color=colours.unit(colours.GOAL), linewidth=2)
@@ -553,7 +553,7 @@ for number, step in enumerate(looked):
     guesses["argmax"].append(int(likelihoods[step].argmax()))
     guesses["sequence of four"].append(int(match_sequence(views, before).argmax()))
     guesses["belief"].append(vertices[step])
-figure, axes = chart(8.5, 2.8)
+figure, (axes,) = chart(8.5, 2.8)
 rows = []
 for name, tone in zip(guesses, (colours.LASER, colours.PATH, colours.ROBOT), strict=True):
     there = np.array(guesses[name])

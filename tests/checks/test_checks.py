@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06
+from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07
 from tutorial_lib.checks.framework import guard
 from tutorial_lib.checks.framework.check import Check, WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import expect_close
@@ -18,6 +18,7 @@ NOTEBOOKS = {
     "04_sparsification": nb04,
     "05_map_building": nb05,
     "06_probabilistic_planning": nb06,
+    "07_aliasing": nb07,
 }
 
 

@@ -28,7 +28,7 @@ SEPARATE = {"topology": {"learning"}, "exploration": {"learning"}}
 
 LOOP = {"geodesics", "metrics", "rollouts"}
 STUDIES = ("meng2020", "nts", "robustness", "benchmarks", "demos")
-NOTEBOOKS = [f"nb{number:02}" for number in range(7)]
+NOTEBOOKS = [f"nb{number:02}" for number in range(8)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
     "topology": {

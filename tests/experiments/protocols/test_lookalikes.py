@@ -1,0 +1,44 @@
+"""Offices with look-alike rooms: which rooms are twins, and where trials start and end."""
+
+import numpy as np
+import pytest
+
+from tests.world.test_generators import signature
+from tutorial_lib.experiments.protocols.lookalikes import (
+    alike_rooms,
+    draw_ambiguous_trials,
+    make_office,
+)
+from tutorial_lib.world.generators import generate
+
+
+@pytest.mark.parametrize("seed", [40, 41])
+def test_rooms_of_one_group_have_the_same_walls_and_furniture(seed):
+    plan = generate("symmetric_office", seed)
+    group = alike_rooms(plan)
+    looks = [signature(plan, room) for room in plan.rooms]
+    for one in range(len(group)):
+        for other in range(one):
+            if group[one] == group[other]:
+                assert looks[one][1] == looks[other][1]
+                assert plan.rooms[one].kind == plan.rooms[other].kind
+    sizes = np.bincount(group)
+    assert sizes.max() >= 2
+    assert (sizes == 1).sum() >= 2
+
+
+def test_an_office_of_no_twins_has_none():
+    plan = generate("apartment", 40)
+    assert np.bincount(alike_rooms(plan)).max() == 1
+
+
+def test_trials_start_in_twins_and_end_in_rooms_of_their_own():
+    office = make_office(10_002, 0, twins=2, unique=1)
+    assert office.twin.tolist() == [True, True, False]
+    trials = draw_ambiguous_trials(office, 4, np.random.default_rng(0))
+    assert len(trials) >= 2
+    assert office.twin[trials.pairs[:, 0]].all()
+    assert not office.twin[trials.pairs[:, 1]].any()
+    rooms = office.building.scene.plan.rooms
+    for pair, goal in zip(trials.pairs, trials.goal_poses, strict=True):
+        assert rooms[office.rooms[pair[1]]].contains(goal[:2])
