@@ -58,4 +58,25 @@ MUTATIONS = [
         "near & (overlaps.mean(axis=1) >= 0)",
         TESTS,
     ),
+    (
+        "edges are biased from the first visit on",
+        "agents/remedy_navigation.py",
+        "np.maximum(self.visits[robot] - 1, 0)",
+        "self.visits[robot]",
+        "agents/test_remedies.py",
+    ),
+    (
+        "a vertex is to blame though the robot was elsewhere",
+        "agents/remedy_navigation.py",
+        "        if blameless:\n            self._excluded[robot] = kept\n",
+        "",
+        "agents/test_remedies.py",
+    ),
+    (
+        "an unlikely start is worth as much as a likely one",
+        "agents/place_guess.py",
+        "np.where(reach > self.p_query, reach, 0.0) * self.likely[columns]",
+        "np.where(reach > self.p_query, reach, 0.0)",
+        "agents/test_remedies.py",
+    ),
 ]

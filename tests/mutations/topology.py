@@ -155,4 +155,47 @@ MUTATIONS = [
         "images[:, 0]",
         "topology/test_similarity.py",
     ),
+    (
+        "all belief leaves a vertex at once",
+        "topology/localization.py",
+        "leave = 1.0 - np.exp(-np.asarray(motion, dtype=float)[:, None] / model.lengths)",
+        "leave = np.asarray(motion, dtype=float)[:, None] / model.lengths > 0",
+        "topology/test_localization.py",
+    ),
+    (
+        "standing still, the same evidence counts again",
+        "topology/localization.py",
+        "update(self._prior[robots], likelihood)",
+        "update(self.belief[robots], likelihood)",
+        "topology/test_localization.py",
+    ),
+    (
+        "a localized robot changes its vertex at any difference",
+        "topology/localization.py",
+        "stays = belief[rows, before] >= hysteresis * belief[rows, best]",
+        "stays = belief[rows, before] >= belief[rows, best]",
+        "topology/test_localization.py",
+    ),
+    (
+        "a sequence of views may not stay at a vertex",
+        "topology/localization.py",
+        "total = look + np.maximum(total, come)",
+        "total = look + come",
+        "topology/test_localization.py",
+    ),
+    (
+        "from off the map a robot never returns",
+        "topology/motion_model.py",
+        "    onward[count, :count] = 1.0 / max(count, 1)\n"
+        "    onward[count, count] = 0.0 if count else 1.0\n",
+        "    onward[count, count] = 1.0\n",
+        "topology/test_localization.py",
+    ),
+    (
+        "turning is no motion",
+        "topology/motion_model.py",
+        "+ TURN * np.abs(motion[..., 2])",
+        "",
+        "topology/test_localization.py",
+    ),
 ]

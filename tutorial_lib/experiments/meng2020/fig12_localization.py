@@ -209,28 +209,24 @@ def _measured(
 
 
 def _row(case: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
-    """A line of the table: shares, with intervals over worlds."""
+    """A line of the table: shares with intervals over worlds, None where a case has none."""
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     world = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))) for p in parts])
+    every = np.ones(len(world), dtype=bool)
+    measures = {
+        "right": (columns.get("right"), every),
+        "sure": (columns.get("sure"), every),
+        "right_if_sure": (columns.get("right"), columns.get("sure", every).astype(bool)),
+        "changes_at_most_once": (columns["changes"] <= 1 if "changes" in columns else None, every),
+        "noticed": (columns.get("noticed"), every),
+        "found": (columns.get("found"), every),
+    }
     row: dict[str, Any] = {"case": case, "count": len(world)}
-    names = ("right", "right_if_sure", "sure", "changes_at_most_once", "noticed", "found")
-    shares: dict[str, Array] = {name: columns[name] for name in columns}
-    if "changes" in columns:
-        shares["changes_at_most_once"] = columns["changes"] <= 1
-    for name in names:
-        kept = columns["sure"] if name == "right_if_sure" and "sure" in columns else None
-        values = shares.get("right" if name == "right_if_sure" else name)
-        if name == "right_if_sure" and kept is not None:
-            values, units = values[kept], world[kept]
-        else:
-            units = world
-        missing = values is None or not len(values)
-        found = (
-            (None, None, None)
-            if missing
-            else measured_over_worlds(_mean, units, values.astype(float))
-        )
-        row |= dict(zip((name, f"{name}_low", f"{name}_high"), found, strict=True))
+    for name, (values, kept) in measures.items():
+        shares: tuple[float | None, ...] = (None, None, None)
+        if values is not None and kept.any():
+            shares = measured_over_worlds(_mean, world[kept], values[kept].astype(float))
+        row |= dict(zip((name, f"{name}_low", f"{name}_high"), shares, strict=True))
     return row
 
 
