@@ -571,7 +571,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What does the plot show?</summary>
-# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief may begin in the wrong twin, or in several, and once something has told them apart it stays right, along corridors of identical doors as well. After the kidnapping it is wrong for a moment, since it trusts its prior; then the views contradict it more and more, and it lets go.
+# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief may begin in the wrong twin, or in several, and once something has told them apart it mostly stays right, along corridors of identical doors as well. After the kidnapping it is wrong for a moment, since it trusts its prior; then the views contradict it more and more, and it lets go.
 # </details>
 #
 # **Predict:** what happens with `FilterSettings(least=0.0001)`? With `sharpness=8`? With `unknown=0.9`? Change `rules` in the cell above exercise 4, and run the cells from there.

@@ -127,7 +127,7 @@ def test_every_entry_declares_settings_and_worlds_of_its_own(entry):
 
 def test_commands_and_their_ablations_are_those_of_the_design():
     assert list(BENCHMARKS) == ["raycast", "fleet", "control", "reachability", "map"]
-    figures = {f"meng_fig{number}" for number in (4, 5, 6, 7, 8, 9, 10, 11, 13)}
+    figures = {f"meng_fig{number}" for number in (4, 5, 6, 7, 8, 9, 10, 11, 12, 13)}
     tables = {"plans", "meng_table1", "meng_table2", "calibration", "disturbances", "faults"}
     assert set(EXPERIMENTS) == figures | tables | {"nts_wayfinding"}
     assert set(ABLATIONS) == {
@@ -135,5 +135,6 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "meng_table1 worlds",
         "meng_table1 rows",
         "meng_table2 thresholds",
+        "meng_fig12 localization",
         "calibration audit",
     }

@@ -112,6 +112,21 @@ def test_the_same_trials_are_run_with_and_without_remedies(office, monkeypatch):
     assert rows["all"]["circled"] == 0
 
 
+@networks
+def test_the_filter_is_watched_along_drives_and_at_standstill(office, monkeypatch):
+    monkeypatch.setattr(fig12_localization, "make_office", lambda *_, **__: office)
+    monkeypatch.setattr(fig12_localization, "_elsewhere", lambda _, trials: np.arange(len(trials)))
+    monkeypatch.setattr(fig12_localization, "for_each", in_turn)
+    settings = fig12_localization.Settings(robots=3, before=3.0, after=3.0, still=2.0)
+    rows, notes = fig12_localization.run(Options(worlds=(10_000,)), settings)
+    found = {row["case"]: row for row in rows}
+    assert list(found) == list(fig12_localization.CASES)
+    assert found["driven"]["right"] > 0.3
+    assert found["standstill"]["changes_at_most_once"] == 1.0
+    assert found["kidnapped"]["count"] == 1
+    assert notes == []
+
+
 # Localization by itself.
 
 
