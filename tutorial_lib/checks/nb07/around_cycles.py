@@ -101,6 +101,7 @@ _CASES: dict[str, tuple[Graph, list[int], int, float]] = {
     "twice at one vertex": (_SMALL, [0, 1, 2, 0], 3, 0.5),
     "a cycle that it has left": (_SMALL, [1, 2, 1, 2, 1, 3, 4], 3, 0.8),
     "no visit yet": (_SMALL, [], 3, 0.5),
+    "no visit yet, where a single one would be a cycle": (_SMALL, [], 1, 0.5),
     "twice is a cycle": (_SMALL, [2, 3, 2], 2, 0.9),
     "one vertex for long, then others": (_SMALL, [4, 4, 4, 4, 3, 1], 4, 0.5),
     "four times": (_SMALL, [0, 1, 0, 1, 0, 2, 0], 4, 0.7),

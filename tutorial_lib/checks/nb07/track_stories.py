@@ -110,6 +110,8 @@ STORIES: dict[str, Story] = {
     "kidnapped to a place that is not on the map": _along(
         [*np.arange(0.0, 1.2, 0.1), *_AWAY], np.arange(24) * 0.1
     ),
+    "at rest, a little nearer to vertex 1 than to vertex 0": _along(np.full(3, 0.55)),
+    "at rest, a little nearer to vertex 2 than to vertex 1": _along(np.full(3, 1.55)),
     "exactly a stride a step": _along(np.arange(0.0, 2.0, 0.25), rules=_EXACT),
     **{f"at random ({seed})": _random(seed) for seed in range(4)},
 }
