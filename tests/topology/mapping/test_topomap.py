@@ -718,3 +718,20 @@ def test_an_estimator_that_does_not_fit_is_named(reachability, words):
     topomap = TopoMap(reachability)
     with pytest.raises(InputError, match=words):
         _ = [add_trajectory(topomap, anchors_at(PATH, begin)) for begin in (0.0, 50.0)]
+
+
+def test_a_vertex_is_reused_only_where_the_anchors_around_match_as_well():
+    table = np.full((10, 10), 0.01)
+    for first in (0, 5):
+        for number in range(first, first + 4):
+            table[number, number + 1] = 0.99
+    # Anchor 7 looks like vertex 2; those around it look like nothing on the map.
+    table[6, 2] = table[2, 8] = table[7, 2] = 0.99
+    alike = table.copy()
+    alike[6, 1] = alike[8, 3] = 0.99
+    for reach, reach_of_re, reused in ((0, table, True), (1, table, False), (1, alike, True)):
+        topomap = TopoMap(Table(reach_of_re), MapSettings(reuse_sequence=reach))
+        add_trajectory(topomap, anchors(range(5)))
+        added = add_trajectory(topomap, anchors(range(5, 10)))
+        assert bool(added.reused[2]) == reused
+        assert (added.path[2] == 2) == reused
