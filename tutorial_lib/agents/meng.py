@@ -11,6 +11,7 @@ from tutorial_lib.topology.mapping.anchors import anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.mapping.turn_edges import TurnSettings, add_turns
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 
@@ -22,11 +23,13 @@ class MengAgent(MapAgent):
         planner: plans paths over the map.
         settings: of the map.
         p_sparsify: RE by which anchors are chosen.
+        turns: when places are joined by turning; never if None.
     """
 
     planner: Planner = field(default_factory=DijkstraPlanner)
     settings: MapSettings = field(default_factory=MapSettings)
     p_sparsify: float = 0.99
+    turns: TurnSettings | None = field(default_factory=TurnSettings)
 
     def empty_map(self) -> TopoMap:
         """A map whose edges are RE's."""
@@ -40,7 +43,9 @@ class MengAgent(MapAgent):
             anchors = anchors_of(
                 self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
             )
-            add_trajectory(self.topomap, anchors)
+            added = add_trajectory(self.topomap, anchors)
+            if self.turns is not None:
+                add_turns(self.topomap, anchors, added.path, self.turns)
 
     def find_path(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
         """The planner's path."""

@@ -9,6 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -125,10 +126,18 @@ class MapNavigation:
         # A robot that was under way takes an improbable path rather than none.
         if not plan.refusal or (plan.probability > 0 and self._lost[robot]):
             self._searched[robot], self.plans[robot] = 0, plan
-            self.follower.assign(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
+            path = [*plan.vertices, int(self._first[robot]) + plan.goal]
+            self.follower.assign(robot, path, self._turns(plan))
         elif plan.probability > 0:
             # The best path is refused; to search elsewhere will not help.
             self.plans[robot], self.given_up[robot] = plan, True
+
+    def _turns(self, plan: Plan) -> dict[int, float]:
+        """The places of a plan before which the robot turns, and by how many rad."""
+        edges = self._topomap.graph.edges
+        steps = enumerate(pairwise(plan.vertices), start=1)
+        found = {place: edges[step].get("turn") for place, step in steps}
+        return {place: angle for place, angle in found.items() if angle is not None}
 
     def _lose(self, robot: int) -> None:
         """Replan in the next step; what could not be reached is excluded from now on."""

@@ -34,6 +34,7 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 _LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
+_TURN_ROUND = 10.0  # seconds more from place to place without a break
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
 """Frames of a demonstration at least: one context with k = 5."""
 
@@ -106,6 +107,42 @@ def demonstrate_between(
     simulation = _fleet(scene, starts, odometry)
     limit = geodesic_limit(paths, starts, goals)
     return _recorded(world, seed, OraclePolicy(simulation, paths, goals), limit)
+
+
+def demonstrate_on(
+    world: str,
+    scene: Scene,
+    paths: GridPaths,
+    start: Array,
+    goals: Array,
+    seed: int,
+    odometry_noise: OdometryNoise | None = None,
+) -> Trajectory | None:
+    """Drive one car from place to place without a break, and record it.
+
+    Where the next place is behind, the car turns by its own manoeuvres.
+
+    Args:
+        world: name to put on the trajectory.
+        scene: that world.
+        paths: its geodesics.
+        start: (1, 3) pose.
+        goals: (G, 2) metres, in order.
+        seed: as for `demonstrate_between`.
+        odometry_noise: likewise.
+
+    Returns:
+        The trajectory, None if the car did not arrive everywhere.
+    """
+    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
+    simulation, recorder = _fleet(scene, start, odometry), _Recorder()
+    for goal in goals:
+        oracle = OraclePolicy(simulation, paths, goal[None])
+        limit = geodesic_limit(paths, simulation.poses, goal[None]) + _TURN_ROUND
+        ends = ReachGoals(oracle.goals, limit)
+        if not rollout(simulation, oracle, ends, record=recorder).reached.all():
+            return None
+    return recorder.trajectory(world, seed, 0)
 
 
 def record_demonstrations(

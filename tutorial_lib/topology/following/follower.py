@@ -2,14 +2,16 @@
 
 *Search* localizes the robot on its path. *Follow* drives to the active anchor by the predicted
 waypoint and switches to the next anchor in time. *Dead reckoning* takes over while RE of the active
-anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around. A
-robot that does not find its path again in time is lost, and stops.
+anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around.
+*Turn*: where the path goes on another way, the robot turns in place until it sees the next anchors.
+A robot that does not find its path again in time is lost, and stops.
 
 Nothing here ever sees a pose.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -29,11 +31,13 @@ from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.state import FollowerState
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
+    Places,
     State,
     found_again,
     last_visited,
     next_active,
 )
+from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns
 from tutorial_lib.world.simulation import STEP
 
 
@@ -76,6 +80,7 @@ class Follower:
         if not (fits and ((active >= -1) & (active < paths.lengths)).all()):
             raise InputError(f"starts: {starts}; give (N,) anchors of {count} paths, -1 to search")
         self.memory = FollowerState.at(active)
+        self._turns = PathTurns(count)
         self._predicted = np.full((count, 2), np.nan)  # RE of, and overlap with, the active anchor
         self._steps: list[tuple[NDArray, ...]] = []
 
@@ -103,21 +108,29 @@ class Follower:
         going = np.flatnonzero(~memory.over[robots])
         seen, under_way = observations[going], robots[going]
         probabilities = self._look_out(seen, under_way)
-        follow = memory.state[under_way] == State.FOLLOW
-        self._find_back(seen[~follow], under_way[~follow], probabilities[~follow])
-        self._follow(seen[follow], under_way[follow], probabilities[follow])
+        states = memory.state[under_way]
+        for state, step in (
+            (State.DEAD_RECKONING, self._find_back),
+            (State.TURN, self._turn),
+            (State.FOLLOW, self._follow),
+        ):
+            rows = np.flatnonzero(states == state)
+            step(seen[rows], under_way[rows], probabilities[rows])
         actions = np.zeros((len(robots), 2))
         actions[going] = self._drive(seen, under_way)
         before = memory.state.copy(), memory.active.copy(), memory.visited.copy()
         self._steps.append((*before, *self._predicted.T.copy(), memory.waypoints.copy()))
         return actions
 
-    def assign(self, robot: int, path: ArrayLike) -> None:
+    def assign(
+        self, robot: int, path: ArrayLike, turns: Mapping[int, float] | None = None
+    ) -> None:
         """Put a robot on another path, which it follows from the first anchor on.
 
         Args:
             robot: its index.
             path: (L,) indices of anchors, as for `AnchorPaths`.
+            turns: by how many rad the path turns before each of these places on it.
 
         Raises:
             InputError: when the path leads beyond the anchors.
@@ -125,6 +138,7 @@ class Follower:
         paths = list(self.paths.paths)
         paths[robot] = path
         self.paths = replace(self.paths, paths=paths)
+        self._turns.set(robot, {} if turns is None else turns)
         self.memory.follow_from_start(robot)
 
     def log(self) -> FollowerLog:
@@ -168,20 +182,38 @@ class Follower:
         """Dead reckoning: back to Follow once an anchor was sighted some steps in a row."""
         settings, memory = self.settings, self.memory
         self._try(observations, robots, probabilities[:, settings.widest] > settings.p_try)
+        sighted, back = self._sight(robots, probabilities)
+        memory.stalled[robots] += STEP
+        lost = ~back & (memory.stalled[robots] > settings.timeout - STEP / 2)
+        memory.width[robots] = np.minimum(memory.width[robots] + 1, settings.widest)
+        memory.state[robots[lost]] = State.LOST
+        self._go_on(robots[back], sighted[back])
+
+    def _turn(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
+        """Turn: back to Follow once one of the next anchors was sighted some steps in a row."""
+        del observations
+        sighted, back = self._sight(robots, probabilities)
+        self._go_on(robots[back], sighted[back])
+        late = ~back & (self._turns.seconds[robots] > TURN_TIME - STEP / 2)
+        self.memory.state[robots[late]] = State.LOST
+
+    def _sight(self, robots: Robots, probabilities: Array) -> tuple[Places, NDArray[np.bool_]]:
+        """The anchors (M,) that robots see again, -1 for none, and (M,) whether it is certain."""
+        settings, memory = self.settings, self.memory
         sighted = found_again(memory.active[robots], probabilities, settings.p_follow)
         same = np.abs(sighted - memory.sighted[robots]) <= 1
         streak = np.where(same, memory.streak[robots], 0) + 1
         streak = np.where(sighted >= 0, streak, 0)
         memory.sighted[robots], memory.streak[robots] = sighted, streak
-        memory.stalled[robots] += STEP
-        back = streak >= settings.confirm
-        lost = ~back & (memory.stalled[robots] > settings.timeout - STEP / 2)
-        memory.width[robots] = np.minimum(memory.width[robots] + 1, settings.widest)
-        memory.state[robots[lost]] = State.LOST
-        memory.enter(robots[back], State.FOLLOW)
-        memory.heading.begin(robots[back & (sighted != memory.active[robots])])
-        memory.active[robots[back]] = sighted[back]
-        memory.visited[robots[back]] = np.maximum(memory.visited[robots], sighted - 1)[back]
+        return sighted, streak >= settings.confirm
+
+    def _go_on(self, robots: Robots, sighted: Places) -> None:
+        """Back to Follow, towards the anchors (M,) that were sighted."""
+        memory = self.memory
+        memory.enter(robots, State.FOLLOW)
+        memory.heading.begin(robots[sighted != memory.active[robots]])
+        memory.active[robots] = sighted
+        memory.visited[robots] = np.maximum(memory.visited[robots], sighted - 1)
 
     def _try(self, observations: Observation, robots: Robots, worth: NDArray[np.bool_]) -> None:
         """At the end of dead reckoning, request a new waypoint to the active anchor if `worth`.
@@ -219,6 +251,12 @@ class Follower:
         ahead = memory.heading.waypoints(robots, waypoints[np.arange(len(robots)), 1 + moved])
         memory.waypoints[robots[fresh]] = to_world(observations.odometry, ahead)[fresh]
         self._leave(robots, sure, goal)
+        # Who sees the next anchor drives to it, whatever the map says about turning.
+        blind = moved & ~(after > settings.p_follow) & (memory.state[robots] != State.LOST)
+        blind &= self._turns.before(robots, chosen)
+        memory.enter(robots[blind], State.TURN)
+        memory.width[robots[blind]] = settings.widest
+        self._turns.begin(robots[blind], observations.odometry[blind], chosen[blind])
 
     def _arrive(
         self, robots: Robots, now: Array, after: Array, waypoints: Array, overlaps: Array
@@ -252,9 +290,12 @@ class Follower:
         memory.enter(robots[~lost & ~sure & ~goal], State.DEAD_RECKONING)
 
     def _drive(self, observations: Observation, robots: Robots) -> Array:
-        """Actions (M, 2) towards the last waypoint, which odometry keeps track of."""
-        actions = np.zeros((len(robots), 2))
-        moving = np.flatnonzero(~self.memory.over[robots])
+        """Actions (M, 2) towards the last waypoint, which odometry keeps track of, or to turn."""
+        actions, state = np.zeros((len(robots), 2)), self.memory.state[robots]
+        turning = np.flatnonzero(state == State.TURN)
+        if turning.size:
+            actions[turning] = self._turns.act(observations[turning], robots[turning])
+        moving = np.flatnonzero(~self.memory.over[robots] & (state != State.TURN))
         if moving.size:
             seen = observations[moving]
             waypoints = to_local(seen.odometry, self.memory.waypoints[robots[moving]])

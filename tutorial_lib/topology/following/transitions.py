@@ -24,6 +24,7 @@ class State(IntEnum):
     DEAD_RECKONING = 2
     LOST = 3
     DONE = 4
+    TURN = 5
 
 
 @dataclass(frozen=True)
