@@ -9,6 +9,8 @@ from pathlib import Path
 
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
+from tutorial_lib.experiments.protocols.drives import parse_drives
+from tutorial_lib.experiments.protocols.trial_choices import GOALS, STARTS
 from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.world.generators import FAMILIES
@@ -27,6 +29,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
     )
+    parser.add_argument(
+        "--drives", type=parse_drives, default="", help="learned: a share as 0.2, or a tour"
+    )
+    parser.add_argument("--starts", choices=STARTS, default="", help="of trials")
+    parser.add_argument("--goals", choices=GOALS, default="", help="how they are seen")
 
 
 def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) -> None:

@@ -18,9 +18,17 @@ EVERYTHING = {
     "agent": Options(agent="mine.py:Mine"),
     "odometry": Options(odometry="exact"),
     "family": Options(family="hall"),
+    "drives": Options(drives="tour"),
+    "starts": Options(starts="anywhere"),
+    "goals": Options(goals="turned"),
 }
-OPTIONAL = {"map", "palette", "family", "agent", "odometry"}
-NOTED = {"odometry": "odometry: exact", "family": "family: hall"}
+OPTIONAL = {"map", "palette", "family", "agent", "odometry", "drives", "starts", "goals"}
+NOTED = {
+    "odometry": "odometry: exact",
+    "family": "family: hall",
+    "starts": "starts: anywhere",
+    "goals": "goals: turned",
+}
 
 
 def run(options, settings):

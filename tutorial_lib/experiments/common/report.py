@@ -28,6 +28,9 @@ class Options:
         family: of generated worlds; the experiment's own, by seed, unless given.
         agent: FILE.py:CLASS of an agent, or of a component of one, to compare with the others.
         odometry: one of `ODOMETRY`.
+        drives: which of the recorded drives agents learn, see `protocols.drives`; all if empty.
+        starts: where trials start, see `protocols.trial_choices`; at the places if empty.
+        goals: how goals are seen, likewise; as on arrival from the start if empty.
     """
 
     worlds: tuple[int, ...] = ()
@@ -39,6 +42,9 @@ class Options:
     family: str = ""
     agent: str = ""
     odometry: str = DRIFTING
+    drives: str = ""
+    starts: str = ""
+    goals: str = ""
 
     @property
     def drifts(self) -> bool:

@@ -1,4 +1,7 @@
-"""How much success depends on the threshold of RE, a probability, and of SPTM's similarity."""
+"""How much success depends on the threshold of RE, a probability, and of SPTM's similarity.
+
+With `--drives` for agents that learned a part of the drives: what is best depends on how much.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
+from tutorial_lib.experiments.protocols.drives import part_of
 from tutorial_lib.experiments.protocols.navigation import Result, attempt, measured
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_trials, make_building
 from tutorial_lib.parallel import for_each
@@ -49,9 +53,10 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[Key, Result]:
     """All variants in one world, on the same trials."""
-    building = make_building(world, options.seed, settings.places, drifts=options.drifts)
+    whole = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 1])
-    trials = draw_trials(building, settings.trials, rng)
+    trials = draw_trials(whole, settings.trials, rng)
+    building = part_of(whole, options.drives, options.seed)
     found: dict[Key, Result] = {}
     for least in settings.re:
         map_settings = MapSettings(p_edge=least, p_reuse=least)
@@ -96,5 +101,5 @@ EXPERIMENT = Experiment(
     WORLDS,
     settings=Settings(),
     quick_settings=Settings(trials=10),
-    accepts=frozenset({"odometry"}),
+    accepts=frozenset({"odometry", "drives"}),
 )

@@ -122,9 +122,7 @@ class Follower:
         self._steps.append((*before, *self._predicted.T.copy(), memory.waypoints.copy()))
         return actions
 
-    def assign(
-        self, robot: int, path: ArrayLike, turns: Mapping[int, float] | None = None
-    ) -> None:
+    def assign(self, robot: int, path: ArrayLike, turns: Mapping[int, float] | None = None) -> None:
         """Put a robot on another path, which it follows from the first anchor on.
 
         Args:

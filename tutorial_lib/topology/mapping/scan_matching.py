@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array, inverse, wrap
 from tutorial_lib.world.sensors import full_circle
@@ -110,7 +109,9 @@ def _aligned(first: Array, second: Array, angles: Array, starts: Array) -> Array
         known = _points(second[pair], angles, points)
         reach = _WIDEST
         for _ in range(_STEPS):
-            moved = _closer(points[:known:_SKIP], walls[:count], poses[pair], max(reach, _NARROWEST))
+            moved = _closer(
+                points[:known:_SKIP], walls[:count], poses[pair], max(reach, _NARROWEST)
+            )
             reach *= _SHRINK
             if not moved:
                 break

@@ -53,6 +53,11 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
         "digest": digest,
         "settings": asdict(topomap.settings),
         "edges": edges,
+        "turns": [
+            [new[source], new[target], angle]
+            for source, target, angle in topomap.graph.edges(data="turn")
+            if angle is not None
+        ],
         "trails": paths,  # as files of version 1 call them
     }
     write_text(path, json.dumps(graph))
@@ -171,6 +176,10 @@ def _topomap(
             if not 0.0 <= probability <= 1.0:
                 raise InputError(f"edge {source} to {target}: probability {probability}")
             found.connect(source, target, probability, driven)
+        for source, target, angle in graph.get("turns", []):  # maps of before have none
+            if not found.graph.has_edge(source, target):
+                raise InputError(f"turn {source} to {target}; there is no such edge")
+            found.graph.edges[source, target]["turn"] = float(angle)
     except InputError:
         raise
     except (TypeError, ValueError, KeyError, IndexError) as error:

@@ -141,9 +141,7 @@ def colour_correlation(
     return float((here * there).sum() / scale) if scale > 0 else float("nan")
 
 
-def _by_scans(
-    topomap: TopoMap, seen: Observation, fresh: Indices, settings: TurnSettings
-) -> Turns:
+def _by_scans(topomap: TopoMap, seen: Observation, fresh: Indices, settings: TurnSettings) -> Turns:
     """Pairs whose scans agree, near each other and with different headings."""
     alive = topomap.alive
     lasers = np.asarray(seen.laser, dtype=float)
@@ -195,7 +193,8 @@ def _sights(observations: Observation, place: int, own: Indices) -> tuple[Array,
     edge = np.tan(camera.field_of_view / 2)
     beams = np.flatnonzero(np.abs(angles) < camera.field_of_view / 2)
     columns = ((1.0 - np.tan(angles[beams]) / edge) * camera.columns / 2).astype(int)
-    first, last = (round(share * seen.image.shape[1]) for share in _ROWS)
+    first, last = (int(share * seen.image.shape[1]) for share in _ROWS)
+    last = max(last, first + 1)
     colours = seen.image[:, first:last].astype(float).mean(axis=1)[:, columns]
     rays = np.stack([np.cos(angles[beams]), np.sin(angles[beams])], axis=1)
     points = np.stack(
