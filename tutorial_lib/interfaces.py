@@ -18,6 +18,10 @@ from tutorial_lib.errors import InputError
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
+HERE = -1
+"""In place of a vertex: where the robot is now."""
+Edges = set[tuple[int, int]]
+"""Of a map, from a vertex, or from `HERE`, to a vertex."""
 
 
 @dataclass(frozen=True)
@@ -241,9 +245,9 @@ class Planner(Protocol):
         observation: Observation,
         goals: Goals,
         topomap: Any,  # noqa: ANN401
-        excluded: Collection[int] = (),
+        excluded: Collection[tuple[int, int]] = (),
     ) -> Plan:
-        """A path over the map that avoids the `excluded` vertices, or a refusal."""
+        """A path over the map that avoids the `excluded` edges, or a refusal."""
 
 
 @runtime_checkable

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tutorial_lib.agents.navigator import MapAgent
-from tutorial_lib.interfaces import Experience, Goals, Observation, Plan, Planner
+from tutorial_lib.interfaces import Edges, Experience, Goals, Observation, Plan, Planner
 from tutorial_lib.topology.mapping.anchors import anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
@@ -47,6 +47,6 @@ class MengAgent(MapAgent):
             if self.turns is not None:
                 add_turns(self.topomap, anchors, added.path, self.turns)
 
-    def find_path(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
+    def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """The planner's path."""
         return self.planner.plan(observation, goals, self.topomap, excluded)

@@ -77,7 +77,7 @@ def test_colours_are_compared_where_both_drives_saw_the_wall():
     there = relative(pose, np.column_stack([points, np.zeros(40)]))[:, :2]
     assert colour_correlation((points, colours), (there, colours), pose) == pytest.approx(1.0)
     assert abs(colour_correlation((points, colours), (there, others), pose)) < 0.4
-    far = there + [30.0, 0.0]
+    far = np.add(there, [30.0, 0.0])
     assert np.isnan(colour_correlation((points, colours), (far, colours), pose))
     assert np.isnan(colour_correlation((points, colours), (np.empty((0, 2)), colours[:0]), pose))
 
@@ -96,7 +96,7 @@ def along(scene, poses, begin):
     """Anchors at poses (N, 3) of one drive, whose odometry has an origin of its own."""
     poses = np.asarray(poses, dtype=float)
     count, rest = len(poses), np.zeros(len(poses))
-    odometry = relative(poses[:1] + [0.7, 0.1, 0.2], poses)
+    odometry = relative(np.add(poses[:1], [0.7, 0.1, 0.2]), poses)
     laser = scans(scene, poses).astype(np.float32)
     times = begin + np.arange(count) * 1.0
     drive = Trajectory("", 0, poses, odometry, laser, rest, rest, np.zeros((count, 2)), times)

@@ -188,11 +188,11 @@ def _sights(observations: Observation, place: int, own: Indices) -> tuple[Array,
     around = own[max(middle - _BESIDE, 0) : middle + _BESIDE + 1]
     seen = observations[around]
     poses = relative(observations[np.array([place])].odometry, seen.odometry)
-    camera, laser = Camera(columns=seen.image.shape[2]), np.asarray(seen.laser, dtype=float)
+    half, laser = Camera().field_of_view / 2, np.asarray(seen.laser, dtype=float)
     angles = full_circle(laser.shape[1])
-    edge = np.tan(camera.field_of_view / 2)
-    beams = np.flatnonzero(np.abs(angles) < camera.field_of_view / 2)
-    columns = ((1.0 - np.tan(angles[beams]) / edge) * camera.columns / 2).astype(int)
+    beams = np.flatnonzero(np.abs(angles) < half)
+    aside = np.tan(angles[beams]) / np.tan(half)
+    columns = ((1.0 - aside) / 2 * seen.image.shape[2]).astype(int)
     first, last = (int(share * seen.image.shape[1]) for share in _ROWS)
     last = max(last, first + 1)
     colours = seen.image[:, first:last].astype(float).mean(axis=1)[:, columns]
