@@ -143,7 +143,9 @@ def test_drives_that_look_the_same_way_are_not(scene):
 def test_where_the_walls_have_other_colours_it_is_another_place(scene):
     box = make_box(pillars=PILLARS)
     rng, paint = np.random.default_rng(0), box.materials[0]
-    stripes = [replace(one, colour=tuple(rng.integers(0, 255, 3))) for one in paint.stripes]
+    stripes = [
+        replace(one, colour=tuple(rng.integers(0, 255, 3).tolist())) for one in paint.stripes
+    ]
     painted = Scene(replace(box, materials=(replace(paint, stripes=tuple(stripes)),)))
     assert learned(scene, THERE, BACK, painted=painted)[1] == [0, 0]
 
