@@ -131,7 +131,7 @@ def test_a_drive_there_and_one_back_are_joined_by_turning_both_ways(scene):
         assert (source < 6) != (target < 6)
         assert abs(x[source] - x[target]) < 1.0
         assert abs(abs(edge["turn"]) - np.pi) < 0.1
-        assert edge["probability"] == 0.8
+        assert edge["probability"] == 0.95
         assert topomap.graph.has_edge(target, source)
 
 

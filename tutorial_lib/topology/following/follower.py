@@ -188,12 +188,24 @@ class Follower:
         self._go_on(robots[back], sighted[back])
 
     def _turn(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
-        """Turn: back to Follow once one of the next anchors was sighted some steps in a row."""
-        del observations
+        """Turn: back to Follow once one of the next anchors was sighted some steps in a row.
+
+        At the goal, once it is faced. There a robot that never does has arrived all the same.
+        """
+        active = self.memory.active[robots]
+        last = np.flatnonzero(self.memory.looked[robots])
+        every = np.ones((len(last), 1), dtype=bool)
+        _, overlaps = self.paths.waypoints(
+            self.predictor, observations[last], robots[last], active[last, None], every
+        )
+        probabilities[last] = np.nan
+        probabilities[last, self.settings.widest] = overlaps[:, 0] > self.settings.facing
         sighted, back = self._sight(robots, probabilities)
-        self._go_on(robots[back], sighted[back])
         late = ~back & (self._turns.seconds[robots] > TURN_TIME - STEP / 2)
-        self.memory.state[robots[late]] = State.LOST
+        ends = late & self.memory.looked[robots]
+        self._go_on(robots[back], sighted[back])
+        self._go_on(robots[ends], active[ends])
+        self.memory.state[robots[late & ~ends]] = State.LOST
 
     def _sight(self, robots: Robots, probabilities: Array) -> tuple[Places, NDArray[np.bool_]]:
         """The anchors (M,) that robots see again, -1 for none, and (M,) whether it is certain."""
@@ -255,6 +267,22 @@ class Follower:
         memory.enter(robots[blind], State.TURN)
         memory.width[robots[blind]] = settings.widest
         self._turns.begin(robots[blind], observations.odometry[blind], chosen[blind])
+        self._look_around(observations, robots, waypoints, overlaps)
+
+    def _look_around(
+        self, observations: Observation, robots: Robots, waypoints: Array, overlaps: Array
+    ) -> None:
+        """At the goal turn all around, once, where a small turn did not help to face it."""
+        settings, memory = self.settings, self.memory
+        aside = memory.heading.tried[robots] > settings.effort
+        aside &= memory.active[robots] == self.paths.lengths[robots] - 1
+        aside &= np.linalg.norm(waypoints[:, 1], axis=1) < settings.at
+        aside &= (overlaps[:, 1] <= settings.facing) & (memory.state[robots] == State.FOLLOW)
+        aside &= ~memory.looked[robots]
+        around = robots[aside]
+        memory.enter(around, State.TURN)
+        memory.looked[around] = True
+        self._turns.look(around, observations.odometry[aside])
 
     def _arrive(
         self, robots: Robots, now: Array, after: Array, waypoints: Array, overlaps: Array
@@ -272,7 +300,7 @@ class Follower:
         first = np.where(np.where(last, waypoints[:, 1, 1], waypoints[:, 2, 1]) < 0, -1, 1)
         heading.decide(robots, wants, near, gap, overlap, first)
         done = (near & (heading.side[robots] == 0)) | tired
-        return done, near & last & (faces | tired)
+        return done, near & last & (faces | (tired & self.memory.looked[robots]))
 
     def _leave(self, robots: Robots, sure: NDArray[np.bool_], goal: NDArray[np.bool_]) -> None:
         """Leave Follow: at the goal, for dead reckoning, or lost."""

@@ -26,6 +26,7 @@ class FollowerState:
         width: (N,) anchors on either side of the active one that a lookout reaches.
         sighted: (N,) place of the anchor sighted in dead reckoning, -1 for none.
         streak: (N,) steps in a row with that anchor in sight, or at the goal.
+        looked: (N,) has turned all around at the goal.
         heading: the search for the heading of an anchor.
     """
 
@@ -38,6 +39,7 @@ class FollowerState:
     width: NDArray[np.intp]
     sighted: NDArray[np.intp]
     streak: NDArray[np.intp]
+    looked: NDArray[np.bool_]
     heading: HeadingSearch
 
     @classmethod
@@ -54,6 +56,7 @@ class FollowerState:
             width=np.zeros(count, dtype=int),
             sighted=np.full(count, -1),
             streak=np.zeros(count, dtype=int),
+            looked=np.zeros(count, dtype=bool),
             heading=HeadingSearch(count),
         )
 
@@ -85,4 +88,5 @@ class FollowerState:
         self.enter(one, State.FOLLOW)
         self.active[robot], self.visited[robot] = 0, -1
         self.stalled[robot], self.waypoints[robot] = 0.0, np.nan
+        self.looked[robot] = False
         self.heading.begin(one)

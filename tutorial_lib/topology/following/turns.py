@@ -47,6 +47,10 @@ class PathTurns:
             angles = [self._angles[i][place] for i, place in zip(robots, places, strict=True)]
             self._control.begin(robots, odometry, np.array(angles))
 
+    def look(self, robots: Robots, odometry: Array) -> None:
+        """Begin to turn all around."""
+        self._control.begin(robots, odometry, np.full(len(robots), 2 * np.pi))
+
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of robots that turn."""
         return self._control.act(observations, robots)

@@ -35,7 +35,8 @@ class TurnSettings:
     """When two places are joined by turning.
 
     Attributes:
-        p_turn: probability of such an edge.
+        p_turn: probability of such an edge. Were it much lower, plans would lead around a whole
+            building to save a turn.
         least: rad of heading between both at least.
         reach: metres between both at most.
         candidates: vertices whose scans are compared with that of an anchor.
@@ -44,7 +45,7 @@ class TurnSettings:
         most: edges from an anchor, with `least` between their headings.
     """
 
-    p_turn: float = 0.8
+    p_turn: float = 0.95
     least: float = float(np.deg2rad(60.0))
     reach: float = 1.0
     candidates: int = 24
