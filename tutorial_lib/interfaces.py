@@ -18,10 +18,8 @@ from tutorial_lib.errors import InputError
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
-HERE = -1
-"""In place of a vertex: where the robot is now."""
-Edges = set[tuple[int, int]]
-"""Of a map, from a vertex, or from `HERE`, to a vertex."""
+HERE, Edges = -1, set[tuple[int, int]]
+"""Of a map, from a vertex, or from where the robot is (`HERE`), to a vertex."""
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ MUTATIONS = [
     ),
     (
         "doubt is forgotten at once",
-        "topology/following/follower.py",
+        "topology/following/state.py",
         ">= settings.calm",
         ">= 0",
         "topology/following/test_follower.py",

@@ -11,6 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
+from tutorial_lib.driving.data.recorder import Recorder
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
     Trajectory,
@@ -22,13 +23,13 @@ from tutorial_lib.driving.metrics import time_limit
 from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Controller, Observation, Robots
+from tutorial_lib.interfaces import Controller
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.noise import DriftingOdometry, OdometryNoise
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.simulation import Sensors, Simulation
 from tutorial_lib.world.worlds import parse_world, scene_of
 
 NEAREST, FARTHEST = 4.0, 20.0
@@ -135,7 +136,7 @@ def demonstrate_on(
         The trajectory, None if the car did not arrive everywhere.
     """
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation, recorder = _fleet(scene, start, odometry), _Recorder()
+    simulation, recorder = _fleet(scene, start, odometry), Recorder()
     for goal in goals:
         oracle = OraclePolicy(simulation, paths, goal[None])
         limit = geodesic_limit(paths, simulation.poses, goal[None]) + _TURN_ROUND
@@ -234,7 +235,7 @@ def _fleet(
 
 def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list[Trajectory | None]:
     """The trajectory of each robot, None for one that did not arrive."""
-    recorder = _Recorder()
+    recorder = Recorder()
     rollouts = rollout(oracle.simulation, oracle, ReachGoals(oracle.goals, limit), record=recorder)
     return [
         recorder.trajectory(world, seed, robot) if reached else None
@@ -262,30 +263,3 @@ def _starts_and_goals(
         goals[robot] = rng.choice(fit)
     limit = time_limit(distance[np.arange(count), goals])
     return starts, paths.points[places[goals]], limit
-
-
-class _Recorder:
-    """Records what the moving robots sense and do."""
-
-    def __init__(self) -> None:
-        self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
-
-    def __call__(
-        self, simulation: Simulation, robots: Robots, seen: Observation, actions: Array
-    ) -> None:
-        """Keep one step, before it is made."""
-        laser = seen.laser.astype(np.float32)
-        poses = simulation.poses[robots]
-        row = (poses, seen.odometry, laser, seen.speed, seen.steering, actions)
-        self._steps.append((robots, row))
-
-    def trajectory(self, world: str, seed: int, robot: int) -> Trajectory:
-        """The trajectory of one robot."""
-        rows = []
-        for robots, row in self._steps:
-            place = np.searchsorted(robots, robot)
-            if place == len(robots) or robots[place] != robot:
-                break  # a robot that is done does not move again
-            rows.append([column[place] for column in row])
-        columns = [np.array(column) for column in zip(*rows, strict=True)]
-        return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)

@@ -3,8 +3,8 @@
 *Search* localizes the robot on its path. *Follow* drives to the active anchor by the predicted
 waypoint and switches to the next anchor in time. *Dead reckoning* takes over while RE of the active
 anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around.
-*Turn*: where the path goes on another way, the robot turns in place until it sees the next anchors.
-A robot that does not find its path again in time is lost, and stops.
+*Turn*: where the path goes on another way, the robot turns until it sees the next anchors. A robot
+that does not find its path again in time is lost, and stops.
 
 Nothing here ever sees a pose.
 """
@@ -31,7 +31,6 @@ from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.state import FollowerState
 from tutorial_lib.topology.following.transitions import (
     FollowerSettings,
-    Places,
     State,
     found_again,
     last_visited,
@@ -62,9 +61,7 @@ class Follower:
 
         Args:
             paths: one for each of N robots.
-            predictor: C_WP.
-            controller: C_RMP.
-            reachability: RE.
+            predictor, controller, reachability: C_WP, C_RMP and RE.
             settings: the thresholds.
             starts: (N,) the anchor to drive to first, where it is known; -1 where it must be
                 searched for, as everywhere unless given.
@@ -180,50 +177,28 @@ class Follower:
         """Dead reckoning: back to Follow once an anchor was sighted some steps in a row."""
         settings, memory = self.settings, self.memory
         self._try(observations, robots, probabilities[:, settings.widest] > settings.p_try)
-        sighted, back = self._sight(robots, probabilities)
+        sighted = found_again(memory.active[robots], probabilities, settings.p_follow)
+        back = memory.sight(robots, sighted, settings.confirm)
         memory.stalled[robots] += STEP
         lost = ~back & (memory.stalled[robots] > settings.timeout - STEP / 2)
         memory.width[robots] = np.minimum(memory.width[robots] + 1, settings.widest)
         memory.state[robots[lost]] = State.LOST
-        self._go_on(robots[back], sighted[back])
+        memory.go_on(robots[back], sighted[back])
 
     def _turn(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
-        """Turn: back to Follow once one of the next anchors was sighted some steps in a row.
-
-        At the goal, once it is faced. There a robot that never does has arrived all the same.
-        """
-        active = self.memory.active[robots]
-        last = np.flatnonzero(self.memory.looked[robots])
-        every = np.ones((len(last), 1), dtype=bool)
-        _, overlaps = self.paths.waypoints(
-            self.predictor, observations[last], robots[last], active[last, None], every
-        )
-        probabilities[last] = np.nan
-        probabilities[last, self.settings.widest] = overlaps[:, 0] > self.settings.facing
-        sighted, back = self._sight(robots, probabilities)
-        late = ~back & (self._turns.seconds[robots] > TURN_TIME - STEP / 2)
-        ends = late & self.memory.looked[robots]
-        self._go_on(robots[back], sighted[back])
-        self._go_on(robots[ends], active[ends])
-        self.memory.state[robots[late & ~ends]] = State.LOST
-
-    def _sight(self, robots: Robots, probabilities: Array) -> tuple[Places, NDArray[np.bool_]]:
-        """The anchors (M,) that robots see again, -1 for none, and (M,) whether it is certain."""
+        """Turn: back to Follow once one of the next anchors, or how the goal looks, was sighted."""
         settings, memory = self.settings, self.memory
-        sighted = found_again(memory.active[robots], probabilities, settings.p_follow)
-        same = np.abs(sighted - memory.sighted[robots]) <= 1
-        streak = np.where(same, memory.streak[robots], 0) + 1
-        streak = np.where(sighted >= 0, streak, 0)
-        memory.sighted[robots], memory.streak[robots] = sighted, streak
-        return sighted, streak >= settings.confirm
-
-    def _go_on(self, robots: Robots, sighted: Places) -> None:
-        """Back to Follow, towards the anchors (M,) that were sighted."""
-        memory = self.memory
-        memory.enter(robots, State.FOLLOW)
-        memory.heading.begin(robots[sighted != memory.active[robots]])
-        memory.active[robots] = sighted
-        memory.visited[robots] = np.maximum(memory.visited[robots], sighted - 1)
+        active, last = memory.active[robots], np.flatnonzero(memory.looked[robots])
+        there = observations[last], robots[last], active[last, None], np.ones((len(last), 1), bool)
+        _, overlaps = self.paths.waypoints(self.predictor, *there)
+        sighted = found_again(active, probabilities, settings.p_follow)
+        sighted[last] = np.where(overlaps[:, 0] > settings.facing, active[last], -1)
+        back = memory.sight(robots, sighted, settings.confirm)
+        late = ~back & (self._turns.seconds[robots] > TURN_TIME - STEP / 2)
+        memory.go_on(robots[back], sighted[back])
+        memory.state[robots[late]] = State.LOST
+        ends = late & memory.looked[robots]
+        memory.go_on(robots[ends], active[ends])
 
     def _try(self, observations: Observation, robots: Robots, worth: NDArray[np.bool_]) -> None:
         """At the end of dead reckoning, request a new waypoint to the active anchor if `worth`.
@@ -260,29 +235,17 @@ class Follower:
         fresh = sure | moved | np.isnan(memory.waypoints[robots, 0])
         ahead = memory.heading.waypoints(robots, waypoints[np.arange(len(robots)), 1 + moved])
         memory.waypoints[robots[fresh]] = to_world(observations.odometry, ahead)[fresh]
-        self._leave(robots, sure, goal)
+        memory.leave(robots, sure, goal, settings)
         # Who sees the next anchor drives to it, whatever the map says about turning.
         blind = moved & ~(after > settings.p_follow) & (memory.state[robots] != State.LOST)
         blind &= self._turns.before(robots, chosen)
-        memory.enter(robots[blind], State.TURN)
-        memory.width[robots[blind]] = settings.widest
+        memory.turn(robots[blind], settings.widest)
         self._turns.begin(robots[blind], observations.odometry[blind], chosen[blind])
-        self._look_around(observations, robots, waypoints, overlaps)
-
-    def _look_around(
-        self, observations: Observation, robots: Robots, waypoints: Array, overlaps: Array
-    ) -> None:
-        """At the goal turn all around, once, where a small turn did not help to face it."""
-        settings, memory = self.settings, self.memory
-        aside = memory.heading.tried[robots] > settings.effort
-        aside &= memory.active[robots] == self.paths.lengths[robots] - 1
-        aside &= np.linalg.norm(waypoints[:, 1], axis=1) < settings.at
-        aside &= (overlaps[:, 1] <= settings.facing) & (memory.state[robots] == State.FOLLOW)
-        aside &= ~memory.looked[robots]
-        around = robots[aside]
-        memory.enter(around, State.TURN)
-        memory.looked[around] = True
-        self._turns.look(around, observations.odometry[aside])
+        last = memory.active[robots] == self.paths.lengths[robots] - 1
+        aside = last & memory.faces_away(robots, waypoints[:, 1], overlaps[:, 1], settings)
+        memory.turn(robots[aside], settings.widest)
+        memory.looked[robots[aside]] = True
+        self._turns.look(robots[aside], observations.odometry[aside])
 
     def _arrive(
         self, robots: Robots, now: Array, after: Array, waypoints: Array, overlaps: Array
@@ -301,19 +264,6 @@ class Follower:
         heading.decide(robots, wants, near, gap, overlap, first)
         done = (near & (heading.side[robots] == 0)) | tired
         return done, near & last & (faces | (tired & self.memory.looked[robots]))
-
-    def _leave(self, robots: Robots, sure: NDArray[np.bool_], goal: NDArray[np.bool_]) -> None:
-        """Leave Follow: at the goal, for dead reckoning, or lost."""
-        settings, memory = self.settings, self.memory
-        progress = goal | (sure & (memory.heading.tried[robots] <= settings.effort))
-        memory.calm[robots] = np.where(progress, memory.calm[robots] + STEP, 0.0)
-        memory.stalled[robots[~progress]] += STEP
-        memory.stalled[robots[memory.calm[robots] >= settings.calm]] = 0.0
-        memory.streak[robots] = np.where(goal, memory.streak[robots] + 1, 0)
-        lost = memory.stalled[robots] > settings.timeout - STEP / 2
-        memory.enter(robots[lost], State.LOST)
-        memory.enter(robots[~lost & (memory.streak[robots] >= settings.confirm)], State.DONE)
-        memory.enter(robots[~lost & ~sure & ~goal], State.DEAD_RECKONING)
 
     def _drive(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) towards the last waypoint, which odometry keeps track of, or to turn."""
