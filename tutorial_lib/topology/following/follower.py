@@ -61,7 +61,9 @@ class Follower:
 
         Args:
             paths: one for each of N robots.
-            predictor, controller, reachability: C_WP, C_RMP and RE.
+            predictor: C_WP.
+            controller: C_RMP.
+            reachability: RE.
             settings: the thresholds.
             starts: (N,) the anchor to drive to first, where it is known; -1 where it must be
                 searched for, as everywhere unless given.
@@ -125,7 +127,7 @@ class Follower:
         Args:
             robot: its index.
             path: (L,) indices of anchors, as for `AnchorPaths`.
-            turns: by how many rad the path turns before each of these places on it.
+            turns: by how many rad it turns before each of these places on the path.
 
         Raises:
             InputError: when the path leads beyond the anchors.
@@ -190,7 +192,7 @@ class Follower:
         settings, memory = self.settings, self.memory
         active, last = memory.active[robots], np.flatnonzero(memory.looked[robots])
         there = observations[last], robots[last], active[last, None], np.ones((len(last), 1), bool)
-        _, overlaps = self.paths.waypoints(self.predictor, *there)
+        overlaps = self.paths.waypoints(self.predictor, *there)[1]
         sighted = found_again(active, probabilities, settings.p_follow)
         sighted[last] = np.where(overlaps[:, 0] > settings.facing, active[last], -1)
         back = memory.sight(robots, sighted, settings.confirm)
@@ -237,12 +239,12 @@ class Follower:
         memory.waypoints[robots[fresh]] = to_world(observations.odometry, ahead)[fresh]
         memory.leave(robots, sure, goal, settings)
         # Who sees the next anchor drives to it, whatever the map says about turning.
-        blind = moved & ~(after > settings.p_follow) & (memory.state[robots] != State.LOST)
-        blind &= self._turns.before(robots, chosen)
+        blind = moved & ~(after > settings.p_follow) & self._turns.before(robots, chosen)
+        blind &= memory.state[robots] != State.LOST
         memory.turn(robots[blind], settings.widest)
         self._turns.begin(robots[blind], observations.odometry[blind], chosen[blind])
-        last = memory.active[robots] == self.paths.lengths[robots] - 1
-        aside = last & memory.faces_away(robots, waypoints[:, 1], overlaps[:, 1], settings)
+        aside = memory.faces_away(robots, waypoints[:, 1], overlaps[:, 1], settings)
+        aside &= memory.active[robots] == self.paths.lengths[robots] - 1
         memory.turn(robots[aside], settings.widest)
         memory.looked[robots[aside]] = True
         self._turns.look(robots[aside], observations.odometry[aside])
@@ -268,8 +270,7 @@ class Follower:
     def _drive(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) towards the last waypoint, which odometry keeps track of, or to turn."""
         actions, state = np.zeros((len(robots), 2)), self.memory.state[robots]
-        turning = np.flatnonzero(state == State.TURN)
-        if turning.size:
+        if (turning := np.flatnonzero(state == State.TURN)).size:
             actions[turning] = self._turns.act(observations[turning], robots[turning])
         moving = np.flatnonzero(~self.memory.over[robots] & (state != State.TURN))
         if moving.size:
