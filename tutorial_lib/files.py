@@ -1,8 +1,8 @@
-"""Files are written whole or not at all, and read with every fault named."""
+"""Files are written whole or not at all; `reading` reads them."""
 
 import os
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -66,57 +66,10 @@ def save_arrays(
     Args:
         path: of the file.
         arrays: by name.
-        version: of the file's layout, which `load_arrays` compares.
+        version: of the file's layout, which `reading.arrays.load_arrays` compares.
         compressed: smaller, but slower to write.
     """
     stamp = {} if version is None else {"version": np.array(version)}
     write = np.savez_compressed if compressed else np.savez
     with atomic_path(path) as temporary, temporary.open("wb") as file:
         write(file, **stamp, **arrays)
-
-
-def load_arrays(
-    path: str | Path, names: Collection[str], *, version: int | None = None, advice: str = ""
-) -> dict[str, NDArray[Any]]:
-    """Read the arrays that `save_arrays` wrote; nothing is ever unpickled.
-
-    Args:
-        path: of the file.
-        names: of the arrays that it must hold.
-        version: that it must have; not compared unless given.
-        advice: what to do about a file that cannot be read.
-
-    Raises:
-        InputError: when the file is missing, damaged, of another version, or lacks an array; it
-            names the file, says what is wrong, and ends with the advice.
-    """
-    path, ending = Path(path), f"; {advice}" if advice else ""
-    try:
-        arrays = _read_arrays(path)
-        if version is not None:
-            _check_version(arrays, version)
-        for name in names:
-            if name not in arrays:
-                raise InputError(f"damaged ({name!r} is missing)")
-    except InputError as error:
-        raise InputError(f"{path}: {error}{ending}") from error
-    return arrays
-
-
-def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    if not path.is_file():
-        raise InputError("there is no such file")
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
-    except Exception as error:
-        raise InputError(f"damaged, or not an .npz file ({error})") from error
-
-
-def _check_version(arrays: dict[str, NDArray[Any]], version: int) -> None:
-    found = arrays.pop("version", None)
-    if found is None or found.shape or found.dtype.kind not in "iu":
-        raise InputError(f"damaged, or not a file of version {version}")
-    if found != version:
-        raise InputError(f"of version {found}; this program reads version {version}")

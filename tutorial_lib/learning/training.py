@@ -1,5 +1,6 @@
 """One plain training loop: seeded, resumable, with a progress bar."""
 
+import io
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -16,6 +17,9 @@ from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.weights import digest_of
+from tutorial_lib.reading.checksums import sealed, unsealed
+from tutorial_lib.reading.limits import MAX_CHECKPOINT
+from tutorial_lib.reading.regular import read_bytes
 
 
 @dataclass(frozen=True)
@@ -193,18 +197,22 @@ class _State:
             "history": self.progress.history,
             "seconds": self.progress.seconds,
         }
+        buffer = io.BytesIO()
+        torch.save(state, buffer)
         with atomic_path(path) as temporary:
-            torch.save(state, temporary)
+            temporary.write_bytes(sealed(buffer.getvalue()))
 
     def load(self, path: Path) -> None:
         """Resume from what `save` wrote.
 
         Raises:
-            InputError: when the file is damaged or belongs to another training.
+            InputError: when the file is damaged, has no checksum (as those of older versions), or
+                belongs to another training.
         """
         advice = "delete it to begin again"
+        data = read_bytes(path, MAX_CHECKPOINT, advice)
         try:
-            state = torch.load(path, weights_only=True)
+            state = torch.load(io.BytesIO(unsealed(data)), weights_only=True)
             if state["recipe"] == self.recipe:
                 self.network.load_state_dict(state["network"])
                 self.optimizer.load_state_dict(state["optimizer"])
@@ -213,7 +221,8 @@ class _State:
                 return
         # torch, zipfile and pickle have a dozen errors for a damaged file, some many lines long.
         except Exception as error:
-            raise InputError(f"{path}: a damaged checkpoint; {advice}") from error
+            why = error if isinstance(error, InputError) else type(error).__name__
+            raise InputError(f"{path}: a damaged checkpoint ({why}); {advice}") from error
         raise InputError(f"{path}: a checkpoint of another training, {state['recipe']}; {advice}")
 
 

@@ -12,6 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.files import write_text
 from tutorial_lib.learning.weights import digest_of
+from tutorial_lib.reading.documents import read_json
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
@@ -22,10 +23,10 @@ def load_learned(building: Building, agent: MengAgent, folder: Path = FOLDER) ->
     """The map that this agent learned of this building; None if none was kept, or of others."""
     map_file, origin_file = _files(building, folder)
     try:
-        if json.loads(origin_file.read_text(encoding="utf-8")) != _origin(building, agent):
+        if read_json(origin_file) != _origin(building, agent):
             return None
         return load_map(map_file, agent.reachability)
-    except (OSError, ValueError, InputError):
+    except InputError:
         return None  # it is learned again
 
 

@@ -1,7 +1,7 @@
 """Maps on disk: a JSON file with the graph, and beside it an `.npz` file with the observations.
 
 The graph names the file of arrays that it belongs to by a digest, and is written last: an
-interrupted save leaves the old map intact.
+interrupted save leaves the old map intact. Its own checksum is over all that it says.
 """
 
 from __future__ import annotations
@@ -17,13 +17,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, load_arrays, save_arrays, write_text
+from tutorial_lib.files import atomic_path, save_arrays, write_text
 from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.reading.arrays import load_arrays
+from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
+from tutorial_lib.reading.documents import read_json
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.stored_graph import check_arrays, read_edges, read_paths
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
-VERSION = 1
-"""Of the files' layout."""
+VERSION = 2
+"""Of the files' layout; the graph of version 1 had no checksum."""
+_KEYS = {"version", "arrays", "digest", "settings", "edges", "trails"}
 _SEEN = ("image", "laser", "odometry", "speed", "steering")
 
 
@@ -53,9 +58,9 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
         "digest": digest,
         "settings": asdict(topomap.settings),
         "edges": edges,
-        "trails": paths,  # as files of version 1 call them
+        "trails": paths,  # as files have called them since version 1
     }
-    write_text(path, json.dumps(graph))
+    write_text(path, json.dumps(with_checksum(graph)))
     for stale in path.parent.glob(f"{path.stem}-{'[0-9a-f]' * 12}.npz"):
         if stale != beside:
             stale.unlink()
@@ -113,23 +118,23 @@ def _digest(arrays: dict[str, NDArray[Any]]) -> str:
     digest = hashlib.sha256()
     for name in sorted(arrays):
         digest.update(f"{name} {arrays[name].dtype} {arrays[name].shape}".encode())
-        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+        digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8))
     return digest.hexdigest()
 
 
 def _graph(path: Path) -> dict[str, Any]:
     """The graph's file, so far as it is one."""
-    if not path.is_file():
-        raise InputError("there is no such file")
-    try:
-        graph = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"damaged, or not JSON ({error})") from error
-    if not isinstance(graph, dict) or graph.get("version") != VERSION:
+    graph = read_json(path)
+    if not isinstance(graph, dict) or graph.get("version") not in (1, VERSION):
         raise InputError(f"not a map of version {VERSION}")
-    missing = {"arrays", "digest", "settings", "edges", "trails"} - set(graph)
+    missing = _KEYS - set(graph)
     if missing:
         raise InputError(f"{', '.join(sorted(missing))}: missing")
+    # A map of version 1 loads so far as it makes sense, which is all that can be said of it.
+    if graph["version"] != 1 or CHECKSUM in graph:
+        graph = without_checksum(graph)
+    if set(graph) != _KEYS:
+        raise InputError(f"{', '.join(sorted(set(graph) - _KEYS))}: not part of a map")
     name = graph["arrays"]
     if not isinstance(name, str) or not name or Path(name).name != name:
         raise InputError(f"arrays: {name!r} is not the name of a file beside it")
@@ -142,6 +147,7 @@ def _load(path: Path, digest: str) -> dict[str, NDArray[Any]]:
         arrays = load_arrays(path, names=())
     except InputError as error:
         raise InputError(f"{path.name}: missing or damaged ({error})") from error
+    check_arrays(arrays)
     if _digest(arrays) != digest:
         raise InputError(f"{path.name}: does not belong to this map")
     return arrays
@@ -151,28 +157,16 @@ def _topomap(
     graph: dict[str, Any], arrays: dict[str, NDArray[Any]], reachability: Reachability
 ) -> TopoMap:
     try:
-        found = TopoMap(reachability, MapSettings(**graph["settings"]))
-        seen = Observation(depth=None, **{name: arrays[name] for name in _SEEN})
-        found.make_vertices(
-            seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
-        )
-        found.paths = [[int(vertex) for vertex in vertices] for vertices in graph["trails"]]
-        for number, path in enumerate(found.paths):
-            gone = sorted({*path} - {*found.graph})
-            if gone:
-                raise InputError(f"trajectory {number} leads over {gone}, which are not there")
-        for vertex in found.alive:
-            path, place = found.path_of(int(vertex))
-            if place < 0 or path[place] != vertex:
-                raise InputError(f"vertex {vertex} is not where its trajectory has it")
-        for source, target, probability, driven in graph["edges"]:
-            if source not in found.graph or target not in found.graph:
-                raise InputError(f"edge {source} to {target}; the map has {len(found)} vertices")
-            if not 0.0 <= probability <= 1.0:
-                raise InputError(f"edge {source} to {target}: probability {probability}")
-            found.connect(source, target, probability, driven)
-    except InputError:
-        raise
-    except (TypeError, ValueError, KeyError, IndexError) as error:
-        raise InputError(f"damaged ({error!r})") from error
+        settings = MapSettings(**graph["settings"])
+    except TypeError as error:
+        raise InputError(f"settings: damaged ({error})") from error
+    found = TopoMap(reachability, settings)
+    found.paths = read_paths(graph["trails"], arrays["trajectory"], arrays["place"])
+    edges = read_edges(graph["edges"], len(arrays["place"]))
+    seen = Observation(depth=None, **{name: arrays[name] for name in _SEEN})
+    found.make_vertices(
+        seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
+    )
+    for edge in edges:
+        found.connect(*edge)
     return found
