@@ -18,6 +18,7 @@ from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.learning.weights import FOLDER, Card, load_card, load_network, save_network
+from tutorial_lib.reading.checksums import with_checksum
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 MEGABYTE = 1_000_000
@@ -37,7 +38,7 @@ def card_for(network, name="some"):
         network.architecture,
         {"steps": 3, "rate": 0.1},
         {"validation": 0.5},
-        1.5,
+        minutes=1.5,
     )
 
 
@@ -56,7 +57,9 @@ def damaged(folder, change, **edits):
     if "sha256" in edits and edits["sha256"] is None:
         edits["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
     card = path.with_suffix(".json")
-    card.write_text(json.dumps(json.loads(card.read_text()) | edits))
+    content = json.loads(card.read_text()) | edits
+    del content["checksum"]
+    card.write_text(json.dumps(with_checksum(content)))
 
 
 @pytest.fixture
@@ -255,14 +258,14 @@ def test_a_damaged_card_is_named(folder, fault):
     changed = DAMAGED[fault](path.read_text())
     assert changed != path.read_text()
     path.write_text(changed)
-    words = r"some\.json: not a card of weights.*python -m tutorial_lib train"
+    words = r"some\.json: .*not a card of weights.*python -m tutorial_lib train"
     with pytest.raises(InputError, match=words):
         load_network("some", folder)
 
 
 def test_a_card_that_is_no_text_is_named(folder):
     (folder / "some.json").write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match=r"some\.json: not a card"):
+    with pytest.raises(InputError, match=r"some\.json: cannot be read .*tutorial_lib train"):
         load_card("some", folder)
 
 

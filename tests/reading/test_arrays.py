@@ -1,5 +1,8 @@
 """Arrays on disk: what is wrong with a file is named, and none is larger than it may be."""
 
+import io
+import zipfile
+
 import numpy as np
 import pytest
 
@@ -7,6 +10,7 @@ from tests.test_files import ARRAYS, same
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import save_arrays
 from tutorial_lib.reading.arrays import load_arrays
+from tutorial_lib.reading.limits import MAX_ARRAYS, MAX_MEMBERS
 
 
 @pytest.fixture
@@ -25,7 +29,7 @@ def refused(path, words, **options):
 
 def test_a_missing_file_is_named(path):
     assert refused(path, "there is no such file")
-    assert refused(path.parent, "there is no such file")
+    assert refused(path.parent, "cannot be read (it is a folder)")
 
 
 @pytest.mark.parametrize("compressed", [False, True])
@@ -91,3 +95,53 @@ def test_what_is_no_version_is_refused(path, version):
 def test_without_advice_there_is_none(path):
     with pytest.raises(InputError, match=r"there is no such file$"):
         load_arrays(path, ())
+
+
+# Sizes.
+
+
+def archive(*members, size=None):
+    """An `.npz` file of members (name, shape, bytes); `size` is what its table says of each."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as file:
+        for name, shape, data in members:
+            head = io.BytesIO()
+            form = {"descr": "<f8", "fortran_order": False, "shape": shape}
+            np.lib.format.write_array_header_1_0(head, form)
+            file.writestr(f"{name}.npy", head.getvalue() + data)
+        for member in file.infolist():
+            member.file_size = member.file_size if size is None else size
+    return out.getvalue()
+
+
+def test_an_archive_made_by_hand_is_read(path):
+    path.write_bytes(archive(("poses", (2,), np.arange(2.0).tobytes())))
+    assert same(load_arrays(path, ["poses"]), {"poses": np.arange(2.0)})
+
+
+@pytest.mark.parametrize("shape", [(1,), (3,), (10**15,), (2, 2), (2**62, 4), (0,), ()])
+def test_an_array_that_is_not_as_large_as_its_header_says_is_refused(path, shape):
+    path.write_bytes(archive(("poses", shape, bytes(16))))
+    assert refused(path, "damaged, or not an .npz file")
+
+
+def test_what_is_too_large_unpacked_is_refused_before_it_is_unpacked(path, monkeypatch):
+    members = ("poses", (2,), bytes(16)), ("more", (2,), bytes(16))
+    path.write_bytes(archive(*members, size=300 * 10**6))
+    monkeypatch.setattr(zipfile.ZipFile, "open", None)
+    assert refused(path, "its arrays would have 600 MB, more than the 512 MB that they may have")
+    assert MAX_ARRAYS == 512 * 10**6
+
+
+def test_an_archive_of_too_many_arrays_is_not_listed(path, monkeypatch):
+    members = [(str(number), (0,), b"") for number in range(MAX_MEMBERS + 1)]
+    path.write_bytes(archive(*members))
+    monkeypatch.setattr(zipfile, "ZipFile", None)
+    assert refused(path, f"{MAX_MEMBERS + 1} arrays, more than the {MAX_MEMBERS}")
+
+
+def test_two_arrays_of_one_name_are_refused(path):
+    with pytest.warns(UserWarning, match="Duplicate name"):
+        data = archive(("poses", (1,), bytes(8)), ("poses", (1,), bytes(8)))
+    path.write_bytes(data)
+    assert refused(path, "two arrays of one name")

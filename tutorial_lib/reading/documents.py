@@ -32,7 +32,7 @@ def read_json(path: str | Path, advice: str = "", limit: int = MAX_JSON) -> Any:
 
 
 def parse_json(text: str, where: str, advice: str = "") -> Any:  # noqa: ANN401
-    """What JSON text holds; NaN and Infinity, which are no JSON, are refused.
+    """What JSON text holds; as NaN and Infinity do, which who reads numbers has to refuse.
 
     Raises:
         InputError: naming `where` it stands, when it is no JSON, or deeper than `MAX_DEPTH`.
@@ -40,7 +40,7 @@ def parse_json(text: str, where: str, advice: str = "") -> Any:  # noqa: ANN401
     try:
         if len(text) > MAX_DEPTH and _depth(text) > MAX_DEPTH:
             raise InputError(f"more than {MAX_DEPTH} lists and mappings within each other")
-        return json.loads(text, parse_constant=_refuse)
+        return json.loads(text)
     except ValueError as error:
         raise failure(where, f"damaged, or not JSON ({error})", advice) from None
 
@@ -49,10 +49,6 @@ def _depth(text: str) -> int:
     """How deep lists and mappings lie within each other, so far as text is JSON."""
     brackets = _BRACKET.findall(_STRING.sub("", _ESCAPE.sub("", text)))
     return max(accumulate(1 if bracket in "[{" else -1 for bracket in brackets), default=0)
-
-
-def _refuse(constant: str) -> NoReturn:
-    raise InputError(f"{constant} is no number")
 
 
 def read_yaml(path: str | Path, advice: str = "") -> Any:  # noqa: ANN401

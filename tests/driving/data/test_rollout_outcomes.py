@@ -309,9 +309,10 @@ def test_what_is_no_file_of_ours_is_refused(saved, content):
 
 
 def test_a_missing_file_and_one_of_objects_are_refused(tmp_path):
-    for path in (tmp_path / "none.npz", tmp_path):
-        with pytest.raises(InputError, match="no such file; record it"):
-            load_outcomes(path, "recipe")
+    with pytest.raises(InputError, match="no such file; record it"):
+        load_outcomes(tmp_path / "none.npz", "recipe")
+    with pytest.raises(InputError, match=r"it is a folder.*; record it"):
+        load_outcomes(tmp_path, "recipe")
     np.savez(tmp_path / "bad.npz", version=np.array({"a": 1}, dtype=object))
     with pytest.raises(InputError, match="damaged"):
         load_outcomes(tmp_path / "bad.npz", "recipe")

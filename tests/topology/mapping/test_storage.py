@@ -23,6 +23,8 @@ from tests.made_up_maps import (
 )
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Goals
+from tutorial_lib.reading.checksums import with_checksum
+from tutorial_lib.topology.mapping import storage
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
@@ -172,6 +174,12 @@ def saved(path):
     return json.loads(path.read_text()), arrays
 
 
+def rewrite(path, graph, **changes):
+    """Write a graph's file with changes, as somebody who means them: its checksum is right."""
+    content = {key: value for key, value in {**graph, **changes}.items() if key != "checksum"}
+    path.write_text(json.dumps(with_checksum(content)))
+
+
 def outcome(path):
     """The map that is read, or why none is."""
     try:
@@ -208,14 +216,14 @@ def test_garbage_is_named(path):
     assert refused(path, "damaged, or not JSON")
     for text in ("[1, 2]", "7", "{}", '"map"', "null"):
         path.write_text(text)
-        assert refused(path, "not a map of version 1")
+        assert refused(path, "not a map of version 2")
 
 
-@pytest.mark.parametrize("version", [0, 2, "1", None])
+@pytest.mark.parametrize("version", [0, 3, "1", None, True, 1.5])
 def test_another_version_is_named(path, version):
     graph, _ = saved(path)
     path.write_text(json.dumps({**graph, "version": version}))
-    assert refused(path, "not a map of version 1")
+    assert refused(path, "not a map of version 2")
 
 
 @pytest.mark.parametrize("name", ["arrays", "digest", "settings", "edges", "trails"])
@@ -224,6 +232,63 @@ def test_what_is_missing_is_named(path, name):
     del graph[name]
     path.write_text(json.dumps(graph))
     assert refused(path, f"{name}: missing")
+
+
+def test_a_graph_in_which_anything_was_altered_is_named(path):
+    graph, _ = saved(path)
+    whole = path.read_bytes()
+    for place in range(0, len(whole), 7):
+        for bit in (1, 2, 16):
+            changed = bytearray(whole)
+            changed[place] ^= bit
+            path.write_bytes(changed)
+            found = outcome(path)
+            # Or it was a space that became another.
+            assert same(found, grown(2)) if isinstance(found, TopoMap) else "flat.json" in found
+    path.write_text(json.dumps({**graph, "edges": graph["edges"][1:]}))
+    assert refused(path, "its checksum differs")
+
+
+def test_a_map_of_version_1_is_read_if_it_makes_sense(path):
+    graph, _ = saved(path)
+    del graph["checksum"]
+    path.write_text(json.dumps({**graph, "version": 1}))
+    assert same(load_map(path, Streets()), grown(2))
+    edges = [[*graph["edges"][0][:3], -5], *graph["edges"][1:]]
+    path.write_text(json.dumps({**graph, "version": 1, "edges": edges}))
+    assert refused(path, "driven -5 times")
+    path.write_text(json.dumps({**graph, "version": 1, "checksum": "0"}))
+    assert refused(path, "its checksum differs")
+    path.write_text(json.dumps(graph))
+    assert refused(path, "its checksum differs")
+
+
+@pytest.mark.parametrize("name", ["image", "contexts", "laser", "timestamps", "place", "speed"])
+@pytest.mark.parametrize("change", ["short", "none", "axis", "text", "number"])
+def test_arrays_that_are_not_a_map_s_are_named(path, name, change):
+    graph, arrays = saved(path)
+    values = dict(np.load(arrays))
+    found = values.pop(name)
+    if change != "none":
+        values[name] = {
+            "short": found[:-1],
+            "axis": found[None],
+            "text": found.astype(str),
+            "number": np.array(1.0),
+        }[change]
+    np.savez_compressed(arrays, **values)
+    rewrite(path, graph, digest=storage._digest(values))
+    assert refused(path, name)
+
+
+@pytest.mark.parametrize("name", ["timestamps", "odometry", "contexts"])
+def test_numbers_of_a_map_are_finite(path, name):
+    graph, arrays = saved(path)
+    values = dict(np.load(arrays))
+    values[name].reshape(-1)[2] = np.nan
+    np.savez_compressed(arrays, **values)
+    rewrite(path, graph, digest=storage._digest(values))
+    assert refused(path, f"{name}: holds numbers that are not finite")
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
@@ -281,8 +346,20 @@ def test_arrays_that_would_run_something_are_not_read(path):
         ("edges", [[0, 99, 0.9, 0]], "edge 0 to 99; the map has"),
         ("edges", [[-1, 0, 0.9, 0]], "edge -1 to 0; the map has"),
         ("edges", [[0, 1, 0.9]], "damaged"),
-        ("edges", [[0, 1, "likely", 1]], "damaged"),
-        ("edges", [[[0], 1, 0.9, 1]], "edge [0] to 1; the map has"),
+        ("edges", [[0, 1, "likely", 1]], "probability 'likely'"),
+        ("edges", [[[0], 1, 0.9, 1]], "damaged"),
+        ("edges", [[0, True, 0.9, 1]], "damaged"),
+        ("edges", [[0, 1, True, 1]], "probability True"),
+        ("edges", [[0, 1, 0.9, -5]], "edge 0 to 1: driven -5 times"),
+        ("edges", [[0, 1, 0.9, float("nan")]], "edge 0 to 1: driven nan times"),
+        ("edges", [[0, 1, 0.9, 1.5]], "edge 0 to 1: driven 1.5 times"),
+        ("edges", [[0, 1, 0.9, "often"]], "edge 0 to 1: driven 'often' times"),
+        ("edges", [[0, 1, 0.9, 10**30]], "edge 0 to 1: driven 1"),
+        ("edges", [[2, 2, 0.9, 1]], "edge 2 to 2: from a vertex to itself"),
+        ("edges", [[0, 1, 0.9, 1], [0, 1, 0.8, 1]], "edge 0 to 1: from a vertex to itself, or tw"),
+        ("trails", ["01", "23"], "damaged"),
+        ("trails", [[0, 1.0]], "damaged"),
+        ("trails", "0123", "damaged"),
         ("edges", 5, "damaged"),
         ("trails", 5, "damaged"),
         ("trails", [["a"]], "damaged"),
@@ -295,7 +372,7 @@ def test_arrays_that_would_run_something_are_not_read(path):
 )
 def test_a_graph_that_makes_no_sense_is_named(path, name, value, words):
     graph, _ = saved(path)
-    path.write_text(json.dumps({**graph, name: value}))
+    rewrite(path, graph, **{name: value})
     assert refused(path, words)
 
 
@@ -312,7 +389,7 @@ def test_a_graph_that_makes_no_sense_is_named(path, name, value, words):
 )
 def test_a_graph_that_does_not_fit_its_arrays_is_named(path, name, value, words):
     graph, _ = saved(path)
-    path.write_text(json.dumps({**graph, name: value}))
+    rewrite(path, graph, **{name: value})
     assert refused(path, words)
 
 
@@ -320,13 +397,13 @@ def test_a_graph_that_does_not_fit_its_arrays_is_named(path, name, value, words)
 def test_a_path_in_another_order_is_named(path, turned):
     graph, _ = saved(path)
     graph["trails"][turned].reverse()
-    path.write_text(json.dumps(graph))
+    rewrite(path, graph)
     assert refused(path, "is not where its trajectory has it")
 
 
 def test_a_path_of_reused_vertices_only_is_checked_too(path):
     graph, _ = saved(path)
-    path.write_text(json.dumps({**graph, "trails": [*graph["trails"], [99]]}))
+    rewrite(path, graph, trails=[*graph["trails"], [99]])
     assert refused(path, "99")
 
 

@@ -1,0 +1,37 @@
+"""What can come of a case."""
+
+from dataclasses import dataclass
+
+SECONDS = 10.0
+"""Of computing that a case may take."""
+WAIT = 120.0
+"""Seconds on the clock, which go by faster on a busy machine."""
+GIGABYTE = 10**9
+"""Bytes that a case may need, besides those of the process."""
+LOADED, ALTERED, REFUSED = "loaded", "altered", "refused"
+FOREIGN, HANG, MEMORY, WRONG = "FOREIGN", "HANG", "MEMORY", "WRONG"
+GOOD, BAD = (LOADED, ALTERED, REFUSED), (FOREIGN, HANG, MEMORY, WRONG)
+"""Outcomes: what was saved was loaded; something else from a file without a checksum, or with a
+right one; an `InputError` of one line; any other error; too long; too much memory; something else
+from a file with a checksum."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a case.
+
+    Attributes:
+        target: name of the loader.
+        change: that was made to one of its files, in words.
+        verdict: one of `GOOD` or `BAD`.
+        words: the error's.
+        seconds: of computing.
+        megabytes: that the process grew by, at most.
+    """
+
+    target: str
+    change: str
+    verdict: str
+    words: str = ""
+    seconds: float = 0.0
+    megabytes: float = 0.0
