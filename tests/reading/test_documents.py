@@ -82,7 +82,7 @@ def test_plain_yaml_is_read(tmp_path):
         (b"a: " + b"9" * 5_000, "limit"),
         (b"? [a]\n: b", "unhashable"),
         (b"x: \x00", "special characters"),
-        (b"a: 1\n--- \nb: 2", "single document"),
+        (b"a: 1\n--- \nb: 2", "another document"),
         (b"x" * (MAX_YAML + 1), "more than the 0.064 MB"),
     ],
 )

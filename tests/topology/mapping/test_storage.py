@@ -213,7 +213,7 @@ def test_a_graph_that_was_cut_short_is_named(path, share):
 def test_garbage_is_named(path):
     saved(path)
     path.write_bytes(bytes(range(256)))
-    assert refused(path, "damaged, or not JSON")
+    assert refused(path, "no UTF-8 text")
     for text in ("[1, 2]", "7", "{}", '"map"', "null"):
         path.write_text(text)
         assert refused(path, "not a map of version 2")
@@ -278,7 +278,8 @@ def test_arrays_that_are_not_a_map_s_are_named(path, name, change):
         }[change]
     np.savez_compressed(arrays, **values)
     rewrite(path, graph, digest=storage._digest(values))
-    assert refused(path, name)
+    # All others have another length than the times.
+    assert refused(path, name if name != "timestamps" or change in ("none", "text") else "image")
 
 
 @pytest.mark.parametrize("name", ["timestamps", "odometry", "contexts"])
@@ -381,7 +382,7 @@ def test_a_graph_that_makes_no_sense_is_named(path, name, value, words):
     [
         ("trails", [], "damaged"),
         ("trails", [[0, 1, 99]], "[99], which are not there"),
-        ("trails", [[0, 1, 2]], "damaged"),
+        ("trails", [[0, 1, 2]], "vertex 3 is not where its trajectory has it"),
         ("edges", [[0, 1, 7.5, 1]], "edge 0 to 1: probability 7.5"),
         ("edges", [[0, 1, -0.1, 1]], "edge 0 to 1: probability -0.1"),
         ("edges", [[0, 1, float("nan"), 1]], "edge 0 to 1: probability nan"),
@@ -410,14 +411,14 @@ def test_a_path_of_reused_vertices_only_is_checked_too(path):
 @pytest.mark.parametrize("name", [5, "", None, [], ".", "../flat.npz", "/flat.npz"])
 def test_arrays_with_an_impossible_name_are_named(path, name):
     graph, _ = saved(path)
-    path.write_text(json.dumps({**graph, "arrays": name}))
+    rewrite(path, graph, arrays=name)
     assert refused(path, f"arrays: {name!r} is not the name of a file beside it")
 
 
 @pytest.mark.parametrize("name", ["..", "flat.json", "a\0b", "elsewhere.npz"])
 def test_a_name_of_no_arrays_is_named(path, name):
     graph, _ = saved(path)
-    path.write_text(json.dumps({**graph, "arrays": name}))
+    rewrite(path, graph, arrays=name)
     assert refused(path, "missing or damaged")
 
 

@@ -28,6 +28,7 @@ from tutorial_lib.topology.mapping.topomap import TopoMap
 
 VERSION = 2
 """Of the files' layout; the graph of version 1 had no checksum."""
+_ADVICE = "build the map again and save it"
 _KEYS = {"version", "arrays", "digest", "settings", "edges", "trails"}
 _SEEN = ("image", "laser", "odometry", "speed", "steering")
 
@@ -73,12 +74,13 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
         InputError: when a file is missing, damaged or of another version; it says which.
     """
     path = _json(path)
+    content = read_json(path, _ADVICE)
     try:
-        graph = _graph(path)
+        graph = _graph(content)
         arrays = _load(path.with_name(graph["arrays"]), graph["digest"])
         return _topomap(graph, arrays, reachability)
     except InputError as error:
-        raise InputError(f"{path}: {error}; build the map again and save it") from error
+        raise InputError(f"{path}: {error}; {_ADVICE}") from error
 
 
 def export_graphml(path: str | Path, topomap: TopoMap) -> None:
@@ -122,16 +124,16 @@ def _digest(arrays: dict[str, NDArray[Any]]) -> str:
     return digest.hexdigest()
 
 
-def _graph(path: Path) -> dict[str, Any]:
-    """The graph's file, so far as it is one."""
-    graph = read_json(path)
-    if not isinstance(graph, dict) or graph.get("version") not in (1, VERSION):
+def _graph(graph: Any) -> dict[str, Any]:  # noqa: ANN401 - anything JSON can hold
+    """What the graph's file holds, so far as it is one."""
+    version = graph.get("version") if isinstance(graph, dict) else None
+    if type(version) is not int or version not in (1, VERSION):
         raise InputError(f"not a map of version {VERSION}")
     missing = _KEYS - set(graph)
     if missing:
         raise InputError(f"{', '.join(sorted(missing))}: missing")
     # A map of version 1 loads so far as it makes sense, which is all that can be said of it.
-    if graph["version"] != 1 or CHECKSUM in graph:
+    if version != 1 or CHECKSUM in graph:
         graph = without_checksum(graph)
     if set(graph) != _KEYS:
         raise InputError(f"{', '.join(sorted(set(graph) - _KEYS))}: not part of a map")
