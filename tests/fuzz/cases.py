@@ -26,9 +26,15 @@ from tests.fuzz.outcome import (
     WRONG,
     Outcome,
 )
+from tests.fuzz.plain import same
 from tests.fuzz.sources import agent_sources
-from tests.fuzz.targets import Target, same
+from tests.fuzz.targets import Target
 from tutorial_lib.errors import MAX_MESSAGE, InputError
+
+KNOWN = 5
+"""Every fifth case puts in place of a file what did harm once."""
+STRIDE = 7_919
+"""From one of these to the next, a prime: all have their turn before any has a second one."""
 
 
 class Hung(BaseException):
@@ -48,6 +54,22 @@ class Bench:
             target.make(made)
             self.files[target.name] = {f.name: f.read_bytes() for f in sorted(made.iterdir())}
             self.wanted[target.name] = target.load(made)
+        self.known = self._known_cases()
+
+    def _known_cases(self) -> list[tuple[Target, str, Any]]:
+        """What did harm once: loaders, the file's name, and what is put in its place."""
+        found: list[tuple[Target, str, Any]] = []
+        for suffix, items in corpus.BY_SUFFIX.items():
+            places = [
+                (target, name)
+                for target in self.targets
+                for name in self.files[target.name]
+                if name.endswith(suffix)
+            ]
+            found += [(*place, item) for place in places for item in items]
+        own = [target for target in self.targets if target.name == "agent"]
+        sources = [source.encode("utf-8", "surrogatepass") for source in agent_sources()]
+        return found + [(target, "agent.py", source) for target in own for source in sources]
 
     def fresh(self, target: Target) -> list[Path]:
         """The files of a loader as they were saved."""
@@ -65,14 +87,20 @@ class Bench:
         path = paths[int(rng.integers(len(paths)))]
         if number < len(self.targets):
             return self.run(target, "nothing", sealed=True)
-        if target.name == "agent" and rng.random() < 0.8:
-            source = agent_sources()[int(rng.integers(len(agent_sources())))]
-            path.write_text(source, encoding="utf-8", errors="surrogatepass")
-            return self.run(target, f"source {source[-60:]!r}", sealed=False)
+        if number % KNOWN == 0:
+            return self.known_case(seed + number // KNOWN * STRIDE)
         change, kind = changes.alter(path, rng)
-        if target.name == "agent" and change not in ("special", "replace_whole"):
+        if target.name == "agent" and change != "special":
             self.fresh(target)  # nobody knows what altered code does
         return self.run(target, f"{change} in {path.suffix}", self._is_sealed(target, path, kind))
+
+    def known_case(self, number: int) -> Outcome:
+        """A case of what did harm once."""
+        target, name, item = self.known[number % len(self.known)]
+        data = item() if callable(item) else item
+        self.fresh(target)
+        (self.folder / name).write_bytes(data)
+        return self.run(target, f"{name} of {data[-40:]!r}", sealed=False)
 
     def made_up_case(self, target: Target, file: int, seed: int, value: Any) -> Outcome:
         """A case with a value from elsewhere: bytes, an array, or anything that JSON can hold."""

@@ -129,43 +129,59 @@ def _comb(side: int) -> bytes:
     return b"P5\n%d %d\n255\n" % (side, side) + cells.tobytes()
 
 
-def _spiral_house(corners: int) -> bytes:
+def _round_house(corners: int) -> bytes:
     angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
     points = np.round(np.stack([20 * np.cos(angle), 20 * np.sin(angle)], axis=1), 6).tolist()
     boxes = [[-20, -20, 20, 20]] * corners
     return repr({"verts": points, "room_category": {"Hall": boxes}}).replace("'", '"').encode()
 
 
-WHOLE: list[Any] = [
-    *(b"", b"\0", b"hello", b"null", b"[]", b"{}", b"7", b'"text"', b"PK\x05\x06" + bytes(18)),
-    *(b"\x93NUMPY\x01\0", b"\x80\x04K*.", b"BM" + bytes(60), b"P5\n0 0\n255\n", b"P2 1 1 1"),
-    *(b"P5 20000 20000 255\n", b"P5 100000 100000 65535\n" + bytes(99), b"P2 4000 4000 255 1 2 3"),
-    *(b"[" * 200_000, b'{"a":' * 200_000, b"[[],", b"a: " * 20_000, b"[" * 60_000, b"- " * 30_000),
-    *(b'"' + b'\\"' * 200_000, b"\xff\xfe\0{", b"\xef\xbb\xbf{}", bytes(range(256)) * 40),
-    lambda: b"[" + b"[]," * 300_000 + b"[]]",
+_ANY: tuple[Any, ...] = (
+    *(b"", b"\0", b"hello", bytes(range(256)) * 40, b"PK\x05\x06" + bytes(18)),
     lambda: b"a" * 5_000_000,
-    lambda: b"[0" + b",0" * 10_000_000 + b"]",
-    _aliases,
-    _merges,
-    lambda: png(20_000, 20_000),
-    lambda: png(2**31 - 1, 2**31 - 1),
-    lambda: png(65_000, 65_000, bytes(1_000_000), 6),
-    lambda: png(4_096, 4_096, bytes(4_096 * 4_097)),
-    lambda: _bmp(30_000, 30_000),
-    lambda: _bmp(-(2**31), -(2**31)),
-    zip_bomb,
-    lambda: zip_bomb(120, 5),
-    lambda: zip_bomb(1, 1, honest=False),
-    _many_members,
-    _millions_of_trajectories,
-    lambda: _checkerboard(4_096, 1),
-    lambda: _checkerboard(4_000, 12),
-    lambda: _checkerboard(1_000, 20),
-    lambda: _comb(4_000),
-    lambda: _comb(1_000),
-    lambda: _spiral_house(900),
-    lambda: _spiral_house(20_000),
-]
+)
+BY_SUFFIX: dict[str, tuple[Any, ...]] = {
+    ".json": (
+        *(*_ANY, b"null", b"[]", b"{}", b"7", b'"text"', b"NaN", b"[[],", b"\xff\xfe\0{"),
+        *(b"[" * 200_000, b'{"a":' * 200_000, b"[" * 60_000, b'"' + b'\\"' * 200_000),
+        b"\xef\xbb\xbf{}",
+        lambda: b"[" + b"[]," * 300_000 + b"[]]",
+        lambda: b"[0" + b",0" * 10_000_000 + b"]",
+        lambda: _round_house(900),
+        lambda: _round_house(20_000),
+    ),
+    ".yaml": (*_ANY, b"a: " * 20_000, b"[" * 60_000, b"- " * 30_000, _aliases, _merges),
+    ".png": (
+        *_ANY,
+        lambda: png(20_000, 20_000),
+        lambda: png(2**31 - 1, 2**31 - 1),
+        lambda: png(65_000, 65_000, bytes(1_000_000), 6),
+        lambda: png(4_096, 4_096, bytes(4_096 * 4_097)),
+    ),
+    ".bmp": (*_ANY, b"BM" + bytes(60), lambda: _bmp(30_000, 30_000), lambda: _bmp(-1, -(2**31))),
+    ".pgm": (
+        *(*_ANY, b"P5\n0 0\n255\n", b"P2 1 1 1", b"P5 20000 20000 255\n", b"P2 4000 4000 255 1 2"),
+        b"P5 100000 100000 65535\n" + bytes(99),
+        lambda: _checkerboard(4_096, 1),
+        lambda: _checkerboard(4_000, 12),
+        lambda: _checkerboard(1_000, 20),
+        lambda: _comb(4_000),
+        lambda: _comb(1_000),
+    ),
+    ".npz": (
+        *(*_ANY, b"\x93NUMPY\x01\0", b"\x80\x04K*."),
+        zip_bomb,
+        lambda: zip_bomb(120, 5),
+        lambda: zip_bomb(1, 1, honest=False),
+        _many_members,
+        _millions_of_trajectories,
+    ),
+    ".pt": (*_ANY, b"sha256 ", b"\x80\x04K*."),
+    ".safetensors": _ANY,
+    ".ipynb": (*_ANY, b"[" * 200_000),
+}
+"""What to put in place of a file, by what its name ends in."""
+WHOLE = [item for items in BY_SUFFIX.values() for item in items]
 """Files to be put in place of another."""
 
 
