@@ -132,7 +132,7 @@ def _comb(side: int) -> bytes:
 def _round_house(corners: int) -> bytes:
     angle = np.linspace(0, 2 * np.pi, corners, endpoint=False)
     points = np.round(np.stack([20 * np.cos(angle), 20 * np.sin(angle)], axis=1), 6).tolist()
-    boxes = [[-20, -20, 20, 20]] * corners
+    boxes = [[-20, -20, 20, 20]] * (corners // 5)
     return repr({"verts": points, "room_category": {"Hall": boxes}}).replace("'", '"').encode()
 
 

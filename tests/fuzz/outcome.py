@@ -5,7 +5,7 @@ from dataclasses import dataclass
 SECONDS = 10.0
 """Of computing that a case may take."""
 WAIT = 120.0
-"""Seconds on the clock, which go by faster on a busy machine."""
+"""Seconds on the clock that it may wait for something, computing nothing."""
 GIGABYTE = 10**9
 """Bytes that a case may need, besides those of the process."""
 LOADED, ALTERED, REFUSED = "loaded", "altered", "refused"

@@ -13,7 +13,7 @@ import psutil
 
 from tests.fuzz.outcome import FOREIGN, HANG, SECONDS, WAIT, Outcome
 
-PATIENCE = 3 * SECONDS, 3 * WAIT
+PATIENCE = 3 * SECONDS, 10 * WAIT
 """Seconds of computing, and on the clock, after which a worker that says nothing is ended: compiled
 code cannot be interrupted."""
 MADE_UP = 0.2

@@ -107,9 +107,7 @@ def test_a_long_building_is_no_large_one():
 def test_a_corner_far_off_the_walls_is_refused(corner):
     plan = make_box()
     outline = (*plan.rooms[0].outline, corner)
-    with pytest.raises(
-        InputError, match=r"rooms\[0\]\.outline: a corner is not finite or more"
-    ):
+    with pytest.raises(InputError, match=r"rooms\[0\]\.outline: a corner is not finite or more"):
         replace(plan, rooms=(Room("living", outline),))
 
 

@@ -40,9 +40,9 @@ MAX_CORNERS = 200_000
 minute."""
 MAX_SURFACES = 5_000
 """Materials of an imported map, one for each 25 m of outline, and each takes 0.5 ms to paint."""
-MAX_OUTLINE = 1_000
-"""Corners of an outline, and boxes of rooms, in HouseExpo's format. Whether sides cross is checked
-pair by pair. Its homes have fewer than 200."""
+MAX_OUTLINE, MAX_BOXES = 1_000, 200
+"""Corners of an outline, and boxes of rooms, in HouseExpo's format: a home has some dozens. Whether
+sides cross is checked pair by pair, and each box is cut with the whole outline."""
 MAX_ROOM_CELLS = 10 * MAX_PIXELS
 """Cells of the boxes around a floor plan's rooms, all together: each is drawn into a grid of its
 own to see whether it is closed. Boxes overlap, but not ten times."""

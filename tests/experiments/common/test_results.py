@@ -57,7 +57,5 @@ def test_what_a_result_says_is_checked(tmp_path, change, words):
     if not words:
         assert load_result("table", tmp_path).rows == [ROW, ROW]
         return
-    with pytest.raises(
-        InputError, match=rf"table\.json: not a result .*{words}.*; restore"
-    ):
+    with pytest.raises(InputError, match=rf"table\.json: not a result .*{words}.*; restore"):
         load_result("table", tmp_path)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_json
-from tutorial_lib.reading.limits import MAX_OUTLINE
+from tutorial_lib.reading.limits import MAX_BOXES, MAX_OUTLINE
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.importers.contours import signed_area
@@ -115,8 +115,8 @@ def _rooms(categories: Field, outline: NDArray[np.float64]) -> tuple[Room, ...]:
         single = isinstance(entry.value, list) and entry.value[:1] and _is_number(entry.value[0])
         boxes = [entry] if single else list(entry)
         count += len(boxes)
-        if count > MAX_OUTLINE:
-            raise InputError(f"{categories.where}: give at most {MAX_OUTLINE} boxes")
+        if count > MAX_BOXES:
+            raise InputError(f"{categories.where}: give at most {MAX_BOXES} boxes")
         for box in boxes:
             x0, y0, x1, y1 = box.numbers(4)
             corners = _clipped(outline, (min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)))
