@@ -1,5 +1,6 @@
 """One plain training loop: seeded, resumable, with a progress bar."""
 
+import io
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -11,7 +12,7 @@ from torch import Tensor
 from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path
+from tutorial_lib.files import write_files
 from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
@@ -193,8 +194,9 @@ class _State:
             "history": self.progress.history,
             "seconds": self.progress.seconds,
         }
-        with atomic_path(path) as temporary:
-            torch.save(state, temporary)
+        buffer = io.BytesIO()
+        torch.save(state, buffer)
+        write_files({path: buffer.getvalue()})
 
     def load(self, path: Path) -> None:
         """Resume from what `save` wrote.

@@ -8,10 +8,10 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, write_text
+from tutorial_lib.files import write_files
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 
 FOLDER = Path(__file__).resolve().parent.parent / "weights"
@@ -56,11 +56,12 @@ def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Pa
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{card.name}.safetensors"
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
-    with atomic_path(path) as temporary:
-        save_file(halves, temporary)
+    weights = save(halves)
     parameters = sum(value.numel() for value in halves.values())
-    text = asdict(card) | {"parameters": parameters, "sha256": _digest(path)}
-    write_text(path.with_suffix(".json"), json.dumps(text, indent=1) + "\n")
+    text = asdict(card) | {"parameters": parameters, "sha256": hashlib.sha256(weights).hexdigest()}
+    # Together, since neither is of use with an older one of the other.
+    files = {path: weights, path.with_suffix(".json"): f"{json.dumps(text, indent=1)}\n".encode()}
+    write_files(files)
     return path
 
 
