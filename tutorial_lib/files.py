@@ -46,20 +46,13 @@ def atomic_paths(*paths: str | Path) -> Iterator[list[Path]]:
     Raises:
         InputError: when a file cannot be written.
     """
-    places, temporaries = [Path(path) for path in paths], []
-    try:
-        with _explained(places, temporaries):
-            for path in places:
-                sweep(path.parent)
-                temporaries.append(_temporary(path))
-            yield temporaries
-            for temporary in temporaries:
-                _settle(temporary)
-            for temporary, path in zip(temporaries, places, strict=True):
-                os.replace(temporary, path)
-    finally:
+    places = [Path(path) for path in paths]
+    with _temporaries(places) as temporaries:
+        yield temporaries
         for temporary in temporaries:
-            temporary.unlink(missing_ok=True)
+            _settle(temporary)
+        for temporary, path in zip(temporaries, places, strict=True):
+            os.replace(temporary, path)
 
 
 @contextmanager
@@ -80,6 +73,12 @@ def sweep(folder: Path) -> None:
                         os.unlink(entry)
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder for files, where it is missing, and sweep it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    sweep(folder)
+
+
 def check_writable(path: str | Path) -> None:
     """Check that a file can be put at `path`, before the work whose result it is to hold.
 
@@ -90,15 +89,9 @@ def check_writable(path: str | Path) -> None:
     path = Path(path)
     if path.is_dir() or not os.access(path.parent, os.W_OK):
         raise InputError(f"{path}: cannot be written; give a file's name in an existing folder")
-    temporaries: list[Path] = []
-    try:
-        with _explained([path], temporaries):
-            temporaries.append(_temporary(path))
-            temporaries[0].write_bytes(bytes(_SOME))
-            _settle(temporaries[0])
-    finally:
-        for temporary in temporaries:
-            temporary.unlink(missing_ok=True)
+    with _temporaries([path]) as (temporary,):
+        temporary.write_bytes(bytes(_SOME))
+        _settle(temporary)
 
 
 def write_files(contents: Mapping[Path, bytes]) -> None:
@@ -163,6 +156,21 @@ def load_arrays(
     except InputError as error:
         raise InputError(f"{path}: {error}{ending}") from error
     return arrays
+
+
+@contextmanager
+def _temporaries(places: list[Path]) -> Iterator[list[Path]]:
+    """Empty files beside `places`, of which none is left at the end."""
+    made: list[Path] = []
+    try:
+        with _explained(places, made):
+            for path in places:
+                sweep(path.parent)
+                made.append(_temporary(path))
+            yield made
+    finally:
+        for temporary in made:
+            temporary.unlink(missing_ok=True)
 
 
 def _temporary(path: Path) -> Path:

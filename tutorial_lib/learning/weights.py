@@ -11,7 +11,7 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import write_files
+from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 
 FOLDER = Path(__file__).resolve().parent.parent / "weights"
@@ -53,7 +53,7 @@ def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Pa
     Returns:
         The file of the weights.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     path = folder / f"{card.name}.safetensors"
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
     weights = save(halves)

@@ -69,6 +69,33 @@ def test_a_film_interrupted_midway_leaves_what_was_there(tmp_path):
     assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
 
 
+def test_a_film_of_which_frames_are_lost_leaves_what_was_there(tmp_path, monkeypatch):
+    class Full:
+        """As OpenCV on a full disk: it writes nothing more, and says nothing."""
+
+        def __init__(self, *given):
+            self.writer, self.left = cv2_writer(*given), 7
+
+        def isOpened(self):  # noqa: N802 - as OpenCV calls it
+            return self.writer.isOpened()
+
+        def write(self, frame):
+            self.left -= 1
+            if self.left >= 0:
+                self.writer.write(frame)
+
+        def release(self):
+            self.writer.release()
+
+    (tmp_path / "a.webm").write_text("an older film")
+    cv2_writer = cv2.VideoWriter
+    Full.fourcc = cv2_writer.fourcc
+    monkeypatch.setattr(cv2, "VideoWriter", Full)
+    with pytest.raises(InputError, match=r"a\.webm: .*7 of 12 frames could be read.* MB free"):
+        write_film(tmp_path / "a.webm", frames(12), 10)
+    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
+
+
 def test_an_exact_png_comes_back_as_it_was(tmp_path):
     picture = np.random.default_rng(0).integers(0, 256, (13, 17, 3), np.uint8)
     (tmp_path / "view.png").write_bytes(exact_png(picture))

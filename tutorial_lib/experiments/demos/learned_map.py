@@ -12,6 +12,7 @@ from pathlib import Path
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building
+from tutorial_lib.files import make_folder
 from tutorial_lib.learning.weights import digest_of
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -31,7 +32,7 @@ def load_learned(building: Building, agent: MengAgent, folder: Path = FOLDER) ->
 def keep_learned(building: Building, agent: MengAgent, folder: Path = FOLDER) -> Path:
     """Keep the map that an agent learned of a building, in place of others; returns its file."""
     file = _file(building, agent, folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     save_map(file, agent.topomap)
     for other in folder.glob(f"{_stem(building)}-{'[0-9a-f]' * _DIGITS}.npz"):
         if other != file:
