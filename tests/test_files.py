@@ -1,13 +1,26 @@
 """Files are written whole or not at all."""
 
+import errno
 import os
 import stat
+import time
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, check_writable, save_arrays, write_text
+from tutorial_lib.files import (
+    atomic_path,
+    atomic_paths,
+    check_writable,
+    make_folder,
+    save_arrays,
+    sweep,
+    write_files,
+    write_text,
+)
 from tutorial_lib.reading.arrays import load_arrays
 
 ARRAYS = {"poses": np.arange(6.0).reshape(2, 3), "names": np.array(["a", "b"]), "one": np.array(1)}
@@ -91,6 +104,141 @@ def test_a_temporary_path_has_the_same_suffix(path):
         assert temporary.parent == path.parent
         assert not path.exists()
     assert path.exists()
+
+
+DISK = [errno.ENOSPC, errno.EFBIG, errno.EIO, errno.EDQUOT]
+
+
+def full(owner, name, monkeypatch, code, half=True):
+    """Let a function fail as a full disk does, after half of what it writes."""
+
+    def fail(path, *data):
+        if half:
+            with open(path, "wb") as file:
+                file.write(b"half")
+        raise OSError(code, os.strerror(code))
+
+    monkeypatch.setattr(owner, name, fail)
+
+
+@pytest.mark.parametrize("code", DISK)
+@pytest.mark.parametrize(
+    ("owner", "name", "half"), [(Path, "write_bytes", True), (os, "fsync", False)]
+)
+def test_a_full_disk_is_one_line_with_the_file_and_the_room(
+    tmp_path, monkeypatch, owner, name, half, code
+):
+    path = tmp_path / "some.txt"
+    write_text(path, "old")
+    with monkeypatch.context() as patch:
+        full(owner, name, patch, code, half)
+        for act in (lambda: write_text(path, "new"), lambda: check_writable(path)):
+            with pytest.raises(InputError) as error:
+                act()
+            said = str(error.value)
+            assert said.startswith(
+                f"{path}: cannot be written ({os.strerror(code)}); its disk has "
+            )
+            assert said.endswith(" MB free: make room there, and start again")
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_what_is_shorter_than_it_should_be_takes_no_place(tmp_path, monkeypatch):
+    path = tmp_path / "some.bin"
+    write_files({path: b"old"})
+    whole = Path.write_bytes
+    monkeypatch.setattr(Path, "write_bytes", lambda file, data: whole(file, data[:-1]))
+    with pytest.raises(InputError, match=r"some\.bin: cannot be written \(not all of it"):
+        write_files({path: b"newer"})
+    assert path.read_bytes() == b"old"
+
+
+def test_files_that_belong_together_are_written_together(tmp_path, monkeypatch):
+    one, two = tmp_path / "one.txt", tmp_path / "two.bin"
+    write_files({one: b"1", two: b"2"})
+    settled = []
+
+    def full_at_last(number):
+        settled.append(number)
+        if len(settled) == 2:
+            raise OSError(errno.ENOSPC, "full")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full_at_last)
+        with pytest.raises(InputError, match=r"one\.txt, .*two\.bin: cannot be written \(full\)"):
+            write_files({one: b"3", two: b"4"})
+    assert (one.read_bytes(), two.read_bytes()) == (b"1", b"2")
+    with suppress(KeyError), atomic_paths(one, two) as (first, second):
+        first.write_bytes(b"5")
+        second.write_bytes(b"6")
+        raise KeyError
+    assert (one.read_bytes(), two.read_bytes()) == (b"1", b"2")
+    write_files({one: b"7", two: b"8"})
+    assert (one.read_bytes(), two.read_bytes()) == (b"7", b"8")
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_an_error_of_the_work_in_between_stays_what_it_is(tmp_path):
+    with pytest.raises(FileNotFoundError, match="elsewhere"), atomic_path(tmp_path / "a.txt"):
+        (tmp_path / "elsewhere").read_text()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_folder_is_one_line(tmp_path):
+    with pytest.raises(InputError, match=r"a\.txt: cannot be written .* existing folder"):
+        write_text(tmp_path / "none" / "a.txt", "text")
+
+
+DAY = 24 * 3600
+
+
+def test_temporary_files_of_killed_runs_are_swept_after_a_day(tmp_path):
+    with atomic_path(tmp_path / "flat.npz") as temporary:
+        names = [
+            temporary.name,
+            ".demo-a_b3c4d5.tmp.webm",
+            ".rows.x-abcdefgh.tmp",
+            "..-12345678.tmp",
+        ]
+        others = [
+            "flat.npz",
+            ".flat-12345678.npz",
+            "flat-12345678.tmp.npz",
+            ".flat.tmp.npz",
+            ".tmp",
+        ]
+        for name in (*names, *others):
+            (tmp_path / name).write_text("some")
+            os.utime(tmp_path / name, (0, time.time() - DAY + 60))
+        (tmp_path / ".folder-12345678.tmp").mkdir()
+        os.utime(tmp_path / ".folder-12345678.tmp", (0, 0))
+        sweep(tmp_path)
+        assert len(list(tmp_path.iterdir())) == len(names) + len(others) + 1
+        for name in (*names, *others):
+            os.utime(tmp_path / name, (0, time.time() - DAY - 60))
+        sweep(tmp_path)
+        left = {file.name for file in tmp_path.iterdir()}
+        assert left == {*others, ".folder-12345678.tmp"}
+        temporary.write_text("flat")
+    sweep(tmp_path / "missing")
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        lambda folder: write_text(folder / "new.txt", "text"),
+        lambda folder: save_arrays(folder / "new.npz", ARRAYS),
+        lambda folder: check_writable(folder / "new.txt"),
+        make_folder,
+    ],
+)
+def test_whatever_writes_to_a_folder_sweeps_it(tmp_path, act):
+    left = tmp_path / ".old-12345678.tmp.pt"
+    left.write_text("half")
+    os.utime(left, (0, 0))
+    act(tmp_path)
+    assert not left.exists()
 
 
 def test_what_cannot_be_written_is_refused_before(tmp_path):

@@ -1,6 +1,5 @@
 """Maps, networks and trainings that are saved and loaded again."""
 
-import json
 import types
 from dataclasses import asdict
 from pathlib import Path
@@ -14,7 +13,6 @@ from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, _State
 from tutorial_lib.learning.weights import Card, save_network
-from tutorial_lib.topology.mapping.storage import save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
 TINY = Architecture(0, "pair", outputs="action")
@@ -66,15 +64,6 @@ def told(topomap: TopoMap | None) -> Any:
     contexts = topomap.vertices.contexts[alive] if len(alive) else None
     times = topomap.vertices.timestamps
     return [plain(edges), topomap.paths, plain(topomap.settings), seen, contexts, times]
-
-
-def write_version_1(folder: Path) -> None:
-    """As version 1 wrote it, without a checksum."""
-    path = folder / "flat.json"
-    save_map(path, make_topomap())
-    content = json.loads(path.read_text(encoding="utf-8"))
-    del content["checksum"]
-    path.write_text(json.dumps({**content, "version": 1}), encoding="utf-8")
 
 
 _FRAMES = types.SimpleNamespace(trajectories=[[1, 2, 3]])

@@ -12,7 +12,6 @@ from tests.fuzz.learned import (
     make_agent,
     make_topomap,
     told,
-    write_version_1,
     write_weights,
 )
 from tests.fuzz.plain import plain
@@ -113,21 +112,15 @@ def targets() -> list[Target]:
         ),
         Target(
             "map",
-            lambda folder: save_map(folder / "flat.json", make_topomap()),
-            lambda folder: told(load_map(folder / "flat.json", Indifferent())),
-            (".npz", ".json"),
-        ),
-        Target(
-            "map_version_1",
-            write_version_1,
-            lambda folder: told(load_map(folder / "flat.json", Indifferent())),
+            lambda folder: save_map(folder / "flat.npz", make_topomap()),
+            lambda folder: told(load_map(folder / "flat.npz", Indifferent())),
             (".npz",),
         ),
         Target(
             "learned_map",
             lambda folder: keep_learned(BUILDING, make_agent(), folder),
             lambda folder: told(load_learned(BUILDING, make_agent(), folder)),
-            (".npz", ".json"),
+            (".npz",),
         ),
         Target(
             "weights",

@@ -1,8 +1,10 @@
+import errno
 import hashlib
 import json
 import re
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import joblib
 import numpy as np
@@ -13,7 +15,7 @@ from safetensors.torch import load_file, save_file
 from tutorial_lib import cli
 from tutorial_lib.commands import train as train_command
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning import recipes, weights
+from tutorial_lib.learning import recipes
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings
@@ -113,13 +115,14 @@ def test_a_missing_folder_is_made(tmp_path):
 
 
 def test_a_save_that_fails_leaves_the_old_weights(folder, monkeypatch):
-    def full(halves, path):
-        path.write_bytes(b"half")
-        raise OSError("no space left")
+    def full(path, data):
+        with path.open("wb") as file:
+            file.write(data[: len(data) // 2])
+        raise OSError(errno.ENOSPC, "no space left")
 
     before = outputs_of(load_network("some", folder))
-    monkeypatch.setattr(weights, "save_file", full)
-    with pytest.raises(OSError, match="no space"):
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match=r"some\.safetensors, .*some\.json: cannot .*no space"):
         save_network(make(seed=5), card_for(make()), folder)
     assert len(list(folder.iterdir())) == 2
     assert torch.equal(outputs_of(load_network("some", folder)), before)

@@ -70,9 +70,9 @@ def test_every_digit_of_every_number_comes_back(numbers):
     assert again.wall_offsets.tobytes() == plan.wall_offsets.tobytes()
 
 
-def fails_midway(self, text, **_):
-    with open(self, "w", encoding="utf-8") as file:
-        file.write(text[: len(text) // 2])
+def fails_midway(self, data):
+    with open(self, "wb") as file:
+        file.write(data[: len(data) // 2])
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
@@ -82,7 +82,7 @@ def fails(*_):
 
 @pytest.mark.parametrize(
     ("owner", "name", "failure", "error"),
-    [(Path, "write_text", fails_midway, OSError), (os, "replace", fails, KeyboardInterrupt)],
+    [(Path, "write_bytes", fails_midway, InputError), (os, "replace", fails, KeyboardInterrupt)],
     ids=["disk full", "interrupted"],
 )
 @pytest.mark.parametrize("old", [None, "the old plan"])

@@ -20,6 +20,7 @@ from tutorial_lib.driving.data.rollout_outcomes import (
 from tutorial_lib.driving.data.trajectories import load_trajectories
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
+from tutorial_lib.files import make_folder
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.learning.weights import load_card
@@ -57,7 +58,7 @@ def record_outcomes(
     demonstrations = record_demonstrations(worlds, cars, 0, work / "demonstrations", jobs)
     recipe = recipe_of(controller, targets, cars)
     folder = work / "outcomes" / controller
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     items = list(zip(worlds, demonstrations, strict=True))
     label = f"outcomes of {controller}"
     return for_each(_record, items, controller, targets, recipe, folder, label=label, jobs=jobs)

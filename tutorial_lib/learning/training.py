@@ -12,7 +12,7 @@ from torch import Tensor
 from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path
+from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
@@ -112,8 +112,10 @@ def train(
         copy_matching_weights(fresh, init_from)
     initial = "" if init_from is None else digest_of(init_from)
     state = _State(fresh, settings, source, initial)
-    if checkpoint is not None and checkpoint.exists():
-        state.load(checkpoint)
+    if checkpoint is not None:
+        make_folder(checkpoint.parent)
+        if checkpoint.exists():
+            state.load(checkpoint)
     network, progress = state.network, state.progress
     coming = batches(source, settings.seed, progress.step, settings.targets)
     bar = tqdm(total=settings.max_steps, initial=progress.step, disable=None, leave=False)
@@ -199,8 +201,7 @@ class _State:
         }
         buffer = io.BytesIO()
         torch.save(state, buffer)
-        with atomic_path(path) as temporary:
-            temporary.write_bytes(sealed(buffer.getvalue()))
+        write_files({path: sealed(buffer.getvalue())})
 
     def load(self, path: Path) -> None:
         """Resume from what `save` wrote.

@@ -8,10 +8,10 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load, save_file
+from safetensors.torch import load, save
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, write_text
+from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
 from tutorial_lib.reading.documents import read_json
@@ -58,14 +58,18 @@ def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Pa
     Returns:
         The file of the weights.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     path = folder / f"{card.name}.safetensors"
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
-    with atomic_path(path) as temporary:
-        save_file(halves, temporary)
+    weights = save(halves)
     parameters = sum(value.numel() for value in halves.values())
-    text = asdict(card) | {"parameters": parameters, "sha256": _digest(path)}
-    write_text(path.with_suffix(".json"), json.dumps(with_checksum(text), indent=1) + "\n")
+    card_text = asdict(card) | {
+        "parameters": parameters,
+        "sha256": hashlib.sha256(weights).hexdigest(),
+    }
+    text = json.dumps(with_checksum(card_text), indent=1) + "\n"
+    # Together, since neither is of use with an older one of the other.
+    write_files({path: weights, path.with_suffix(".json"): text.encode()})
     return path
 
 
