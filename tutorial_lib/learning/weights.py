@@ -63,13 +63,10 @@ def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Pa
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
     weights = save(halves)
     parameters = sum(value.numel() for value in halves.values())
-    card_text = asdict(card) | {
-        "parameters": parameters,
-        "sha256": hashlib.sha256(weights).hexdigest(),
-    }
-    text = json.dumps(with_checksum(card_text), indent=1) + "\n"
+    text = asdict(card) | {"parameters": parameters, "sha256": hashlib.sha256(weights).hexdigest()}
+    said = json.dumps(with_checksum(text), indent=1) + "\n"
     # Together, since neither is of use with an older one of the other.
-    write_files({path: weights, path.with_suffix(".json"): text.encode()})
+    write_files({path: weights, path.with_suffix(".json"): said.encode()})
     return path
 
 
@@ -146,7 +143,3 @@ def digest_of(network: LocalNetwork) -> str:
     for name, value in sorted(network.state_dict().items()):
         found.update(name.encode() + value.contiguous().numpy().tobytes())
     return found.hexdigest()[:16]
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()

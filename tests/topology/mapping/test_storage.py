@@ -222,7 +222,7 @@ def test_garbage_is_named(path):
     assert refused(path, "damaged, or not an .npz file")
     for text in (b"[1, 2]", b"7", b'"map"', b"null", b"{}", b"\xff", b"[" * 100_000):
         resave(path, graph=np.frombuffer(text, np.uint8))
-        with pytest.raises(InputError, match=r"missing|not JSON|UTF-8|within each other"):
+        with pytest.raises(InputError, match=r"missing|not JSON|no UTF-8|within each other"):
             load_map(path, Streets())
 
 
@@ -258,43 +258,6 @@ def test_a_map_in_which_a_bit_fell_over_is_named(path):
         whole[place] ^= 16
 
 
-@pytest.mark.parametrize("name", ["image", "contexts", "laser", "timestamps", "place", "speed"])
-@pytest.mark.parametrize("change", ["short", "axis", "text", "number"])
-def test_arrays_that_are_not_a_map_s_are_named(path, name, change):
-    found = saved(path)[name]
-    changed = {
-        "short": found[:-1],
-        "axis": found[None],
-        "text": found.astype(str),
-        "number": np.array(1.0),
-    }[change]
-    resave(path, **{name: changed})
-    # All others have another length than the times.
-    assert refused(path, name if name != "timestamps" or change == "text" else "image")
-
-
-@pytest.mark.parametrize("name", ["timestamps", "odometry", "contexts"])
-def test_numbers_of_a_map_are_finite(path, name):
-    values = saved(path)[name].astype(float)
-    values.reshape(-1)[2] = np.nan
-    resave(path, **{name: values})
-    assert refused(path, f"{name}: holds numbers that are not finite")
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ([0, 1, 0.9, -5], "driven -5 times"),
-        ([0, 1, 0.9, float("nan")], "driven nan times"),
-        ([1, 1, 0.9, 1], "from a vertex to itself"),
-        ([0, 1, True, 1], "probability True"),
-    ],
-)
-def test_an_edge_that_makes_no_sense_is_named(path, change, words):
-    resave(path, {"edges": [change]})
-    assert refused(path, words)
-
-
 @pytest.mark.parametrize("name", ["timestamps", "graph", "digest"])
 def test_one_other_value_is_named(path, name):
     arrays = saved(path)
@@ -302,6 +265,29 @@ def test_one_other_value_is_named(path, name):
     arrays[name][1] += 1
     np.savez_compressed(path, **arrays)
     assert refused(path, "damaged (its digest is that of another map)")
+
+
+@pytest.mark.parametrize("name", ["image", "contexts", "laser", "timestamps", "place", "speed"])
+@pytest.mark.parametrize("change", ["short", "axis", "text", "number"])
+def test_arrays_that_are_not_a_map_s_are_named(path, name, change):
+    found = saved(path)[name]
+    other = {
+        "short": found[:-1],
+        "axis": found[None],
+        "text": found.astype(str),
+        "number": np.array(1.0),
+    }[change]
+    resave(path, **{name: other})
+    # All others have another length than the times.
+    assert refused(path, name if name != "timestamps" or change == "text" else "image")
+
+
+@pytest.mark.parametrize("name", ["timestamps", "odometry", "contexts"])
+def test_numbers_of_a_map_are_finite(path, name):
+    values = saved(path)[name]
+    values.reshape(-1)[2] = np.nan
+    resave(path, **{name: values})
+    assert refused(path, f"{name}: holds numbers that are not finite")
 
 
 def test_the_graph_of_another_map_is_named(path, tmp_path):
@@ -325,7 +311,19 @@ def test_arrays_that_would_run_something_are_not_read(path):
         ("edges", [[-1, 0, 0.9, 0]], "edge -1 to 0; the map has"),
         ("edges", [[0, 1, 0.9]], "damaged"),
         ("edges", [[0, 1, "likely", 1]], "probability 'likely'"),
-        ("edges", [[[0], 1, 0.9, 1]], "edge [0] to 1: not between whole numbers"),
+        ("edges", [[[0], 1, 0.9, 1]], "damaged"),
+        ("edges", [[0, True, 0.9, 1]], "damaged"),
+        ("edges", [[0, 1, True, 1]], "probability True"),
+        ("edges", [[0, 1, 0.9, -5]], "edge 0 to 1: driven -5 times"),
+        ("edges", [[0, 1, 0.9, float("nan")]], "edge 0 to 1: driven nan times"),
+        ("edges", [[0, 1, 0.9, 1.5]], "edge 0 to 1: driven 1.5 times"),
+        ("edges", [[0, 1, 0.9, "often"]], "edge 0 to 1: driven 'often' times"),
+        ("edges", [[0, 1, 0.9, 10**30]], "edge 0 to 1: driven 1"),
+        ("edges", [[2, 2, 0.9, 1]], "edge 2 to 2: from a vertex to itself"),
+        ("edges", [[0, 1, 0.9, 1], [0, 1, 0.8, 1]], "edge 0 to 1: from a vertex to itself, or tw"),
+        ("trails", ["01", "23"], "damaged"),
+        ("trails", [[0, 1.0]], "damaged"),
+        ("trails", "0123", "damaged"),
         ("edges", 5, "damaged"),
         ("trails", 5, "damaged"),
         ("trails", [["a"]], "damaged"),
@@ -345,7 +343,7 @@ def test_a_graph_that_makes_no_sense_is_named(path, name, value, words):
     [
         ("trails", [], "damaged"),
         ("trails", [[0, 1, 99]], "[99], which are not there"),
-        ("trails", [[0, 1, 2]], "is not where its trajectory has it"),
+        ("trails", [[0, 1, 2]], "vertex 3 is not where its trajectory has it"),
         ("edges", [[0, 1, 7.5, 1]], "edge 0 to 1: probability 7.5"),
         ("edges", [[0, 1, -0.1, 1]], "edge 0 to 1: probability -0.1"),
         ("edges", [[0, 1, float("nan"), 1]], "edge 0 to 1: probability nan"),

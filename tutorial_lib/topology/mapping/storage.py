@@ -29,7 +29,6 @@ from tutorial_lib.topology.mapping.topomap import TopoMap
 VERSION = 2
 """Of the file's layout; maps of version 1 were two files, NAME.json beside NAME-DIGEST.npz."""
 _SEEN = ("image", "laser", "odometry", "speed", "steering")
-_GRAPH = {"settings", "edges", "trails"}
 _OTHERS = ("contexts", "timestamps", "trajectory", "place")
 
 
@@ -120,17 +119,18 @@ def _digest(arrays: dict[str, NDArray[Any]]) -> NDArray[np.uint8]:
     digest = hashlib.sha256()
     for name in sorted(arrays):
         digest.update(f"{name} {arrays[name].dtype} {arrays[name].shape}".encode())
-        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+        digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8))
     return np.frombuffer(digest.digest(), np.uint8)
 
 
-def _graph(text: NDArray[Any]) -> dict[str, Any]:
+def _graph(stored: NDArray[Any]) -> dict[str, Any]:
     """Settings, edges and paths."""
     try:
-        graph = parse_json(text.tobytes().decode(), "its graph")
+        graph = parse_json(stored.tobytes().decode(), "its graph")
     except UnicodeDecodeError as error:
         raise InputError(f"its graph is no UTF-8 text ({error})") from error
-    wrong = _GRAPH ^ set(graph if isinstance(graph, dict) else ())
+    keys = {"settings", "edges", "trails"}
+    wrong = keys ^ set(graph) if isinstance(graph, dict) else keys
     if wrong:
         raise InputError(f"{', '.join(sorted(wrong))}: missing, or not part of a map")
     return graph
