@@ -579,7 +579,7 @@ def changed(text, old, new):
             r"actions: \(10, 2\); give finite",
         ),
         ("return np.zeros((len(robots), 2))", "return 'left'", "ValueError"),
-        ("return np.zeros((len(robots), 2))", "return None", r"actions: \(\) of object; give finite"),
+        ("return np.zeros((len(robots), 2))", "return None", r"actions: \(\) of object"),
         ("return Walk(len(goals))", "return None", "AttributeError: 'NoneType' .* 'act'"),
         ("self.arrived, self.given_up", "self.arrived, self.x", "AttributeError: .* 'given_up'"),
         ("np.zeros((2, count), bool)", "np.zeros((2, 3), bool)", "IndexError"),
