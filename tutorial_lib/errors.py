@@ -22,14 +22,15 @@ def one_line(text: str, most: int = MAX_MESSAGE) -> str:
     """Text on one line that any terminal can print, at most so many characters.
 
     >>> one_line("two" + chr(10) + "lines"), one_line("a long message; what to do", 18)
-    ('two lines', 'a long … hat to do')
+    ('two lines', 'a long … at to do')
     """
     if len(text) > 4 * most:  # before anything is done to each character
         text = text[: 2 * most] + text[-2 * most :]
     text = "".join(c if c.isprintable() else " " if c.isspace() else "\ufffd" for c in text)
     text = " ".join(text.split())
     half = most // 2
-    return text if len(text) <= most else f"{text[: half - 2]} … {text[1 - half :]}"
+    short = f"{text[: half - 2].rstrip()} … {text[1 - half :].lstrip()}"
+    return text if len(text) <= most else short
 
 
 def words_of(error: BaseException, most: int = MAX_QUOTE) -> str:

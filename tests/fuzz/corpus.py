@@ -64,7 +64,7 @@ def _merges() -> bytes:
 
 
 def png(width: int, height: int, body: bytes = b"", kind: int = 0) -> bytes:
-    """A PNG whose header says whatever it is told to."""
+    """A PNG whose header says anything at all."""
     data = b"\x89PNG\r\n\x1a\n"
     head = struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
     for name, content in ((b"IHDR", head), (b"IDAT", zlib.compress(body, 1)), (b"IEND", b"")):

@@ -9,9 +9,9 @@ from tests.fuzz.learned import (
     BUILDING,
     Indifferent,
     Trained,
+    contents,
     make_agent,
     make_topomap,
-    told,
     write_weights,
 )
 from tests.fuzz.plain import plain
@@ -113,13 +113,13 @@ def targets() -> list[Target]:
         Target(
             "map",
             lambda folder: save_map(folder / "flat.npz", make_topomap()),
-            lambda folder: told(load_map(folder / "flat.npz", Indifferent())),
+            lambda folder: contents(load_map(folder / "flat.npz", Indifferent())),
             (".npz",),
         ),
         Target(
             "learned_map",
             lambda folder: keep_learned(BUILDING, make_agent(), folder),
-            lambda folder: told(load_learned(BUILDING, make_agent(), folder)),
+            lambda folder: contents(load_learned(BUILDING, make_agent(), folder)),
             (".npz",),
         ),
         Target(
