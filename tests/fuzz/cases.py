@@ -87,7 +87,7 @@ class Bench:
         path = paths[int(rng.integers(len(paths)))]
         if number < len(self.targets):
             return self.run(target, "nothing", sealed=True)
-        if number % KNOWN == 0:
+        if number % KNOWN == 0 and self.known:
             return self.known_case(seed + number // KNOWN * STRIDE)
         change, kind = changes.alter(path, rng)
         if target.name == "agent" and change != "special":
