@@ -22,7 +22,7 @@ def one_line(text: str, most: int = MAX_MESSAGE) -> str:
     """Text on one line that any terminal can print, at most so many characters.
 
     >>> one_line("two" + chr(10) + "lines"), one_line("a long message; what to do", 18)
-    ('two lines', 'a long … hat to do')
+    ('two lines', 'a long  … at to do')
     """
     if len(text) > 4 * most:  # before anything is done to each character
         text = text[: 2 * most] + text[-2 * most :]

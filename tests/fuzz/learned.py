@@ -47,7 +47,7 @@ def make_topomap() -> TopoMap:
     return found
 
 
-def told(topomap: TopoMap | None) -> Any:
+def described(topomap: TopoMap | None) -> Any:
     """A map as plain data; it must make sense, however it was altered."""
     if topomap is None:
         return None

@@ -9,9 +9,9 @@ from tests.fuzz.learned import (
     BUILDING,
     Indifferent,
     Trained,
+    described,
     make_agent,
     make_topomap,
-    told,
     write_version_1,
     write_weights,
 )
@@ -114,19 +114,19 @@ def targets() -> list[Target]:
         Target(
             "map",
             lambda folder: save_map(folder / "flat.json", make_topomap()),
-            lambda folder: told(load_map(folder / "flat.json", Indifferent())),
+            lambda folder: described(load_map(folder / "flat.json", Indifferent())),
             (".npz", ".json"),
         ),
         Target(
             "map_version_1",
             write_version_1,
-            lambda folder: told(load_map(folder / "flat.json", Indifferent())),
+            lambda folder: described(load_map(folder / "flat.json", Indifferent())),
             (".npz",),
         ),
         Target(
             "learned_map",
             lambda folder: keep_learned(BUILDING, make_agent(), folder),
-            lambda folder: told(load_learned(BUILDING, make_agent(), folder)),
+            lambda folder: described(load_learned(BUILDING, make_agent(), folder)),
             (".npz", ".json"),
         ),
         Target(

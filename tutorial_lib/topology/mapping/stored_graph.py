@@ -65,10 +65,10 @@ def read_paths(
     """
     count = len(place)
     if not isinstance(stored, list) or not all(isinstance(path, list) for path in stored):
-        raise InputError("damaged (trails: not a list of lists)")
+        raise InputError("damaged (paths: not a list of lists)")
     for number, path in enumerate(stored):
         if not all(type(vertex) is int for vertex in path):
-            raise InputError(f"damaged (trails[{number}]: not all are whole numbers)")
+            raise InputError(f"damaged (path {number}: not all are whole numbers)")
         gone = sorted({vertex for vertex in path if not 0 <= vertex < count})
         if gone:
             raise InputError(f"trajectory {number} leads over {gone}, which are not there")
