@@ -404,7 +404,7 @@ def test_a_path_in_another_order_is_named(path, turned):
 
 def test_a_path_of_reused_vertices_only_is_checked_too(path):
     graph, _ = saved(path)
-    rewrite(path, graph, trails=[*graph["trails"], [99]])
+    rewrite(path, graph | {"trails": [*graph["trails"], [99]]})
     assert refused(path, "99")
 
 
