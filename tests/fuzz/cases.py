@@ -25,10 +25,10 @@ from tests.fuzz.outcome import (
     WAIT,
     WRONG,
     Outcome,
+    Target,
 )
 from tests.fuzz.plain import same
 from tests.fuzz.sources import agent_sources
-from tests.fuzz.targets import Target
 from tutorial_lib.errors import MAX_MESSAGE, InputError
 
 KNOWN = 5
@@ -210,6 +210,5 @@ def _resident(name: str) -> int:
 
 def limit_memory() -> None:
     """Let this process grow by a gigabyte, and no more."""
-    corpus.zip_bomb()  # what it takes to make this is no loader's
     most = _resident("VmSize") + GIGABYTE
     resource.setrlimit(resource.RLIMIT_AS, (most, most))

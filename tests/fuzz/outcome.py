@@ -1,6 +1,9 @@
-"""What can come of a case."""
+"""What is loaded, and what can come of it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
 
 SECONDS = 10.0
 """Of computing that a case may take."""
@@ -35,3 +38,20 @@ class Outcome:
     words: str = ""
     seconds: float = 0.0
     megabytes: float = 0.0
+
+
+@dataclass(frozen=True)
+class Target:
+    """A loader.
+
+    Attributes:
+        name: of it.
+        make: writes files that it reads into a folder.
+        load: reads them again.
+        sealed: what the names of files end in of which every altered byte must be noticed.
+    """
+
+    name: str
+    make: Callable[[Path], object]
+    load: Callable[[Path], Any]
+    sealed: tuple[str, ...] = ()

@@ -4,7 +4,6 @@ from dataclasses import fields, is_dataclass
 from typing import Any
 
 import numpy as np
-import torch
 
 
 def plain(value: Any) -> Any:
@@ -12,7 +11,7 @@ def plain(value: Any) -> Any:
     if is_dataclass(value):
         found = {field.name: plain(getattr(value, field.name)) for field in fields(value)}
         return {"class": type(value).__name__, **found}
-    if isinstance(value, torch.Tensor):
+    if hasattr(value, "detach"):  # a tensor
         return value.detach().numpy()
     if isinstance(value, dict):
         return {key: plain(part) for key, part in value.items()}

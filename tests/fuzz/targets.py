@@ -1,7 +1,5 @@
 """Every loader, files that it reads, and what it makes of them as plain data."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +12,7 @@ from tests.fuzz.learned import (
     make_topomap,
     write_weights,
 )
+from tests.fuzz.outcome import Target
 from tests.fuzz.plain import plain
 from tests.fuzz.sources import agent_sources
 from tests.fuzz.writers import (
@@ -39,23 +38,6 @@ from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.simulation import checked_actions
-
-
-@dataclass(frozen=True)
-class Target:
-    """A loader.
-
-    Attributes:
-        name: of it.
-        make: writes files that it reads into a folder.
-        load: reads them again.
-        sealed: what the names of files end in of which every altered byte must be noticed.
-    """
-
-    name: str
-    make: Callable[[Path], object]
-    load: Callable[[Path], Any]
-    sealed: tuple[str, ...] = ()
 
 
 def _run_agent(folder: Path) -> Any:

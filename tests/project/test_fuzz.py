@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.fuzz import __main__ as command
-from tests.fuzz.outcome import ALTERED, BAD, FOREIGN, HANG, LOADED, MEMORY, REFUSED, WRONG
+from tests.fuzz.outcome import ALTERED, BAD, FOREIGN, HANG, LOADED, MEMORY, REFUSED, WRONG, Target
 from tests.fuzz.worker import outcomes
 from tutorial_lib.errors import InputError
 
@@ -93,8 +93,6 @@ def _hide(error):
 
 
 def targets():
-    from tests.fuzz.targets import Target
-
     return [
         *(Target(name, _make, load, (".txt",)) for name, (load, _) in LOADERS.items()),
         Target("unsealed", _make, LOADERS["silent"][0]),

@@ -38,8 +38,9 @@ MAX_CORNERS = 200_000
 """Of the outlines of a grid's free space, before they are simplified. A floor of 40,000 m² has
 20,000; a random grid as large as a picture may be would have a million and keep Python busy for a
 minute."""
-MAX_SURFACES = 5_000
-"""Materials of an imported map, one for each 25 m of outline, and each takes 0.5 ms to paint."""
+MAX_SURFACES = 2_000
+"""Materials of an imported map, one for each 25 m of outline, and each takes 2 ms to make. A floor
+of 40,000 m² has 500."""
 MAX_OUTLINE, MAX_BOXES = 1_000, 200
 """Corners of an outline, and boxes of rooms, in HouseExpo's format: a home has some dozens. Whether
 sides cross is checked pair by pair, and each box is cut with the whole outline."""
