@@ -10,7 +10,7 @@ import pytest
 
 from tests.jobs import check_whole, forks, killed, started, temporaries
 
-KILLS = {"train": 20, "demo": 10, "experiment": 20, "build": 15, "save": 35}
+KILLS = {"save": 35, "demo": 25, "build": 15, "experiment": 10, "train": 15}
 """A hundred."""
 PATIENCE = 900.0
 pytestmark = [
