@@ -18,11 +18,11 @@ SIZE = 16 << 20
 NEW_USER, NEW_MOUNTS = 0x10000000, 0x00020000  # of unshare(2)
 PATIENCE = 900.0
 FREE = {
-    "train": (0, 3_000, 30_000, 200_000),
+    "train": (0, 30_000, 1 << 20, 3 << 20),
     "demo": (0, 70_000, 150_000, 400_000),
     "experiment": (0, 100, 4_000),
     "build": (0, 4_000, 30_000, 100_000),
-    "save": (0, 3_000, 9_000, 14_000, 30_000),
+    "save": (0, 100, 3_000, 4_200, 9_000),
 }
 """Bytes left on the disk, twenty times."""
 
@@ -68,7 +68,7 @@ def on_full_disk(name, folder, free, answers):
     own_disk(folder)
     assert quietly(name, folder)[0] == 0
     before = contents(folder)
-    if name == "train":
+    if name == "train" and free < 1 << 20:
         for path in (folder / "work").rglob("*.npz"):
             path.unlink()  # so that it records again
     fill(folder / "filler", free)
@@ -115,4 +115,5 @@ def test_a_full_disk_leaves_what_was_whole(name, free, tmp_path):
         results = (".webm", ".png", ".json", ".ipynb", ".safetensors")
         assert name == "build" or not [key for key in changed if key.endswith(results)]
     assert again == 0
-    assert set(whole) <= set(at_last)
+    gone = set(whole) - set(at_last)
+    assert all(file.endswith(".pt") for file in gone)  # a checkpoint, when training is over
