@@ -26,13 +26,13 @@ from tutorial_lib.learning.reach_batches import LabelledWorld, OutcomeSource, Pr
 from tutorial_lib.learning.recipes import recorded_worlds_of
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card, load_card, load_network
-from tutorial_lib.world.worlds import local_world, training_world
+from tutorial_lib.world.worlds import training_world, validation_world
 
 FIRST_WORLD, WORLDS = 96, 96
 """Training worlds in which C was not trained: in its own it may do better than elsewhere."""
-STOPPING = range(10_000, 10_008)
+STOPPING = range(10_000, 10_012)
 """Validation worlds for early stopping."""
-CALIBRATING = range(10_012, 10_028)
+CALIBRATING = range(10_012, 10_036)
 """Validation worlds on which RE is calibrated."""
 VALIDATION_TARGETS = 200
 CARS = 16
@@ -115,7 +115,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     training = labelled_worlds(
         recipe, [training_world(FIRST_WORLD + i) for i in range(WORLDS)], work, jobs
     )
-    stopping = labelled_worlds(recipe, [local_world(seed) for seed in STOPPING], work, jobs)
+    stopping = labelled_worlds(recipe, [validation_world(seed) for seed in STOPPING], work, jobs)
     source = OutcomeSource(training, recipe.architecture)
     others = replace(source, labelled=stopping, vary=False, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
@@ -133,7 +133,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
             source = replace(source, labelled=with_mined(training, network, recipe, work, jobs))
             spent += time.monotonic() - begun
     begun = time.monotonic()
-    calibrating = labelled_worlds(recipe, [local_world(seed) for seed in CALIBRATING], work, jobs)
+    calibrating = labelled_worlds(recipe, [validation_world(seed) for seed in CALIBRATING], work, jobs)
     calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
     spent += time.monotonic() - begun
     minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
@@ -172,13 +172,12 @@ def labelled_worlds(
 def with_mined(
     worlds: list[LabelledWorld], network: LocalNetwork, recipe: ReachRecipe, work: Path, jobs: int
 ) -> list[LabelledWorld]:
-    """The worlds, every second one with hard negatives of the network."""
-    recorded = [world.recorded for world in worlds[::2]]
+    """The worlds with hard negatives of the network."""
+    recorded = [world.recorded for world in worlds]
     mined = mined_outcomes(
         ReachabilityNetwork(network), recipe.controller, recorded, work, jobs=jobs
     )
-    with_hard = [replace(world, mined=m) for world, m in zip(worlds[::2], mined, strict=True)]
-    return [*with_hard, *worlds[1::2]]
+    return [replace(world, mined=m) for world, m in zip(worlds, mined, strict=True)]
 
 
 def calibrate(
@@ -217,7 +216,7 @@ def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card
         [training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work
     )
     source = ProximitySource(recorded_worlds, recipe.architecture)
-    stopping = recorded_worlds_of([local_world(seed) for seed in STOPPING], CARS, work)
+    stopping = recorded_worlds_of([validation_world(seed) for seed in STOPPING], CARS, work)
     others = replace(source, recorded_worlds=stopping, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
     checkpoint = recipe.checkpoints(work)[0]

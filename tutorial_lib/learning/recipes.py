@@ -15,7 +15,7 @@ from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card
 from tutorial_lib.parallel import for_each
-from tutorial_lib.world.worlds import local_world, scene_of, training_world
+from tutorial_lib.world.worlds import scene_of, training_world, validation_world
 
 WORK = Path(".training")
 """Folder of demonstrations and checkpoints."""
@@ -108,7 +108,7 @@ def worlds_of(recipe: Recipe) -> tuple[list[str], list[str]]:
     """Names of the training worlds, and of the validation worlds for early stopping."""
     first = FIRST_VALIDATION_WORLD
     training = [training_world(seed) for seed in range(recipe.worlds)]
-    return training, [local_world(first + i) for i in range(recipe.validation_worlds)]
+    return training, [validation_world(first + i) for i in range(recipe.validation_worlds)]
 
 
 def record_for(recipe: Recipe, work: Path) -> list[Path]:
