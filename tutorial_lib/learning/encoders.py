@@ -5,6 +5,8 @@ and `compare`, which is all that is left to do for a pair. Sums are made in plac
 fresh memory costs more time than they do.
 """
 
+from dataclasses import astuple, dataclass
+
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
@@ -76,6 +78,30 @@ class PairEncoder(nn.Module):
         return functional.conv2d(images, weight, bias, layer.stride, layer.padding)
 
 
+@dataclass(frozen=True)
+class MatchingSizes:
+    """How many numbers a matching encoder has at each stage.
+
+    Attributes:
+        first: of a column after all rows are taken in.
+        mixed: of a column after its neighbours are.
+        match: by which columns are matched.
+        width: that a column contributes to the comparison.
+        last: of four merged columns.
+    """
+
+    first: int
+    mixed: int
+    match: int
+    width: int
+    last: int
+
+
+WIDE = MatchingSizes(48, 64, 24, 56, 64)
+COMPACT = MatchingSizes(40, 48, 16, 32, 48)
+"""Half the time of `WIDE`, and in the same minutes of training it learns more."""
+
+
 class MatchingEncoder(nn.Module):
     """Finds each column of the current image again in the target.
 
@@ -84,22 +110,23 @@ class MatchingEncoder(nn.Module):
     that is, joins the column's own features.
     """
 
-    def __init__(self, channels: int, rows: int, match: int = 24, width: int = 56) -> None:
+    def __init__(self, channels: int, rows: int, sizes: MatchingSizes) -> None:
         super().__init__()
-        self.rows = rows_away(channels, rows, _FIRST)
+        first, mixed, match, width, last = astuple(sizes)
+        self.rows = rows_away(channels, rows, first)
         self.mix = nn.Sequential(
-            nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1)),
+            nn.Conv2d(first, mixed, (1, 3), padding=(0, 1)),
             nn.ReLU(inplace=True),
-            nn.Conv2d(_WIDTH, _WIDTH, (1, 3), padding=(0, 1)),
+            nn.Conv2d(mixed, mixed, (1, 3), padding=(0, 1)),
             nn.ReLU(inplace=True),
         )
-        self.match = nn.Linear(_WIDTH, match)
-        self.own = nn.Linear(_WIDTH, width)
-        self.shown = nn.Linear(_WIDTH, width)
+        self.match = nn.Linear(mixed, match)
+        self.own = nn.Linear(mixed, width)
+        self.shown = nn.Linear(mixed, width)
         self.places = nn.Parameter(0.3 * torch.randn(2, COLUMNS, width))
         self.likeness = nn.Parameter(torch.zeros(width))
         self.sharpness = nn.Parameter(torch.tensor(3.0))
-        self.narrow = Narrowing(width)
+        self.narrow = Narrowing(width, last)
         self.sizes = [match, width]
 
     def current(self, images: Tensor) -> Tensor:

@@ -1,6 +1,7 @@
 """A network that compares an observation with a target in its context (Meng 2020, III-B)."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -8,7 +9,9 @@ from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning.encoders import (
+    COMPACT,
     FEATURES,
+    WIDE,
     MatchingEncoder,
     PairEncoder,
     SeparateEncoder,
@@ -16,7 +19,7 @@ from tutorial_lib.learning.encoders import (
 )
 from tutorial_lib.learning.views import VIEWS, View
 
-ENCODERS = ("matching", "pair", "separate", "stacked")
+ENCODERS = ("matching", "compact", "pair", "separate", "stacked")
 OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3}
 """Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; or
 the logit of reachability, and two overlaps."""
@@ -70,7 +73,12 @@ class LocalNetwork(nn.Module):
         if architecture.encoder == "stacked":
             self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.images)
         else:
-            kinds = {"matching": MatchingEncoder, "pair": PairEncoder, "separate": SeparateEncoder}
+            kinds = {
+                "matching": partial(MatchingEncoder, sizes=WIDE),
+                "compact": partial(MatchingEncoder, sizes=COMPACT),
+                "pair": PairEncoder,
+                "separate": SeparateEncoder,
+            }
             self.encoder = kinds[architecture.encoder](channels, rows)
         self.stacked = architecture.encoder == "stacked"
         compared = 1 if self.stacked else architecture.images

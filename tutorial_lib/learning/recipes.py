@@ -42,7 +42,7 @@ class Recipe:
     command: str
     architecture: Architecture
     settings: Settings = field(default_factory=Settings)
-    worlds: int = 96
+    worlds: int = 120
     validation_worlds: int = 12
     cars: int = 16
 
@@ -54,11 +54,11 @@ class Recipe:
 WAYPOINT = {
     k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(max_steps=steps))
     for k, name, architecture, steps in (
-        ("0", "waypoint_k0", Architecture(0), 24_000),
-        ("2", "waypoint_k2", Architecture(2), 20_000),
-        ("5", "waypoint_k5", Architecture(5), 24_000),
-        ("direct", "direct_k2", Architecture(2, outputs="action"), 12_000),
-        ("laser", "laser_k2", Architecture(2, view="laser"), 16_000),
+        ("0", "waypoint_k0", Architecture(0, "compact"), 40_000),
+        ("2", "waypoint_k2", Architecture(2, "compact"), 36_000),
+        ("5", "waypoint_k5", Architecture(5, "compact"), 30_000),
+        ("direct", "direct_k2", Architecture(2, "compact", outputs="action"), 20_000),
+        ("laser", "laser_k2", Architecture(2, "compact", view="laser"), 30_000),
     )
 }
 """What `train waypoint --k` can train."""
