@@ -81,7 +81,9 @@ REACHABILITY = {
     "0": _recipe("0", "waypoint_k0", 320, (20_000, 8_000), Architecture(0, "compact")),
     "2": _recipe("2", "waypoint_k2", 850, (30_000, 12_000), Architecture(2, "compact")),
     "5": _recipe("5", "waypoint_k5", 320, (14_000, 6_000), Architecture(5, "compact")),
-    "laser": _recipe("laser", "laser_k2", 320, (12_000, 6_000), Architecture(2, "compact", "laser")),
+    "laser": _recipe(
+        "laser", "laser_k2", 320, (12_000, 6_000), Architecture(2, "compact", "laser")
+    ),
 }
 """What `train reachability --k` can train, besides SPTM's."""
 SPTM = ReachRecipe(
@@ -133,7 +135,9 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
             source = replace(source, labelled=with_mined(training, network, recipe, work, jobs))
             spent += time.monotonic() - begun
     begun = time.monotonic()
-    calibrating = labelled_worlds(recipe, [validation_world(seed) for seed in CALIBRATING], work, jobs)
+    calibrating = labelled_worlds(
+        recipe, [validation_world(seed) for seed in CALIBRATING], work, jobs
+    )
     calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
     spent += time.monotonic() - begun
     minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
