@@ -351,7 +351,7 @@ def test_embeddings_are_directions_of_what_is_seen(recorded, seen, encoder, k):
     reachability = reachability_of(encoder, k)
     embedded = reachability.embed(seen)
     assert embedded.shape[0] == 6
-    assert embedded.shape[1] == (16 if encoder in ("matching", "compact") else 1)
+    assert embedded.shape[1] == (16 if encoder == "matching" else 1)
     assert embedded.dtype == np.float32
     assert np.linalg.norm(embedded, axis=-1) == pytest.approx(1.0, abs=1e-4)
     order = np.array([3, 0, 3])

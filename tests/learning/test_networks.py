@@ -4,7 +4,7 @@ import torch
 from torch.nn import functional
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning.encoders import COLUMNS, COMPACT, FEATURES, MatchingEncoder, PairEncoder
+from tutorial_lib.learning.encoders import COLUMNS, FEATURES, MatchingEncoder, PairEncoder
 from tutorial_lib.learning.networks import ENCODERS, OUTPUTS, Architecture, LocalNetwork
 from tutorial_lib.learning.views import VIEWS, CameraView, LaserView
 from tutorial_lib.world.sensors import Camera
@@ -169,7 +169,7 @@ def test_the_same_seed_builds_the_same_network():
         ({"k": 21}, "0 to 20"),
         ({"k": 2.5}, "whole number"),
         ({"k": "2"}, "whole number"),
-        ({"encoder": "siamese"}, "encoder 'siamese'; give one of matching, compact, pair"),
+        ({"encoder": "siamese"}, "encoder 'siamese'; give one of matching, pair"),
         ({"view": "camera17"}, "view 'camera17'; give one of camera16, camera64, laser"),
         ({"outputs": "thoughts"}, "outputs 'thoughts'; give one of waypoint, action"),
     ],
@@ -205,7 +205,7 @@ def correlation(encoder, current, target):
 @torch.inference_mode()
 def test_a_picture_matches_itself_along_the_diagonal():
     torch.manual_seed(0)
-    encoder, pictures = MatchingEncoder(3, 16, COMPACT), torch.rand(6, 3, 16, 64)
+    encoder, pictures = MatchingEncoder(3, 16), torch.rand(6, 3, 16, 64)
     volume = correlation(encoder, pictures, pictures)
     diagonal = volume.diagonal(dim1=1, dim2=2)
     torch.testing.assert_close(diagonal, torch.ones(6, COLUMNS))
@@ -219,7 +219,7 @@ def test_a_picture_matches_itself_along_the_diagonal():
 @torch.inference_mode()
 def test_shifted_columns_are_found_again(shift):
     torch.manual_seed(0)
-    encoder, wide = MatchingEncoder(3, 16, COMPACT), torch.rand(6, 3, 16, 96)
+    encoder, wide = MatchingEncoder(3, 16), torch.rand(6, 3, 16, 96)
     current, target = wide[..., 16:80], wide[..., 16 + 2 * shift : 80 + 2 * shift]
     found = correlation(encoder, current, target).argmax(dim=2)
     # Columns near an edge see beyond it.

@@ -5,8 +5,6 @@ and `compare`, which is all that is left to do for a pair. Sums are made in plac
 fresh memory costs more time than they do.
 """
 
-from dataclasses import astuple, dataclass
-
 import torch
 from torch import Tensor, nn
 from torch.nn import functional
@@ -78,41 +76,27 @@ class PairEncoder(nn.Module):
         return functional.conv2d(images, weight, bias, layer.stride, layer.padding)
 
 
-@dataclass(frozen=True)
-class MatchingSizes:
-    """How many numbers a matching encoder has at each stage.
-
-    Attributes:
-        first: of a column after all rows are taken in.
-        mixed: of a column after its neighbours are.
-        match: by which columns are matched.
-        width: that a column contributes to the comparison.
-        last: of four merged columns.
-    """
-
-    first: int
-    mixed: int
-    match: int
-    width: int
-    last: int
-
-
-WIDE = MatchingSizes(48, 64, 24, 56, 64)
-COMPACT = MatchingSizes(40, 48, 16, 32, 48)
-"""Half the time of `WIDE`, and in the same minutes of training it learns more."""
-
-
 class MatchingEncoder(nn.Module):
     """Finds each column of the current image again in the target.
 
     The correlation volume holds the similarity of every column of one image to every column of
     the other. Its softmax along a row says where a column is seen again; what is there, and where
     that is, joins the column's own features.
+
+    A column is described by `first` numbers after all its rows are taken in, and by `mixed` after
+    its neighbours are. It is matched by `match` numbers and contributes `width` to the comparison.
     """
 
-    def __init__(self, channels: int, rows: int, sizes: MatchingSizes) -> None:
+    def __init__(
+        self,
+        channels: int,
+        rows: int,
+        first: int = 40,
+        mixed: int = 48,
+        match: int = 16,
+        width: int = 32,
+    ) -> None:
         super().__init__()
-        first, mixed, match, width, last = astuple(sizes)
         self.rows = rows_away(channels, rows, first)
         self.mix = nn.Sequential(
             nn.Conv2d(first, mixed, (1, 3), padding=(0, 1)),
@@ -126,7 +110,7 @@ class MatchingEncoder(nn.Module):
         self.places = nn.Parameter(0.3 * torch.randn(2, COLUMNS, width))
         self.likeness = nn.Parameter(torch.zeros(width))
         self.sharpness = nn.Parameter(torch.tensor(3.0))
-        self.narrow = Narrowing(width, last)
+        self.narrow = Narrowing(width, mixed)
         self.sizes = [match, width]
 
     def current(self, images: Tensor) -> Tensor:
@@ -155,7 +139,7 @@ class MatchingEncoder(nn.Module):
         return current[..., : self.sizes[0]] @ target[..., : self.sizes[0]].transpose(1, 2)
 
     def _columns(self, images: Tensor) -> tuple[Tensor, Tensor]:
-        """Directions (N, 32, match) to match by, and features (N, 32, 64) of the columns."""
+        """Directions (N, 32, match) to match by, and features (N, 32, mixed) of the columns."""
         x = self.mix(self.rows(images).relu_())[:, :, 0].transpose(1, 2)
         return functional.normalize(self.match(x), dim=-1), x
 

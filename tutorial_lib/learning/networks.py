@@ -1,7 +1,6 @@
 """A network that compares an observation with a target in its context (Meng 2020, III-B)."""
 
 from dataclasses import dataclass
-from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -9,9 +8,7 @@ from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.learning.encoders import (
-    COMPACT,
     FEATURES,
-    WIDE,
     MatchingEncoder,
     PairEncoder,
     SeparateEncoder,
@@ -19,7 +16,7 @@ from tutorial_lib.learning.encoders import (
 )
 from tutorial_lib.learning.views import VIEWS, View
 
-ENCODERS = ("matching", "compact", "pair", "separate", "stacked")
+ENCODERS = ("matching", "pair", "separate", "stacked")
 OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3}
 """Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; or
 the logit of reachability, and two overlaps."""
@@ -74,8 +71,7 @@ class LocalNetwork(nn.Module):
             self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.images)
         else:
             kinds = {
-                "matching": partial(MatchingEncoder, sizes=WIDE),
-                "compact": partial(MatchingEncoder, sizes=COMPACT),
+                "matching": MatchingEncoder,
                 "pair": PairEncoder,
                 "separate": SeparateEncoder,
             }

@@ -78,12 +78,10 @@ def _recipe(
 
 
 REACHABILITY = {
-    "0": _recipe("0", "waypoint_k0", 320, (20_000, 8_000), Architecture(0, "compact")),
-    "2": _recipe("2", "waypoint_k2", 850, (30_000, 12_000), Architecture(2, "compact")),
-    "5": _recipe("5", "waypoint_k5", 320, (14_000, 6_000), Architecture(5, "compact")),
-    "laser": _recipe(
-        "laser", "laser_k2", 320, (12_000, 6_000), Architecture(2, "compact", "laser")
-    ),
+    "0": _recipe("0", "waypoint_k0", 320, (20_000, 8_000), Architecture(0)),
+    "2": _recipe("2", "waypoint_k2", 850, (30_000, 12_000), Architecture(2)),
+    "5": _recipe("5", "waypoint_k5", 320, (14_000, 6_000), Architecture(5)),
+    "laser": _recipe("laser", "laser_k2", 320, (12_000, 6_000), Architecture(2, view="laser")),
 }
 """What `train reachability --k` can train, besides SPTM's."""
 SPTM = ReachRecipe(
@@ -91,7 +89,7 @@ SPTM = ReachRecipe(
     "train reachability --k sptm",
     "",
     0,
-    Architecture(0, "compact", outputs="reachability"),
+    Architecture(0, outputs="reachability"),
     Settings(max_steps=12_000),
     Settings(max_steps=0),
 )
