@@ -34,7 +34,7 @@ STOPPING = range(10_000, 10_012)
 """Validation worlds for early stopping."""
 CALIBRATING = range(10_012, 10_036)
 """Validation worlds on which RE is calibrated."""
-VALIDATION_TARGETS = 200
+VALIDATION_TARGETS = 120
 CARS = 16
 
 
@@ -70,7 +70,7 @@ def _recipe(
     which: str, controller: str, targets: int, steps: tuple[int, int], architecture: Architecture
 ) -> ReachRecipe:
     name = f"reach_{which if which == 'laser' else 'k' + which}"
-    first = Settings(max_steps=steps[0])
+    first = Settings(max_steps=steps[0], patience=steps[0])
     second = Settings(max_steps=steps[1], learning_rate=7e-4, seed=1, patience=steps[1])
     architecture = replace(architecture, outputs="reachability")
     command = f"train reachability --k {which}"
@@ -78,10 +78,10 @@ def _recipe(
 
 
 REACHABILITY = {
-    "0": _recipe("0", "waypoint_k0", 320, (20_000, 8_000), Architecture(0)),
-    "2": _recipe("2", "waypoint_k2", 850, (30_000, 12_000), Architecture(2)),
-    "5": _recipe("5", "waypoint_k5", 320, (14_000, 6_000), Architecture(5)),
-    "laser": _recipe("laser", "laser_k2", 320, (12_000, 6_000), Architecture(2, view="laser")),
+    "0": _recipe("0", "waypoint_k0", 200, (14_000, 6_000), Architecture(0)),
+    "2": _recipe("2", "waypoint_k2", 400, (22_000, 8_000), Architecture(2)),
+    "5": _recipe("5", "waypoint_k5", 400, (14_000, 6_000), Architecture(5)),
+    "laser": _recipe("laser", "laser_k2", 200, (14_000, 6_000), Architecture(2, view="laser")),
 }
 """What `train reachability --k` can train, besides SPTM's."""
 SPTM = ReachRecipe(
