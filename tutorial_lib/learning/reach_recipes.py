@@ -28,7 +28,7 @@ from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.world.worlds import training_world, validation_world
 
-FIRST_WORLD, WORLDS = 120, 100
+FIRST_WORLD, WORLDS = 120, 80
 """Training worlds in which C was not trained: in its own it may do better than elsewhere."""
 STOPPING = range(10_000, 10_012)
 """Validation worlds for early stopping."""
