@@ -781,7 +781,7 @@ print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 #
 # For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py) shows the weights, and where we differ from the paper's authors).
 #
-# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
+# The pretrained networks were trained for up to half an hour in 120 worlds (homes, offices, halls, mazes and scanned maps), by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
 #
 # The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
@@ -997,8 +997,8 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
 # Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 400 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
-# rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour on
-# 96 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
+# rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour in
+# 120 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
 # </details>
 #
 # ## 6 · Drive by camera

@@ -1261,21 +1261,19 @@ draw_topomap(view, picture, topomap, vertex_poses(apartment, topomap), size=5.0)
 show(picture)
 
 # %% [markdown]
-# A map outlives a robot's battery. It is saved as a JSON file with the graph, and beside it an `.npz` with the observations. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
+# A map outlives a robot's battery. It is saved as one `.npz` file, with the observations and the graph. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
 
 # %% hidden=true
 # Save the map, load it, and damage it
 with tempfile.TemporaryDirectory() as folder:
-    path = Path(folder) / "apartment.json"
+    path = Path(folder) / "apartment.npz"
     save_map(path, topomap)
-    for file in sorted(Path(folder).iterdir()):
-        print(f"{file.name:32s} {file.stat().st_size / 1000:8.0f} kB")
-    kilobytes = sum(file.stat().st_size for file in Path(folder).iterdir()) / 1000
+    kilobytes = path.stat().st_size / 1000
+    print(f"{path.name}: {kilobytes:.0f} kB")
     loaded = load_map(path, reachability)
     same = sorted(loaded.graph.edges) == sorted(topomap.graph.edges)
     print(f"{kilobytes / len(topomap):.1f} kB per vertex; loaded with the same edges: {same}")
-    arrays = next(Path(folder).glob("*.npz"))
-    arrays.write_bytes(arrays.read_bytes()[:1000])
+    path.write_bytes(path.read_bytes()[:1000])
     try:
         load_map(path, reachability)
     except InputError as error:

@@ -130,7 +130,7 @@ MUTATIONS = [
     (
         "the digest of a map ignores values",
         "topology/mapping/storage.py",
-        "        digest.update(np.ascontiguousarray(arrays[name]).tobytes())\n",
+        "        digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8))\n",
         "",
         "topology/mapping/test_storage.py",
     ),

@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     known = [name for entry in EXPERIMENTS.values() for name in entry.ablations]
     parser.add_argument("--ablation", choices=known, default="")
     parser.add_argument("--palette", choices=PALETTES, default=STANDARD)
-    parser.add_argument("--family", choices=FAMILIES, default="", help="of generated worlds")
+    parser.add_argument(
+        "--family", choices=(*FAMILIES, "all"), default="", help="of generated worlds"
+    )
     parser.add_argument("--agent", default="", metavar="FILE.py:CLASS")
     parser.add_argument(
         "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"

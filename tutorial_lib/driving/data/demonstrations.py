@@ -22,6 +22,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
 from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
+from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller
 from tutorial_lib.parallel import for_each
@@ -176,7 +177,7 @@ def record_demonstrations(
     for name in worlds:
         parse_world(name)
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     names = list(dict.fromkeys(worlds))
     recipe = (count, seed, folder, control_noise)
     paths = for_each(_record, names, *recipe, label="demonstrations", jobs=jobs)

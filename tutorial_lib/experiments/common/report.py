@@ -25,7 +25,7 @@ class Options:
         map: a file to run on instead of generated worlds.
         ablation: to run instead of the experiment itself.
         palette: of generated worlds.
-        family: of generated worlds; the experiment's own, by seed, unless given.
+        family: of generated worlds, or "all"; the experiment's own, by seed, unless given.
         agent: FILE.py:CLASS of an agent, or of a component of one, to compare with the others.
         odometry: one of `ODOMETRY`.
         drives: which of the recorded drives agents learn, see `protocols.drives`; all if empty.

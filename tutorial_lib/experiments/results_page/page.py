@@ -89,10 +89,6 @@ def introduction(results: Results) -> str:
             f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
             f"Each network was trained once: intervals do not hold the variation from one "
             f"training to the next.",
-            "**What has changed since.** All of this was measured with exact wheel odometry; by "
-            "now it drifts unless `--odometry exact` is given. The networks learned in "
-            "apartments, offices and mazes; `train` draws halls, scans and worlds with signs as "
-            "well.",
             "**Names.** *C* is local control with k images of context on either side of the "
             "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
             "is built here; *SPTM* (Savinov 2018) is the paper's baseline, *random* knows nothing "

@@ -88,4 +88,47 @@ def _section(results: Results) -> list[str]:
     ]
 
 
-SECTIONS = (Section("Calibration of reachability", ("calibration",), _section),)
+OTHERS = {"all": "all families", "hall": "halls"}
+"""Of worlds, by the end of the report's name."""
+
+
+def elsewhere(families: dict[str, Rows]) -> str:
+    """The figures of RE and of what it is compared with, by families of worlds."""
+    lines = []
+    for name, rows in families.items():
+        for estimator in ("k2", "k5", "sptm"):
+            row = one(rows, estimator=estimator)
+            lines.append(
+                [
+                    OTHERS[name],
+                    ESTIMATORS[estimator],
+                    number_interval(row, "auc"),
+                    number(row["geometry_auc"]),
+                    number_interval(row, "ece"),
+                    counted(row["precision_mix"], row["sure_mix"]),
+                    counted(row["far_above_09"], row["far"], 2),
+                ]
+            )
+    sure = f"right above {SURE:g}"
+    head = ["worlds", "estimator", "AUC", "of the true geometry", "ECE", sure, "far above 0.9"]
+    return table(head, lines)
+
+
+def _families_section(results: Results) -> list[str]:
+    families = {name: results.rows(f"calibration_{name}") for name in OTHERS}
+    return [
+        f"The same in worlds of all six families by seed (apartments, offices, halls, scans, "
+        f"mazes and loop corridors), and in halls alone; "
+        f"{results.worlds('calibration_all')} test worlds each.",
+        elsewhere(families),
+    ]
+
+
+SECTIONS = (
+    Section("Calibration of reachability", ("calibration",), _section),
+    Section(
+        "Calibration in all families, and in halls",
+        tuple(f"calibration_{name}" for name in OTHERS),
+        _families_section,
+    ),
+)
