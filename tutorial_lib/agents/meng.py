@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.interfaces import Edges, Experience, Goals, Observation, Plan, Planner
-from tutorial_lib.topology.mapping.anchors import anchors_of
+from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -37,15 +37,21 @@ class MengAgent(MapAgent):
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Sparsify each trajectory and insert it into the map."""
-        view, k = self.predictor.view, self.predictor.k
         for experience in experiences:
-            seen = experience.observations
-            anchors = anchors_of(
-                self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
-            )
-            added = add_trajectory(self.topomap, anchors)
-            if self.turns is not None:
-                add_turns(self.topomap, anchors, added.path, self.turns)
+            self.insert(self.sparsified(experience))
+
+    def sparsified(self, experience: Experience) -> Anchors:
+        """The anchors of a trajectory."""
+        view, k, seen = self.predictor.view, self.predictor.k, experience.observations
+        return anchors_of(
+            self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
+        )
+
+    def insert(self, anchors: Anchors) -> None:
+        """Add a trajectory to the map, and join it by turning to what was there."""
+        added = add_trajectory(self.topomap, anchors)
+        if self.turns is not None:
+            add_turns(self.topomap, anchors, added.path, self.turns)
 
     def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """The planner's path."""

@@ -164,8 +164,8 @@ def test_what_is_joined_already_is_not_turned_to():
 
 def test_turns_are_saved_with_the_map(scene, tmp_path):
     topomap, _ = learned(scene, THERE, BACK)
-    save_map(tmp_path / "map.json", topomap)
-    loaded = load_map(tmp_path / "map.json", Blind())
+    save_map(tmp_path / "map.npz", topomap)
+    loaded = load_map(tmp_path / "map.npz", Blind())
     assert list(loaded.graph.edges(data="turn")) == list(topomap.graph.edges(data="turn"))
     export_graphml(tmp_path / "map.graphml", topomap)
     drawn = nx.read_graphml(tmp_path / "map.graphml")

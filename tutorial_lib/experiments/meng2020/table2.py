@@ -20,11 +20,10 @@ from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_thresholds
-from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR, driven, part_of
+from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN, Thresholds
+from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR, driven_trials, part_of
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
-    FACING,
-    NEAR,
     Result,
     attempt,
     navigate,
@@ -32,8 +31,6 @@ from tutorial_lib.experiments.protocols.navigation import (
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
     WORLDS,
-    Building,
-    Trials,
     make_building,
 )
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
@@ -46,31 +43,18 @@ PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
 
 
 @dataclass(frozen=True)
-class Thresholds:
-    """Thresholds that depend on how much was driven, chosen on validation worlds.
-
-    Attributes:
-        p_edge: Meng's, see `MapSettings`.
-        s_shortcut: SPTM's, see `SPTMAgent`.
-    """
-
-    p_edge: float = MapSettings().p_edge
-    s_shortcut: float = agents.S_SHORTCUT
-
-
-@dataclass(frozen=True)
 class Settings:
     """Settings of Table II.
 
     Attributes:
         places: of a building; each ordered pair is joined by a recorded trajectory.
         trials: in each building.
-        thresholds: by `--drives`; the usual ones for others.
+        thresholds: by `--drives`, chosen on validation worlds; the usual ones for others.
     """
 
     places: int = PLACES
     trials: int = 200
-    thresholds: Mapping[str, Thresholds] = field(default_factory=dict)
+    thresholds: Mapping[str, Thresholds] = field(default_factory=lambda: CHOSEN)
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,13 +131,7 @@ def run_world(
         "area": round(plan.area),
         "images": len(building.recorded.poses),
     }
-    return InWorld(columns, found, _driven(whole, trials, options))
-
-
-def _driven(whole: Building, trials: Trials, options: Options) -> NDArray[np.bool_]:
-    """Which trials (N,) some drive covers; a continuous drive is cut at the places."""
-    drives = TOUR if options.drives == CONTINUOUS else options.drives
-    return driven(part_of(whole, drives, options.seed), trials, NEAR, FACING)
+    return InWorld(columns, found, driven_trials(whole, trials, options.drives, options.seed))
 
 
 def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401

@@ -1,21 +1,24 @@
 """How much success depends on the threshold of RE, a probability, and of SPTM's similarity.
 
-With `--drives` for agents that learned a part of the drives: what is best depends on how much.
+With `--drives` for agents that learned a part of the drives: what is best depends on how much. The
+best ones of each share are entered in `CHOSEN`, which Table II takes.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
-from tutorial_lib.experiments.protocols.drives import part_of
-from tutorial_lib.experiments.protocols.navigation import Result, attempt, measured
+from tutorial_lib.experiments.protocols.drives import driven_trials, part_of
+from tutorial_lib.experiments.protocols.navigation import Result, attempt, experiences, measured
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_trials, make_building
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
@@ -23,6 +26,23 @@ from tutorial_lib.topology.mapping.edge_rules import MapSettings
 WORLDS = tuple(range(10_000, 10_003))
 """For validation: SPTM's threshold is chosen here."""
 BEST = {"meng": 0.99, "sptm": agents.S_SHORTCUT}
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Thresholds that depend on how much was driven.
+
+    Attributes:
+        p_edge: Meng's, see `MapSettings`.
+        s_shortcut: SPTM's, see `SPTMAgent`.
+    """
+
+    p_edge: float = MapSettings().p_edge
+    s_shortcut: float = agents.S_SHORTCUT
+
+
+CHOSEN: Mapping[str, Thresholds] = {}
+"""By `--drives`: what this ablation found best in composed trials of its validation worlds."""
 
 Key = tuple[str, float, bool]
 """Method, threshold, and whether it replans."""
@@ -35,7 +55,7 @@ class Settings:
     Attributes:
         places: of a building.
         trials: in each building.
-        re: thresholds of RE.
+        re: p_edge of Meng's map, in ascending order.
         similarity: thresholds of SPTM's similarity, in ascending order.
     """
 
@@ -45,23 +65,56 @@ class Settings:
     similarity: tuple[float, ...] = (0.9, 0.97, 0.99, 0.995, 0.999)
 
 
+@dataclass(frozen=True, eq=False)
+class InWorld:
+    """What came out in one world.
+
+    Attributes:
+        results: of every variant.
+        driven: (N,) which trials some drive that was learned covers.
+    """
+
+    results: dict[Key, Result]
+    driven: NDArray[np.bool_]
+
+
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Table II with other thresholds, and without replanning."""
     parts = for_each(run_world, options.worlds, options, settings, label="thresholds")
-    return [_row(key, [part[key] for part in parts]) for key in parts[0]], []
+    rows = [_row(key, parts, options.drives) for key in parts[0].results]
+    if not options.drives:
+        return rows, []
+    best = best_of(rows, "success_composed")
+    found = f"p_edge {best.p_edge:g}, s_shortcut {best.s_shortcut:g}"
+    return rows, [f"best with --drives {options.drives}: {found} (composed trials)"]
 
 
-def run_world(world: int, options: Options, settings: Settings) -> dict[Key, Result]:
+def best_of(rows: Rows, by: str) -> Thresholds:
+    """The thresholds with the most success, in the column `by`; of equals the strictest."""
+    best = [
+        max(
+            (row for row in rows if row["method"] == method and row["replans"]),
+            key=lambda row: (row[by], row["threshold"]),
+        )
+        for method in ("meng", "sptm")
+    ]
+    return Thresholds(*(row["threshold"] for row in best))
+
+
+def run_world(world: int, options: Options, settings: Settings) -> InWorld:
     """All variants in one world, on the same trials."""
     whole = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 1])
     trials = draw_trials(whole, settings.trials, rng)
     building = part_of(whole, options.drives, options.seed)
     found: dict[Key, Result] = {}
+    usual = agents.meng()
+    trajectories = [usual.sparsified(experience) for experience in experiences(building)]
     for least in settings.re:
-        map_settings = MapSettings(p_edge=least, p_reuse=least)
-        agent = agents.meng(settings=map_settings, p_sparsify=least)
-        found["meng", least, True] = attempt(building, trials, agent)
+        agent = replace(usual, settings=MapSettings(p_edge=least))
+        for anchors in trajectories:
+            agent.insert(anchors)
+        found["meng", least, True] = measured(building, trials, agent)
         if least == BEST["meng"]:
             found["meng", least, False] = measured(building, trials, without_replanning(agent))
     first, *others = settings.similarity
@@ -72,7 +125,7 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[Key, Res
         found["sptm", least, True] = measured(building, trials, sptm)
         if least == BEST["sptm"]:
             found["sptm", least, False] = measured(building, trials, without_replanning(sptm))
-    return found
+    return InWorld(found, driven_trials(whole, trials, options.drives, options.seed))
 
 
 def without_replanning(agent: Any) -> Any:  # noqa: ANN401 - Meng's or SPTM's
@@ -82,17 +135,23 @@ def without_replanning(agent: Any) -> Any:  # noqa: ANN401 - Meng's or SPTM's
     return other
 
 
-def _row(key: Key, parts: list[Result]) -> dict[str, Any]:
+def _row(key: Key, parts: list[InWorld], drives: str) -> dict[str, Any]:
     method, threshold, replans = key
-    world = np.repeat(np.arange(len(parts)), [len(part.outcome.success) for part in parts])
-    success = np.concatenate([part.outcome.success for part in parts]).astype(float)
+    results = [part.results[key] for part in parts]
+    world = np.repeat(np.arange(len(parts)), [len(part.driven) for part in parts])
+    success = np.concatenate([part.outcome.success for part in results]).astype(float)
     share, low, high = over_worlds(success, world)
     sizes = {
-        name: sum(getattr(part, name) for part in parts)
+        name: sum(getattr(part, name) for part in results)
         for name in ("vertices", "edges", "wormholes")
     }
     row: dict[str, Any] = {"method": method, "threshold": threshold, "replans": replans, **sizes}
-    return row | {"trials": len(success), "success": share, "low": low, "high": high}
+    row |= {"trials": len(success), "success": share, "low": low, "high": high}
+    if not drives:
+        return row
+    composed = ~np.concatenate([part.driven for part in parts])
+    found = float(success[composed].mean()) if composed.any() else float("nan")
+    return row | {"trials_composed": int(composed.sum()), "success_composed": found}
 
 
 EXPERIMENT = Experiment(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.data.demonstrations import demonstrate_on
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.protocols.navigation import FACING, NEAR
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import RECORDING
 from tutorial_lib.geometry import Array, wrap
@@ -108,6 +109,19 @@ def toured(building: Building) -> Building:
     if drive is None:
         raise InputError(f"--drives {CONTINUOUS}: the car did not come through {building.name}")
     return replace(building, recorded=RecordedWorld(building.scene, [drive]), pairs=order[:1])
+
+
+def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> NDArray[np.bool_]:
+    """Which trials (N,) some drive covers that agents learn; a continuous one is cut at the places.
+
+    Args:
+        whole: with all drives.
+        trials: to be sorted.
+        drives: as from `parse_drives`.
+        seed: of the run.
+    """
+    separate = TOUR if drives == CONTINUOUS else drives
+    return driven(part_of(whole, separate, seed), trials, NEAR, FACING)
 
 
 def driven(building: Building, trials: Trials, near: float, facing: float) -> NDArray[np.bool_]:

@@ -18,6 +18,28 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
+DRIVES = ("0.2", "0.4", "tour", "continuous")
+"""Of Table II: what agents learn, beside all drives."""
+
+
+def stored_as(drives: str, ablation: str = "") -> str:
+    """The name of the report on Table II, or an ablation of it, with `--drives`.
+
+    >>> stored_as("0.2"), stored_as("tour", "thresholds")
+    ('meng_table2_drives_02', 'meng_table2_thresholds_tour')
+    """
+    return f"meng_table2_{ablation or 'drives'}_{drives.replace('.', '')}"
+
+
+def _with_drives(drives: str) -> dict[str, str]:
+    """The commands of Table II and of its thresholds with `--drives`."""
+    found = {stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}"}
+    if drives != "continuous":  # its thresholds are those of the tour
+        chosen = f"experiment meng_table2 --ablation thresholds --drives {drives}"
+        found[stored_as(drives, "thresholds")] = chosen
+    return found
+
+
 COMMANDS = {
     "plans": "experiment plans",
     "nts_wayfinding": "experiment nts_wayfinding",
@@ -36,6 +58,11 @@ COMMANDS = {
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
+    **{name: line for drives in DRIVES for name, line in _with_drives(drives).items()},
+    "meng_table2_anywhere": (
+        "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
+    ),
+    "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "faults": "experiment faults",
     **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
 }

@@ -152,7 +152,7 @@ class Added:
     """How a trajectory was added to the map.
 
     Attributes:
-        path: (A,) the vertex of each anchor.
+        path: (A,) the vertex of each anchor; of an edge that replaces it, the target.
         reused: (A,) whether that vertex had been there before.
         outdated: (R,) vertices that were removed, since they look different by now.
         queries: pairs that RE was queried about.
