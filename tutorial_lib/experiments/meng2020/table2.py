@@ -7,26 +7,24 @@ learn a part of them; what was not driven must be *composed* of several.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_thresholds
+from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
 from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN, Thresholds
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR, driven_trials, part_of
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
     Result,
-    attempt,
-    navigate,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
@@ -34,10 +32,10 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     make_building,
 )
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
-from tutorial_lib.interfaces import Agent
 from tutorial_lib.parallel import for_each
-from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
+EVERY, COMPOSED = "all worlds", "composed"
+"""Which trials a note is about."""
 PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
 """Success in the least and the most successful of the paper's five worlds."""
 
@@ -48,11 +46,13 @@ class Settings:
 
     Attributes:
         places: of a building; each ordered pair is joined by a recorded trajectory.
+        places_on_map: the same on a map's file, of which there is only one.
         trials: in each building.
         thresholds: by `--drives`, chosen on validation worlds; the usual ones for others.
     """
 
     places: int = PLACES
+    places_on_map: int = PLACES
     trials: int = 200
     thresholds: Mapping[str, Thresholds] = field(default_factory=lambda: CHOSEN)
 
@@ -77,7 +77,10 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     places: list[Any] = [*options.worlds] if options.map is None else [options.map]
     if options.agent:  # a faulty one is refused before any rollout
         agents.custom(options.agent)
-    parts = for_each(run_world, places, options, settings, label="meng_table2")
+    if len(places) > 1:
+        parts = for_each(run_world, places, options, settings, label="meng_table2")
+    else:  # the agents share the cores instead
+        parts = [_together(place, options, settings, for_each) for place in places]
     rows = [
         _row(place, options.drives, part, method)
         for place, part in zip(places, parts, strict=True)
@@ -86,10 +89,16 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, _notes(parts, options.drives)
 
 
-def run_world(
+def run_world(place: Any, options: Options, settings: Settings) -> InWorld:  # noqa: ANN401
+    """All agents in one world, one after the other."""
+    return _together(place, options, settings, _in_turn)
+
+
+def _together(
     place: Any,  # noqa: ANN401
     options: Options,
     settings: Settings,
+    each: Callable[..., list[Any]],
 ) -> InWorld:
     """All agents in one world, which learn the same drives and run the same trials.
 
@@ -97,11 +106,12 @@ def run_world(
         place: seed of a large generated world, or a map's file.
         options: of the run.
         settings: of the run.
+        each: runs a method after the other, or on all cores.
     """
     whole = make_building(
         place,
         options.seed,
-        settings.places,
+        settings.places if options.map is None else settings.places_on_map,
         options.palette,
         drifts=options.drifts,
         family=options.family,
@@ -110,28 +120,25 @@ def run_world(
     rng = np.random.default_rng(seeds)
     trials = chosen_trials(whole, settings.trials, rng, options.starts, options.goals)
     building = part_of(whole, options.drives, options.seed)
-    limits = settings.thresholds.get(options.drives, Thresholds())
-    entries: dict[str, Agent] = {
-        "meng": agents.meng(settings=MapSettings(p_edge=limits.p_edge)),
-        "sptm": agents.sptm(s_shortcut=limits.s_shortcut),
-        "random": agents.random_agent(np.random.default_rng(seeds)),
-    }
-    found = {name: attempt(building, trials, agent) for name, agent in entries.items()}
-    found["oracle"] = Result(
-        navigate(
-            building, trials, lambda sim: OracleNavigation(sim, whole.paths, trials.goal_poses)
-        )
-    )
-    if options.agent:
-        own = agents.custom(options.agent)
-        found["custom"] = agents.guarded(options.agent, attempt, building, trials, own)
+    methods = [*METHODS, "custom"] if options.agent else METHODS
+    drives = TOUR if options.drives == CONTINUOUS else options.drives
+    limits = settings.thresholds.get(drives, Thresholds())
+    given = building, whole, trials, limits, options.agent
+    found = each(run_method, methods, *given, label="methods")
     plan = building.scene.plan
     columns = {
         "family": plan.family,
         "area": round(plan.area),
         "images": len(building.recorded.poses),
     }
-    return InWorld(columns, found, driven_trials(whole, trials, options.drives, options.seed))
+    results = dict(zip(methods, found, strict=True))
+    return InWorld(columns, results, driven_trials(whole, trials, options.drives, options.seed))
+
+
+def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label: str) -> list[Any]:  # noqa: ANN401
+    """`for_each` without other processes."""
+    del label
+    return [work(item, *given) for item in items]
 
 
 def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401
@@ -176,11 +183,14 @@ def _notes(parts: Sequence[InWorld], drives: str) -> tuple[str, ...]:
     }
     every = np.ones(len(world), dtype=bool)
     composed = ~np.concatenate([part.driven for part in parts])
-    notes = _compared(success, world, every, "all worlds")
+    notes = _compared(success, world, every, EVERY)
     if drives and composed.any():
-        notes += _compared(success, world, composed, "composed")
+        notes += _compared(success, world, composed, COMPOSED)
     elif not drives:
-        notes.append(f"driven: {1 - composed.mean():.1%} of the trials, see --drives")
+        notes.append(
+            f"driven: {1 - composed.mean():.1%} of the trials have a recorded drive past their "
+            "start and then their goal; of composing drives this tells next to nothing (--drives)"
+        )
     for name in ("meng", "sptm"):
         edges, holes = (
             sum(getattr(part.results[name], what) for part in parts)
@@ -195,12 +205,13 @@ def _compared(
 ) -> list[str]:
     """Success of each method in the trials that are `kept`, and Meng's less each other's."""
     notes, world = [], world[kept]
+    part = "" if which == EVERY else f", {which}"
     for name, values in success.items():
         share, low, high = over_worlds(values[kept], world)
         notes.append(f"{name}, {which}: {share:.1%} ({low:.1%} to {high:.1%})")
     for name in [other for other in success if other != "meng"]:
         found = difference(success["meng"][kept], success[name][kept], world)
-        notes.append(f"meng - {name}{'' if kept.all() else f', {which}'}: {in_points(found)}")
+        notes.append(f"meng - {name}{part}: {in_points(found)}")
     return notes
 
 

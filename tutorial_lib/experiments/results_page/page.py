@@ -10,6 +10,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
+    composing,
     following,
     local_control,
     maps,
@@ -50,7 +51,7 @@ CHAPTERS = (
     Chapter("Reachability", reachability.SECTIONS),
     Chapter("Following a trajectory", following.SECTIONS),
     Chapter("Maps", maps.SECTIONS),
-    Chapter("Navigation", (*navigation.SECTIONS, *maps.PATHS)),
+    Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
     Chapter("Probability and faults", probability.SECTIONS),
     Chapter("The worlds", worlds.SECTIONS),
     Chapter("Speed", speed.SECTIONS),
@@ -93,8 +94,8 @@ def introduction(results: Results) -> str:
             "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
             "is built here; *SPTM* (Savinov 2018) is the paper's baseline, *random* knows nothing "
             "and the *oracle* the floor plan, its pose and the goal's.",
-            "**Intervals** in brackets are of 95 %. Over twenty worlds they are bootstrapped over "
-            "worlds; for one world they are Wilson's, over trials. For three or five worlds "
+            "**Intervals** in brackets are of 95 %. Over ten worlds or more they are bootstrapped "
+            "over worlds; for one world they are Wilson's, over trials. For three or five worlds "
             "together, too few for a bootstrap, the count is given, or each world. Where all "
             "worlds have the same share the bootstrap has no width, and the interval is left out. "
             "**Bold** is the best of its kind in a column or row; oracles and bounds take no "

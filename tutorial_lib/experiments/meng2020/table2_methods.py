@@ -1,0 +1,50 @@
+"""The agents of Table II, one at a time, so that they can run beside each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.meng2020.table2_thresholds import Thresholds
+from tutorial_lib.experiments.protocols.navigation import Result, attempt, navigate
+from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+
+METHODS = ("meng", "sptm", "random", "oracle")
+"""In the order of the rows."""
+
+
+def run_method(
+    method: str,
+    building: Building,
+    whole: Building,
+    trials: Trials,
+    limits: Thresholds,
+    agent: str,
+) -> Result:
+    """One agent: what it learns of a building, and how its trials end.
+
+    Args:
+        method: name of the agent.
+        building: with the drives that it learns.
+        whole: with all drives; only the oracle sees it.
+        trials: to be run.
+        limits: of the maps.
+        agent: FILE.py:CLASS of the custom one.
+    """
+    if method == "oracle":
+        return Result(
+            navigate(
+                building, trials, lambda sim: OracleNavigation(sim, whole.paths, trials.goal_poses)
+            )
+        )
+    if method == "custom":
+        own = agents.custom(agent)
+        return agents.guarded(agent, attempt, building, trials, own)
+    if method == "random":
+        rng = np.random.default_rng([*building.odometry.seed, 1])
+        return attempt(building, trials, agents.random_agent(rng))
+    if method == "sptm":
+        return attempt(building, trials, agents.sptm(s_shortcut=limits.s_shortcut))
+    return attempt(building, trials, agents.meng(settings=MapSettings(p_edge=limits.p_edge)))
