@@ -628,8 +628,8 @@ class Table:
 
 def library_map(reach, trajectories, **settings):
     """The library's map, and the record of each insertion."""
-    # Evaluate all pairs, forget nothing.
-    usual = {"p_reuse": 0.99, "candidates": 10**6, "p_outdated": 0.0}
+    # Evaluate all pairs, forget nothing, and reuse vertices alone.
+    usual = {"p_reuse": 0.99, "p_between": 1.0, "candidates": 10**6, "p_outdated": 0.0}
     estimator = Table(reach) if isinstance(reach, np.ndarray) else reach
     topomap = TopoMap(estimator, MapSettings(**{**usual, **settings}))
     added = [
@@ -732,6 +732,16 @@ table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 #
 # <details><summary>A robot has arrived at A. Why can it not continue to B on this map?</summary>
 # It can from A's <i>starts</i>, which face out of the room. But a trajectory that ends at A ends facing into the room, and none begins there with that heading: no trajectory shows how to turn round. That is why paths are counted from starts to ends, and only between different places. A map cannot contain what was never driven; one trajectory that turns round in each room would be enough.
+# </details>
+#
+# ### Turning where drives meet
+#
+# With twelve trajectories of four places the ends hang together: wherever one arrives, another leaves. After a *tour*, each place to the next and back, they do not. A car comes in by one trajectory and should leave by another, which passed here looking the other way; the two images have nothing in common, and no $\mathcal{RE}$ joins them. The paper's ninety trajectories never ask for it.
+#
+# But the car has a laser that sees all around. Where its scan, turned by some angle, lies on the scan of a vertex, and the walls had the same colours on both trajectories, the places are the same. The library's agent then adds a **[[turn edge]]** each way, with a fixed probability of 0.95, and the angle by which to turn; a robot drives it as a three-point turn. (Scans alone are not enough: two offices have the same walls. See [`turn_edges.py`](../tutorial_lib/topology/mapping/turn_edges.py). The map that you build here has none.)
+#
+# <details><summary>Why may the laser find such places, but not all others?</summary>
+# It could, in a building whose rooms differ in shape. But a scan knows no posters and no stripes: rooms of the same shape would all be one. And that two places are 3 m apart does not say that a car gets from the one to the other. RE answers just that question. A turn where one stands is the one case in which being there is enough.
 # </details>
 #
 # Here is the map, each trajectory's vertices in its colour: the twin of the paper's Fig. 8. With the sliders, **predict** first: which of the two thresholds changes the number of vertices, and what happens to the paths at $p_\text{edge} = 0.999$?
@@ -1078,7 +1088,7 @@ print("\n".join(bench.notes))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# The first two parts build the map of one building by either method; "edges found" are those of the map from all pairs that the one by retrieval has, too. Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
+# The first two parts build the map of one building by either method; "edges found" is the share of the edges that all pairs give which retrieval finds, too, without those that were driven, which need no search. Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
 # </details>
 #
 # ## 7 · How maps grow
@@ -1141,7 +1151,9 @@ show(from_figure(figure))
 # Our cars follow a planner along the same few hundred paths, so they soon have seen everything there is; the paper's buildings are scans of real ones, with clutter and scanning errors, where images are harder to trust ("denser samples are kept to stay conservative", IV-C.5). The shape is the same: steep, then flat. Sub-sampling has no such bend: it does not know what it has seen already.
 # </details>
 # <details><summary>Why do the maps not stop growing altogether?</summary>
-# Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late are less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse. A rule that accepts <i>two</i> vertices in place of an anchor where one does not qualify halves the growth. We tried: the maps are smaller, and fewer goals are reached.
+# Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late were less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse.
+#
+# The library therefore lets an <b>edge</b> replace an anchor where no vertex does (the paper does not). The anchor lies on an edge from $v$ to $w$ if $\mathcal{RE}$ from $v$ to the anchor, and from the anchor to $w$, are both above p_between; then the trajectory goes from the anchor before over $v$ and $w$ to the anchor after, and each step of it must be above p_reuse. Two vertices have slack: one of them is near, whatever the spacing. An earlier rule left out p_between, so that any edge would do that leads from the anchor before to the one after. Its maps grew half as fast, but fewer goals were reached, probably since what the anchor showed was on the map no more. (<code>experiment meng_fig13 --ablation reuse</code> compares the rules, with the success on each map.)
 # </details>
 #
 # ## 8 · How it fails
@@ -1245,7 +1257,7 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success. And it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
 
 # %% hidden=true
 # The library's map, with the network inside

@@ -2,6 +2,7 @@
 
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.results import load_result
+from tutorial_lib.experiments.protocols.drives import driven_trials, part_of
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide
 from tutorial_lib.experiments.protocols.navigation import (
     WORMHOLE,
@@ -27,12 +28,14 @@ __all__ = [
     "Trials",
     "agents",
     "draw_trials",
+    "driven_trials",
     "experiences",
     "facing",
     "goals_of",
     "load_result",
     "make_building",
     "navigate",
+    "part_of",
     "spread_places",
     "vertex_poses",
 ]
