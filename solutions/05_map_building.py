@@ -734,16 +734,6 @@ table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 # It can from A's <i>starts</i>, which face out of the room. But a trajectory that ends at A ends facing into the room, and none begins there with that heading: no trajectory shows how to turn round. That is why paths are counted from starts to ends, and only between different places. A map cannot contain what was never driven; one trajectory that turns round in each room would be enough.
 # </details>
 #
-# ### Turning where drives meet
-#
-# With twelve trajectories of four places the ends hang together: wherever one arrives, another leaves. After a *tour*, each place to the next and back, they do not. A car comes in by one trajectory and should leave by another, which passed here looking the other way; the two images have nothing in common, and no $\mathcal{RE}$ joins them. The paper's ninety trajectories never ask for it.
-#
-# But the car has a laser that sees all around. Where its scan, turned by some angle, lies on the scan of a vertex, and the walls had the same colours on both trajectories, the places are the same. The library's agent then adds a **[[turn edge]]** each way, with a fixed probability of 0.95, and the angle by which to turn; a robot drives it as a three-point turn. (Scans alone are not enough: two offices have the same walls. See [`turn_edges.py`](../tutorial_lib/topology/mapping/turn_edges.py). The map that you build here has none.)
-#
-# <details><summary>Why may the laser find such places, but not all others?</summary>
-# It could, in a building whose rooms differ in shape. But a scan knows no posters and no stripes: rooms of the same shape would all be one. And that two places are 3 m apart does not say that a car gets from the one to the other. RE answers just that question. A turn where one stands is the one case in which being there is enough.
-# </details>
-#
 # Here is the map, each trajectory's vertices in its colour: the twin of the paper's Fig. 8. With the sliders, **predict** first: which of the two thresholds changes the number of vertices, and what happens to the paths at $p_\text{edge} = 0.999$?
 
 # %% hidden=true
@@ -776,6 +766,16 @@ sliders(
 # %% [markdown]
 # <details><summary>What do they do?</summary>
 # Only p_reuse changes the vertices. p_edge controls the short cuts between trajectories: at 0.999 none is left, since the estimator never returns as much (section 2), and only the driven steps remain. Thanks to reuse even those contain all paths; at p_reuse = 1 they contain twelve. At 0.8 long edges appear, and some lead through walls. The next section is about those.
+# </details>
+#
+# ### Turning where drives meet
+#
+# With a trajectory for every pair of places that hardly matters: one of them leads from A to B. After a *tour*, each place to the next and back, it does. To get from A to C a car comes to B by one trajectory, and should leave by another, which passed here looking the other way; the two images have nothing in common, and no $\mathcal{RE}$ joins them. The paper's ninety trajectories never ask for it.
+#
+# But the car has a laser that sees all around. Where its scan, turned by some angle, lies on the scan of a vertex, and the walls had the same colours on both trajectories, the places are the same. The library's agent then adds a **[[turn edge]]** each way, with a fixed probability of 0.95, and the angle by which to turn; a robot drives it as a three-point turn. (Scans alone are not enough: two offices have the same walls. See [`turn_edges.py`](../tutorial_lib/topology/mapping/turn_edges.py). The map that you build here has none.)
+#
+# <details><summary>Why may the laser find such places, but not all others?</summary>
+# It could, in a building whose rooms differ in shape. But a scan knows no posters and no stripes: rooms of the same shape would all be one. And that two places are 3 m apart does not say that a car gets from the one to the other. RE answers just that question. A turn where one stands is the one case in which being there is enough.
 # </details>
 #
 # ## 5 · Places that look alike

@@ -374,7 +374,7 @@ def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkey
     few = table2_thresholds.Settings(trials=3, re=(0.9, 0.99), similarity=(0.9, 0.99))
     part = table2_thresholds.run_world(20_000, QUICK, few)
     found = part.results
-    assert part.driven.all()  # every ordered pair of places was
+    assert len(part.driven) == 3
     assert list(found) == [
         ("meng", 0.9, True),
         ("meng", 0.99, True),

@@ -711,6 +711,7 @@ def test_maps_of_a_part_of_the_drives_have_its_thresholds(
         return navigation.Result(outcome, 1, 1, 0)
 
     monkeypatch.setattr(table2_methods, "attempt", attempt)
+    monkeypatch.setattr(table2, "part_of", lambda whole, *_: whole)
     monkeypatch.setattr(table2, "for_each", in_turn)
     monkeypatch.setattr(navigation, "GRACE", 0.0)
     experiment = replace(table2.EXPERIMENT, settings=few)

@@ -126,11 +126,9 @@ def recall(trajectories: list[Anchors], settings: MapSettings) -> float:
     topomap, found, wanted = TopoMap(agents.meng().reachability, settings), 0, 0
     for anchors in trajectories:
         indexed, whole = Insertion(topomap, anchors), Insertion(topomap, anchors, _EVERY_VERTEX)
-        above = [
-            np.stack(one.scores()) > settings.p_edge for one in (indexed, whole)
-        ]  # (2, A, V + A) each
         reused = indexed.insert().reused
-        ends = np.ones(above[0].shape[2], dtype=bool)
+        above = [np.stack(one.scores()) > settings.p_edge for one in (indexed, whole)]
+        ends = np.ones(above[0].shape[2], dtype=bool)  # of (2, A, V + A)
         ends[-len(anchors) :] = ~reused
         theirs, all_of_them = (table[:, ~reused][:, :, ends] for table in above)
         found += int((theirs & all_of_them).sum())

@@ -118,8 +118,9 @@ def chosen(results: Results, name: str) -> str:
     """Success by threshold, with that in composed trials behind it."""
     rows = results.rows(name)
     lines = thresholds(rows).splitlines()
-    more = ["composed", "---", *(percent(row["success_composed"]) for row in rows)]
-    return "\n".join(f"{line} {cell} |" for line, cell in zip(lines, more, strict=True))
+    shares = (f" {percent(row['success_composed'])} " for row in rows)
+    more = [" composed ", "---", *shares]
+    return "\n".join(f"{line}{cell}|" for line, cell in zip(lines, more, strict=True))
 
 
 SECTIONS = (
