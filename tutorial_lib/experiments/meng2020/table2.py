@@ -123,7 +123,7 @@ def _together(
     methods = [*METHODS, "custom"] if options.agent else METHODS
     drives = TOUR if options.drives == CONTINUOUS else options.drives
     limits = settings.thresholds.get(drives, Thresholds())
-    given = building, whole, trials, limits, options.agent
+    given = building, whole, trials, limits.p_edge, limits.s_shortcut, options.agent
     found = each(run_method, methods, *given, label="methods")
     plan = building.scene.plan
     columns = {

@@ -6,7 +6,6 @@ import numpy as np
 
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
-from tutorial_lib.experiments.meng2020.table2_thresholds import Thresholds
 from tutorial_lib.experiments.protocols.navigation import Result, attempt, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
@@ -20,7 +19,8 @@ def run_method(
     building: Building,
     whole: Building,
     trials: Trials,
-    limits: Thresholds,
+    p_edge: float,
+    s_shortcut: float,
     agent: str,
 ) -> Result:
     """One agent: what it learns of a building, and how its trials end.
@@ -30,7 +30,8 @@ def run_method(
         building: with the drives that it learns.
         whole: with all drives; only the oracle sees it.
         trials: to be run.
-        limits: of the maps.
+        p_edge: of Meng's map.
+        s_shortcut: of SPTM's.
         agent: FILE.py:CLASS of the custom one.
     """
     if method == "oracle":
@@ -46,5 +47,5 @@ def run_method(
         rng = np.random.default_rng([*building.odometry.seed, 1])
         return attempt(building, trials, agents.random_agent(rng))
     if method == "sptm":
-        return attempt(building, trials, agents.sptm(s_shortcut=limits.s_shortcut))
-    return attempt(building, trials, agents.meng(settings=MapSettings(p_edge=limits.p_edge)))
+        return attempt(building, trials, agents.sptm(s_shortcut=s_shortcut))
+    return attempt(building, trials, agents.meng(settings=MapSettings(p_edge=p_edge)))
