@@ -152,7 +152,8 @@ def test_where_the_walls_have_other_colours_it_is_another_place(scene):
 
 def test_what_is_joined_already_is_not_turned_to():
     topomap = table_map(np.zeros((2, 2)), 2)
-    assert topomap.connect_by_turn(0, 1, 0.8, np.pi)
+    assert topomap.connect_by_turn(0, 1, 0.8, np.pi + 0.01)
+    assert topomap.graph.edges[0, 1]["turn"] == pytest.approx(0.01 - np.pi)
     assert not topomap.connect_by_turn(0, 1, 0.9, 1.0)
     assert not topomap.connect_by_turn(1, 1, 0.9, 1.0)
     # To drive there replaces the turn, for better or worse.

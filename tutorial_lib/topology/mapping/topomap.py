@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.geometry import wrap
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
@@ -98,7 +99,7 @@ class TopoMap:
         if source == target or self.graph.has_edge(source, target):
             return False
         self.connect(source, target, probability)
-        self.graph.edges[source, target]["turn"] = float(angle)
+        self.graph.edges[source, target]["turn"] = float(wrap(angle))
         return True
 
     def path_of(self, vertex: int) -> PlaceOnPath:
