@@ -23,12 +23,13 @@ COMMANDS = {
     "nts_wayfinding": "experiment nts_wayfinding",
     "meng_table1": "experiment meng_table1",
     **{f"meng_table1_{name}": f"experiment meng_table1 --map {name}.yaml" for name in MAPS},
-    **{f"meng_table1_{name}": f"experiment meng_table1 --family {name}" for name in OTHER_FAMILIES},
-    **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
-    "calibration": "experiment calibration",
     **{
-        f"calibration_{name}": f"experiment calibration --family {name}" for name in ("all", "hall")
+        f"meng_table1_{name}": f"experiment meng_table1 --family {name} --worlds 20000:20010"
+        for name in OTHER_FAMILIES
     },
+    **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
+    "calibration": "experiment calibration --family all",
+    "calibration_hall": "experiment calibration --family hall --worlds 20000:20010",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
