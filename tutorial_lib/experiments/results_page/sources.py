@@ -41,6 +41,13 @@ COMMANDS = {
     **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
+EARLIER = frozenset(
+    {
+        *("meng_fig9", "meng_fig10", "meng_fig11", "meng_fig13", "faults", "map"),
+        *(name for name in COMMANDS if name.startswith("meng_table2")),
+    }
+)
+"""Reports whose networks were trained in apartments, offices and mazes only; odometry was exact."""
 
 
 @dataclass(frozen=True)
