@@ -11,8 +11,8 @@ from tutorial_lib.experiments.results_page.sources import EARLIER, Results, comm
 LONG = 120
 """Seconds from which on a duration is given in minutes."""
 _EARLIER = (
-    "*Measured with earlier networks, which were trained in apartments, offices and mazes only, and "
-    "with exact odometry; the command gives other numbers today.*"
+    "*Measured with earlier networks, trained in apartments, offices and mazes only, and with exact "
+    "odometry; the command gives other numbers today.*"
 )
 
 

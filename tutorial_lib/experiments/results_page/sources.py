@@ -44,7 +44,7 @@ COMMANDS = {
 EARLIER = frozenset(
     {
         *("meng_fig9", "meng_fig10", "meng_fig11", "meng_fig13", "faults", "map"),
-        *(name for name in COMMANDS if name.startswith("meng_table2")),
+        *(name for name in COMMANDS if name.startswith(("ablation", "meng_table2"))),
     }
 )
 """Reports whose networks were trained in apartments, offices and mazes only; odometry was exact."""
