@@ -11,7 +11,7 @@ from tutorial_lib.experiments.results_page.sources import EARLIER, Results, comm
 LONG = 120
 """Seconds from which on a duration is given in minutes."""
 _EARLIER = (
-    "*Measured with earlier networks, trained in apartments, offices and mazes only, and with exact "
+    "*Measured with earlier networks (trained in apartments, offices and mazes) and with exact "
     "odometry; the command gives other numbers today.*"
 )
 
