@@ -29,7 +29,7 @@ COMMANDS = {
     },
     **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
     "calibration": "experiment calibration --family all",
-    "calibration_hall": "experiment calibration --family hall --worlds 20000:20010",
+    "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
