@@ -77,8 +77,8 @@ def introduction(results: Results) -> str:
         [
             "# Results",
             f"This page is made from the JSON files beside it by `{COMMAND}`. Each section has "
-            f"the command that measures its numbers again, and the time that it took on two cores "
-            f"of a small server.",
+            f"the command that measures its numbers again, and the time that it took on a small "
+            f"server with two cores, which also had other work at times.",
             f"**Protocol and worlds.** Where a table or figure of Meng 2020 (*Scaling Local "
             f"Control to Large-Scale Topological Navigation*) is named, the protocol is the "
             f"paper's, but the world is easier: 2D floor plans, images by raycasting, a simulated "
