@@ -1290,7 +1290,7 @@ by_map = []
 for name, title in maps.items():
     rows = load_result(f"meng_table1_{name}").rows
     by_map.append((title, {r["controller"]: r for r in rows if r["condition"] == "clean"}))
-display(success_table(by_map, "On three maps from Nav2; no network has seen such a place"))
+display(success_table(by_map, "On three maps from Nav2, which no network has seen"))
 
 # %% [markdown]
 # *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
@@ -1302,8 +1302,8 @@ display(success_table(by_map, "On three maps from Nav2; no network has seen such
 # the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
-# A single image is enough for nine targets in ten. Context of k = 2 removes 45 % of the remaining failures, and k = 5 another 56 % of those that are left; k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within ten points of its result here, to either side.
+# A single image is enough for nineteen targets in twenty. Context of k = 2 removes a fifth of the remaining failures, and k = 5 another two fifths of those that are left; k = 5 is two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to nineteen points, and the oracle at most one: walls and rooms have other shapes there than in the training worlds, although halls and scanned plans are among these. <i>Direct</i> has little to lose: it stays within fourteen points of its result here, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.

@@ -37,6 +37,7 @@ from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.learning.weights import load_network, save_network
+from tutorial_lib.reading.checksums import unsealed
 from tutorial_lib.topology.mapping.storage import save_map
 from tutorial_lib.viz.figures.film import _frames_in
 
@@ -149,7 +150,8 @@ def check_whole(folder):
         elif path.suffix == ".pt":
             import torch
 
-            assert torch.load(path, weights_only=True)["step"] > 0
+            state = io.BytesIO(unsealed(path.read_bytes()))
+            assert torch.load(state, weights_only=True)["step"] > 0
     return found
 
 

@@ -73,3 +73,17 @@ def test_this_environment_is_complete():
     command = [sys.executable, "-m", "tutorial_lib.commands.installed"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.stdout.split() == [COMPLETE]
+
+
+def test_what_an_installation_leaves_in_the_current_folder_hides_nothing(
+    packages, tmp_path_factory, monkeypatch
+):
+    here = tmp_path_factory.mktemp("course")
+    (here / "one.egg-info").mkdir()
+    (here / "one.egg-info" / "PKG-INFO").write_text("Name: one\nVersion: 1.0\n")
+    monkeypatch.chdir(here)
+    monkeypatch.syspath_prepend(here)
+    importlib.invalidate_caches()
+    assert lost("one[more]") == []
+    (packages / "three" / "part.py").unlink()
+    assert lost("one[more]") == ["three"]

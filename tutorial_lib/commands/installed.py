@@ -6,8 +6,10 @@ takes a fraction of a second; importing torch alone would take several.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from importlib import metadata
+from pathlib import Path
 
 COURSE = "topological-visual-navigation[test]"
 COMPLETE = "complete"
@@ -30,9 +32,8 @@ def lost(course: str = COURSE) -> list[str]:
         if str(wanted) in seen:
             continue
         seen.add(str(wanted))
-        try:
-            package = metadata.distribution(wanted.name)
-        except metadata.PackageNotFoundError:
+        package = next(iter(metadata.distributions(name=wanted.name, path=_folders())), None)
+        if package is None:
             found.add(wanted.name)
             continue
         fields = list(_fields(package))
@@ -46,6 +47,11 @@ def lost(course: str = COURSE) -> list[str]:
             if marker is None or any(marker.evaluate({"extra": extra}) for extra in extras):
                 waiting.append(needed)
     return sorted(found)
+
+
+def _folders() -> list[str]:
+    """Where packages are looked for: not in the current folder, where pip leaves an egg-info."""
+    return [folder for folder in sys.path if folder and Path(folder) != Path.cwd()]
 
 
 def _fields(package: metadata.Distribution) -> Iterator[tuple[str, str]]:

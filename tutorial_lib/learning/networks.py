@@ -70,11 +70,7 @@ class LocalNetwork(nn.Module):
         if architecture.encoder == "stacked":
             self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.images)
         else:
-            kinds = {
-                "matching": MatchingEncoder,
-                "pair": PairEncoder,
-                "separate": SeparateEncoder,
-            }
+            kinds = {"matching": MatchingEncoder, "pair": PairEncoder, "separate": SeparateEncoder}
             self.encoder = kinds[architecture.encoder](channels, rows)
         self.stacked = architecture.encoder == "stacked"
         compared = 1 if self.stacked else architecture.images

@@ -133,6 +133,8 @@ def test_disturbances_run_on_a_validation_world(monkeypatch):
         assert row["trajectories"] <= 2
         if row["trajectories"]:
             assert row["finished"] + row["lost"] <= 1.0
-    assert rows["carried"]["finished"] in (0.0, None)
+    kidnapped = rows["carried"]
+    assert kidnapped["disturbed"] <= 2  # there is not always a place for it
+    assert kidnapped["finished"] <= 1 - kidnapped["disturbed"] / 2  # one that was not may
     assert rows["none"]["finished"] is not None
     json.dumps(report.as_dict(), allow_nan=False)

@@ -9,7 +9,7 @@ Before, `rmp_arcs` turns the waypoint into an arc, ahead or in reverse; afterwar
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -251,12 +251,9 @@ class RMPController:
             far - radii, closing, self.push, self.brake, self.weight, self.fade
         )
         weighted = weight * rows
-
-        def of_each_robot(values: Array) -> Array:
-            return np.bincount(robots, values.sum(axis=0), len(lasers))
-
-        forces = [of_each_robot(row * away) for row in weighted]
-        metrics = [[of_each_robot(row * other) for other in rows] for row in weighted]
+        of_each = partial(np.bincount, robots, minlength=len(lasers))
+        forces = [of_each((row * away).sum(axis=0)) for row in weighted]
+        metrics = [[of_each((row * other).sum(axis=0)) for other in rows] for row in weighted]
         return np.stack(forces, axis=-1), np.moveaxis(np.array(metrics), -1, 0)
 
     def _limit(

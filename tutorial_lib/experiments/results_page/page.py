@@ -78,8 +78,8 @@ def introduction(results: Results) -> str:
         [
             "# Results",
             f"This page is made from the JSON files beside it by `{COMMAND}`. Each section has "
-            f"the command that measures its numbers again, and the time that it took on two cores "
-            f"of a small server.",
+            f"the command that measures its numbers again, and the time that it took on a small "
+            f"server with two cores, which also had other work at times.",
             f"**Protocol and worlds.** Where a table or figure of Meng 2020 (*Scaling Local "
             f"Control to Large-Scale Topological Navigation*) is named, the protocol is the "
             f"paper's, but the world is easier: 2D floor plans, images by raycasting, a simulated "
@@ -129,7 +129,8 @@ def block_of(results: Results) -> str:
         results_in_short(results),
         "",
         f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
-        f"it. The world is easier than the paper's.",
+        f"it. The world is easier than the paper's. Navigation, plans and blocked paths were "
+        f"measured with earlier networks and exact odometry.",
         END,
     ]
     return "\n".join(lines)

@@ -45,12 +45,13 @@ COMMANDS = {
     "nts_wayfinding": "experiment nts_wayfinding",
     "meng_table1": "experiment meng_table1",
     **{f"meng_table1_{name}": f"experiment meng_table1 --map {name}.yaml" for name in MAPS},
-    **{f"meng_table1_{name}": f"experiment meng_table1 --family {name}" for name in OTHER_FAMILIES},
-    **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
-    "calibration": "experiment calibration",
     **{
-        f"calibration_{name}": f"experiment calibration --family {name}" for name in ("all", "hall")
+        f"meng_table1_{name}": f"experiment meng_table1 --family {name} --worlds 20000:20010"
+        for name in OTHER_FAMILIES
     },
+    **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
+    "calibration": "experiment calibration --family all",
+    "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
@@ -67,6 +68,13 @@ COMMANDS = {
     **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
+EARLIER = frozenset(
+    {
+        *("meng_fig9", "meng_fig10", "meng_fig11", "meng_fig13", "faults", "map"),
+        *(name for name in COMMANDS if name.startswith(("ablation", "meng_table2"))),
+    }
+)
+"""Reports whose networks were trained in apartments, offices and mazes only; odometry was exact."""
 
 
 @dataclass(frozen=True)
