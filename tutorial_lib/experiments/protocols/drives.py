@@ -30,13 +30,15 @@ PASSED = 1.0
 def parse_drives(text: str) -> str:
     """What `--drives` is given, checked: a share above 0 and up to 1, `tour` or `continuous`.
 
+    All drives are the empty text.
+
     Raises:
         InputError: for anything else.
 
     >>> parse_drives("0.40")
     '0.4'
     """
-    if text in (TOUR, CONTINUOUS):
+    if text in ("", TOUR, CONTINUOUS):
         return text
     try:
         share = float(text)
