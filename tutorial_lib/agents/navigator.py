@@ -1,7 +1,9 @@
 """Navigation over a map: plan, follow the plan by sight, and replan when lost or blocked.
 
 A robot without a plan turns in place and replans once a second. One with something in its way waits
-for a moment; then the stretch before it is excluded for a time, and it replans.
+for a moment; then the stretch before it is excluded for a time, and it replans. One that followed
+its path knows about where it is: its next plan begins around there. Else, with the path ahead
+excluded, plans would begin at places that only look like here.
 """
 
 from __future__ import annotations
@@ -17,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import Blockades, Waiting, in_the_way
+from tutorial_lib.agents.whereabouts import Whereabouts
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import (
@@ -39,6 +42,8 @@ from tutorial_lib.world.simulation import STEP
 
 SEARCH_TIME = 20.0
 """Seconds of rotating after which a robot without a plan gives up."""
+LOOK_TIME = 10.0
+"""Seconds of rotating after which a plan may begin anywhere."""
 _ALL = 4 * np.pi  # rad; it turns on until it has a plan
 _REPLAN_STEPS = 10  # from one attempt to plan to the next, while rotating
 FindPath = Callable[[Observation, Goals, Edges], Plan]
@@ -79,6 +84,7 @@ class MapNavigation:
         self.plans: list[Plan | None] = [None] * count
         self.history: list[list[Plan]] = [[] for _ in goals]
         self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
+        self._whereabouts = Whereabouts(count, self._topomap)
         self._blockades, self._waiting = Blockades(count, self._topomap), Waiting(count)
         self._rotation = ThreePointTurn(count)
         self._searched = np.zeros(count, dtype=int)  # steps since it had a plan
@@ -143,7 +149,10 @@ class MapNavigation:
 
     def _plan(self, observation: Observation, robot: int) -> None:
         """Plan and start, or search, or give up."""
-        excluded = self._blockades.excluded(robot, observation.odometry[0], self._now[robot])
+        odometry = observation.odometry[0]
+        excluded = self._blockades.excluded(robot, odometry, self._now[robot])
+        if self._searched[robot] < LOOK_TIME / STEP:
+            excluded |= self._whereabouts.excluded(robot, odometry)
         plan = self._find_path(observation, self._goals[robot], excluded)
         self.history[robot].append(plan)
         # A robot that was under way takes an improbable path rather than none.
@@ -165,6 +174,8 @@ class MapNavigation:
         """Replan in the next step; what could not be passed is excluded for a time."""
         plan, memory, now = self.plans[robot], self.follower.memory, float(self._now[robot])
         ahead, visited = int(memory.active[robot]), int(memory.visited[robot])
+        if plan is not None and 0 <= visited < len(plan.vertices):
+            self._whereabouts.see(robot, plan.vertices[visited], odometry)
         if plan is not None and 0 <= ahead < len(plan.vertices):
             before = plan.vertices[max(min(visited, ahead - 1), 0) : ahead]
             self._blockades.add(robot, before, plan.vertices[ahead : ahead + 2], odometry, now)

@@ -461,8 +461,8 @@ def test_another_path_is_one_on_the_map_that_leads_through_nobody(monkeypatch):
     assert passable(0, poses[2], aside)
     assert not passable(0, poses[2], both)
     assert not passable(2, poses[0], aside)
-    assert not passable(0, poses[2] + [0.0, 0.0, 2.0], aside)  # seen from another heading
-    assert not passable(0, poses[2] + [2.0, 0.0, 0.0], aside)  # nowhere on the map
+    assert not passable(0, poses[2] + np.array([0.0, 0.0, 2.0]), aside)  # seen from another heading
+    assert not passable(0, poses[2] + np.array([2.0, 0.0, 0.0]), aside)  # nowhere on the map
 
 
 def test_faults_without_a_path_to_block_have_an_empty_row():

@@ -21,7 +21,10 @@ from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
 WORLDS = tuple(range(10_000, 10_003))
 """For validation: the rule is chosen here."""
-RULES = ((0.95, 1.0), (0.9, 1.0), (0.8, 1.0), (0.95, 0.95), (0.95, 0.5), (0.9, 0.9))
+RULES = (
+    *((0.95, 1.0), (0.94, 1.0), (0.92, 1.0), (0.9, 1.0), (0.8, 1.0), (0.7, 1.0)),
+    *((0.95, 0.95), (0.94, 0.94), (0.92, 0.92), (0.9, 0.9), (0.8, 0.9)),
+)
 """`p_reuse` and `p_between`: vertices alone, then edges, too."""
 
 Rule = tuple[float, float]

@@ -48,12 +48,14 @@ class Settings:
         places: of a building; each ordered pair is joined by a recorded trajectory.
         places_on_map: the same on a map's file, of which there is only one.
         trials: in each building.
+        trials_of_part: in each building, where a part of the drives is learned.
         thresholds: by `--drives`, chosen on validation worlds; the usual ones for others.
     """
 
     places: int = PLACES
     places_on_map: int = PLACES
     trials: int = 200
+    trials_of_part: int = 60
     thresholds: Mapping[str, Thresholds] = field(default_factory=lambda: CHOSEN)
 
 
@@ -118,7 +120,8 @@ def _together(
     )
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
     rng = np.random.default_rng(seeds)
-    trials = chosen_trials(whole, settings.trials, rng, options.starts, options.goals)
+    count = settings.trials_of_part if options.drives else settings.trials
+    trials = chosen_trials(whole, count, rng, options.starts, options.goals)
     building = part_of(whole, options.drives, options.seed)
     methods = [*METHODS, "custom"] if options.agent else METHODS
     drives = TOUR if options.drives == CONTINUOUS else options.drives
@@ -221,7 +224,7 @@ EXPERIMENT = Experiment(
     WORLDS,
     WORLDS[:3],
     Settings(),
-    quick_settings=Settings(places=6, trials=40),
+    quick_settings=Settings(places=6, trials=40, trials_of_part=20),
     accepts=frozenset(OPTIONAL),
     ablations={"thresholds": table2_thresholds.EXPERIMENT},
 )

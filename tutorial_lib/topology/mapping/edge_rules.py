@@ -30,11 +30,11 @@ class MapSettings:
     """
 
     p_edge: float = 0.99
-    p_reuse: float = 0.95
+    p_reuse: float = 0.94
     sequence: int = 2
     candidates: int = 12
     p_outdated: float = 0.1
-    p_between: float = 0.95
+    p_between: float = 0.94
 
     def __post_init__(self) -> None:
         for field in fields(self):
