@@ -1153,7 +1153,7 @@ show(from_figure(figure))
 # <details><summary>Why do the maps not stop growing altogether?</summary>
 # Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late were less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse.
 #
-# The library therefore lets an <b>edge</b> replace an anchor where no vertex does (the paper does not). The anchor lies on an edge from $v$ to $w$ if $\mathcal{RE}$ from $v$ to the anchor, and from the anchor to $w$, are both above p_between; then the trajectory goes from the anchor before over $v$ and $w$ to the anchor after, and each step of it must be above p_reuse. Two vertices have slack: one of them is near, whatever the spacing. An earlier rule left out p_between, so that any edge would do that leads from the anchor before to the one after. Its maps grew half as fast, but fewer goals were reached, probably since what the anchor showed was on the map no more. (<code>experiment meng_fig13 --ablation reuse</code> compares the rules, with the success on each map.)
+# The library therefore lets an <b>edge</b> replace an anchor where no vertex does (the paper does not). The anchor lies on an edge from $v$ to $w$ if $\mathcal{RE}$ from $v$ to the anchor, and from the anchor to $w$, are both above p_between; then the trajectory goes from the anchor before over $v$ and $w$ to the anchor after, and each step of it must be above p_reuse. Two vertices have slack: one of them is near, whatever the spacing. A lower p_reuse makes maps smaller, too, but then places merge that only look alike: at 0.92 there were wormholes among the driven edges of a building that we examined, and at 0.8 fewer goals were reached. (<code>experiment meng_fig13 --ablation reuse</code> compares the rules, with the success on each map.)
 # </details>
 #
 # ## 8 · How it fails
@@ -1257,7 +1257,7 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success. And it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.94 on, which about halves the map. And it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
 
 # %% hidden=true
 # The library's map, with the network inside

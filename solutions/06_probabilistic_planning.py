@@ -1580,7 +1580,7 @@ def your_anchors(experience, net, view, k):
     return Anchors(seen[kept], contexts[kept], times[kept], prepared[kept], net)
 
 
-def your_map(all_anchors, net, p_edge=0.99, p_reuse=0.95, sequence=2):
+def your_map(all_anchors, net, p_edge=0.99, p_reuse=0.94, sequence=2):
     """A topological map of trajectories, built by your functions on RE between all anchors."""
     everything, trajectories = TopoMap(net), []
     for index, anchors in enumerate(all_anchors):

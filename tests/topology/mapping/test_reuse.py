@@ -94,4 +94,4 @@ def test_the_edge_with_the_largest_product_is_taken():
 
 
 def test_edges_are_reused_unless_it_is_said_otherwise():
-    assert MapSettings().p_between == MapSettings().p_reuse == 0.95
+    assert MapSettings().p_between == MapSettings().p_reuse == 0.94

@@ -49,6 +49,7 @@ def _file(building: Building, agent: MengAgent, folder: Path) -> Path:
     origin = (
         digest_of(agent.reachability.network),
         agent.settings,
+        agent.turns,
         agent.p_sparsify,
         [len(trajectory) for trajectory in building.recorded.trajectories],
     )
