@@ -41,7 +41,7 @@ class Thresholds:
     s_shortcut: float = agents.S_SHORTCUT
 
 
-CHOSEN: Mapping[str, Thresholds] = {}
+CHOSEN: Mapping[str, Thresholds] = {"0.2": Thresholds(0.99, 0.8)}
 """By `--drives`: what this ablation found best in composed trials of its validation worlds."""
 
 Key = tuple[str, float, bool]
