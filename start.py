@@ -9,7 +9,8 @@ usage: python3 start.py [COMMAND] [ARGUMENTS]
   setup     only install
 
 ARGUMENTS go to JupyterLab, pytest or the demo: start.py lab --no-browser. The first start
-takes some minutes to install; later ones install nothing unless pyproject.toml has changed.
+takes some minutes to install; later ones install nothing unless pyproject.toml has changed or
+packages are missing.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -27,6 +29,7 @@ HERE = Path(__file__).resolve().parent
 VENV = HERE / ".venv"
 STAMP = VENV / "stamp"
 ALONE = ("progress", "setup")  # commands that take no arguments
+NEEDED = 3.0  # GB of disk for an installation
 
 
 def too_old(version: tuple[int, ...]) -> str:
@@ -71,7 +74,7 @@ def ask(*arguments: str) -> str:
     """What .venv's Python prints when run with these arguments; empty if it fails or is missing."""
     command = [str(python_of(VENV)), *arguments]
     try:
-        done = subprocess.run(command, env=environment(), capture_output=True)
+        done = subprocess.run(command, cwd=HERE, env=environment(), capture_output=True)
     except OSError:
         return ""
     return "" if done.returncode else done.stdout.decode(errors="replace").strip()
@@ -79,13 +82,16 @@ def ask(*arguments: str) -> str:
 
 def stamp() -> str:
     """What an installation depends on, one line each: the dependencies, the Python, the folder."""
-    digest = hashlib.sha256((HERE / "pyproject.toml").read_bytes()).hexdigest()
+    project = HERE / "pyproject.toml"
+    if not project.is_file():
+        sys.exit(f"{project} is missing: get the course again, or restore it with git checkout")
+    digest = hashlib.sha256(project.read_bytes()).hexdigest()
     return "\n".join([digest, VERSION, str(VENV)])
 
 
 def stamped() -> str:
     """The stamp that the last finished installation left; empty if there is none."""
-    return STAMP.read_text(encoding="utf-8") if STAMP.is_file() else ""
+    return STAMP.read_text(encoding="utf-8", errors="replace") if STAMP.is_file() else ""
 
 
 def reason_to_rebuild() -> str:
@@ -99,9 +105,15 @@ def reason_to_rebuild() -> str:
     return "" if found or not VENV.exists() else "does not run"
 
 
+def lost() -> list[str]:
+    """The packages that .venv should hold but does not; "all" if not even that can be found out."""
+    said = ask("-m", "tutorial_lib.commands.installed") or "all"
+    return [] if said == "complete" else said.split()
+
+
 def is_ready() -> bool:
     """Whether .venv holds what pyproject.toml asks for, and still runs."""
-    return stamped() == stamp() and not reason_to_rebuild()
+    return stamped() == stamp() and not reason_to_rebuild() and not lost()
 
 
 def make_venv() -> None:
@@ -118,18 +130,37 @@ def make_venv() -> None:
         sys.exit(f"Could not make {VENV}: close what uses it, delete it, and start again.")
 
 
+def advice() -> str:
+    """What to do when pip has failed, in one line."""
+    free = shutil.disk_usage(HERE).free / 1e9
+    room = "" if free >= NEEDED else f" The disk has {free:.1f} GB free, {NEEDED} are needed."
+    return (
+        f"pip failed; log: {VENV / 'pip.log'}.{room} Behind a proxy: set HTTPS_PROXY to"
+        " http://HOST:PORT and start again. Without a network: fill a folder wheelhouse where there"
+        " is one, then PIP_NO_INDEX=1 PIP_FIND_LINKS=wheelhouse python3 start.py (as pip install"
+        " --no-index --find-links wheelhouse). See environment.md"
+    )
+
+
 def setup() -> None:
     """Make .venv and install what pyproject.toml asks for, unless all of it is there."""
     if is_ready():
         return
-    wanted, log = stamp(), VENV / "pip.log"
+    wanted = stamp()
+    broken = [name for name in lost() if name != "all"] if stamped() else []
     make_venv()
     print(f"Installing into {VENV}: some minutes the first time.", flush=True)
     STAMP.write_text("", encoding="utf-8")  # an interrupted installation is not finished
-    pip = [str(python_of(VENV)), "-m", "pip", "install", "--disable-pip-version-check"]
+    pip = [str(python_of(VENV)), "-m", "pip", "--disable-pip-version-check"]
+    pip += ["--log", str(VENV / "pip.log")]
+    if broken:  # pip goes by a package's metadata, which may be all that is left of it
+        print(f"Repairing: {', '.join(broken)}", flush=True)
+        run([*pip, "uninstall", "-q", "-y", *broken], cwd=HERE)
     for what in (["-q", "pip>=21.3"], ["-e", ".[test]"]):  # 21.3: -e with pyproject.toml alone
-        if run([*pip, "--log", str(log), *what], cwd=HERE):
-            sys.exit(f"pip failed; log: {log}. No network, or behind a proxy? See environment.md")
+        if run([*pip, "install", *what], cwd=HERE):
+            sys.exit(advice())
+    if lost():
+        sys.exit(f"Could not install {', '.join(lost())}: delete {VENV} and start again.")
     print("Compiling the numerical kernels: half a minute, once.", flush=True)
     run([str(python_of(VENV)), "-m", "tutorial_lib", "compile"], cwd=HERE)
     STAMP.write_text(wanted, encoding="utf-8")
@@ -157,6 +188,10 @@ def main(arguments: list[str]) -> int:
         print("Everything is installed. Next: python3 start.py")
     except KeyboardInterrupt:
         return 130
+    except OSError as error:
+        free = shutil.disk_usage(HERE).free / 1e9
+        print(f"start.py: {error}; check the folder and its disk ({free:.1f} GB free)")
+        return 2
     return 0
 
 

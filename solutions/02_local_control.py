@@ -781,7 +781,7 @@ print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 #
 # For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py) shows the weights, and where we differ from the paper's authors).
 #
-# The pretrained networks were trained for up to half an hour on 96 worlds, by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
+# The pretrained networks were trained for up to half an hour in 120 worlds (homes, offices, halls, mazes and scanned maps), by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
 #
 # The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
@@ -997,8 +997,8 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
 # Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 400 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
-# rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour on
-# 96 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
+# rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour in
+# 120 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
 # </details>
 #
 # ## 6 · Drive by camera
@@ -1290,7 +1290,7 @@ by_map = []
 for name, title in maps.items():
     rows = load_result(f"meng_table1_{name}").rows
     by_map.append((title, {r["controller"]: r for r in rows if r["condition"] == "clean"}))
-display(success_table(by_map, "On three maps from Nav2; no network has seen such a place"))
+display(success_table(by_map, "On three maps from Nav2, which no network has seen"))
 
 # %% [markdown]
 # *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
@@ -1302,8 +1302,8 @@ display(success_table(by_map, "On three maps from Nav2; no network has seen such
 # the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
-# A single image is enough for nine targets in ten. Context of k = 2 removes 45 % of the remaining failures, and k = 5 another 56 % of those that are left; k = 5 is only one or two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to 29 points, and the oracle does not: walls and rooms have other shapes there than in any training world. <i>Direct</i> has little to lose: it stays within ten points of its result here, to either side.
+# A single image is enough for nineteen targets in twenty. Context of k = 2 removes a fifth of the remaining failures, and k = 5 another two fifths of those that are left; k = 5 is two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to nineteen points, and the oracle at most one: walls and rooms have other shapes there than in the training worlds, although halls and scanned plans are among these. <i>Direct</i> has little to lose: it stays within fourteen points of its result here, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.

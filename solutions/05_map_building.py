@@ -628,8 +628,8 @@ class Table:
 
 def library_map(reach, trajectories, **settings):
     """The library's map, and the record of each insertion."""
-    # Evaluate all pairs, forget nothing.
-    usual = {"p_reuse": 0.99, "candidates": 10**6, "p_outdated": 0.0}
+    # Evaluate all pairs, forget nothing, and reuse vertices alone.
+    usual = {"p_reuse": 0.99, "p_between": 1.0, "candidates": 10**6, "p_outdated": 0.0}
     estimator = Table(reach) if isinstance(reach, np.ndarray) else reach
     topomap = TopoMap(estimator, MapSettings(**{**usual, **settings}))
     added = [
@@ -766,6 +766,16 @@ sliders(
 # %% [markdown]
 # <details><summary>What do they do?</summary>
 # Only p_reuse changes the vertices. p_edge controls the short cuts between trajectories: at 0.999 none is left, since the estimator never returns as much (section 2), and only the driven steps remain. Thanks to reuse even those contain all paths; at p_reuse = 1 they contain twelve. At 0.8 long edges appear, and some lead through walls. The next section is about those.
+# </details>
+#
+# ### Turning where drives meet
+#
+# With a trajectory for every pair of places that hardly matters: one of them leads from A to B. After a *tour*, each place to the next and back, it does. To get from A to C a car comes to B by one trajectory, and should leave by another, which passed here looking the other way; the two images have nothing in common, and no $\mathcal{RE}$ joins them. The paper's ninety trajectories never ask for it.
+#
+# But the car has a laser that sees all around. Where its scan, turned by some angle, lies on the scan of a vertex, and the walls had the same colours on both trajectories, the places are the same. The library's agent then adds a **[[turn edge]]** each way, with a fixed probability of 0.95, and the angle by which to turn; a robot drives it as a three-point turn. (Scans alone are not enough: two offices have the same walls. See [`turn_edges.py`](../tutorial_lib/topology/mapping/turn_edges.py). The map that you build here has none.)
+#
+# <details><summary>Why may the laser find such places, but not all others?</summary>
+# It could, in a building whose rooms differ in shape. But a scan knows no posters and no stripes: rooms of the same shape would all be one. And that two places are 3 m apart does not say that a car gets from the one to the other. RE answers just that question. A turn where one stands is the one case in which being there is enough.
 # </details>
 #
 # ## 5 · Places that look alike
@@ -1078,7 +1088,7 @@ print("\n".join(bench.notes))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# The first two parts build the map of one building by either method; "edges found" are those of the map from all pairs that the one by retrieval has, too. Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
+# The first two parts build the map of one building by either method; "edges found" is the share of the edges that all pairs give which retrieval finds, too, without those that were driven, which need no search. Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
 # </details>
 #
 # ## 7 · How maps grow
@@ -1141,7 +1151,9 @@ show(from_figure(figure))
 # Our cars follow a planner along the same few hundred paths, so they soon have seen everything there is; the paper's buildings are scans of real ones, with clutter and scanning errors, where images are harder to trust ("denser samples are kept to stay conservative", IV-C.5). The shape is the same: steep, then flat. Sub-sampling has no such bend: it does not know what it has seen already.
 # </details>
 # <details><summary>Why do the maps not stop growing altogether?</summary>
-# Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late are less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse. A rule that accepts <i>two</i> vertices in place of an anchor where one does not qualify halves the growth. We tried: the maps are smaller, and fewer goals are reached.
+# Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late were less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse.
+#
+# The library therefore lets an <b>edge</b> replace an anchor where no vertex does (the paper does not). The anchor lies on an edge from $v$ to $w$ if $\mathcal{RE}$ from $v$ to the anchor, and from the anchor to $w$, are both above p_between; then the trajectory goes from the anchor before over $v$ and $w$ to the anchor after, and each step of it must be above p_reuse. Two vertices have slack: one of them is near, whatever the spacing. A lower p_reuse makes maps smaller, too, but then places merge that only look alike: at 0.92 there were wormholes among the driven edges of a building that we examined, and at 0.8 fewer goals were reached. (<code>experiment meng_fig13 --ablation reuse</code> compares the rules, with the success on each map.)
 # </details>
 #
 # ## 8 · How it fails
@@ -1245,7 +1257,7 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.95 on: on validation worlds that about halves the map, at the same success.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.94 on, which about halves the map. And it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
 
 # %% hidden=true
 # The library's map, with the network inside
@@ -1261,21 +1273,19 @@ draw_topomap(view, picture, topomap, vertex_poses(apartment, topomap), size=5.0)
 show(picture)
 
 # %% [markdown]
-# A map outlives a robot's battery. It is saved as a JSON file with the graph, and beside it an `.npz` with the observations. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
+# A map outlives a robot's battery. It is saved as one `.npz` file, with the observations and the graph. Embeddings and prepared targets are not saved: they belong to a network, and are computed again on loading.
 
 # %% hidden=true
 # Save the map, load it, and damage it
 with tempfile.TemporaryDirectory() as folder:
-    path = Path(folder) / "apartment.json"
+    path = Path(folder) / "apartment.npz"
     save_map(path, topomap)
-    for file in sorted(Path(folder).iterdir()):
-        print(f"{file.name:32s} {file.stat().st_size / 1000:8.0f} kB")
-    kilobytes = sum(file.stat().st_size for file in Path(folder).iterdir()) / 1000
+    kilobytes = path.stat().st_size / 1000
+    print(f"{path.name}: {kilobytes:.0f} kB")
     loaded = load_map(path, reachability)
     same = sorted(loaded.graph.edges) == sorted(topomap.graph.edges)
     print(f"{kilobytes / len(topomap):.1f} kB per vertex; loaded with the same edges: {same}")
-    arrays = next(Path(folder).glob("*.npz"))
-    arrays.write_bytes(arrays.read_bytes()[:1000])
+    path.write_bytes(path.read_bytes()[:1000])
     try:
         load_map(path, reachability)
     except InputError as error:

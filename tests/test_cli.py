@@ -179,7 +179,7 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, wor
     [
         (
             "experiment",
-            ["meng_table2     --worlds A:B --map --palette --family --agent --odometry --rem"],
+            ["meng_table2     --worlds A:B --map --palette --family --agent --odometry --drives"],
         ),
         ("bench", ["raycast\n", "fleet         --worlds A:A+1\n"]),
     ],

@@ -1,9 +1,14 @@
-"""Files are written whole or not at all, and read with every fault named."""
+"""Files are written whole or not at all; `reading` reads them."""
 
+import errno
+import io
 import os
+import re
+import shutil
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -12,46 +17,95 @@ from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 
+_TEMPORARY = re.compile(r"\..+-\w{8}\.tmp(\.\w+)?")
+"""The names of temporary files, by which those that a killed run left are known."""
+_KEPT = 24 * 3600.0
+"""Seconds after which a temporary file is taken for one of a run that was killed."""
+_DISK = {errno.ENOSPC, errno.EFBIG, errno.EIO, getattr(errno, "EDQUOT", errno.ENOSPC)}
+"""What the system says of a disk that takes no more."""
+_SOME = 1 << 16
+"""Bytes that must fit on a disk before long work begins."""
+
+
+@contextmanager
+def atomic_paths(*paths: str | Path) -> Iterator[list[Path]]:
+    """Give a temporary path beside each of `paths`; on success all take their places together.
+
+    If the block raises or is interrupted, or the disk does not take what was written, all of
+    `paths` stay as they were and the temporary files are removed. Where several processes write the
+    same path, each reader finds one whole file or another, and the last one stays.
+
+    Only a killed process leaves temporary files behind: see `sweep`, which this calls.
+
+    Args:
+        paths: where the finished files belong; their folders must exist.
+
+    Yields:
+        Paths with the same suffixes to write to.
+
+    Raises:
+        InputError: when a file cannot be written.
+    """
+    places = [Path(path) for path in paths]
+    with _temporaries(places) as temporaries:
+        yield temporaries
+        for temporary in temporaries:
+            _settle(temporary)
+        for temporary, path in zip(temporaries, places, strict=True):
+            os.replace(temporary, path)
+
 
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
-    """Give a temporary path beside `path`; on success it takes the place of `path`.
-
-    If the block raises or is interrupted, `path` stays as it was and the temporary file is removed.
-
-    Args:
-        path: where the finished file belongs; its folder must exist.
-
-    Yields:
-        A path with the same suffix to write to.
-    """
-    path = Path(path)
-    handle, name = tempfile.mkstemp(suffix=path.suffix, prefix=f".{path.stem}-", dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
-    try:
+    """Give a temporary path beside `path`; on success it takes its place: see `atomic_paths`."""
+    with atomic_paths(path) as (temporary,):
         yield temporary
-        temporary.chmod(0o644)
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
+
+
+def sweep(folder: Path) -> None:
+    """Remove the temporary files that killed runs left in a folder more than a day ago."""
+    latest = time.time() - _KEPT
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if _TEMPORARY.fullmatch(entry.name):
+                with suppress(OSError):  # another process was faster
+                    if entry.stat(follow_symlinks=False).st_mtime < latest:
+                        os.unlink(entry)
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for files, where it is missing, and sweep it."""
+    folder.mkdir(parents=True, exist_ok=True)
+    sweep(folder)
 
 
 def check_writable(path: str | Path) -> None:
     """Check that a file can be put at `path`, before the work whose result it is to hold.
 
     Raises:
-        InputError: when its folder is missing or read-only, or `path` is itself a folder.
+        InputError: when its folder is missing or read-only, its disk is full, or `path` is itself a
+            folder.
     """
     path = Path(path)
     if path.is_dir() or not os.access(path.parent, os.W_OK):
         raise InputError(f"{path}: cannot be written; give a file's name in an existing folder")
+    with _temporaries([path]) as (temporary,):
+        temporary.write_bytes(bytes(_SOME))
+        _settle(temporary)
+
+
+def write_files(contents: Mapping[Path, bytes]) -> None:
+    """Write files, all of them whole or none."""
+    with atomic_paths(*contents) as temporaries:
+        for temporary, data in zip(temporaries, contents.values(), strict=True):
+            temporary.write_bytes(data)
+            if temporary.stat().st_size != len(data):
+                raise OSError(errno.EIO, "not all of it was written", str(temporary))
 
 
 def write_text(path: str | Path, text: str) -> None:
     """Write `text` to `path` atomically, in UTF-8."""
-    with atomic_path(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_files({Path(path): text.encode()})
 
 
 def save_arrays(
@@ -66,57 +120,59 @@ def save_arrays(
     Args:
         path: of the file.
         arrays: by name.
-        version: of the file's layout, which `load_arrays` compares.
+        version: of the file's layout, which `reading.arrays.load_arrays` compares.
         compressed: smaller, but slower to write.
     """
     stamp = {} if version is None else {"version": np.array(version)}
     write = np.savez_compressed if compressed else np.savez
-    with atomic_path(path) as temporary, temporary.open("wb") as file:
-        write(file, **stamp, **arrays)
+    buffer = io.BytesIO()
+    write(buffer, **stamp, **arrays)
+    write_files({Path(path): buffer.getvalue()})
 
 
-def load_arrays(
-    path: str | Path, names: Collection[str], *, version: int | None = None, advice: str = ""
-) -> dict[str, NDArray[Any]]:
-    """Read the arrays that `save_arrays` wrote; nothing is ever unpickled.
-
-    Args:
-        path: of the file.
-        names: of the arrays that it must hold.
-        version: that it must have; not compared unless given.
-        advice: what to do about a file that cannot be read.
-
-    Raises:
-        InputError: when the file is missing, damaged, of another version, or lacks an array; it
-            names the file, says what is wrong, and ends with the advice.
-    """
-    path, ending = Path(path), f"; {advice}" if advice else ""
+@contextmanager
+def _temporaries(places: list[Path]) -> Iterator[list[Path]]:
+    """Empty files beside `places`, of which none is left at the end."""
+    made: list[Path] = []
     try:
-        arrays = _read_arrays(path)
-        if version is not None:
-            _check_version(arrays, version)
-        for name in names:
-            if name not in arrays:
-                raise InputError(f"damaged ({name!r} is missing)")
-    except InputError as error:
-        raise InputError(f"{path}: {error}{ending}") from error
-    return arrays
+        with _explained(places, made):
+            for path in places:
+                sweep(path.parent)
+                made.append(_temporary(path))
+            yield made
+    finally:
+        for temporary in made:
+            temporary.unlink(missing_ok=True)
 
 
-def _read_arrays(path: Path) -> dict[str, NDArray[Any]]:
-    if not path.is_file():
-        raise InputError("there is no such file")
+def _temporary(path: Path) -> Path:
+    """An empty file beside `path`, with its suffix and a name of `_TEMPORARY`."""
+    handle, name = tempfile.mkstemp(
+        suffix=f".tmp{path.suffix}", prefix=f".{path.stem}-", dir=path.parent
+    )
+    os.close(handle)
+    return Path(name)
+
+
+def _settle(temporary: Path) -> None:
+    """Have the system put a file on its disk: some say only now that there is no room."""
+    temporary.chmod(0o644)
+    with temporary.open("r+b") as file:
+        os.fsync(file.fileno())
+
+
+@contextmanager
+def _explained(places: list[Path], temporaries: list[Path]) -> Iterator[None]:
+    """Say of files that cannot be written which ones, why, and what to do."""
     try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    # zipfile, zlib and numpy's header reader have a dozen errors for a damaged file.
-    except Exception as error:
-        raise InputError(f"damaged, or not an .npz file ({error})") from error
-
-
-def _check_version(arrays: dict[str, NDArray[Any]], version: int) -> None:
-    found = arrays.pop("version", None)
-    if found is None or found.shape or found.dtype.kind not in "iu":
-        raise InputError(f"damaged, or not a file of version {version}")
-    if found != version:
-        raise InputError(f"of version {found}; this program reads version {version}")
+        yield
+    except OSError as error:
+        own = len(temporaries) < len(places) or error.filename in map(str, temporaries)
+        if not own and error.errno not in _DISK:
+            raise
+        names = ", ".join(map(str, places))
+        advice = "give a file's name in an existing folder that you may write to"
+        if error.errno in _DISK:
+            free = shutil.disk_usage(places[0].parent).free / 1e6
+            advice = f"its disk has {free:,.1f} MB free: make room there, and start again"
+        raise InputError(f"{names}: cannot be written ({error.strerror}); {advice}") from error

@@ -18,6 +18,8 @@ from tutorial_lib.errors import InputError
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
+HERE, Edges = -1, set[tuple[int, int]]
+"""Of a map, from a vertex, or from where the robot is (`HERE`), to a vertex."""
 
 
 @dataclass(frozen=True)
@@ -241,9 +243,9 @@ class Planner(Protocol):
         observation: Observation,
         goals: Goals,
         topomap: Any,  # noqa: ANN401
-        excluded: Collection[int] = (),
+        excluded: Collection[tuple[int, int]] = (),
     ) -> Plan:
-        """A path over the map that avoids the `excluded` vertices, or a refusal."""
+        """A path over the map that avoids the `excluded` edges, or a refusal."""
 
 
 @runtime_checkable

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -21,6 +22,9 @@ def for_each(
     Workers share the cores: where as many processes run as there are cores, numpy and torch use one
     thread in each. `joblib.parallel_config` moves the work to another backend, such as Dask.
 
+    A worker whose memory has grown by 300 MB is replaced between two pieces of work, where psutil
+    is there to measure it: an experiment in large worlds takes no more memory the longer it runs.
+
     Args:
         work: a function of a module; its arguments and results can be pickled.
         items: worlds, files, or tuples of what one piece of work needs.
@@ -30,5 +34,9 @@ def for_each(
     """
     items = list(items)
     run_all = Parallel(n_jobs=jobs, return_as="generator")
-    found = run_all(delayed(work)(item, *arguments) for item in items)
-    return list(tqdm(found, total=len(items), desc=label, disable=None))
+    with warnings.catch_warnings():
+        # That is intended, and the piece of work that waits is given to the next worker. One that
+        # is killed is no warning but an error.
+        warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
+        found = run_all(delayed(work)(item, *arguments) for item in items)
+        return list(tqdm(found, total=len(items), desc=label, disable=None))

@@ -43,6 +43,15 @@ def test_missing_and_damaged_notebooks_are_named(folder):
         progress(folder)
 
 
+@pytest.mark.parametrize("name", ["x" * 300, "../up", "a b", "", 3, [0.0] * 1000, None])
+def test_what_is_no_function_is_no_exercise(folder, name):
+    cells = [{"metadata": {"exercise": name}}]
+    (folder / "02_two.ipynb").write_text(json.dumps({"cells": cells}))
+    with pytest.raises(InputError, match=r"02_two.*is no function\); restore it") as error:
+        progress(folder)
+    assert len(str(error.value)) < len(str(folder)) + 120
+
+
 def test_the_command_lists_the_exercises_of_the_course(capsys):
     assert main(["progress"]) == 0
     said = capsys.readouterr().out

@@ -181,23 +181,20 @@ def test_a_search_s_outcomes_are_kept_for_these_weights(tmp_path, recorded, netw
     assert len(searched) == 3
 
 
-def test_every_second_world_is_searched_and_none_is_lost(recorded, network, monkeypatch, tmp_path):
+def test_every_world_is_searched_and_none_is_lost(recorded, network, monkeypatch, tmp_path):
     labelled = [LabelledWorld(recorded, made_up(recorded, 1, seed)) for seed in range(5)]
-    mined = [made_up(recorded, 1, 10 + seed) for seed in range(3)]
+    mined = [made_up(recorded, 1, 10 + seed) for seed in range(5)]
 
     def search(reachability, controller, trajectories, work, jobs):
-        assert len(trajectories) == 3
+        assert len(trajectories) == 5
         assert controller == "waypoint_k2"
         return mined
 
     monkeypatch.setattr(reach_recipes, "mined_outcomes", search)
     recipe = REACHABILITY["2"]
     taught = reach_recipes.with_mined(labelled, network, recipe, tmp_path, 1)
-    by_outcomes = {id(entry.outcomes): entry for entry in taught}
-    assert len(by_outcomes) == len(taught) == 5
-    for number, entry in enumerate(labelled):
-        wanted = mined[number // 2] if number % 2 == 0 else None
-        assert by_outcomes[id(entry.outcomes)].mined is wanted
+    assert [entry.outcomes for entry in taught] == [entry.outcomes for entry in labelled]
+    assert [entry.mined for entry in taught] == mined
 
 
 # Calibration.
@@ -283,7 +280,7 @@ def tiny(tmp_path, monkeypatch, recorded):
 
     monkeypatch.setattr(reach_recipes, "labelled_worlds", labelled_worlds)
     monkeypatch.setattr(reach_recipes, "recorded_worlds_of", lambda *arguments: [recorded])
-    monkeypatch.setattr(reach_recipes, "mined_outcomes", lambda *a, **k: [mined])
+    monkeypatch.setattr(reach_recipes, "mined_outcomes", lambda *a, **k: [mined, mined])
     monkeypatch.setattr(
         reach_recipes, "OutcomeSource", partial(OutcomeSource, worlds=2, targets=16)
     )
@@ -314,7 +311,7 @@ def test_the_command_trains_in_two_stages_calibrates_and_saves(tiny, tmp_path, c
     mend = Calibration(**card.calibration)
     assert len(mend.raw) > 2
     assert list((tmp_path / "work").iterdir()) == []  # what is finished would be found again
-    assert [len(worlds) for worlds in tiny] == [96, 8, 16]
+    assert [len(worlds) for worlds in tiny] == [80, 12, 24]
     before = (folder / "reach_k0.safetensors").read_bytes()
     assert cli.main(["train", "reachability", "--k", "0"]) == 0
     assert (folder / "reach_k0.safetensors").read_bytes() == before

@@ -21,6 +21,7 @@ from tutorial_lib.learning.mining import OWN, HardNegativeMining, all_logits
 from tutorial_lib.learning.networks import ENCODERS, VIEWS, Architecture, LocalNetwork
 from tutorial_lib.learning.policies import encoded
 from tutorial_lib.learning.weights import Card, digest_of, load_card, load_network, save_network
+from tutorial_lib.reading.checksums import with_checksum, without_checksum
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -199,7 +200,8 @@ def test_a_card_keeps_the_calibration_of_its_network(shipped, recorded, seen):
 @pytest.mark.parametrize("wrong", [{"raw": [1, 0], "mended": [0, 1]}, {"raw": [0], "mended": [0]}])
 def test_a_card_with_knots_that_do_not_rise_is_refused(shipped, wrong):
     card = shipped / "some.json"
-    card.write_text(json.dumps(json.loads(card.read_text()) | {"calibration": wrong}))
+    said = without_checksum(json.loads(card.read_text())) | {"calibration": wrong}
+    card.write_text(json.dumps(with_checksum(said)))
     with pytest.raises(InputError, match="rising"):
         ReachabilityNetwork("some")
 

@@ -1,6 +1,8 @@
+import io
 import threading
 from dataclasses import dataclass, fields, replace
 from itertools import islice
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +18,7 @@ from tutorial_lib.learning.batches import Batch, Source, batches, clutter
 from tutorial_lib.learning.losses import action_loss, context_loss, position_loss, waypoint_loss
 from tutorial_lib.learning.networks import ENCODERS, VIEWS, Architecture, LocalNetwork
 from tutorial_lib.learning.training import Progress, Settings, train
+from tutorial_lib.reading.checksums import sealed, unsealed
 from tutorial_lib.world.sensors import Laser
 from tutorial_lib.world.visibility import mutual_overlap
 
@@ -430,16 +433,16 @@ def test_a_training_killed_at_every_look_goes_on_to_the_same_weights(
 def test_a_killed_save_leaves_the_last_checkpoint(
     source, validation, finished, tmp_path, monkeypatch
 ):
-    checkpoint, save = tmp_path / "tiny.pt", torch.save
+    checkpoint, write, written = tmp_path / "tiny.pt", Path.write_bytes, []
 
-    def half(state, path):
-        if state["step"] > 8:
-            path.write_bytes(b"half a file")
+    def half(path, data):
+        written.append(path)
+        write(path, data if len(written) < 3 else data[: len(data) // 2])
+        if len(written) == 3:
             raise Killed
-        save(state, path)
 
     with monkeypatch.context() as patched:
-        patched.setattr(torch, "save", half)
+        patched.setattr(Path, "write_bytes", half)
         with pytest.raises(Killed):
             train(TINY, source, validation, SETTINGS, checkpoint)
     assert list(tmp_path.iterdir()) == [checkpoint]
@@ -545,16 +548,39 @@ def test_a_checkpoint_cut_off_anywhere_is_refused(source, validation, checkpoint
         assert checkpoint.read_bytes() == whole[:size]
 
 
+def write_sealed(path, state):
+    """A checkpoint that holds anything, whose checksum is right."""
+    buffer = io.BytesIO()
+    torch.save(state, buffer)
+    path.write_bytes(sealed(buffer.getvalue()))
+
+
+def test_a_checkpoint_in_which_a_single_bit_fell_over_is_refused(source, validation, checkpoint):
+    whole = checkpoint.read_bytes()
+    for place in np.linspace(0, 8 * len(whole) - 1, 97).astype(int).tolist():
+        changed = bytearray(whole)
+        changed[place // 8] ^= 1 << place % 8
+        checkpoint.write_bytes(changed)
+        with pytest.raises(InputError, match=r"tiny\.pt: a damaged .*checksum.*delete it"):
+            train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
+
+
+def test_a_checkpoint_of_an_older_version_is_refused(source, validation, checkpoint):
+    checkpoint.write_bytes(unsealed(checkpoint.read_bytes()))
+    with pytest.raises(InputError, match=r"without a checksum: .*older version.*; delete it"):
+        train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
+
+
 @pytest.mark.parametrize("content", [b"hello", {"step": 1}, [1, 2], "missing"])
 def test_what_is_no_checkpoint_is_refused(source, validation, checkpoint, content):
     if content == "missing":
-        state = torch.load(checkpoint, weights_only=True)
+        state = torch.load(io.BytesIO(unsealed(checkpoint.read_bytes())), weights_only=True)
         del state["optimizer"]
-        torch.save(state, checkpoint)
+        write_sealed(checkpoint, state)
     elif isinstance(content, bytes):
         checkpoint.write_bytes(content)
     else:
-        torch.save(content, checkpoint)
+        write_sealed(checkpoint, content)
     with pytest.raises(InputError, match=r"tiny\.pt.*damaged.*delete it"):
         train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
 

@@ -1,8 +1,10 @@
+import errno
 import hashlib
 import json
 import re
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import joblib
 import numpy as np
@@ -13,11 +15,12 @@ from safetensors.torch import load_file, save_file
 from tutorial_lib import cli
 from tutorial_lib.commands import train as train_command
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning import recipes, weights
+from tutorial_lib.learning import recipes
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import ENCODERS, Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings
 from tutorial_lib.learning.weights import FOLDER, Card, load_card, load_network, save_network
+from tutorial_lib.reading.checksums import with_checksum
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 MEGABYTE = 1_000_000
@@ -37,7 +40,7 @@ def card_for(network, name="some"):
         network.architecture,
         {"steps": 3, "rate": 0.1},
         {"validation": 0.5},
-        1.5,
+        minutes=1.5,
     )
 
 
@@ -56,7 +59,9 @@ def damaged(folder, change, **edits):
     if "sha256" in edits and edits["sha256"] is None:
         edits["sha256"] = hashlib.sha256(path.read_bytes()).hexdigest()
     card = path.with_suffix(".json")
-    card.write_text(json.dumps(json.loads(card.read_text()) | edits))
+    content = json.loads(card.read_text()) | edits
+    del content["checksum"]
+    card.write_text(json.dumps(with_checksum(content)))
 
 
 @pytest.fixture
@@ -110,13 +115,14 @@ def test_a_missing_folder_is_made(tmp_path):
 
 
 def test_a_save_that_fails_leaves_the_old_weights(folder, monkeypatch):
-    def full(halves, path):
-        path.write_bytes(b"half")
-        raise OSError("no space left")
+    def full(path, data):
+        with path.open("wb") as file:
+            file.write(data[: len(data) // 2])
+        raise OSError(errno.ENOSPC, "no space left")
 
     before = outputs_of(load_network("some", folder))
-    monkeypatch.setattr(weights, "save_file", full)
-    with pytest.raises(OSError, match="no space"):
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(InputError, match=r"some\.safetensors, .*some\.json: cannot .*no space"):
         save_network(make(seed=5), card_for(make()), folder)
     assert len(list(folder.iterdir())) == 2
     assert torch.equal(outputs_of(load_network("some", folder)), before)
@@ -255,14 +261,14 @@ def test_a_damaged_card_is_named(folder, fault):
     changed = DAMAGED[fault](path.read_text())
     assert changed != path.read_text()
     path.write_text(changed)
-    words = r"some\.json: not a card of weights.*python -m tutorial_lib train"
+    words = r"some\.json: .*not a card of weights.*python -m tutorial_lib train"
     with pytest.raises(InputError, match=words):
         load_network("some", folder)
 
 
 def test_a_card_that_is_no_text_is_named(folder):
     (folder / "some.json").write_bytes(b"\xff\xfe\x00\x81")
-    with pytest.raises(InputError, match=r"some\.json: not a card"):
+    with pytest.raises(InputError, match=r"some\.json: cannot be read .*tutorial_lib train"):
         load_card("some", folder)
 
 
@@ -284,12 +290,13 @@ def test_shipped_weights_fit_their_cards(name):
 
 
 ONE_BUSY_CORE = pytest.mark.xfail(strict=True, reason="trained on one busy core, not two idle ones")
+ON_ONE_BUSY_CORE = ("waypoint_k5", "reach_k2", "reach_k5", "reach_laser")
 
 
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=ONE_BUSY_CORE) if name in ("reach_k2", "reach_k5") else name
+        pytest.param(name, marks=ONE_BUSY_CORE) if name in ON_ONE_BUSY_CORE else name
         for name in SHIPPED
     ],
 )

@@ -8,7 +8,8 @@ from importlib import import_module
 from typing import NamedTuple
 
 PARTS = (
-    "world", "driving", "learning", "topology", "agents", "experiments", "viz", "checks", "project",
+    "reading", "world", "driving", "learning", "topology", "agents", "experiments", "viz", "checks",
+    "project",
 )  # fmt: skip
 
 

@@ -3,16 +3,16 @@
 TESTS = "agents/test_agents.py"
 MUTATIONS = [
     (
-        "only the vertex that was not reached is excluded",
-        "agents/navigator.py",
-        "self._around(plan.vertices[ahead])",
-        "{plan.vertices[ahead]}",
+        "only the edge that was not passed is excluded",
+        "agents/blockades.py",
+        "self._beside(before), self._beside(ahead)",
+        "set(before), set(ahead)",
         TESTS,
     ),
     (
         "a refused plan is never taken, not even when under way",
         "agents/navigator.py",
-        "(plan.probability > 0 and self._lost[robot])",
+        "(plan.probability > 0 and np.isfinite(self._lost_at[robot]))",
         "False",
         TESTS,
     ),

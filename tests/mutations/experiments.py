@@ -4,6 +4,41 @@ TABLE2 = "experiments/meng2020/test_table2.py"
 FAIR = "experiments/protocols/test_fair_inputs.py"
 MUTATIONS = [
     (
+        "a part of the drives gets the thresholds of all",
+        "experiments/meng2020/table2.py",
+        "settings.thresholds.get(drives, Thresholds())",
+        "settings.thresholds.get('', Thresholds())",
+        f"{TABLE2} -k have_its_thresholds",
+    ),
+    (
+        "the thresholds of the tour are not those of the continuous one",
+        "experiments/meng2020/table2.py",
+        "TOUR if options.drives == CONTINUOUS else options.drives",
+        "options.drives",
+        f"{TABLE2} -k have_its_thresholds",
+    ),
+    (
+        "the least strict of the best thresholds is taken",
+        "experiments/meng2020/table2_thresholds.py",
+        '(row[by], row["threshold"])',
+        '(row[by], -row["threshold"])',
+        "experiments/meng2020/test_map_experiments.py -k best_threshold",
+    ),
+    (
+        "a trial is driven where a drive passes the goal first",
+        "experiments/protocols/drives.py",
+        "at_goal.any(axis=0) & (first <= last)",
+        "at_goal.any(axis=0) & (first < len(drive))",
+        "experiments/protocols/test_drives.py",
+    ),
+    (
+        "the recall of the index counts edges of anchors that were replaced",
+        "experiments/benchmarks/map_building.py",
+        "(table[:, ~reused][:, :, ends] for table in above)",
+        "(table[:, reused | True] for table in above)",
+        "experiments/benchmarks/test_map_building.py",
+    ),
+    (
         "robots that navigate have exact odometry",
         "experiments/protocols/navigation.py",
         "odometry = building.odometry.noise(NAVIGATING)",

@@ -37,6 +37,32 @@ MUTATIONS = [
         "test_files.py",
     ),
     (
+        "temporary files of runs under way are swept",
+        "files.py",
+        "_KEPT = 24 * 3600.0",
+        "_KEPT = 3600.0",
+        "test_files.py",
+    ),
+    (
+        "files that belong together take their places one by one",
+        "files.py",
+        """            _settle(temporary)
+        for temporary, path in zip(temporaries, places, strict=True):
+            os.replace(temporary, path)
+""",
+        """            _settle(temporary)
+            os.replace(temporary, places[temporaries.index(temporary)])
+""",
+        "test_files.py",
+    ),
+    (
+        "a package whose code is gone counts as installed",
+        "commands/installed.py",
+        "if any(not package.locate_file(path).exists() for path in _code(package)):",
+        "if False:",
+        "commands/test_installed.py",
+    ),
+    (
         "a folder counts as a file that can be written",
         "files.py",
         "path.is_dir() or not os.access",

@@ -2,6 +2,41 @@
 
 MUTATIONS = [
     (
+        "any edge of the map stands for an anchor, wherever it lies",
+        "topology/mapping/reuse.py",
+        "allowed & (self._out[anchor] > least)",
+        "allowed & (self._out[anchor] >= 0)",
+        "topology/mapping/test_reuse.py",
+    ),
+    (
+        "an edge on which a robot turns stands for an anchor",
+        "topology/mapping/reuse.py",
+        'and "turn" not in edge',
+        "",
+        "topology/mapping/test_reuse.py",
+    ),
+    (
+        "an edge that leads back along its trajectory stands for an anchor",
+        "topology/mapping/reuse.py",
+        "place[source] < place[target]",
+        "place[source] != place[target]",
+        "topology/mapping/test_reuse.py",
+    ),
+    (
+        "vertices behind a reused edge believe that they lie one place earlier",
+        "topology/mapping/reuse.py",
+        "np.cumsum(self.sources >= 0)",
+        "np.cumsum(self.sources >= len(self.path))",
+        "topology/mapping/test_reuse.py",
+    ),
+    (
+        "the probability of the edge itself does not count",
+        "topology/mapping/edge_rules.py",
+        "np.asarray(probabilities, dtype=float),",
+        "np.ones(len(edges)),",
+        "topology/mapping/test_reuse.py",
+    ),
+    (
         "the next anchor need not be near",
         "topology/following/transitions.py",
         "settings.p_follow) & (np.asarray(overlap) > settings.near)",
@@ -38,7 +73,7 @@ MUTATIONS = [
     ),
     (
         "doubt is forgotten at once",
-        "topology/following/follower.py",
+        "topology/following/state.py",
         ">= settings.calm",
         ">= 0",
         "topology/following/test_follower.py",
@@ -130,7 +165,7 @@ MUTATIONS = [
     (
         "the digest of a map ignores values",
         "topology/mapping/storage.py",
-        "        digest.update(np.ascontiguousarray(arrays[name]).tobytes())\n",
+        "        digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8))\n",
         "",
         "topology/mapping/test_storage.py",
     ),

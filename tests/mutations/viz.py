@@ -2,6 +2,13 @@
 
 MUTATIONS = [
     (
+        "a film may lack frames",
+        "viz/figures/film.py",
+        "!= encoder.count",
+        "> encoder.count",
+        "viz/figures/test_film.py",
+    ),
+    (
         "the laser's picture is mirrored",
         "viz/figures/dashboard.py",
         "middle - points[:, 1] * scale",

@@ -165,8 +165,8 @@ MUTATIONS = [
     (
         "opacity counts as much as all colours",
         "world/importers/ros_map.py",
-        "(3.0 * colour.mean(axis=2) + alpha) / 4.0",
-        "(colour.mean(axis=2) + alpha) / 2.0",
+        "(3.0 * shade + alpha) / 4.0",
+        "(shade + alpha) / 2.0",
         "world/test_importers.py",
     ),
     (

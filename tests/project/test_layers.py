@@ -9,7 +9,7 @@ import pytest
 LIBRARY = Path(__file__).resolve().parents[2] / "tutorial_lib"
 LAYERS = (
     ("errors",),
-    ("geometry", "interfaces", "files", "parallel"),
+    ("geometry", "interfaces", "files", "memory", "reading", "parallel"),
     ("world",),
     ("driving",),
     ("learning",),

@@ -3,12 +3,14 @@
 import ast
 import importlib.util
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -40,6 +42,7 @@ class Machine:
         self.folders = []
         self.python = None  # the version of the Python in .venv
         self.codes = {}  # exit codes, by a word of the command
+        self.lost = "complete"  # what is said of the packages in .venv
 
     def run(self, command, cwd=None):
         self.calls.append(command)
@@ -55,11 +58,15 @@ class Machine:
                 for file in self.start.VENV.iterdir():
                     file.unlink()
             self.python = self.start.VERSION
+        if ".[test]" in command:
+            self.lost = "complete"
         return 0
 
     def ask(self, *arguments):
         if self.python is None:
             return ""
+        if "tutorial_lib.commands.installed" in arguments:
+            return self.lost
         return "pip 25.0" if "pip" in arguments else self.python
 
     def forget(self):
@@ -86,7 +93,7 @@ def machine(start, monkeypatch):
 def test_the_file_is_readable_by_python_3_8_and_small():
     text = FILE.read_text(encoding="utf-8")
     tree = ast.parse(text, feature_version=(3, 8))
-    assert len(text.splitlines()) < 170
+    assert len(text.splitlines()) < 200
     modules = {
         a.name.split(".")[0] for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names
     }
@@ -166,7 +173,7 @@ def test_a_venv_prepared_by_hand_is_kept(start, machine):
 def test_a_venv_without_pip_is_completed_not_cleared(start, machine, monkeypatch):
     start.VENV.mkdir()
     machine.python = start.VERSION
-    monkeypatch.setattr(start, "ask", lambda *a: "" if "pip" in a else start.VERSION)
+    monkeypatch.setattr(start, "ask", lambda *a: "" if "pip" in a else machine.ask(*a))
     start.setup()
     assert [("--clear" in call) for call in machine.made] == [False]
 
@@ -235,10 +242,77 @@ def test_a_failing_venv_and_a_failing_pip_are_explained_in_a_line(start, machine
         start.main(["setup"])
     assert "\n" not in str(error.value)
     machine.codes = {".[test]": 1}
-    with pytest.raises(SystemExit, match=r"pip\.log.*network.*proxy") as error:
+    with pytest.raises(SystemExit, match=r"pip\.log.*HTTPS_PROXY.*PIP_NO_INDEX=1") as error:
         start.main(["setup"])
     assert "\n" not in str(error.value)
     assert start.stamped() == ""
+
+
+@pytest.mark.parametrize(("free", "said"), [(0.2e9, True), (50e9, False)])
+def test_a_failing_pip_on_a_full_disk_says_so(start, machine, monkeypatch, free, said):
+    machine.codes = {".[test]": 1}
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=free))
+    with pytest.raises(SystemExit) as error:
+        start.main(["setup"])
+    assert ("The disk has 0.2 GB free, 3.0 are needed." in str(error.value)) == said
+
+
+def test_packages_that_were_deleted_are_installed_again(start, machine, capsys):
+    start.setup()
+    assert start.is_ready()
+    machine.forget()
+    machine.lost = "numpy torch"
+    assert not start.is_ready()
+    start.setup()
+    removed, pip, course = machine.calls[:3]
+    assert removed[-5:] == ["uninstall", "-q", "-y", "numpy", "torch"]
+    assert "pip>=21.3" in pip
+    assert ".[test]" in course
+    assert "Repairing: numpy, torch" in capsys.readouterr().out
+    assert machine.made == []
+    assert start.is_ready()
+
+
+def test_a_venv_in_which_nothing_is_left_is_filled_again(start, machine):
+    start.setup()
+    machine.forget()
+    machine.lost = ""
+    start.setup()
+    assert len(machine.installed) == 1
+    assert not any("uninstall" in call for call in machine.calls)
+
+
+def test_packages_that_cannot_be_installed_are_named(start, machine, monkeypatch):
+    monkeypatch.setattr(start, "lost", lambda: ["numpy"])
+    with pytest.raises(SystemExit, match=r"Could not install numpy: delete .*\.venv and start"):
+        start.setup()
+    assert start.stamped() == ""
+
+
+def test_a_stamp_that_is_no_text_means_that_nothing_is_installed(start, machine):
+    start.setup()
+    start.STAMP.write_bytes(b"\xff\xfe\x00 no text")
+    machine.forget()
+    assert not start.is_ready()
+    start.setup()
+    assert len(machine.installed) == 1
+    assert start.is_ready()
+
+
+def test_a_missing_pyproject_is_named(start, machine):
+    (start.HERE / "pyproject.toml").unlink()
+    with pytest.raises(SystemExit, match=r"pyproject\.toml is missing: get the course again"):
+        start.main(["demo"])
+    assert machine.calls == []
+
+
+def test_an_error_of_the_disk_is_one_line(start, machine, monkeypatch, capsys):
+    start.VENV.mkdir()
+    start.STAMP.mkdir()  # so it cannot be written
+    assert start.main(["setup"]) == 2
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert said.startswith("start.py: ")
+    assert "GB free" in said
 
 
 def test_arguments_and_exit_codes_are_passed_on(start, machine):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.made_up_maps import Streets, Table, numbered, places_in, sensed, table_map
 from tutorial_lib.errors import InputError
-from tutorial_lib.interfaces import Goals, Localizer, Plan, Planner
+from tutorial_lib.interfaces import HERE, Goals, Localizer, Plan, Planner
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
 
@@ -43,7 +43,8 @@ def questions(draw):
         p_query=draw(st.sampled_from([0.1, 0.5])),
         p_goal=draw(st.sampled_from([0.5, 0.9, 0.985])),
     )
-    excluded = set(np.flatnonzero(rng.random(count) < 0.2).tolist()) if draw(st.booleans()) else ()
+    steps = [(a, b) for a in (HERE, *range(count)) for b in range(count)]
+    excluded = {step for step in steps if rng.random() < 0.2} if draw(st.booleans()) else ()
     return topomap, count, list(range(count + 1, size)), planner, excluded
 
 
@@ -58,7 +59,7 @@ def simple_paths(topomap, here, goals, p_query, p_goal, excluded):
             if last > p_goal:
                 found.append((tuple(path), number, probability * last))
         for v in graph:
-            if v in path or v in excluded:
+            if v in path or (path[-1] if path else HERE, v) in excluded:
                 continue
             if path and graph.has_edge(path[-1], v):
                 go_on([*path, v], probability * graph.edges[path[-1], v]["probability"])
@@ -89,7 +90,7 @@ def test_a_plan_is_the_most_probable_path_there_is(drawn):
         assert plan == Plan(refusal=plan.refusal)
         assert "no path leads" in plan.refusal
         assert plan.probability == 0.0
-    assert not set(plan.vertices) & set(excluded)
+    assert not set(pairwise((HERE, *plan.vertices))) & set(excluded)
 
 
 def line(count=4, here=1.0, goal=1.0, edge=0.9):
@@ -171,17 +172,17 @@ def test_an_empty_map_leads_to_what_is_in_sight_only():
     assert (plan.vertices, plan.probability) == ((), 0.0)
 
 
-def test_an_excluded_vertex_is_gone_round_or_leaves_no_path():
+def test_an_excluded_edge_is_gone_round_or_leaves_no_path():
     topomap, here, goals = line(4)
     topomap.connect(0, 2, 0.7)
     planner = DijkstraPlanner()
     assert planner.plan(here, goals, topomap).vertices == (0, 1, 2, 3)
-    plan = planner.plan(here, goals, topomap, {1})
+    plan = planner.plan(here, goals, topomap, {(0, 1)})
     assert plan.vertices == (0, 2, 3)
     assert plan.probability == pytest.approx(0.63)
-    for excluded in ({0}, {3}, {2}):
+    for excluded in ({(HERE, 0)}, {(2, 3)}, {(0, 1), (0, 2)}):
         assert "no path" in planner.plan(here, goals, topomap, excluded).refusal
-    assert planner.plan(here, goals, topomap, {99}).vertices == (0, 1, 2, 3)
+    assert planner.plan(here, goals, topomap, {(99, 1), (1, 0)}).vertices == (0, 1, 2, 3)
     assert len(topomap) == 4
 
 

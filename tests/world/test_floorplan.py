@@ -91,3 +91,28 @@ def test_segments_are_the_walls_and_then_the_sides_of_the_furniture():
         assert plan.segment_offsets[side] == pytest.approx(np.append(0, np.cumsum(length)[:-1]))
         at = side.stop
     assert make_box().segments.shape == (4, 4)
+
+
+@pytest.mark.parametrize(("width", "height"), [(480.0, 480.0), (1e300, 4.0), (205.0, 205.0)])
+def test_a_plan_whose_grid_has_no_room_in_memory_is_refused(width, height):
+    with pytest.raises(InputError, match=r"walls"):
+        make_box(width, height)
+
+
+def test_a_long_building_is_no_large_one():
+    assert make_box(480.0, 80.0).area == 480.0 * 80.0
+
+
+@pytest.mark.parametrize("corner", [(1e300, 0.0), (0.0, -1e300), (300.0, 0.0), (np.nan, 0.0)])
+def test_a_corner_far_off_the_walls_is_refused(corner):
+    plan = make_box()
+    outline = (*plan.rooms[0].outline, corner)
+    with pytest.raises(InputError, match=r"rooms\[0\]\.outline: a corner is not finite or more"):
+        replace(plan, rooms=(Room("living", outline),))
+
+
+def test_rooms_that_lie_on_each_other_are_not_drawn_for_ever():
+    plan = make_box(100.0, 100.0)
+    check_closed(replace(plan, rooms=plan.rooms * 3))
+    with pytest.raises(InputError, match="rooms: they overlap again and again"):
+        check_closed(replace(plan, rooms=plan.rooms * 100))

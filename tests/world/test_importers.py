@@ -10,7 +10,13 @@ from hypothesis import strategies as st
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import distance_to_segments, to_local, to_world
-from tutorial_lib.world.importers import import_houseexpo, import_map, import_ros_map
+from tutorial_lib.world.importers import (
+    contours,
+    import_houseexpo,
+    import_map,
+    import_ros_map,
+    surfaces,
+)
 from tutorial_lib.world.importers.contours import free_loops, signed_area, trace_loops
 from tutorial_lib.world.importers.surfaces import SPAN, dress_loops
 from tutorial_lib.world.materials import PERIOD
@@ -640,3 +646,34 @@ def test_obstacles_share_a_strip_only_while_it_lasts():
         mine = np.array(names) == name
         assert ends[mine].max() <= SPAN
         assert len(set(offsets[mine])) == mine.sum()  # each has a stretch of its own
+
+
+# --- Sizes --------------------------------------------------------------------------------------
+
+
+def test_an_outline_of_too_many_corners_is_refused(tmp_path, monkeypatch):
+    path = write_map(tmp_path, blobs(0))
+    corners = sum(len(loop) for loop, _ in trace_loops(blobs(0)[::-1] > 250))
+    assert corners > 40
+    monkeypatch.setattr(contours, "MAX_CORNERS", 40)
+    expect_error(import_ros_map, path, ["the outline of its free space has", "more than the 40"])
+
+
+def test_an_outline_that_needs_too_many_materials_is_refused(tmp_path, monkeypatch):
+    path = write_map(tmp_path, box())
+    import_ros_map(path)
+    monkeypatch.setattr(surfaces, "MAX_SURFACES", 0)
+    expect_error(import_ros_map, path, ["need more than 0 materials"])
+
+
+def test_a_house_of_too_many_corners_or_boxes_is_refused(tmp_path):
+    angle = np.linspace(0, 2 * np.pi, 1_001, endpoint=False)
+    circle = np.stack([9 * np.cos(angle), 9 * np.sin(angle)], axis=1).tolist()
+    path = tmp_path / "house.json"
+    path.write_text(json.dumps({"verts": circle}))
+    expect_error(import_houseexpo, path, ["verts: 1001 corners; give at most 1000"])
+    boxes = {"Hall": [[0, 0, 1, 1]] * 100, "Kitchen": [[0, 0, 1, 1]] * 101}
+    path.write_text(json.dumps({"verts": circle[::10], "room_category": boxes}))
+    expect_error(import_houseexpo, path, ["room_category: give at most 200 boxes"])
+    path.write_text(json.dumps({"verts": circle[:1_000]}))
+    import_houseexpo(path)

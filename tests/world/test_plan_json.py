@@ -70,9 +70,9 @@ def test_every_digit_of_every_number_comes_back(numbers):
     assert again.wall_offsets.tobytes() == plan.wall_offsets.tobytes()
 
 
-def fails_midway(self, text, **_):
-    with open(self, "w", encoding="utf-8") as file:
-        file.write(text[: len(text) // 2])
+def fails_midway(self, data):
+    with open(self, "wb") as file:
+        file.write(data[: len(data) // 2])
     raise OSError(errno.ENOSPC, "No space left on device")
 
 
@@ -82,7 +82,7 @@ def fails(*_):
 
 @pytest.mark.parametrize(
     ("owner", "name", "failure", "error"),
-    [(Path, "write_text", fails_midway, OSError), (os, "replace", fails, KeyboardInterrupt)],
+    [(Path, "write_bytes", fails_midway, InputError), (os, "replace", fails, KeyboardInterrupt)],
     ids=["disk full", "interrupted"],
 )
 @pytest.mark.parametrize("old", [None, "the old plan"])
@@ -178,14 +178,14 @@ def test_any_one_wrong_field_is_read_or_refused_but_never_a_crash(path, value):
 @settings(max_examples=50, deadline=None)
 @given(st.integers(0, len(TEXT.rstrip()) - 1))
 def test_a_file_cut_off_anywhere_is_refused(length):
-    with pytest.raises(InputError, match=r"here: is no JSON .*cut off"):
+    with pytest.raises(InputError, match=r"here: damaged, or not JSON .*cut off"):
         plan_from_json(TEXT[:length], "here")
 
 
 def test_files_that_cannot_be_read_are_named(tmp_path):
     (tmp_path / "binary.json").write_bytes(b"\xff\xfe\x00{")
     for name in ("absent.json", "binary.json", "."):
-        with pytest.raises(InputError, match="cannot be read"):
+        with pytest.raises(InputError, match=r"cannot be read|no such file"):
             load_plan(tmp_path / name)
 
 

@@ -57,6 +57,14 @@ def test_every_fourth_training_world_of_each_family_has_signs():
 
 def test_a_family_can_be_asked_for():
     assert local_world(20_001, family="hall") == "hall/20001/standard"
+    assert {local_world(seed, family="all").split("/")[0] for seed in range(20_000, 20_006)} == {
+        "apartment",
+        "office",
+        "hall",
+        "scanned",
+        "maze",
+        "loop_corridor",
+    }
     assert map_world(20_001, "shifted", "scanned") == "scanned/20001/shifted/large"
     with pytest.raises(InputError, match="family 'castle'"):
         local_world(20_001, family="castle")

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from tutorial_lib.agents.navigator import MapAgent
-from tutorial_lib.interfaces import Experience, Goals, Observation, Plan, Planner
-from tutorial_lib.topology.mapping.anchors import anchors_of
+from tutorial_lib.interfaces import Edges, Experience, Goals, Observation, Plan, Planner
+from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.mapping.turn_edges import TurnSettings, add_turns
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 
@@ -22,11 +23,13 @@ class MengAgent(MapAgent):
         planner: plans paths over the map.
         settings: of the map.
         p_sparsify: RE by which anchors are chosen.
+        turns: when places are joined by turning; never if None.
     """
 
     planner: Planner = field(default_factory=DijkstraPlanner)
     settings: MapSettings = field(default_factory=MapSettings)
     p_sparsify: float = 0.99
+    turns: TurnSettings | None = field(default_factory=TurnSettings)
 
     def empty_map(self) -> TopoMap:
         """A map whose edges are RE's."""
@@ -34,14 +37,22 @@ class MengAgent(MapAgent):
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Sparsify each trajectory and insert it into the map."""
-        view, k = self.predictor.view, self.predictor.k
         for experience in experiences:
-            seen = experience.observations
-            anchors = anchors_of(
-                self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
-            )
-            add_trajectory(self.topomap, anchors)
+            self.insert(self.sparsified(experience))
 
-    def find_path(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
+    def sparsified(self, experience: Experience) -> Anchors:
+        """The anchors of a trajectory."""
+        view, k, seen = self.predictor.view, self.predictor.k, experience.observations
+        return anchors_of(
+            self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
+        )
+
+    def insert(self, anchors: Anchors) -> None:
+        """Add a trajectory to the map, and join it by turning to what was there."""
+        added = add_trajectory(self.topomap, anchors)
+        if self.turns is not None:
+            add_turns(self.topomap, anchors, added.path, self.turns)
+
+    def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """The planner's path."""
         return self.planner.plan(observation, goals, self.topomap, excluded)

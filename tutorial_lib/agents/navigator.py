@@ -1,6 +1,9 @@
-"""Navigation over a map: plan, follow the plan by sight, and replan when lost.
+"""Navigation over a map: plan, follow the plan by sight, and replan when lost or blocked.
 
-A robot without a plan rotates in place and replans once a second.
+A robot without a plan turns in place and replans once a second. One with something in its way waits
+for a moment; then the stretch before it is excluded for a time, and it replans. One that followed
+its path knows about where it is: its next plan begins around there. Else, with the path ahead
+excluded, plans would begin at places that only look like here.
 """
 
 from __future__ import annotations
@@ -9,14 +12,19 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array
+from tutorial_lib.agents.blockades import Blockades, Waiting, in_the_way
+from tutorial_lib.agents.whereabouts import Whereabouts
+from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import (
     Controller,
+    Edges,
     Goals,
     Observation,
     Plan,
@@ -27,17 +35,19 @@ from tutorial_lib.interfaces import (
 )
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.following.heading_search import ASIDE
-from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.topology.mapping.growing_batch import GrowingBatch, joined
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.world.simulation import STEP
 
 SEARCH_TIME = 20.0
 """Seconds of rotating after which a robot without a plan gives up."""
+LOOK_TIME = 10.0
+"""Seconds of rotating after which a plan may begin anywhere."""
+_ALL = 4 * np.pi  # rad; it turns on until it has a plan
 _REPLAN_STEPS = 10  # from one attempt to plan to the next, while rotating
-FindPath = Callable[[Observation, Goals, set[int]], Plan]
-"""Plans from what one robot observes to a goal, around some excluded vertices."""
+FindPath = Callable[[Observation, Goals, Edges], Plan]
+"""Plans from what one robot observes to a goal, around some excluded edges."""
 
 
 class MapNavigation:
@@ -57,7 +67,7 @@ class MapNavigation:
         make_follower: Callable[..., Follower],
         targets: MapTargets,
         goals: Sequence[Goals],
-        replans: int,
+        replan_time: float,
     ) -> None:
         """Robots plan when they act for the first time.
 
@@ -66,16 +76,20 @@ class MapNavigation:
             make_follower: makes a `Follower` of paths and `starts`.
             targets: the map, which must not grow meanwhile.
             goals: one for each robot.
-            replans: how often a robot that is lost replans before it gives up.
+            replan_time: seconds since it was first lost for which a robot replans.
         """
-        self._find_path, self._topomap, self._replans = find_path, targets.topomap, replans
+        self._find_path, self._topomap = find_path, targets.topomap
+        self._replan_time = replan_time
         count, self._goals = len(goals), list(goals)
         self.plans: list[Plan | None] = [None] * count
         self.history: list[list[Plan]] = [[] for _ in goals]
         self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
-        self._excluded: list[set[int]] = [set() for _ in goals]
-        # How often it was lost, and steps of searching since.
-        self._lost, self._searched = np.zeros((2, count), dtype=int)
+        self._whereabouts = Whereabouts(count, self._topomap)
+        self._blockades, self._waiting = Blockades(count, self._topomap), Waiting(count)
+        self._rotation = ThreePointTurn(count)
+        self._searched = np.zeros(count, dtype=int)  # steps since it had a plan
+        # Seconds under way, and those at which it was first lost.
+        self._now, self._lost_at = np.zeros(count), np.full(count, np.inf)
         vertices = len(self._topomap.vertices)
         self._first = np.cumsum([vertices, *(len(goal) for goal in goals)])
         contexts = np.concatenate([goal.contexts for goal in goals])
@@ -95,6 +109,7 @@ class MapNavigation:
 
     def _act(self, observations: Observation, robots: Robots) -> Array:
         """The same for robots that have neither arrived nor given up."""
+        self._now[robots] += STEP
         for row, robot in enumerate(robots):
             if self.plans[robot] is None and self._searched[robot] % _REPLAN_STEPS == 0:
                 self._plan(observations[row], int(robot))
@@ -107,50 +122,77 @@ class MapNavigation:
         searching = np.flatnonzero(~under_way)
         if searching.size:
             actions[searching] = self._search(observations[searching], robots[searching])
-        for robot in robots[going][memory.lost[robots[going]]]:
-            self._lose(int(robot))
+        lost = memory.lost[robots[going]] | self._blocked(observations[going], robots[going])
+        for row in going[lost & ~self.arrived[robots[going]]]:
+            self._lose(int(robots[row]), observations.odometry[row])
         return actions
 
+    def _blocked(self, observations: Observation, robots: Robots) -> NDArray[np.bool_]:
+        """(M,) which robots have waited in vain for what stands in their way."""
+        memory = self.follower.memory
+        waypoints = to_local(observations.odometry, memory.waypoints[robots])
+        driving = np.isin(memory.state[robots], (State.FOLLOW, State.DEAD_RECKONING))
+        # A robot that looks for the heading of an anchor drives to no waypoint.
+        driving &= (memory.heading.side[robots] == 0) & np.isfinite(waypoints).all(axis=1)
+        blocked = driving.copy()
+        lasers = np.asarray(observations.laser, dtype=float)
+        blocked[driving] = in_the_way(lasers[driving], waypoints[driving])
+        return self._waiting.step(robots, observations.odometry, blocked)
+
     def _search(self, observations: Observation, robots: Robots) -> Array:
-        """Actions (M, 2) by which robots rotate."""
+        """Actions (M, 2) by which robots turn in place."""
+        begin = np.flatnonzero(self._searched[robots] == 0)
+        self._rotation.begin(robots[begin], observations.odometry[begin], np.full(len(begin), _ALL))
         self._searched[robots] += 1
         self.given_up[robots] |= self._searched[robots] > SEARCH_TIME / STEP
-        beside = np.tile([0.0, ASIDE], (len(robots), 1))
-        return self.follower.controller.act(observations, beside)
+        return self._rotation.act(observations, robots)
 
     def _plan(self, observation: Observation, robot: int) -> None:
         """Plan and start, or search, or give up."""
         plan = self._path(observation, robot)
         self.history[robot].append(plan)
         # A robot that was under way takes an improbable path rather than none.
-        if not plan.refusal or (plan.probability > 0 and self._lost[robot]):
+        if not plan.refusal or (plan.probability > 0 and np.isfinite(self._lost_at[robot])):
             self._searched[robot], self.plans[robot] = 0, plan
-            self.follower.assign(robot, [*plan.vertices, int(self._first[robot]) + plan.goal])
+            path = [*plan.vertices, int(self._first[robot]) + plan.goal]
+            self.follower.assign(robot, path, self._turns(plan))
         elif plan.probability > 0:
             # The best path is refused; to search elsewhere will not help.
             self.plans[robot], self.given_up[robot] = plan, True
 
     def _path(self, observation: Observation, robot: int) -> Plan:
         """A path from what one robot observes to its goal."""
-        return self._find_path(observation, self._goals[robot], self._excluded[robot])
+        return self._find_path(observation, self._goals[robot], self._excluded(observation, robot))
 
-    def _lose(self, robot: int) -> None:
-        """Replan in the next step; what could not be reached is excluded from now on."""
-        plan, ahead = self.plans[robot], int(self.follower.memory.active[robot])
+    def _excluded(self, observation: Observation, robot: int) -> Edges:
+        """The edges that one robot does not plan over now."""
+        odometry = observation.odometry[0]
+        excluded = self._blockades.excluded(robot, odometry, self._now[robot])
+        if self._searched[robot] < LOOK_TIME / STEP:
+            excluded |= self._whereabouts.excluded(robot, odometry)
+        return excluded
+
+    def _turns(self, plan: Plan) -> dict[int, float]:
+        """The places of a plan before which the robot turns, and by how many rad."""
+        steps = enumerate(pairwise(plan.vertices), start=1)
+        edges = {place: self._topomap.graph.get_edge_data(*step, {}) for place, step in steps}
+        return {place: edge["turn"] for place, edge in edges.items() if "turn" in edge}
+
+    def _lose(self, robot: int, odometry: Array) -> None:
+        """Replan in the next step; what could not be passed is excluded for a time."""
+        plan, memory, now = self.plans[robot], self.follower.memory, float(self._now[robot])
+        ahead, visited = int(memory.active[robot]), int(memory.visited[robot])
+        if plan is not None and 0 <= visited < len(plan.vertices):
+            self._whereabouts.see(robot, plan.vertices[visited], odometry)
         if plan is not None and 0 <= ahead < len(plan.vertices):
-            self._excluded[robot] |= self._around(plan.vertices[ahead])
-        self._lost[robot] += 1
-        if self._lost[robot] > self._replans:
+            before = plan.vertices[max(min(visited, ahead - 1), 0) : ahead]
+            self._blockades.add(robot, before, plan.vertices[ahead : ahead + 2], odometry, now)
+        self._waiting.stop(robot)
+        self._lost_at[robot] = min(self._lost_at[robot], now)
+        if now - self._lost_at[robot] >= self._replan_time:
             self.given_up[robot] = True
         else:
             self.plans[robot] = None
-
-    def _around(self, vertex: int) -> set[int]:
-        """A vertex, and those with edges from and to it: they are at the same place."""
-        graph = self._topomap.graph
-        return {vertex} | {
-            other for other in graph.successors(vertex) if graph.has_edge(other, vertex)
-        }
 
 
 class MapTargets:
@@ -193,7 +235,7 @@ class MapAgent(ABC):
         controller: C_RMP.
         reachability: RE.
         follower: thresholds of the follower.
-        replans: how often a robot that is lost replans before it gives up.
+        replan_time: seconds since it was first lost for which a robot replans; 0 for never.
         topomap: what was learned.
     """
 
@@ -201,7 +243,7 @@ class MapAgent(ABC):
     controller: Controller
     reachability: Reachability
     follower: FollowerSettings = field(default_factory=FollowerSettings)
-    replans: int = 8
+    replan_time: float = 240.0
 
     def __post_init__(self) -> None:
         self.topomap = self.empty_map()
@@ -212,7 +254,7 @@ class MapAgent(ABC):
         """A map to begin with."""
 
     @abstractmethod
-    def find_path(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
+    def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """Plan over the map from what one robot observes to a goal."""
 
     def start(self, goals: Sequence[Goals]) -> MapNavigation:
@@ -220,7 +262,7 @@ class MapAgent(ABC):
         if self._targets.topomap is not self.topomap:
             self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
         return MapNavigation(
-            self.find_path, self.make_follower(), self._targets, goals, self.replans
+            self.find_path, self.make_follower(), self._targets, goals, self.replan_time
         )
 
     def make_follower(self) -> Callable[..., Follower]:

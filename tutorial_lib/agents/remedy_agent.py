@@ -60,7 +60,7 @@ class RemedyAgent(MengAgent):
             self.make_follower(),
             self._targets,
             goals,
-            self.replans if self.remedies.replan else 0,
+            self.replan_time if self.remedies.replan else 0.0,
             self._tools(),
         )
 

@@ -13,7 +13,7 @@ from tutorial_lib.agents.navigator import FindPath, MapNavigation, MapTargets
 from tutorial_lib.agents.place_guess import PlaceGuess, Weighted
 from tutorial_lib.agents.remedies import Tools
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Goals, Observation, Plan, Robots
+from tutorial_lib.interfaces import Edges, Goals, Observation, Plan, Robots
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.mapping.edge_rules import weight
@@ -46,11 +46,11 @@ class RemedyNavigation(MapNavigation):
         make_follower: Callable[..., Follower],
         targets: MapTargets,
         goals: Sequence[Goals],
-        replans: int,
+        replan_time: float,
         tools: Tools,
     ) -> None:
         """See `MapNavigation`."""
-        super().__init__(find_path, make_follower, targets, goals, replans)
+        super().__init__(find_path, make_follower, targets, goals, replan_time)
         self._tools, self._on, count = tools, tools.remedies, len(goals)
         vertices = len(self._topomap.vertices)
         self.guess = PlaceGuess(count, self._topomap, tools, self.follower.paths.targets)
@@ -97,16 +97,22 @@ class RemedyNavigation(MapNavigation):
         # The threshold is on RE; what an unlikely start is worth may be less.
         localizer = Weighted(likely, planner.p_query, planner.candidates)
         planner = replace(planner, localizer=localizer, p_query=0.0)
-        return planner.plan(observation, self._goals[robot], topomap, self._excluded[robot])
+        excluded = self._excluded(observation, robot)
+        return planner.plan(observation, self._goals[robot], topomap, excluded)
 
-    def _lose(self, robot: int) -> None:
-        """Replan; if the robot is not where its plan has it, no vertex is to blame."""
+    def _excluded(self, observation: Observation, robot: int) -> Edges:
+        """With the filter the belief says where a plan may begin."""
+        if not self._on.filter:
+            return super()._excluded(observation, robot)
+        return self._blockades.excluded(robot, observation.odometry[0], self._now[robot])
+
+    def _lose(self, robot: int, odometry: Array) -> None:
+        """Replan; if the robot is not where its plan has it, no edge is to blame."""
         plan = self.plans[robot]
         blameless = self._on.filter and plan is not None and self._elsewhere(robot, plan) > 0.5
-        kept = set(self._excluded[robot])
-        super()._lose(robot)
         if blameless:
-            self._excluded[robot] = kept
+            self.plans[robot] = None
+        super()._lose(robot, odometry)
 
     # Replanning on a discrepancy.
 

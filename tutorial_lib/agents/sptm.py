@@ -13,6 +13,7 @@ from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
+    Edges,
     Experience,
     Goals,
     Localizer,
@@ -114,14 +115,14 @@ class SPTMAgent(MapAgent):
     def _on_one(self, source: int, target: int) -> bool:
         return self.topomap.trajectory[source] == self.topomap.trajectory[target]
 
-    def find_path(self, observation: Observation, goals: Goals, excluded: set[int]) -> Plan:
+    def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """The path over the fewest edges, between the places that are most alike."""
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")
         here = int(alive[self.localizer.localize(observation, self.topomap)[0].argmax()])
         there = alive[self.localizer.localize(goals.observations, self.topomap).argmax(axis=1)]
-        graph = nx.restricted_view(graph, excluded - {here, *there.tolist()}, [])
+        graph = nx.restricted_view(graph, [], excluded)
         reached = nx.single_source_shortest_path(graph, here)
         paths = {goal: reached[int(v)] for goal, v in enumerate(there) if int(v) in reached}
         if not paths:

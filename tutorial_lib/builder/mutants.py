@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import ast
 import builtins
-import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
@@ -22,6 +21,7 @@ from tutorial_lib.builder.notebooks import BEGIN, END
 from tutorial_lib.checks.framework.check import Check
 from tutorial_lib.checks.framework.global_names import global_names
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.documents import read_json
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ def survivors(source: Path, known: Path) -> Iterator[tuple[Exercise, int, list[S
 
 def harmless(known: Path) -> dict[str, dict[str, str]]:
     """By exercise and change, why a mutant is no mistake; empty without the file."""
-    return json.loads(known.read_text(encoding="utf-8")) if known.is_file() else {}
+    return read_json(known) if known.is_file() else {}
 
 
 def _needed(code: str, earlier: list[str]) -> str:

@@ -1,6 +1,5 @@
 """What the builder adds to the page of a notebook: links, explained terms, folded code."""
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 from nbformat import NotebookNode
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.documents import read_json
 
 GLOSSARY = "glossary.json"
 """Beside the sources: for each term its meaning, and perhaps its symbol and unit."""
@@ -42,7 +42,7 @@ def read_glossary(folder: Path) -> dict[str, Entry]:
     if not path.is_file():
         return {}
     try:
-        known = json.loads(path.read_text(encoding="utf-8"))
+        known = read_json(path)
         entries = {term: Entry(term, **entry) for term, entry in known.items()}
     except (ValueError, TypeError, AttributeError) as error:
         raise InputError(f"{path}: not a glossary ({error}); see builder/page.py") from error

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from tutorial_lib.checks.framework import my_answers
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.documents import read_json
+from tutorial_lib.reading.limits import MAX_NOTEBOOK
+from tutorial_lib.reading.regular import read_text
+
+_LONGEST_NAME = 100  # characters of an exercise's function
 
 
 @dataclass(frozen=True)
@@ -58,10 +62,17 @@ def report(found: list[Done]) -> str:
 
 def _exercises(file: Path) -> list[str]:
     try:
-        cells = json.loads(file.read_text(encoding="utf-8"))["cells"]
-        return [cell["metadata"]["exercise"] for cell in cells if "exercise" in cell["metadata"]]
-    except (ValueError, KeyError, TypeError) as error:
+        cells = read_json(file, "restore it", MAX_NOTEBOOK)["cells"]
+        names = [cell["metadata"]["exercise"] for cell in cells if "exercise" in cell["metadata"]]
+    except InputError:
+        raise
+    except (KeyError, TypeError, AttributeError) as error:
         raise InputError(f"{file}: damaged ({error!r}); restore it") from error
+    for name in names:
+        # It becomes the name of a file.
+        if not (isinstance(name, str) and name.isidentifier() and len(name) <= _LONGEST_NAME):
+            raise InputError(f"{file}: damaged (exercise {name!r:.40} is no function); restore it")
+    return names
 
 
 def _passed(notebook: str, name: str) -> str:
@@ -69,6 +80,6 @@ def _passed(notebook: str, name: str) -> str:
     file = my_answers.path(notebook, name)
     if my_answers.folder() is None or not file.is_file():
         return ""
-    first = file.read_text(encoding="utf-8").partition("\n")[0]
+    first = read_text(file, advice="delete it and solve the exercise again").partition("\n")[0]
     found = re.search(r"# version (\d+) .* passed its check on (.+)", first)
     return f"{found[2]}, version {found[1]}" if found else "saved"

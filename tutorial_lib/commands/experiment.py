@@ -10,6 +10,8 @@ from pathlib import Path
 from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
+from tutorial_lib.experiments.protocols.drives import parse_drives
+from tutorial_lib.experiments.protocols.trial_choices import GOALS, STARTS
 from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.files import check_writable, write_text
 from tutorial_lib.world.generators import FAMILIES
@@ -23,11 +25,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     known = [name for entry in EXPERIMENTS.values() for name in entry.ablations]
     parser.add_argument("--ablation", choices=known, default="")
     parser.add_argument("--palette", choices=PALETTES, default=STANDARD)
-    parser.add_argument("--family", choices=FAMILIES, default="", help="of generated worlds")
+    parser.add_argument(
+        "--family", choices=(*FAMILIES, "all"), default="", help="of generated worlds"
+    )
     parser.add_argument("--agent", default="", metavar="FILE.py:CLASS")
     parser.add_argument(
         "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
     )
+    parser.add_argument(
+        "--drives", type=parse_drives, default="", help="learned: a share as 0.2, or a tour"
+    )
+    parser.add_argument("--starts", choices=STARTS, default="", help="of trials")
+    parser.add_argument("--goals", choices=GOALS, default="", help="how they are seen")
     parser.add_argument(
         "--remedies", choices=REMEDIES, default="", help="for places that look alike"
     )

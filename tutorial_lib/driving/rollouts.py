@@ -14,7 +14,7 @@ from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Policy, Robots
-from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.world.simulation import STEP, Simulation, checked_actions
 
 SETTLED = 1.0
 """Seconds of standing still after which a robot is taken to stand still for good."""
@@ -92,7 +92,7 @@ def rollout(
     while not over.all():
         robots, actions = np.flatnonzero(~over), np.zeros((count, 2))
         observations = simulation.observe(robots)
-        actions[robots] = _checked(policy.act(observations, robots), len(robots))
+        actions[robots] = checked_actions(policy.act(observations, robots), len(robots))
         if record is not None:
             record(simulation, robots, observations, actions[robots])
         simulation.step(actions)
@@ -167,11 +167,3 @@ def geodesic_limit(paths: GridPaths, starts: ArrayLike, goals: ArrayLike) -> Arr
     for lost in np.flatnonzero(~np.isfinite(limit)):
         raise InputError(f"goal: no path leads robot {lost} to its goal; choose another goal")
     return limit
-
-
-def _checked(actions: ArrayLike, robots: int) -> Array:
-    """Actions (M, 2), one for each robot that is under way."""
-    actions = np.asarray(actions, dtype=float)
-    if actions.shape != (robots, 2) or not np.isfinite(actions).all():
-        raise InputError(f"actions: {actions.shape}; give finite (M, 2) for {robots} robots")
-    return actions

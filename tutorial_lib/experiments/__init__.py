@@ -2,6 +2,7 @@
 
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.results import load_result
+from tutorial_lib.experiments.protocols.drives import driven_trials, part_of
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide
 from tutorial_lib.experiments.protocols.lookalikes import (
     Office,
@@ -35,6 +36,7 @@ __all__ = [
     "agents",
     "draw_ambiguous_trials",
     "draw_trials",
+    "driven_trials",
     "edge_lengths",
     "experiences",
     "facing",
@@ -43,6 +45,7 @@ __all__ = [
     "make_building",
     "make_office",
     "navigate",
+    "part_of",
     "spread_places",
     "vertex_poses",
 ]

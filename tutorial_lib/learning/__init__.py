@@ -14,6 +14,7 @@ from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import load_card
+from tutorial_lib.memory import keep_freed_memory
 
 __all__ = [
     "Architecture",
@@ -34,3 +35,5 @@ __all__ = [
     "train",
     "use_threads",
 ]
+
+keep_freed_memory()

@@ -82,24 +82,35 @@ class MatchingEncoder(nn.Module):
     The correlation volume holds the similarity of every column of one image to every column of
     the other. Its softmax along a row says where a column is seen again; what is there, and where
     that is, joins the column's own features.
+
+    A column is described by `first` numbers after all its rows are taken in, and by `mixed` after
+    its neighbours are. It is matched by `match` numbers and contributes `width` to the comparison.
     """
 
-    def __init__(self, channels: int, rows: int, match: int = 24, width: int = 56) -> None:
+    def __init__(
+        self,
+        channels: int,
+        rows: int,
+        first: int = 40,
+        mixed: int = 48,
+        match: int = 16,
+        width: int = 32,
+    ) -> None:
         super().__init__()
-        self.rows = rows_away(channels, rows, _FIRST)
+        self.rows = rows_away(channels, rows, first)
         self.mix = nn.Sequential(
-            nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1)),
+            nn.Conv2d(first, mixed, (1, 3), padding=(0, 1)),
             nn.ReLU(inplace=True),
-            nn.Conv2d(_WIDTH, _WIDTH, (1, 3), padding=(0, 1)),
+            nn.Conv2d(mixed, mixed, (1, 3), padding=(0, 1)),
             nn.ReLU(inplace=True),
         )
-        self.match = nn.Linear(_WIDTH, match)
-        self.own = nn.Linear(_WIDTH, width)
-        self.shown = nn.Linear(_WIDTH, width)
+        self.match = nn.Linear(mixed, match)
+        self.own = nn.Linear(mixed, width)
+        self.shown = nn.Linear(mixed, width)
         self.places = nn.Parameter(0.3 * torch.randn(2, COLUMNS, width))
         self.likeness = nn.Parameter(torch.zeros(width))
         self.sharpness = nn.Parameter(torch.tensor(3.0))
-        self.narrow = Narrowing(width)
+        self.narrow = Narrowing(width, mixed)
         self.sizes = [match, width]
 
     def current(self, images: Tensor) -> Tensor:
@@ -128,7 +139,7 @@ class MatchingEncoder(nn.Module):
         return current[..., : self.sizes[0]] @ target[..., : self.sizes[0]].transpose(1, 2)
 
     def _columns(self, images: Tensor) -> tuple[Tensor, Tensor]:
-        """Directions (N, 32, match) to match by, and features (N, 32, 64) of the columns."""
+        """Directions (N, 32, match) to match by, and features (N, 32, mixed) of the columns."""
         x = self.mix(self.rows(images).relu_())[:, :, 0].transpose(1, 2)
         return functional.normalize(self.match(x), dim=-1), x
 

@@ -16,6 +16,7 @@ from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs, reac
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.learning.outcome_data import kept_outcomes
@@ -116,7 +117,7 @@ def mined_outcomes(
     """
     mining = HardNegativeMining() if mining is None else mining
     folder = work / "mined" / controller
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     calibrated = digest_of(reachability.network), reachability.calibration
     # The words of the first version, so that files recorded with it still load.
     sizes = (

@@ -26,15 +26,15 @@ from tutorial_lib.learning.reach_batches import LabelledWorld, OutcomeSource, Pr
 from tutorial_lib.learning.recipes import recorded_worlds_of
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card, load_card, load_network
-from tutorial_lib.world.worlds import local_world, training_world
+from tutorial_lib.world.worlds import training_world, validation_world
 
-FIRST_WORLD, WORLDS = 96, 96
+FIRST_WORLD, WORLDS = 120, 80
 """Training worlds in which C was not trained: in its own it may do better than elsewhere."""
-STOPPING = range(10_000, 10_008)
+STOPPING = range(10_000, 10_012)
 """Validation worlds for early stopping."""
-CALIBRATING = range(10_012, 10_028)
+CALIBRATING = range(10_012, 10_036)
 """Validation worlds on which RE is calibrated."""
-VALIDATION_TARGETS = 200
+VALIDATION_TARGETS = 80
 CARS = 16
 
 
@@ -70,7 +70,7 @@ def _recipe(
     which: str, controller: str, targets: int, steps: tuple[int, int], architecture: Architecture
 ) -> ReachRecipe:
     name = f"reach_{which if which == 'laser' else 'k' + which}"
-    first = Settings(max_steps=steps[0])
+    first = Settings(max_steps=steps[0], patience=steps[0])
     second = Settings(max_steps=steps[1], learning_rate=7e-4, seed=1, patience=steps[1])
     architecture = replace(architecture, outputs="reachability")
     command = f"train reachability --k {which}"
@@ -78,10 +78,10 @@ def _recipe(
 
 
 REACHABILITY = {
-    "0": _recipe("0", "waypoint_k0", 320, (20_000, 8_000), Architecture(0)),
-    "2": _recipe("2", "waypoint_k2", 850, (30_000, 12_000), Architecture(2)),
-    "5": _recipe("5", "waypoint_k5", 320, (14_000, 6_000), Architecture(5)),
-    "laser": _recipe("laser", "laser_k2", 320, (12_000, 6_000), Architecture(2, view="laser")),
+    "0": _recipe("0", "waypoint_k0", 120, (14_000, 6_000), Architecture(0)),
+    "2": _recipe("2", "waypoint_k2", 300, (22_000, 8_000), Architecture(2)),
+    "5": _recipe("5", "waypoint_k5", 300, (14_000, 6_000), Architecture(5)),
+    "laser": _recipe("laser", "laser_k2", 120, (14_000, 6_000), Architecture(2, view="laser")),
 }
 """What `train reachability --k` can train, besides SPTM's."""
 SPTM = ReachRecipe(
@@ -115,7 +115,7 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
     training = labelled_worlds(
         recipe, [training_world(FIRST_WORLD + i) for i in range(WORLDS)], work, jobs
     )
-    stopping = labelled_worlds(recipe, [local_world(seed) for seed in STOPPING], work, jobs)
+    stopping = labelled_worlds(recipe, [validation_world(seed) for seed in STOPPING], work, jobs)
     source = OutcomeSource(training, recipe.architecture)
     others = replace(source, labelled=stopping, vary=False, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
@@ -133,7 +133,9 @@ def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[
             source = replace(source, labelled=with_mined(training, network, recipe, work, jobs))
             spent += time.monotonic() - begun
     begun = time.monotonic()
-    calibrating = labelled_worlds(recipe, [local_world(seed) for seed in CALIBRATING], work, jobs)
+    calibrating = labelled_worlds(
+        recipe, [validation_world(seed) for seed in CALIBRATING], work, jobs
+    )
     calibration, measured = calibrate(ReachabilityNetwork(network), calibrating)
     spent += time.monotonic() - begun
     minutes = round((spent + sum(progress.seconds for progress in stages)) / 60, 1)
@@ -172,13 +174,12 @@ def labelled_worlds(
 def with_mined(
     worlds: list[LabelledWorld], network: LocalNetwork, recipe: ReachRecipe, work: Path, jobs: int
 ) -> list[LabelledWorld]:
-    """The worlds, every second one with hard negatives of the network."""
-    recorded = [world.recorded for world in worlds[::2]]
+    """The worlds with hard negatives of the network."""
+    recorded = [world.recorded for world in worlds]
     mined = mined_outcomes(
         ReachabilityNetwork(network), recipe.controller, recorded, work, jobs=jobs
     )
-    with_hard = [replace(world, mined=m) for world, m in zip(worlds[::2], mined, strict=True)]
-    return [*with_hard, *worlds[1::2]]
+    return [replace(world, mined=m) for world, m in zip(worlds, mined, strict=True)]
 
 
 def calibrate(
@@ -217,7 +218,7 @@ def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card
         [training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work
     )
     source = ProximitySource(recorded_worlds, recipe.architecture)
-    stopping = recorded_worlds_of([local_world(seed) for seed in STOPPING], CARS, work)
+    stopping = recorded_worlds_of([validation_world(seed) for seed in STOPPING], CARS, work)
     others = replace(source, recorded_worlds=stopping, targets=48)
     validation = [others.block([0, i]) for i in range(2)]
     checkpoint = recipe.checkpoints(work)[0]

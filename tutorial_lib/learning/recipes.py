@@ -13,9 +13,9 @@ from tutorial_lib.driving.data.trajectories import load_trajectories
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, train
-from tutorial_lib.learning.weights import Card
+from tutorial_lib.learning.weights import Card, load_card, load_network
 from tutorial_lib.parallel import for_each
-from tutorial_lib.world.worlds import local_world, scene_of, training_world
+from tutorial_lib.world.worlds import scene_of, training_world, validation_world
 
 WORK = Path(".training")
 """Folder of demonstrations and checkpoints."""
@@ -33,6 +33,7 @@ class Recipe:
         command: that trains them.
         architecture: of the network.
         settings: of its training.
+        start: name of the weights that it starts from, where name and shape match; none if empty.
         worlds: how many training worlds, seeds 0 and up.
         validation_worlds: how many, seeds 10,000 and up.
         cars: that drive in each world for demonstrations.
@@ -42,7 +43,8 @@ class Recipe:
     command: str
     architecture: Architecture
     settings: Settings = field(default_factory=Settings)
-    worlds: int = 96
+    start: str = ""
+    worlds: int = 120
     validation_worlds: int = 12
     cars: int = 16
 
@@ -51,21 +53,29 @@ class Recipe:
         return (work / f"{self.name}.pt",)
 
 
+def _recipe(
+    which: str, name: str, architecture: Architecture, steps: int, start: str = ""
+) -> Recipe:
+    rate = 1e-3 if start else 2e-3
+    # Most is learnt while the learning rate decays: nothing ends before.
+    settings = Settings(max_steps=steps, learning_rate=rate, patience=steps)
+    return Recipe(name, f"train waypoint --k {which}", architecture, settings, start)
+
+
+BASE = "waypoint_k2"
+"""Trained from scratch; the camera's other networks start from its encoder."""
 WAYPOINT = {
-    k: Recipe(name, f"train waypoint --k {k}", architecture, Settings(max_steps=steps))
-    for k, name, architecture, steps in (
-        ("0", "waypoint_k0", Architecture(0), 24_000),
-        ("2", "waypoint_k2", Architecture(2), 20_000),
-        ("5", "waypoint_k5", Architecture(5), 24_000),
-        ("direct", "direct_k2", Architecture(2, outputs="action"), 12_000),
-        ("laser", "laser_k2", Architecture(2, view="laser"), 16_000),
-    )
+    "0": _recipe("0", "waypoint_k0", Architecture(0), 16_000, BASE),
+    "2": _recipe("2", BASE, Architecture(2), 36_000),
+    "5": _recipe("5", "waypoint_k5", Architecture(5), 24_000, BASE),
+    "direct": _recipe("direct", "direct_k2", Architecture(2, outputs="action"), 16_000, BASE),
+    "laser": _recipe("laser", "laser_k2", Architecture(2, view="laser"), 30_000),
 }
 """What `train waypoint --k` can train."""
 
 
 def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
-    """Train a network of local control from scratch, including its demonstrations.
+    """Train a network of local control, including its demonstrations.
 
     Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
 
@@ -91,13 +101,23 @@ def train_local(recipe: Recipe, work: Path) -> tuple[LocalNetwork, Card]:
     validation = [replace(others, targets=32, starts=2).block([SEED, i]) for i in range(2)]
     prepared = time.monotonic() - begun
     network, progress = train(
-        recipe.architecture, source, validation, recipe.settings, recipe.checkpoints(work)[0]
+        recipe.architecture,
+        source,
+        validation,
+        recipe.settings,
+        recipe.checkpoints(work)[0],
+        init_from=load_network(recipe.start) if recipe.start else None,
     )
     card = Card(
         recipe.name,
         recipe.command,
         recipe.architecture,
-        recipe={**asdict(recipe.settings), "worlds": recipe.worlds, "cars": recipe.cars},
+        recipe={
+            **asdict(recipe.settings),
+            "start": load_card(recipe.start).sha256 if recipe.start else "",
+            "worlds": recipe.worlds,
+            "cars": recipe.cars,
+        },
         validation=progress.history[progress.best],
         minutes=round((prepared + progress.seconds) / 60, 1),
     )
@@ -108,7 +128,7 @@ def worlds_of(recipe: Recipe) -> tuple[list[str], list[str]]:
     """Names of the training worlds, and of the validation worlds for early stopping."""
     first = FIRST_VALIDATION_WORLD
     training = [training_world(seed) for seed in range(recipe.worlds)]
-    return training, [local_world(first + i) for i in range(recipe.validation_worlds)]
+    return training, [validation_world(first + i) for i in range(recipe.validation_worlds)]
 
 
 def record_for(recipe: Recipe, work: Path) -> list[Path]:

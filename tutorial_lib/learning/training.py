@@ -1,5 +1,6 @@
 """One plain training loop: seeded, resumable, with a progress bar."""
 
+import io
 import math
 import time
 from collections.abc import Callable, Sequence
@@ -11,11 +12,14 @@ from torch import Tensor
 from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path
+from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.weights import digest_of
+from tutorial_lib.reading.checksums import sealed, unsealed
+from tutorial_lib.reading.limits import MAX_CHECKPOINT
+from tutorial_lib.reading.regular import read_bytes
 
 
 @dataclass(frozen=True)
@@ -108,8 +112,10 @@ def train(
         copy_matching_weights(fresh, init_from)
     initial = "" if init_from is None else digest_of(init_from)
     state = _State(fresh, settings, source, initial)
-    if checkpoint is not None and checkpoint.exists():
-        state.load(checkpoint)
+    if checkpoint is not None:
+        make_folder(checkpoint.parent)
+        if checkpoint.exists():
+            state.load(checkpoint)
     network, progress = state.network, state.progress
     coming = batches(source, settings.seed, progress.step, settings.targets)
     bar = tqdm(total=settings.max_steps, initial=progress.step, disable=None, leave=False)
@@ -193,18 +199,21 @@ class _State:
             "history": self.progress.history,
             "seconds": self.progress.seconds,
         }
-        with atomic_path(path) as temporary:
-            torch.save(state, temporary)
+        buffer = io.BytesIO()
+        torch.save(state, buffer)
+        write_files({path: sealed(buffer.getvalue())})
 
     def load(self, path: Path) -> None:
         """Resume from what `save` wrote.
 
         Raises:
-            InputError: when the file is damaged or belongs to another training.
+            InputError: when the file is damaged, has no checksum (as those of older versions), or
+                belongs to another training.
         """
         advice = "delete it to begin again"
+        data = read_bytes(path, MAX_CHECKPOINT, advice)
         try:
-            state = torch.load(path, weights_only=True)
+            state = torch.load(io.BytesIO(unsealed(data)), weights_only=True)
             if state["recipe"] == self.recipe:
                 self.network.load_state_dict(state["network"])
                 self.optimizer.load_state_dict(state["optimizer"])
@@ -213,7 +222,8 @@ class _State:
                 return
         # torch, zipfile and pickle have a dozen errors for a damaged file, some many lines long.
         except Exception as error:
-            raise InputError(f"{path}: a damaged checkpoint; {advice}") from error
+            why = error if isinstance(error, InputError) else type(error).__name__
+            raise InputError(f"{path}: a damaged checkpoint ({why}); {advice}") from error
         raise InputError(f"{path}: a checkpoint of another training, {state['recipe']}; {advice}")
 
 

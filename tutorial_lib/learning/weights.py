@@ -8,14 +8,19 @@ from typing import Any
 
 import torch
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load, save
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, write_text
+from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
+from tutorial_lib.reading.documents import read_json
+from tutorial_lib.reading.limits import MAX_WEIGHTS
+from tutorial_lib.reading.regular import read_bytes
 
 FOLDER = Path(__file__).resolve().parent.parent / "weights"
 """Of the weights that come with the library."""
+_LARGE = 1e12  # no number on a card is
 
 
 @dataclass(frozen=True)
@@ -53,14 +58,15 @@ def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Pa
     Returns:
         The file of the weights.
     """
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     path = folder / f"{card.name}.safetensors"
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
-    with atomic_path(path) as temporary:
-        save_file(halves, temporary)
+    weights = save(halves)
     parameters = sum(value.numel() for value in halves.values())
-    text = asdict(card) | {"parameters": parameters, "sha256": _digest(path)}
-    write_text(path.with_suffix(".json"), json.dumps(text, indent=1) + "\n")
+    text = asdict(card) | {"parameters": parameters, "sha256": hashlib.sha256(weights).hexdigest()}
+    said = json.dumps(with_checksum(text), indent=1) + "\n"
+    # Together, since neither is of use with an older one of the other.
+    write_files({path: weights, path.with_suffix(".json"): said.encode()})
     return path
 
 
@@ -72,14 +78,41 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
     """
     path = folder / f"{name}.json"
     again = "restore the file, or train it again: python -m tutorial_lib train --help"
-    try:
-        text = json.loads(path.read_text(encoding="utf-8"))
-        return Card(**(text | {"architecture": Architecture(**text["architecture"])}))
-    except FileNotFoundError:
+    if not path.exists():
         known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"
-        raise InputError(f"{path}: there is no such card, but {known}; {again}") from None
-    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{path}: there is no such card, but {known}; {again}")
+    text = read_json(path, f"not a card of weights; {again}")
+    try:
+        if CHECKSUM in text:  # cards of older versions have none
+            text = without_checksum(text)
+        _check_card(text, name)
+        return Card(**(text | {"architecture": Architecture(**text["architecture"])}))
+    except (InputError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a card of weights ({error}); {again}") from error
+
+
+def _check_card(text: Any, name: str) -> None:  # noqa: ANN401 - anything JSON can hold
+    """Check the types of what a card says; `Card` and `Architecture` check its keys."""
+    if not isinstance(text, dict):
+        raise InputError("not a mapping")
+    kinds: dict[str, tuple[type, ...]] = {
+        **dict.fromkeys(("name", "command", "sha256"), (str,)),
+        **dict.fromkeys(("architecture", "recipe", "validation", "calibration"), (dict,)),
+        **dict.fromkeys(("cores", "parameters"), (int,)),
+        "minutes": (int, float),
+    }
+    for key, kind in kinds.items():
+        if key in text and (not isinstance(text[key], kind) or isinstance(text[key], bool)):
+            raise InputError(f"{key}: {text[key]!r:.40} does not belong there")
+    if text.get("name") != name or "command" not in text:
+        raise InputError("of another name, or without a command")
+    calibration = text.get("calibration", {})
+    numbers = [text.get("minutes", 0.0), *text.get("validation", {}).values()]
+    for knots in calibration.values():
+        numbers += knots if isinstance(knots, list) else ["none"]
+    good = all(type(number) in (int, float) and abs(number) < _LARGE for number in numbers)
+    if not good or (calibration and set(calibration) != {"raw", "mended"}):
+        raise InputError("minutes, validation, or calibration: finite numbers belong there")
 
 
 def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
@@ -92,13 +125,12 @@ def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
     card = load_card(name, folder)
     path = folder / f"{name}.safetensors"
     again = f"restore the file, or train it again: python -m tutorial_lib {card.command}"
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such file; {again}")
-    if _digest(path) != card.sha256:
+    data = read_bytes(path, MAX_WEIGHTS, again)
+    if hashlib.sha256(data).hexdigest() != card.sha256:
         raise InputError(f"{path}: not the file that its card describes (SHA-256 differs); {again}")
     network = LocalNetwork(card.architecture)
     try:
-        weights = {key: value.float() for key, value in load_file(path).items()}
+        weights = {key: value.float() for key, value in load(data).items()}
         network.load_state_dict(weights)
     except (SafetensorError, RuntimeError) as error:
         raise InputError(f"{path}: does not fit {card.architecture}; {again}") from error
@@ -111,7 +143,3 @@ def digest_of(network: LocalNetwork) -> str:
     for name, value in sorted(network.state_dict().items()):
         found.update(name.encode() + value.contiguous().numpy().tobytes())
     return found.hexdigest()[:16]
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -12,7 +12,7 @@ import numpy as np
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Goals, Localizer, Observation, Plan
+from tutorial_lib.interfaces import HERE, Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
@@ -47,7 +47,7 @@ class DijkstraPlanner:
         observation: Observation,
         goals: Goals,
         topomap: TopoMap,
-        excluded: Collection[int] = (),
+        excluded: Collection[tuple[int, int]] = (),
     ) -> Plan:
         """Plan from one observation to the goal that is reached most probably.
 
@@ -57,7 +57,8 @@ class DijkstraPlanner:
             observation: of one robot.
             goals: any of which will do.
             topomap: the map.
-            excluded: vertices that could not be reached a while ago; no path leads over them.
+            excluded: edges that could not be passed a while ago, from `HERE` too; no path leads
+                over them.
 
         Raises:
             InputError: when there is not one observation, or a probability is none.
@@ -65,12 +66,11 @@ class DijkstraPlanner:
         if len(observation) != 1:
             raise InputError(f"plan: {len(observation)} observations; give one")
         graph = topomap.graph.copy()
-        graph.remove_nodes_from(excluded)
+        graph.remove_edges_from(excluded)
         here, reach = self._from_here(topomap, observation)
-        starts = [(_HERE, int(v), p) for v, p in zip(here, reach, strict=True) if int(v) in graph]
-        _add(graph, starts, self.p_query)
+        starts = [(_HERE, int(v), p) for v, p in zip(here, reach, strict=True)]
+        _add(graph, [edge for edge in starts if (HERE, edge[1]) not in excluded], self.p_query)
         finishes = self._finishes(topomap, observation, goals)
-        finishes = [edge for edge in finishes if edge[0] in graph]
         _add(graph, finishes, self.p_goal)
         found = _most_probable(graph)
         if found is not None:

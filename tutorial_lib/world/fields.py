@@ -18,7 +18,10 @@ class Field:
 
     def fail(self, need: str) -> InputError:
         """The error to raise: the value found, and what is needed instead."""
-        shown = repr(self.value)
+        try:
+            shown = repr(self.value)
+        except ValueError:  # Python prints no whole number of more than 4,300 digits
+            shown = f"a very large {type(self.value).__name__}"
         return InputError(f"{self.where}: {shown[:60]}{'…' * (len(shown) > 60)}; {need}")
 
     def __contains__(self, key: str) -> bool:
@@ -53,12 +56,18 @@ class Field:
         """A whole number."""
         if not isinstance(self.value, int) or isinstance(self.value, bool):
             raise self.fail("give a whole number")
+        if abs(self.value) >= 2**63:
+            raise self.fail("give a whole number of at most 18 digits")
         return self.value
 
     def text(self) -> str:
         """A string."""
         if not isinstance(self.value, str):
             raise self.fail("give text")
+        try:
+            self.value.encode()
+        except UnicodeEncodeError:  # JSON can name one half of such a pair
+            raise self.fail("give text without halves of characters") from None
         return self.value
 
     def numbers(self, count: int) -> tuple[float, ...]:

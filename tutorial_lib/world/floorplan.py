@@ -9,12 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.limits import MAX_PIXELS
 from tutorial_lib.world.materials import Look, Material, texture_atlas
 
 ROOM_KINDS = ("hallway", "living", "kitchen", "bedroom", "bathroom", "office", "storage", "open")
 """What a room can be; "open" is a space of unknown use, as an imported map has."""
 FARTHEST = 250.0
-"""Metres from the middle of a plan to its farthest wall, at most: its grid has to fit in memory."""
+"""Metres from the middle of a plan to its farthest wall, at most: more is a mistake in the unit."""
+MAX_AREA = MAX_PIXELS * 0.05**2
+"""Square metres of the box around all walls: its grid has to fit in memory, with cells of 5 cm."""
 
 
 @dataclass(frozen=True)
@@ -110,17 +113,18 @@ class FloorPlan:
             raise InputError("materials: two have the same name; give each its own")
         for i, name in enumerate(self.wall_materials):
             _check_material(f"walls[{i}].material", name, names)
+        bounds = self.bounds
         for i, piece in enumerate(self.furniture):
-            _check_outline(f"furniture[{i}].outline", piece.outline)
+            _check_outline(f"furniture[{i}].outline", piece.outline, bounds)
             _check_material(f"furniture[{i}].material", piece.material, names)
         for i, room in enumerate(self.rooms):
-            _check_outline(f"rooms[{i}].outline", room.outline)
+            _check_outline(f"rooms[{i}].outline", room.outline, bounds)
             if room.kind not in ROOM_KINDS:
                 raise InputError(f"rooms[{i}].kind: {room.kind!r}; use one of {ROOM_KINDS}")
         if not self.rooms:
             raise InputError("rooms: there are none; a plan needs at least one room to be in")
         for i, door in enumerate(self.doors):
-            _check_door(f"doors[{i}]", door, len(self.rooms))
+            _check_door(f"doors[{i}]", door, len(self.rooms), bounds)
 
     @cached_property
     def segments(self) -> NDArray[np.float64]:
@@ -181,24 +185,43 @@ def _check_walls(plan: FloorPlan) -> None:
         bad = np.flatnonzero(~np.isfinite(array.reshape(count, -1)).all(axis=1))
         if bad.size:
             raise InputError(f"{name}[{bad[0]}]: {array[bad[0]].tolist()} is not finite")
-    short = np.flatnonzero(np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1]) < 1e-6)
-    if short.size:
-        raise InputError(f"walls[{short[0]}]: has no length; give two different ends")
-    middle = np.median(walls.reshape(-1, 2), axis=0)
-    far = np.flatnonzero(np.abs(walls - np.tile(middle, 2)).max(axis=1) > FARTHEST)
+    with np.errstate(over="ignore"):
+        middle = np.median(walls.reshape(-1, 2), axis=0)
+        far = np.flatnonzero(~(np.abs(walls - np.tile(middle, 2)).max(axis=1) <= FARTHEST))
     if far.size:
         raise InputError(
             f"walls[{far[0]}]: {walls[far[0]].tolist()} is more than {FARTHEST:.0f} m away from "
             "the others; give metres"
         )
+    short = np.flatnonzero(np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1]) < 1e-6)
+    if short.size:
+        raise InputError(f"walls[{short[0]}]: has no length; give two different ends")
+    x0, y0, x1, y1 = plan.bounds
+    if (x1 - x0) * (y1 - y0) > MAX_AREA:
+        raise InputError(
+            f"walls: they span {x1 - x0:.0f} m x {y1 - y0:.0f} m; give at most {MAX_AREA:,.0f} m²"
+        )
 
 
-def _check_outline(where: str, outline: tuple[tuple[float, float], ...]) -> None:
+Bounds = tuple[float, float, float, float]
+
+
+def _check_near(where: str, points: ArrayLike, bounds: Bounds) -> None:
+    """Check that points (N, 2) are finite, and not far outside of the box around the walls."""
+    points = np.asarray(points, dtype=float)
+    near = (points > np.subtract(bounds[:2], FARTHEST)) & (points < np.add(bounds[2:], FARTHEST))
+    if not near.all():
+        raise InputError(
+            f"{where}: a corner is not finite or more than {FARTHEST:.0f} m off the walls; "
+            "give numbers in metres"
+        )
+
+
+def _check_outline(where: str, outline: tuple[tuple[float, float], ...], bounds: Bounds) -> None:
     corners = np.asarray(outline, dtype=float)
     if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
         raise InputError(f"{where}: give at least three corners [x, y]")
-    if not np.isfinite(corners).all():
-        raise InputError(f"{where}: a corner is not finite; give numbers in metres")
+    _check_near(where, corners, bounds)
     if (np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1) < 1e-6).any():
         raise InputError(f"{where}: a corner is given twice in a row; leave one out")
 
@@ -208,8 +231,9 @@ def _check_material(where: str, name: str, known: set[str]) -> None:
         raise InputError(f"{where}: {name!r} is not among the plan's materials; add it or rename")
 
 
-def _check_door(where: str, door: Door, rooms: int) -> None:
-    if not np.isfinite([*door.start, *door.end]).all() or door.width < 0.3:
+def _check_door(where: str, door: Door, rooms: int, bounds: Bounds) -> None:
+    _check_near(where, [door.start, door.end], bounds)
+    if door.width < 0.3:
         raise InputError(f"{where}: runs from {door.start} to {door.end}; give an opening >= 0.3 m")
     if not all(0 <= room < rooms for room in door.rooms):
         raise InputError(f"{where}.rooms: {door.rooms}; the plan has rooms 0 to {rooms - 1}")

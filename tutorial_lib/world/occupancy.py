@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -10,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.limits import MAX_ROOM_CELLS
 from tutorial_lib.world.floorplan import FloorPlan, Room
 
 _SHIFT = 6  # OpenCV draws with coordinates in 1/64 of a cell
@@ -62,11 +64,10 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
         cv2.fillPoly(free, [_to_cells(piece.outline, origin, resolution)], 0, shift=_SHIFT)
     _, labels = cv2.connectedComponents(free, connectivity=4)
     inside = np.zeros(labels.max() + 1, dtype=bool)
-    for room in plan.rooms:
-        within = _room_mask(room, origin, resolution, free.shape)
+    for box, within in _room_masks(plan.rooms, origin, resolution, free.shape):
         rim = within & (cv2.erode(within.astype(np.uint8), np.ones((3, 3), np.uint8)) == 0)
         # The inside of a block in the middle of a room does not reach the rim.
-        inside[np.unique(labels[rim & (free > 0)])] = True
+        inside[np.unique(labels[box][rim & (free[box] > 0)])] = True
     inside[0] = False
     open_cells = (inside[labels] & (free > 0)).astype(np.uint8)
     # The line through a blocked cell runs, on average, through its middle.
@@ -81,21 +82,24 @@ def cells_to_blocked(open_cells: NDArray[np.uint8]) -> NDArray[np.float32]:
     rounding them gives the same bytes everywhere.
     """
     distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return np.sqrt(np.rint(distance.astype(np.float64) ** 2)).astype(np.float32)
+    squared = np.square(distance, dtype=np.float64)
+    np.rint(squared, out=squared)
+    return np.sqrt(squared, out=squared).astype(np.float32)
 
 
 def check_closed(plan: FloorPlan, resolution: float = 0.05) -> None:
     """Check that no room is open to the outside.
 
     Raises:
-        InputError: naming the room, and the loose wall end nearest to it where there is one.
+        InputError: naming the room, and the loose wall end nearest to it where there is one; or
+            when the rooms overlap so often that they have more than `MAX_ROOM_CELLS`.
     """
     origin, free = _draw_segments(plan, resolution)
     _, labels = cv2.connectedComponents(free, connectivity=4)
     outside = labels[0, 0]
-    for i, room in enumerate(plan.rooms):
-        cells = labels[_room_mask(room, origin, resolution, free.shape)]
-        if (cells == outside).any():
+    masks = _room_masks(plan.rooms, origin, resolution, free.shape)
+    for i, (room, (box, within)) in enumerate(zip(plan.rooms, masks, strict=True)):
+        if (labels[box][within] == outside).any():
             raise InputError(
                 f"rooms[{i}] ({room.kind}): is not closed, the outside can be reached from it"
                 f"{_loose_end(plan, room)}; make the walls meet"
@@ -116,13 +120,28 @@ def _draw_segments(
     return origin, free
 
 
-def _room_mask(
-    room: Room, origin: tuple[float, float], resolution: float, shape: tuple[int, ...]
-) -> NDArray[np.bool_]:
-    """(H, W) the cells well inside the room, a cell and a half from its outline."""
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillPoly(mask, [_to_cells(room.outline, origin, resolution)], 1, shift=_SHIFT)
-    return cv2.erode(mask, np.ones((3, 3), np.uint8), iterations=2) > 0
+def _room_masks(
+    rooms: Sequence[Room], origin: tuple[float, float], resolution: float, shape: tuple[int, ...]
+) -> Iterator[tuple[tuple[slice, slice], NDArray[np.bool_]]]:
+    """For each room a box of the grid's cells, and (h, w) which of these are well inside of it.
+
+    They lie a cell and a half from its outline.
+
+    Raises:
+        InputError: when the boxes have more than `MAX_ROOM_CELLS` together.
+    """
+    total = 0
+    for room in rooms:
+        outline = _to_cells(room.outline, origin, resolution)
+        first = np.clip((outline.min(axis=0) >> _SHIFT) - 3, 0, shape[::-1])
+        last = np.clip((outline.max(axis=0) >> _SHIFT) + 4, 0, shape[::-1])
+        total += int(np.prod(last - first, dtype=np.int64))
+        if total > MAX_ROOM_CELLS:
+            raise InputError("rooms: they overlap again and again; give each its own outline")
+        mask = np.zeros((last - first)[::-1], np.uint8)
+        cv2.fillPoly(mask, [outline - (first << _SHIFT)], 1, shift=_SHIFT)
+        box = slice(first[1], last[1]), slice(first[0], last[0])
+        yield box, cv2.erode(mask, np.ones((3, 3), np.uint8), iterations=2) > 0
 
 
 def _to_cells(

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_text
+from tutorial_lib.reading.documents import parse_json
+from tutorial_lib.reading.limits import MAX_JSON
+from tutorial_lib.reading.regular import read_text
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import Door, FloorPlan, Furniture, Room
 from tutorial_lib.world.materials import Colour, Look, Material, Stripe
@@ -27,12 +29,7 @@ def load_plan(path: str | Path) -> FloorPlan:
     Raises:
         InputError: when the file is missing or malformed, or a room is open to the outside.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"{path}: cannot be read ({error}); give a floor plan's JSON file"
-        ) from None
+    text = read_text(path, MAX_JSON, "give a floor plan's JSON file")
     plan = plan_from_json(text, where=Path(path).name)
     check_closed(plan)
     return plan
@@ -86,10 +83,7 @@ def plan_from_json(text: str, where: str = "JSON text") -> FloorPlan:
     Raises:
         InputError: naming the field that is wrong.
     """
-    try:
-        root = Field(json.loads(text), where)
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{where}: is no JSON ({error}); was the file cut off?") from None
+    root = Field(parse_json(text, where, "was the file cut off?"), where)
     if root["schema"].whole() != SCHEMA:
         raise root["schema"].fail(f"this version reads schema {SCHEMA}")
     walls = list(root["walls"])

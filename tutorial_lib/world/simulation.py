@@ -143,9 +143,7 @@ class Simulation:
         Raises:
             InputError: when an action is missing or not finite.
         """
-        actions = np.asarray(actions, dtype=float)
-        if actions.shape != (len(self), 2) or not np.isfinite(actions).all():
-            raise InputError(f"actions: {actions.shape}; give finite (N, 2), N = {len(self)}")
+        actions = checked_actions(actions, len(self))
         before, wanted = self.poses, scale_controls(actions, self._control_noise, self._rng)
         self.crowd.walk(before, STEP)
         for _ in range(SUBSTEPS):
@@ -250,6 +248,23 @@ class Simulation:
         read = self._odometry_noise.measure(motions, actions, self._rng)
         self.odometry = compose(self.odometry, read)
         self.seconds += seconds
+
+
+def checked_actions(actions: ArrayLike, robots: int) -> Array:
+    """Actions (M, 2) as numbers.
+
+    Raises:
+        InputError: when they are anything but finite real numbers (M, 2), one row for each robot.
+    """
+    try:
+        found = np.asarray(actions)
+    except ValueError as error:  # rows of different lengths
+        raise InputError(f"actions: {error}; give finite (M, 2) for {robots} robots") from error
+    real = found.dtype.kind in "biuf"
+    if found.shape != (robots, 2) or not real or not np.isfinite(found).all():
+        kind = "" if real else f" of {found.dtype}"
+        raise InputError(f"actions: {found.shape}{kind}; give finite (M, 2) for {robots} robots")
+    return found.astype(float)
 
 
 def _poses(poses: ArrayLike) -> Array:

@@ -18,7 +18,7 @@ MAP_FAMILIES = ("apartment", "office", "loop_corridor")
 TRAINING_FAMILIES = ("apartment", "office", "hall", "scanned", "maze")
 """Where networks are trained, by seed: they see `loop_corridor` in validation at most."""
 VALIDATION_FAMILIES = (*TRAINING_FAMILIES, "loop_corridor")
-"""Where training is stopped and networks are calibrated, by seed."""
+"""Where training is stopped and networks are calibrated, by seed; what "all" families means."""
 TRAINING_SEEDS = range(10_000)
 _WITH_SIGNS = 4  # one in so many training worlds of each family
 
@@ -81,15 +81,24 @@ def scene_of(name: str) -> Scene:
     return Scene(generate(*parse_world(name)))
 
 
+def families_of(family: str, usual: tuple[str, ...]) -> tuple[str, ...]:
+    """The families that an option asks for: the `usual` ones if empty, "all", or a single one.
+
+    >>> families_of("hall", LOCAL_FAMILIES)
+    ('hall',)
+    """
+    return {"": usual, "all": VALIDATION_FAMILIES}.get(family, (family,))
+
+
 def local_world(seed: int, palette: str = "standard", family: str = "") -> str:
     """The world of that seed on which local control is evaluated.
 
     Args:
         seed: chooses the family as well, among `LOCAL_FAMILIES`.
         palette: of the world.
-        family: takes all worlds from this family instead.
+        family: see `families_of`.
     """
-    return _by_seed((family,) if family else LOCAL_FAMILIES, seed, palette)
+    return _by_seed(families_of(family, LOCAL_FAMILIES), seed, palette)
 
 
 def map_world(seed: int, palette: str = "standard", family: str = "") -> str:
@@ -98,9 +107,9 @@ def map_world(seed: int, palette: str = "standard", family: str = "") -> str:
     Args:
         seed: chooses the family as well, among `MAP_FAMILIES`.
         palette: of the world.
-        family: takes all worlds from this family instead.
+        family: see `families_of`.
     """
-    return _by_seed((family,) if family else MAP_FAMILIES, seed, palette, "large")
+    return _by_seed(families_of(family, MAP_FAMILIES), seed, palette, "large")
 
 
 def training_world(seed: int, palette: str = "standard") -> str:

@@ -276,6 +276,20 @@ LENGTHS = [
     ({name: np.zeros((21, *shape))}, "columns differ in length")
     for name, shape in (("starts", (3,)), ("targets", ()), ("reached", ()), ("seconds", ()))
 ]
+RANGES = [
+    ({"starts": np.full((20, 3), np.nan)}, "starts: holds a number that is not within"),
+    ({"starts": np.full((20, 3), 1e300)}, "starts: holds"),
+    ({"targets": np.full(20, -1)}, "targets: holds a number that is not within 0 to 1e"),
+    ({"targets": np.zeros(20)}, r"damaged \(targets: float64 of shape \(20,\)\)"),
+    ({"overlap": np.full((20, 2), 1.5)}, "overlap: holds"),
+    ({"overlap": np.zeros((20, 3))}, "damaged .overlap"),
+    ({"geodesic": np.full(20, np.nan)}, "geodesic: holds"),
+    ({"reached": np.zeros(20, int)}, "damaged .reached: int64"),
+    ({"collided": np.full(20, "no")}, "damaged .collided: <U2"),
+    ({"driven": np.zeros((20, 1), bool)}, "damaged .driven"),
+    ({"seconds": np.full(20, -0.1)}, "seconds: holds"),
+    ({"seconds": np.zeros(20, complex)}, "damaged .seconds: complex128"),
+]
 NO_COLUMN = ({"seconds": np.array(0.0)}, "damaged .*record it again")
 
 
@@ -284,6 +298,7 @@ NO_COLUMN = ({"seconds": np.array(0.0)}, "damaged .*record it again")
     [
         *MISSING,
         *LENGTHS,
+        *RANGES,
         NO_COLUMN,
         ({"version": np.array(2)}, "of version 2; this program reads version 1; record it"),
         ({"version": None}, "damaged"),
@@ -309,9 +324,10 @@ def test_what_is_no_file_of_ours_is_refused(saved, content):
 
 
 def test_a_missing_file_and_one_of_objects_are_refused(tmp_path):
-    for path in (tmp_path / "none.npz", tmp_path):
-        with pytest.raises(InputError, match="no such file; record it"):
-            load_outcomes(path, "recipe")
+    with pytest.raises(InputError, match="no such file; record it"):
+        load_outcomes(tmp_path / "none.npz", "recipe")
+    with pytest.raises(InputError, match=r"it is a folder.*; record it"):
+        load_outcomes(tmp_path, "recipe")
     np.savez(tmp_path / "bad.npz", version=np.array({"a": 1}, dtype=object))
     with pytest.raises(InputError, match="damaged"):
         load_outcomes(tmp_path / "bad.npz", "recipe")

@@ -18,10 +18,21 @@ EVERYTHING = {
     "agent": Options(agent="mine.py:Mine"),
     "odometry": Options(odometry="exact"),
     "family": Options(family="hall"),
+    "drives": Options(drives="tour"),
+    "starts": Options(starts="anywhere"),
+    "goals": Options(goals="turned"),
     "remedies": Options(remedies="no_filter"),
 }
-OPTIONAL = {"map", "palette", "family", "agent", "odometry", "remedies"}
-NOTED = {"odometry": "odometry: exact", "family": "family: hall", "remedies": "remedies: no_filter"}
+OPTIONAL = {
+    *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies")
+}
+NOTED = {
+    "odometry": "odometry: exact",
+    "family": "family: hall",
+    "starts": "starts: anywhere",
+    "goals": "goals: turned",
+    "remedies": "remedies: no_filter",
+}
 
 
 def run(options, settings):

@@ -17,3 +17,45 @@ def test_stored_results_are_read_and_missing_or_damaged_ones_named(tmp_path):
         (tmp_path / "bad.json").write_text(text)
         with pytest.raises(InputError, match="restore the file"):
             load_result("bad", tmp_path)
+
+
+ROW = {"method": "a", "trials": 40, "success": 0.5}
+GOOD = {
+    "name": "table",
+    "seed": 0,
+    "worlds": [1, 2],
+    "quick": False,
+    "seconds": 1.5,
+    "rows": [ROW, ROW],
+    "notes": ["a note"],
+    "map": "",
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({}, ""),
+        ({"rows": [ROW, {"method": "b", "trials": 40}]}, r"rows\[1\]: has other columns"),
+        ({"rows": [ROW, {**ROW, "more": 1}]}, r"rows\[1\]: has other columns"),
+        ({"rows": [{**ROW, "success": float("nan")}]}, r"rows\[0\]\.success: nan is no number"),
+        ({"rows": []}, "rows: of another type, or empty"),
+        ({"rows": [[1, 2]]}, "rows: of another type"),
+        ({"rows": {"a": ROW}}, "rows: of another type"),
+        ({"worlds": "12"}, "worlds: of another type"),
+        ({"worlds": [1, True]}, "worlds: of another type"),
+        ({"notes": "a note"}, "notes: of another type"),
+        ({"seed": "0", "quick": 1}, "seed, quick: of another type"),
+        ({"seconds": float("nan")}, "seconds: of another type"),
+        ({"seconds": -1}, "seconds: of another type"),
+        ({"map": None}, "map: of another type"),
+        ({"more": 1}, "more"),
+    ],
+)
+def test_what_a_result_says_is_checked(tmp_path, change, words):
+    (tmp_path / "table.json").write_text(json.dumps(GOOD | change))
+    if not words:
+        assert load_result("table", tmp_path).rows == [ROW, ROW]
+        return
+    with pytest.raises(InputError, match=rf"table\.json: not a result .*{words}.*; restore"):
+        load_result("table", tmp_path)

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from itertools import pairwise
+from types import SimpleNamespace
 
 import networkx as nx
 import numpy as np
@@ -14,6 +15,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.benchmarks import map_building
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.meng2020 import (
     fig4,
     fig8,
@@ -21,11 +23,13 @@ from tutorial_lib.experiments.meng2020 import (
     fig10,
     fig11,
     fig13,
+    fig13_reuse,
     table2,
     table2_thresholds,
 )
-from tutorial_lib.experiments.protocols import navigation_tasks
+from tutorial_lib.experiments.protocols import navigation_tasks, repeated_drives
 from tutorial_lib.experiments.protocols.navigation import Outcome, Result
+from tutorial_lib.experiments.results_page.sources import stored_as
 from tutorial_lib.experiments.robustness import faults
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.world.people import Person
@@ -34,7 +38,7 @@ from tutorial_lib.world.scene import Scene
 use_threads(1)
 networks = needs("waypoint_k5", "reach_k5")
 QUICK = Options(quick=True, worlds=(20_000,))
-MODULES = (fig4, fig8, fig9, fig10, fig11, fig13, faults, table2_thresholds)
+MODULES = (fig4, fig8, fig9, fig10, fig11, fig13, fig13_reuse, faults, table2_thresholds)
 
 
 @pytest.fixture(scope="module")
@@ -241,12 +245,34 @@ def test_fig_13_counts_vertices_at_even_numbers_of_frames():
 
 
 def test_the_trajectories_of_fig_13_start_near_the_recorded_ones(building):
-    more = fig13.more_trajectories(building, 45, np.random.default_rng(0), 0)
+    more = repeated_drives.more_trajectories(building, 45, np.random.default_rng(0), 0)
     first = building.recorded.poses[building.recorded.first_frames, :2]
     for drive in more.trajectories:
         gap = np.linalg.norm(first - drive.poses[0, :2], axis=1).min()
         assert 0 < gap < 1.0
         assert np.linalg.norm(building.places - drive.poses[-1, :2], axis=1).min() < 0.5
+
+
+@networks
+def test_every_rule_of_reuse_gets_the_same_drives_and_trials(monkeypatch):
+    rules, few = ((1.0, 1.0), (0.95, 1.0), (0.95, 0.5)), fig13_reuse.Settings(3, 1_500, 6, 4)
+    monkeypatch.setattr(fig13_reuse, "RULES", rules)
+    ablation = replace(fig13_reuse.EXPERIMENT, settings=few)
+    monkeypatch.setitem(fig13.EXPERIMENT.ablations, "reuse", ablation)
+    report = fig13.EXPERIMENT.report(Options(ablation="reuse", worlds=(20_000,)))
+    assert report.name == "meng_fig13_reuse"
+    rows = saved(report)["rows"]
+    assert [(row["p_reuse"], row["p_between"]) for row in rows] == list(rules)
+    none, vertices, edges = (row["vertices"] for row in rows)
+    assert none > max(vertices, edges) > 0
+    assert rows[0]["growth"] > 0
+    assert all(row["trials"] == 4 and 0 <= row["success"] <= 1 for row in rows)
+
+
+def test_the_rule_of_reuse_is_chosen_on_validation_worlds_and_among_the_rest():
+    assert set(fig13_reuse.WORLDS) < set(fig9.VALIDATION)
+    usual = fig13_reuse.MapSettings()
+    assert (usual.p_reuse, usual.p_between) in fig13_reuse.RULES
 
 
 # Thresholds.
@@ -260,15 +286,28 @@ def result(success, vertices):
 
 
 def test_each_threshold_is_a_row_over_all_worlds(monkeypatch):
-    keys = [("meng", 0.99, 8), ("sptm", 0.9, 8)]
+    keys = [("meng", 0.99, True), ("sptm", 0.9, True)]
     found = {
         1: {keys[0]: result([1, 1], 10), keys[1]: result([0, 1], 30)},
         2: {keys[0]: result([1, 0], 20), keys[1]: result([0, 0], 50)},
     }
-    monkeypatch.setattr(table2_thresholds, "run_world", lambda world, *_: found[world])
+    composed = {1: np.array([False, True]), 2: np.array([True, True])}
+    monkeypatch.setattr(
+        table2_thresholds,
+        "run_world",
+        lambda world, *_: table2_thresholds.InWorld(found[world], ~composed[world]),
+    )
     report = table2.EXPERIMENT.report(Options(ablation="thresholds", worlds=(1, 2)))
     assert report.name == "meng_table2_thresholds"
     first, second = saved(report)["rows"]
+    assert "success_composed" not in first
+    part = table2.EXPERIMENT.report(Options(ablation="thresholds", worlds=(1, 2), drives="0.2"))
+    assert [row["success_composed"] for row in part.rows] == [
+        pytest.approx(2 / 3),
+        pytest.approx(1 / 3),
+    ]
+    assert [row["trials_composed"] for row in part.rows] == [3, 3]
+    assert part.notes[0] == "best with --drives 0.2: p_edge 0.99, s_shortcut 0.9 (composed trials)"
     assert (first["method"], first["threshold"], first["replans"]) == keys[0]
     assert (first["success"], first["trials"], first["vertices"], first["edges"]) == (
         0.75,
@@ -277,6 +316,39 @@ def test_each_threshold_is_a_row_over_all_worlds(monkeypatch):
         60,
     )
     assert (second["success"], second["wormholes"]) == (0.25, 2)
+
+
+def test_the_best_threshold_replans_and_is_the_higher_of_equals():
+    def row(method, threshold, replans, success, composed):
+        return {
+            "method": method,
+            "threshold": threshold,
+            "replans": replans,
+            "success": success,
+            "success_composed": composed,
+        }
+
+    rows = [
+        row("meng", 0.9, True, 0.9, 0.3),
+        row("meng", 0.95, True, 0.8, 0.4),
+        row("meng", 0.99, True, 0.8, 0.4),
+        row("meng", 0.99, False, 1.0, 1.0),
+        row("sptm", 0.9, True, 0.5, 0.2),
+        row("sptm", 0.99, True, 0.6, 0.1),
+    ]
+    best = table2_thresholds.best_of
+    assert best(rows, "success_composed") == table2_thresholds.Thresholds(0.99, 0.9)
+    assert best(rows, "success") == table2_thresholds.Thresholds(0.9, 0.99)
+
+
+def test_table_2_takes_the_thresholds_that_were_best_in_validation_worlds():
+    """Of each share for which they were measured."""
+    for drives in ("0.2", "0.4", "tour"):
+        file = FOLDER / f"{stored_as(drives, 'thresholds')}.json"
+        if file.exists():
+            rows = json.loads(file.read_text())["rows"]
+            best = table2_thresholds.best_of(rows, "success_composed")
+            assert table2.Settings().thresholds[drives] == best
 
 
 def test_thresholds_are_chosen_on_validation_worlds():
@@ -289,7 +361,7 @@ def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkey
     calls = []
 
     def measured(building, trials, agent):
-        calls.append((trials, agent.replans, agent.topomap.graph.number_of_edges()))
+        calls.append((trials, agent.replan_time > 0, agent.topomap.graph.number_of_edges()))
         return result([1, 1, 1], len(agent.topomap))
 
     monkeypatch.setattr(table2_thresholds, "measured", measured)
@@ -301,18 +373,21 @@ def test_all_thresholds_have_the_same_trials_and_a_run_without_replanning(monkey
         ),
     )
     few = table2_thresholds.Settings(trials=3, re=(0.9, 0.99), similarity=(0.9, 0.99))
-    found = table2_thresholds.run_world(20_000, QUICK, few)
+    part = table2_thresholds.run_world(20_000, QUICK, few)
+    found = part.results
+    assert len(part.driven) == 3
     assert list(found) == [
-        ("meng", 0.9, 8),
-        ("meng", 0.99, 8),
-        ("meng", 0.99, 0),
-        ("sptm", 0.9, 8),
-        ("sptm", 0.99, 8),
-        ("sptm", 0.99, 0),
+        ("meng", 0.9, True),
+        ("meng", 0.99, True),
+        ("meng", 0.99, False),
+        ("sptm", 0.9, True),
+        ("sptm", 0.99, True),
+        ("sptm", 0.99, False),
     ]
     assert all(trials is calls[0][0] for trials, _, _ in calls)
     assert [replans for _, replans, _ in calls] == [key[2] for key in found]
     edges = [edges for _, _, edges in calls]
+    assert edges[0] > edges[1]
     assert edges[1] == edges[2]  # the same map
     assert edges[3] > edges[4] == edges[5]
 
@@ -346,7 +421,10 @@ def test_a_path_without_a_detour_is_not_blocked(monkeypatch):
 
 
 @networks
-def test_every_fault_has_its_row_of_outcomes():
+def test_every_fault_has_its_row_of_outcomes(monkeypatch):
+    # The map of this room is too small to hold another path around a blockade.
+    passable = lambda *given: np.ones(len(given[-1]), dtype=bool)  # noqa: E731
+    monkeypatch.setattr(faults, "other_ways", passable)
     few = replace(faults.EXPERIMENT, quick_settings=faults.Settings(trials=10))
     report = few.report(QUICK)
     rows = {row["fault"]: row for row in saved(report)["rows"]}
@@ -358,6 +436,33 @@ def test_every_fault_has_its_row_of_outcomes():
     # Here the strange building is the same one.
     assert rows["strange_goal"]["trials"] == 10
     assert rows["blocked"]["plans"] >= 1.0
+
+
+class OneTrial(SimpleNamespace):
+    def __len__(self):
+        return 1
+
+
+def test_another_path_is_one_on_the_map_that_leads_through_nobody(monkeypatch):
+    """A square of one-way edges: from corner 0 to corner 2 by 1 or by 3, and never back."""
+    corners = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
+    poses = np.column_stack([corners, [0.0, 1.5, 0.0, 0.0]])
+    graph = nx.DiGraph([(0, 1), (1, 2), (0, 3), (3, 2)])
+    monkeypatch.setattr(faults, "vertex_poses", lambda *_: poses)
+    agent = SimpleNamespace(topomap=SimpleNamespace(graph=graph))
+    one_side, both = np.array([[2.0, 0.1]]), np.array([[2.0, 0.1], [0.1, 2.0]])
+    aside = np.array([[2.0, 2.0]])
+
+    def passable(start, goal, people):
+        trials = OneTrial(starts=poses[[start]], goal_poses=goal[None])
+        return bool(faults.other_ways(None, agent, trials, [people])[0])
+
+    assert passable(0, poses[2], one_side)
+    assert passable(0, poses[2], aside)
+    assert not passable(0, poses[2], both)
+    assert not passable(2, poses[0], aside)
+    assert not passable(0, poses[2] + np.array([0.0, 0.0, 2.0]), aside)  # seen from another heading
+    assert not passable(0, poses[2] + np.array([2.0, 0.0, 0.0]), aside)  # nowhere on the map
 
 
 def test_faults_without_a_path_to_block_have_an_empty_row():
@@ -393,6 +498,23 @@ def test_the_bench_compares_the_index_with_all_queries(building, monkeypatch):
     words = "\n".join(report.notes)
     assert f"{len(building.recorded.poses):,} frames mapped in" in words
     saved(report)
+
+
+@networks
+def test_recall_counts_what_the_index_lacks_once_and_no_driven_edge(building, monkeypatch):
+    trajectories = list(map_building.sparsified(part(building, 4)))
+    settings = map_building.MapSettings()
+    assert np.isnan(map_building.recall(trajectories, map_building.MapSettings(p_edge=1.0)))
+    assert 0.8 < map_building.recall(trajectories, settings) <= 1.0
+    # An index that never looks finds nothing, though the map has all its driven edges.
+    monkeypatch.setattr(map_building.Insertion, "_seeds", blind_unless_exhaustive)
+    assert map_building.recall(trajectories, settings) == 0.0
+
+
+def blind_unless_exhaustive(insertion, worth, back):
+    """No seeds, unless every vertex is a candidate."""
+    every = insertion.candidates >= worth.shape[1]
+    return (worth, back) if every else (worth & False, back & False)
 
 
 @networks

@@ -16,14 +16,15 @@ from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.meng2020 import table2
-from tutorial_lib.experiments.meng2020.table2 import attempt
+from tutorial_lib.experiments.meng2020 import table2, table2_methods
+from tutorial_lib.experiments.meng2020.table2_thresholds import Thresholds
 from tutorial_lib.experiments.protocols import navigation
 from tutorial_lib.experiments.protocols.navigation import (
     GRACE,
     NEAR,
     STUCK,
     TIMES,
+    attempt,
     edge_lengths,
     experiences,
     goals_of,
@@ -578,8 +579,8 @@ def changed(text, old, new):
             "return np.full((10, 2), np.nan)",
             r"actions: \(10, 2\); give finite",
         ),
-        ("return np.zeros((len(robots), 2))", "return 'left'", "ValueError"),
-        ("return np.zeros((len(robots), 2))", "return None", r"actions: \(\); give finite"),
+        ("return np.zeros((len(robots), 2))", "return 'left'", r"actions: \(\) of <U4"),
+        ("return np.zeros((len(robots), 2))", "return None", r"actions: \(\) of object"),
         ("return Walk(len(goals))", "return None", "AttributeError: 'NoneType' .* 'act'"),
         ("self.arrived, self.given_up", "self.arrived, self.x", "AttributeError: .* 'given_up'"),
         ("np.zeros((2, count), bool)", "np.zeros((2, 3), bool)", "IndexError"),
@@ -661,7 +662,7 @@ def test_a_wrong_agent_is_reported_before_any_rollout(monkeypatch, own, capsys):
 
 @networks
 def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
-    few = replace(table2.EXPERIMENT, quick_settings=table2.Settings(places=3, trials=4))
+    few = replace(table2.EXPERIMENT, quick_settings=table2.Settings(places_on_map=3, trials=4))
     monkeypatch.setattr(navigation, "GRACE", 1.0)
     monkeypatch.setattr(table2, "for_each", in_turn)
     report = few.report(Options(quick=True, map=plan, agent=own(WHOLE)))
@@ -688,3 +689,57 @@ def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
     assert "oracle, all worlds: 100.0%" in notes
     assert "meng - custom: " in notes
     assert "edges are no wormholes" in notes
+
+
+@networks
+@pytest.mark.parametrize(
+    ("drives", "p_edge", "s_shortcut"),
+    [("0.4", 0.9, 0.97), ("tour", 0.8, 0.95), ("continuous", 0.8, 0.95), ("", 0.99, 0.99)],
+)
+def test_maps_of_a_part_of_the_drives_have_its_thresholds(
+    plan, monkeypatch, drives, p_edge, s_shortcut
+):
+    chosen = {"0.4": Thresholds(0.9, 0.97), "tour": Thresholds(0.8, 0.95)}
+    few = table2.Settings(places_on_map=3, trials=2, thresholds=chosen)
+    met = {}
+
+    def attempt(building, trials, agent):
+        met[type(agent).__name__] = agent
+        nothing = np.zeros(len(trials))
+        ending = np.full(len(trials), "late")
+        outcome = navigation.Outcome(nothing > 0, ending, nothing, nothing, nothing)
+        return navigation.Result(outcome, 1, 1, 0)
+
+    monkeypatch.setattr(table2_methods, "attempt", attempt)
+    monkeypatch.setattr(table2, "part_of", lambda whole, *_: whole)
+    monkeypatch.setattr(table2, "for_each", in_turn)
+    monkeypatch.setattr(navigation, "GRACE", 0.0)
+    experiment = replace(table2.EXPERIMENT, settings=few)
+    report = experiment.report(Options(map=plan, drives=drives))
+    assert met["MengAgent"].settings.p_edge == p_edge
+    assert met["SPTMAgent"].s_shortcut == s_shortcut
+    hidden = [note for note in report.notes if note.startswith("driven: ")]
+    assert len(hidden) == (not drives)
+    assert "tells next to nothing" in " ".join(hidden) or drives
+
+
+def test_a_single_place_is_shared_out_by_method_and_many_by_world(monkeypatch):
+    shared = []
+
+    def together(place, options, settings, each):
+        shared.append((place, each is table2.for_each))
+        return place
+
+    monkeypatch.setattr(table2, "_together", together)
+    monkeypatch.setattr(table2, "for_each", in_turn)
+    monkeypatch.setattr(table2, "_notes", lambda *_: ())
+    monkeypatch.setattr(table2, "_row", lambda *_: {})
+    for worlds in ((7,), (8, 9)):
+        with pytest.raises(AttributeError):  # there are no results
+            table2.run(Options(worlds=worlds), table2.Settings())
+    assert shared == [(7, True), (8, False), (9, False)]
+
+
+def test_a_map_has_ten_places_in_a_quick_run_too():
+    quick = table2.EXPERIMENT.quick_settings
+    assert (quick.places, quick.places_on_map, quick.trials) == (6, 10, 40)

@@ -24,6 +24,7 @@ from tutorial_lib.experiments.meng2020 import (
     fig10,
     fig11,
     fig13,
+    fig13_reuse,
     table2,
     table2_thresholds,
 )
@@ -186,7 +187,7 @@ def test_nor_does_anything_that_the_agents_keep(building, trials, name, monkeypa
         "sptm": agents.sptm,
         "random": lambda: agents.random_agent(np.random.default_rng(0)),
     }
-    agent, kept, few = make[name](), [], trials.subset(np.arange(2))
+    agent, kept, few = make[name](), [], trials.subset(np.arange(6))
     agent.learn(list(experiences(building, range(4))))
     goals = navigation.goals_of(few, agent.predictor.view, 5)
 
@@ -194,7 +195,7 @@ def test_nor_does_anything_that_the_agents_keep(building, trials, name, monkeypa
         kept.append(agent.start(goals))
         return kept[0]
 
-    outcome = navigate(building, replace(few, seconds=np.zeros(2)), start)
+    outcome = navigate(building, replace(few, seconds=np.zeros(6)), start)
     assert outcome.seconds.max() == pytest.approx(4.0)
     assert leaks(building, few, outcome, agent, kept, goals) == []
 
@@ -334,6 +335,7 @@ class Caught(Exception):  # noqa: N818 - what was asked for
         (fig9, "make_building"),
         (fig10, "make_building"),
         (fig13, "make_building"),
+        (fig13_reuse, "make_building"),
         (faults, "make_building"),
         (fig7, "Odometry"),
         (disturbances, "Odometry"),

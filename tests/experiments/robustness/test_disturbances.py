@@ -92,20 +92,24 @@ def test_a_robot_is_moved_once_when_it_passes(recorded):
     assert abs(apart[2]) == pytest.approx(disturbances.TURNED)
 
 
-def test_outcomes_count_from_the_disturbance_on(recorded):
-    ends = np.array([[0, 10], [0, 10], [0, 10]])
-    goal = recorded.poses[10]
-    poses = np.tile(goal + np.array([5.0, 0.0, 0.0]), (100, 3, 1))
-    poses[60:, 0] = goal
-    state = np.full((100, 3), State.FOLLOW)
+def test_every_robot_counts_and_time_runs_from_the_disturbance_on():
+    success = np.array([True, False, False, False])
+    state = np.full((100, 4), State.FOLLOW)
     state[80:, 1] = State.LOST
-    found = disturbances._outcomes(recorded, ends, poses, state, np.array([0, 40, -1]))
-    assert found["finished"].tolist() == [1.0, 0.0]
-    assert found["lost"].tolist() == [0.0, 1.0]
-    assert found["soon"].tolist() == [0.0, 1.0]
+    state[30:, 2] = State.LOST  # before it came to where it would have been disturbed
+    found = disturbances._outcomes(success, state, np.array([0, 40, -1, 60]))
+    assert found["finished"].tolist() == [1.0, 0.0, 0.0, 0.0]
+    assert found["disturbed"].tolist() == [1.0, 1.0, 0.0, 1.0]
+    assert found["lost"].tolist() == [0.0, 1.0, 1.0, 0.0]
+    assert found["soon"].tolist() == [0.0, 1.0, 0.0, 0.0]
     assert found["seconds"][1] == pytest.approx(4.0)
-    late = disturbances._outcomes(recorded, ends, poses, state, np.array([0, 29, 0]))
-    assert late["soon"].tolist() == [0.0, 0.0, 0.0]
+    late = disturbances._outcomes(success, state, np.array([0, 29, -1, 60]))
+    assert late["soon"].tolist() == [0.0, 0.0, 0.0, 0.0]
+    row = disturbances._row("carried", [found, late])
+    assert (row["trajectories"], row["disturbed"]) == (8, 6)
+    assert row["finished"] == 0.25
+    assert row["soon"] == pytest.approx(1 / 6)
+    assert row["lost"] == 0.5
 
 
 def test_trajectories_begin_under_way():
@@ -129,6 +133,8 @@ def test_disturbances_run_on_a_validation_world(monkeypatch):
         assert row["trajectories"] <= 2
         if row["trajectories"]:
             assert row["finished"] + row["lost"] <= 1.0
-    assert rows["carried"]["finished"] in (0.0, None)
+    kidnapped = rows["carried"]
+    assert kidnapped["disturbed"] <= 2  # there is not always a place for it
+    assert kidnapped["finished"] <= 1 - kidnapped["disturbed"] / 2  # one that was not may
     assert rows["none"]["finished"] is not None
     json.dumps(report.as_dict(), allow_nan=False)

@@ -19,7 +19,7 @@ from tutorial_lib.topology.following.transitions import (
     next_active,
 )
 
-SEARCH, FOLLOW, RECKON, LOST, DONE = State
+SEARCH, FOLLOW, RECKON, LOST, DONE, TURN = State
 
 
 class Corridor:

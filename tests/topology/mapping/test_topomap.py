@@ -51,28 +51,43 @@ class ByTheBook:
         old, often = self.edges.get((source, target), (0.0, 0))
         self.edges[source, target] = (max(probability, old), often + driven)
 
+    def ahead(self, v, passed):
+        """Whether a vertex lies ahead of all that were passed."""
+        owner, place = self.made_for[v]
+        return not any((owner, place) <= self.made_for[u] for u in passed if self.is_on(u, owner))
+
+    def is_on(self, vertex, owner):
+        return self.made_for[vertex][0] == owner
+
     def best(self, new, a, taken):
-        """The vertex that takes the place of an anchor, if there is one."""
+        """The vertex that takes the place of an anchor, or the two of an edge, or none."""
         before, after = new[max(a - 1, 0)], new[min(a + 1, len(new) - 1)]
         # From a vertex that was reused, RE of the anchor there says nothing.
-        now = taken.get(a - 1, before)
-        reused, most = None, 0.0
-        for v, (owner, place) in sorted(self.made_for.items()):
-            passed = [self.made_for[u] for u in taken.values()]
-            if any(owner == other and place <= far for other, far in passed):
-                continue
-            into, onward = self.re[now, v], self.re[v, after]
-            if min(into, onward) > self.settings.p_reuse and into * onward > most:
-                reused, most = v, into * onward
-        return reused
+        now = taken.get(a - 1, [before])[-1]
+        passed = [u for others in taken.values() for u in others]
+        free = [v for v in sorted(self.made_for) if self.ahead(v, passed)]
+        least, beside = self.settings.p_reuse, self.settings.p_between
+        found = {}
+        for v in free:
+            steps = self.re[now, v], self.re[v, after]
+            if min(steps) > least:
+                found[v,] = np.prod(steps)
+        if found:
+            return list(max(found, key=found.get))
+        for (v, w), (probability, _) in self.edges.items():
+            steps = self.re[now, v], probability, self.re[w, after]
+            lies = min(self.re[v, new[a]], self.re[new[a], w]) > beside
+            if {v, w} <= set(free) and self.ahead(w, [v]) and lies and min(steps) > least:
+                found[v, w] = np.prod(steps)
+        return list(max(found, key=found.get)) if found else []
 
     def add(self, new):
         taken = {}
         for a in range(len(new)):
-            reused = self.best(new, a, taken)
-            if reused is not None:
+            if reused := self.best(new, a, taken):
                 taken[a] = reused
-        path = [taken.get(a, number) for a, number in enumerate(new)]
+        pieces = [taken.get(a, [number]) for a, number in enumerate(new)]
+        path = [vertex for piece in pieces for vertex in piece]
         fresh = [a for a in range(len(new)) if a not in taken]
         others = [
             (v, self.aligned(self.paths[owner], place))
@@ -92,11 +107,11 @@ class ByTheBook:
                 if back > self.settings.p_edge:
                     self.connect(v, new[a], back)
         for a in fresh:
-            self.made_for[new[a]] = (len(self.paths), a)
+            self.made_for[new[a]] = (len(self.paths), path.index(new[a]))
         self.paths.append(path)
         for source, target in pairwise(path):
             self.connect(source, target, self.re[source, target], driven=1)
-        return path
+        return [piece[-1] for piece in pieces]
 
 
 @st.composite
@@ -143,10 +158,12 @@ def check_by_the_book(drawn, settings):
 @settings(max_examples=60)
 @given(
     cities(), st.sampled_from([0.85, 0.9, 0.95]), st.sampled_from([0.9, 0.95, 1.0]),
-    st.integers(0, 3),
+    st.integers(0, 3), st.sampled_from([0.5, 0.9, 1.0]),
 )  # fmt: skip
-def test_a_map_grows_by_the_book(drawn, p_edge, p_reuse, sequence):
-    check_by_the_book(drawn, MapSettings(p_edge, p_reuse, sequence, p_outdated=0.0))
+def test_a_map_grows_by_the_book(drawn, p_edge, p_reuse, sequence, p_between):
+    check_by_the_book(
+        drawn, MapSettings(p_edge, p_reuse, sequence, p_outdated=0.0, p_between=p_between)
+    )
 
 
 class TableAlike(Table):

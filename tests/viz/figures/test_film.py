@@ -5,7 +5,7 @@ import pytest
 from tests.viz.pictures import decoded, plain
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.figures.film import png, write_film, write_picture
+from tutorial_lib.viz.figures.film import exact_png, png, write_film
 
 
 def frames(count, height=48, width=64):
@@ -43,10 +43,11 @@ def test_a_film_has_all_frames_in_order_at_its_size_and_rate(tmp_path):
     [
         ("a.webm", [], "no frames"),
         ("a.webm", [*frames(3), frames(1, 20)[0]], "size"),
+        ("a.webm", [*frames(3), frames(1)[0] / 255], "uint8"),
         ("a.webm", frames(3, 47, 63), "even"),
         ("a.xyz", frames(3), "webm"),
     ],
-    ids=["no frames", "two sizes", "odd size", "other suffix"],
+    ids=["no frames", "two sizes", "no bytes", "odd size", "other suffix"],
 )
 @pytest.mark.filterwarnings("ignore")
 def test_a_film_that_cannot_be_written_leaves_what_was_there(name, pictures, words, tmp_path):
@@ -68,19 +69,37 @@ def test_a_film_interrupted_midway_leaves_what_was_there(tmp_path):
     assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
 
 
-def test_a_picture_comes_back_as_it_was(tmp_path):
+def test_a_film_of_which_frames_are_lost_leaves_what_was_there(tmp_path, monkeypatch):
+    class Full:
+        """As OpenCV on a full disk: it writes nothing more, and says nothing."""
+
+        def __init__(self, *given):
+            self.writer, self.left = cv2_writer(*given), 7
+
+        def isOpened(self):  # noqa: N802 - as OpenCV calls it
+            return self.writer.isOpened()
+
+        def write(self, frame):
+            self.left -= 1
+            if self.left >= 0:
+                self.writer.write(frame)
+
+        def release(self):
+            self.writer.release()
+
+    (tmp_path / "a.webm").write_text("an older film")
+    cv2_writer = cv2.VideoWriter
+    Full.fourcc = cv2_writer.fourcc
+    monkeypatch.setattr(cv2, "VideoWriter", Full)
+    with pytest.raises(InputError, match=r"a\.webm: .*7 of 12 frames could be read.* MB free"):
+        write_film(tmp_path / "a.webm", frames(12), 10)
+    assert {f.name: f.read_text() for f in tmp_path.iterdir()} == {"a.webm": "an older film"}
+
+
+def test_an_exact_png_comes_back_as_it_was(tmp_path):
     picture = np.random.default_rng(0).integers(0, 256, (13, 17, 3), np.uint8)
-    write_picture(tmp_path / "view.png", picture)
+    (tmp_path / "view.png").write_bytes(exact_png(picture))
     assert (cv2.imread(str(tmp_path / "view.png"))[..., ::-1] == picture).all()
-    assert [f.name for f in tmp_path.iterdir()] == ["view.png"]
-
-
-def test_a_picture_that_cannot_be_written_leaves_what_was_there(tmp_path, monkeypatch):
-    (tmp_path / "view.png").write_text("an older picture")
-    monkeypatch.setattr(cv2, "imwrite", lambda *_: False)  # so OpenCV says that the disk is full
-    with pytest.raises(OSError, match=r"view\.png"):
-        write_picture(tmp_path / "view.png", frames(1)[0])
-    assert [f.read_text() for f in tmp_path.iterdir()] == ["an older picture"]
 
 
 def test_a_png_keeps_few_colours_and_nearly_keeps_many():

@@ -21,8 +21,9 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.global_names import global_names
-from tutorial_lib.errors import InputError
+from tutorial_lib.errors import InputError, words_of
 from tutorial_lib.files import write_text
+from tutorial_lib.reading.regular import read_text
 
 FOLDER = "TUTORIAL_ANSWERS"
 """The environment variable with the folder; set but empty, nothing is saved or found."""
@@ -63,7 +64,7 @@ def save(notebook: str, name: str, function: Function) -> str:
     target = path(notebook, name)
     try:
         body = _text_of(function)
-        kept = target.read_text(encoding="utf-8") if target.exists() else ""
+        kept = read_text(target) if target.exists() else ""
         if kept.partition("\n\n")[2] == body:
             return f"It is saved in my_answers/{target.name}."
         version = 1
@@ -103,8 +104,10 @@ def read(file: Path, name: str) -> Function:
     try:
         spec.loader.exec_module(module)
         return getattr(module, name)
-    except Exception as error:
-        words = f"{file} does not run ({type(error).__name__}: {error})"
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        words = f"{file} does not run ({words_of(error)})"
         raise InputError(f"{words}; mend it, or delete it and solve the exercise again") from error
 
 

@@ -15,7 +15,8 @@ Case = tuple[str, tuple[Any, ...]]
 """What it is like, and the arguments of the function."""
 
 
-RULES = FollowerSettings()
+RULES = FollowerSettings(timeout=4.0)
+"""The usual thresholds, but for one: `OTHER_RULES` has the usual wait."""
 
 
 OTHER_RULES = FollowerSettings(

@@ -9,7 +9,7 @@ Before, `rmp_arcs` turns the waypoint into an arc, ahead or in reverse; afterwar
 """
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -239,22 +239,22 @@ class RMPController:
     def _obstacles(self, lasers: Array, twists: Array) -> tuple[Array, Array]:
         """Forces (N, 2) and metrics (N, 2, 2) on the twists, of each beam on each disc."""
         robots, beams = np.nonzero(lasers < self.horizon)
-        angles, count = full_circle(lasers.shape[1])[beams], len(lasers)
+        angles = full_circle(lasers.shape[1])[beams]
         points = lasers[robots, beams, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        forces, metrics = np.zeros((count, 2)), np.zeros((count, 2, 2))
-        shape = (self.push, self.brake, self.weight, self.fade)
-        for place, radius in self.discs:
-            offsets = points - [place, 0.0]
-            far = np.maximum(np.linalg.norm(offsets, axis=1, keepdims=True), 1e-9)
-            # How the distance grows with the twist: the disc's Jacobian, along the line of sight.
-            rows = -(offsets / far) @ point_jacobian([place, 0.0])
-            closing = -(rows * twists[robots]).sum(axis=1)
-            away, weight = obstacle_policy(far[:, 0] - radius, closing, *shape)
-            for i in (0, 1):
-                forces[:, i] += np.bincount(robots, weight * away * rows[:, i], count)
-                for k in (0, 1):
-                    metrics[:, i, k] += np.bincount(robots, weight * rows[:, i] * rows[:, k], count)
-        return forces, metrics
+        places, radii = self.discs[:, None].transpose(2, 0, 1)  # (D, 1) each
+        ahead, aside = points[:, 0] - places, points[:, 1]
+        far = np.maximum(np.hypot(ahead, aside), 1e-9)  # (D, B) from every disc to every beam's end
+        # How the distance grows with the twist: the disc's Jacobian, along the line of sight.
+        rows = np.stack([-ahead / far, -aside / far * places])
+        closing = -(rows * twists[robots].T[:, None]).sum(axis=0)
+        away, weight = obstacle_policy(
+            far - radii, closing, self.push, self.brake, self.weight, self.fade
+        )
+        weighted = weight * rows
+        of_each = partial(np.bincount, robots, minlength=len(lasers))
+        forces = [of_each((row * away).sum(axis=0)) for row in weighted]
+        metrics = [[of_each((row * other).sum(axis=0)) for other in rows] for row in weighted]
+        return np.stack(forces, axis=-1), np.moveaxis(np.array(metrics), -1, 0)
 
     def _limit(
         self, lasers: Array, controls: Array, after: Array, gears: Array, left: Array

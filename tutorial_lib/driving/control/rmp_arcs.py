@@ -12,6 +12,7 @@ from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.sensors import full_circle
 
 _HORIZON = 2.2  # metres within which the laser's points matter
+_STOP = 1.3  # metres within which they matter to a body that stops within half a metre
 _SLACK = 0.001  # metres by which a body may swing closer while leaving
 _STRAIGHT = 1e-3  # 1/m, the curvature of what is as good as straight
 _LANES = 24  # how many lanes to either side are tried
@@ -20,7 +21,14 @@ _DISCS = 4  # that cover a car
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def free_travel(lasers: Array, angles: Array, arcs: Array, discs: Array, margin: float) -> Array:
+def free_travel(
+    lasers: Array,
+    angles: Array,
+    arcs: Array,
+    discs: Array,
+    margin: float,
+    horizon: float = _HORIZON,
+) -> Array:
     """How far each body can travel on an arc before it comes too near to something.
 
     Args:
@@ -29,6 +37,7 @@ def free_travel(lasers: Array, angles: Array, arcs: Array, discs: Array, margin:
         arcs: (N, 2) curvature in 1/m, and direction of travel, +1 or -1.
         discs: (D, 2) that cover the body: place on its long axis, and radius, metres.
         margin: metres that it keeps from everything; a body that is nearer may leave.
+        horizon: metres; what is farther away is not looked at.
 
     Returns:
         (N, 2) metres that are free, and metres between the body and the nearest thing now.
@@ -37,7 +46,7 @@ def free_travel(lasers: Array, angles: Array, arcs: Array, discs: Array, margin:
     found = np.empty((count, 2))
     px, py, cos, sin = np.empty(beams), np.empty(beams), np.cos(angles), np.sin(angles)
     for robot in range(count):
-        near = _see(lasers[robot], cos, sin, px, py)
+        near = _see(lasers[robot], cos, sin, px, py, horizon)
         gap = _gap(px, py, near, discs)
         tight = min(margin, gap - _SLACK)
         free = _travel(px, py, near, arcs[robot, 0], arcs[robot, 1], discs, tight)
@@ -69,7 +78,7 @@ def safe_speeds(
         crawl: m/s where there is no room at all.
         hurry: m/s more for each metre of room.
     """
-    free, gap = free_travel(lasers, full_circle(lasers.shape[1]), arcs, discs, margin).T
+    free, gap = free_travel(lasers, full_circle(lasers.shape[1]), arcs, discs, margin, _STOP).T
     stop = np.minimum(np.maximum(free - reserve, 0.0), left)
     return np.minimum(np.sqrt(2 * braking * stop), crawl + hurry * np.maximum(gap, 0.0))
 
@@ -95,7 +104,7 @@ def clear_lanes(
     turned = waypoints.copy()
     px, py, cos, sin = np.empty(beams), np.empty(beams), np.cos(angles), np.sin(angles)
     for robot in range(count):
-        near = _see(lasers[robot], cos, sin, px, py)
+        near = _see(lasers[robot], cos, sin, px, py, _HORIZON)
         x, y = waypoints[robot]
         need = min(np.sqrt(x * x + y * y), reach)
         if need < 1e-6:
@@ -149,7 +158,7 @@ def choose_moves(
     arcs = np.empty((count, 3))
     px, py, cos, sin = np.empty(beams), np.empty(beams), np.cos(angles), np.sin(angles)
     for robot in range(count):
-        near = _see(lasers[robot], cos, sin, px, py)
+        near = _see(lasers[robot], cos, sin, px, py, _STOP)
         tight = min(margin, _gap(px, py, near, discs) - _SLACK)
         x, y = waypoints[robot]
         gear = _direct(x, y, radius, reverse_cost, turn_cost)
@@ -198,11 +207,11 @@ def _pursue(x: float, y: float, gear: float, radius: float) -> tuple[float, floa
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _see(laser: Array, cos: Array, sin: Array, px: Array, py: Array) -> int:
+def _see(laser: Array, cos: Array, sin: Array, px: Array, py: Array, horizon: float) -> int:
     """Write the points within the horizon to `px` and `py`, and return how many there are."""
     near = 0
     for beam in range(len(laser)):
-        if laser[beam] < _HORIZON:
+        if laser[beam] < horizon:
             px[near] = laser[beam] * cos[beam]
             py[near] = laser[beam] * sin[beam]
             near += 1
@@ -254,9 +263,9 @@ def _lane(px: Array, py: Array, near: int, ux: float, uy: float, half: float, ne
     free = need
     for i in range(near):
         along, aside = px[i] * ux + py[i] * uy, py[i] * ux - px[i] * uy
-        if 0.0 < along < free and abs(aside) < min(
-            half, 0.97 * np.sqrt(along * along + aside * aside)
-        ):
+        ahead = 0.0 < along < free and abs(aside) < half
+        # What is almost beside the body, more than 76 degrees aside, does not block a lane.
+        if ahead and aside * aside < 0.94 * (along * along + aside * aside):
             free = along
     return free
 

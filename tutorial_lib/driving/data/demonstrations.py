@@ -11,6 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
+from tutorial_lib.driving.data.recorder import Recorder
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
     Trajectory,
@@ -21,19 +22,21 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
 from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
+from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Controller, Observation, Robots
+from tutorial_lib.interfaces import Controller
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.noise import DriftingOdometry, OdometryNoise
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.simulation import Sensors, Simulation
 from tutorial_lib.world.worlds import parse_world, scene_of
 
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 _LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
+_TURN_ROUND = 10.0  # seconds more from place to place without a break
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
 """Frames of a demonstration at least: one context with k = 5."""
 
@@ -108,6 +111,42 @@ def demonstrate_between(
     return _recorded(world, seed, OraclePolicy(simulation, paths, goals), limit)
 
 
+def demonstrate_on(
+    world: str,
+    scene: Scene,
+    paths: GridPaths,
+    start: Array,
+    goals: Array,
+    seed: int,
+    odometry_noise: OdometryNoise | None = None,
+) -> Trajectory | None:
+    """Drive one car from place to place without a break, and record it.
+
+    Where the next place is behind, the car turns by its own manoeuvres.
+
+    Args:
+        world: name to put on the trajectory.
+        scene: that world.
+        paths: its geodesics.
+        start: (1, 3) pose.
+        goals: (G, 2) metres, in order.
+        seed: as for `demonstrate_between`.
+        odometry_noise: likewise.
+
+    Returns:
+        The trajectory, None if the car did not arrive everywhere.
+    """
+    odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
+    simulation, recorder = _fleet(scene, start, odometry), Recorder()
+    for goal in goals:
+        oracle = OraclePolicy(simulation, paths, goal[None])
+        limit = geodesic_limit(paths, simulation.poses, goal[None]) + _TURN_ROUND
+        ends = ReachGoals(oracle.goals, limit)
+        if not rollout(simulation, oracle, ends, record=recorder).reached.all():
+            return None
+    return recorder.trajectory(world, seed, 0)
+
+
 def record_demonstrations(
     worlds: Sequence[str],
     count: int,
@@ -138,7 +177,7 @@ def record_demonstrations(
     for name in worlds:
         parse_world(name)
     folder = Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
+    make_folder(folder)
     names = list(dict.fromkeys(worlds))
     recipe = (count, seed, folder, control_noise)
     paths = for_each(_record, names, *recipe, label="demonstrations", jobs=jobs)
@@ -197,7 +236,7 @@ def _fleet(
 
 def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list[Trajectory | None]:
     """The trajectory of each robot, None for one that did not arrive."""
-    recorder = _Recorder()
+    recorder = Recorder()
     rollouts = rollout(oracle.simulation, oracle, ReachGoals(oracle.goals, limit), record=recorder)
     return [
         recorder.trajectory(world, seed, robot) if reached else None
@@ -225,30 +264,3 @@ def _starts_and_goals(
         goals[robot] = rng.choice(fit)
     limit = time_limit(distance[np.arange(count), goals])
     return starts, paths.points[places[goals]], limit
-
-
-class _Recorder:
-    """Records what the moving robots sense and do."""
-
-    def __init__(self) -> None:
-        self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
-
-    def __call__(
-        self, simulation: Simulation, robots: Robots, seen: Observation, actions: Array
-    ) -> None:
-        """Keep one step, before it is made."""
-        laser = seen.laser.astype(np.float32)
-        poses = simulation.poses[robots]
-        row = (poses, seen.odometry, laser, seen.speed, seen.steering, actions)
-        self._steps.append((robots, row))
-
-    def trajectory(self, world: str, seed: int, robot: int) -> Trajectory:
-        """The trajectory of one robot."""
-        rows = []
-        for robots, row in self._steps:
-            place = np.searchsorted(robots, robot)
-            if place == len(robots) or robots[place] != robot:
-                break  # a robot that is done does not move again
-            rows.append([column[place] for column in row])
-        columns = [np.array(column) for column in zip(*rows, strict=True)]
-        return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)

@@ -1,6 +1,6 @@
 """Perturbed starts beside a recorded trajectory, from which a robot has to recover."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,8 @@ class Perturbation:
         turn: rad, sigma of the turn.
         wide_turn: rad, sigma of the turn of those that come out of a manoeuvre.
         wide: share of those.
+        beside: share that is shifted by anything up to `farthest` instead.
+        farthest: metres.
     """
 
     aside: float = 0.3
@@ -28,11 +30,16 @@ class Perturbation:
     turn: float = float(np.deg2rad(9.0))
     wide_turn: float = float(np.deg2rad(9.0))
     wide: float = 0.0
+    beside: float = 0.0
+    farthest: float = 2.5
 
     def apply(self, poses: Array, rng: np.random.Generator) -> Array:
         """Poses (N, 3) shifted sideways and turned."""
         count = len(poses)
         aside = np.clip(rng.normal(0.0, self.aside, count), -self.most, self.most)
+        if self.beside:
+            anywhere = rng.uniform(-self.farthest, self.farthest, count)
+            aside = np.where(rng.random(count) < self.beside, anywhere, aside)
         wide = rng.random(count) < self.wide
         turn = rng.normal(0.0, 1.0, count) * np.where(wide, self.wide_turn, self.turn)
         return compose(poses, np.stack([np.zeros(count), aside, turn], axis=1))
@@ -42,6 +49,9 @@ PAPER_PERTURBATION = Perturbation()
 """As in the authors' code; the starts of Table I."""
 TRAINING_PERTURBATION = Perturbation(wide=0.4, wide_turn=float(np.deg2rad(35.0)))
 """Wider than the paper's: during a manoeuvre a car faces far aside."""
+
+REACHABILITY_PERTURBATION = replace(TRAINING_PERTURBATION, beside=0.2)
+"""Wider still: RE is also queried about places that lie beside the car."""
 
 
 def perturbed(

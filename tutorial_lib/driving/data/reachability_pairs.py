@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION, perturbed
+from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION, Perturbation, perturbed
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
@@ -69,7 +69,11 @@ class ReachabilityPairs:
 
 
 def draw_reachability_pairs(
-    recorded: RecordedWorld, paths: GridPaths, targets: int, rng: np.random.Generator
+    recorded: RecordedWorld,
+    paths: GridPaths,
+    targets: int,
+    rng: np.random.Generator,
+    perturbation: Perturbation = TRAINING_PERTURBATION,
 ) -> ReachabilityPairs:
     """Draw pairs whose targets are random frames of recorded trajectories.
 
@@ -82,6 +86,7 @@ def draw_reachability_pairs(
         paths: its geodesics.
         targets: G, of which each has `STARTS` starts in a row.
         rng: draws everything.
+        perturbation: of the starts.
 
     Returns:
         Fewer than G * `STARTS`: those with no room to start in are left out.
@@ -94,9 +99,7 @@ def draw_reachability_pairs(
     own = np.repeat(frames, SAME)
     sources[:, :SAME] = recorded.frame_at(own, -along.ravel()).reshape(targets, SAME)
     sources[:, SAME:] = _elsewhere(recorded, frames, rng)
-    starts, found = perturbed(
-        recorded.scene, recorded.poses[sources.ravel()], TRAINING_PERTURBATION, rng
-    )
+    starts, found = perturbed(recorded.scene, recorded.poses[sources.ravel()], perturbation, rng)
     kept = rng.random(len(starts)) < _AS_RECORDED
     starts[kept] = recorded.poses[sources.ravel()[kept]]
     ready = np.flatnonzero(found | kept)

@@ -12,9 +12,10 @@ from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.rollouts import ReachGoals, rollout
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import load_arrays, save_arrays
+from tutorial_lib.files import save_arrays
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Policy
+from tutorial_lib.reading.arrays import load_arrays
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
 
@@ -22,6 +23,18 @@ FLEET = 1_024
 """Robots in one simulation; with fewer, more steps would move only the last stragglers."""
 VERSION = 1
 """Of the file's layout."""
+
+# Arrays of the file: the shape of a row, kinds of numbers, and the least and the largest.
+_FORMS: dict[str, tuple[tuple[int, ...], str, float, float]] = {
+    "starts": ((3,), "f", -1e6, 1e6),
+    "targets": ((), "iu", 0, 1e9),
+    "overlap": ((2,), "f", 0.0, 1.0 + 1e-6),
+    "geodesic": ((), "f", 0.0, np.inf),
+    "driven": ((), "b", 0, 1),
+    "reached": ((), "b", 0, 1),
+    "collided": ((), "b", 0, 1),
+    "seconds": ((), "f", 0.0, 1e6),
+}
 
 PolicyFactory = Callable[[Simulation, RecordedWorld, NDArray[np.intp]], Policy]
 """Makes the policy that drives the N robots of a simulation to recorded frames (N,)."""
@@ -111,14 +124,30 @@ def load_outcomes(path: str | Path, recipe: str) -> RolloutOutcomes:
     arrays = load_arrays(path, names, version=VERSION, advice="record it again")
     if str(arrays.pop("recipe")) != recipe:
         raise InputError(f"{path}: outcomes of another recipe; delete the file and record it again")
-    if not all(column.ndim for column in arrays.values()):
-        raise InputError(f"{path}: damaged (a column without rows); record it again")
-    if len({len(column) for column in arrays.values()}) > 1:
-        raise InputError(f"{path}: its columns differ in length; record it again")
+    try:
+        _check(arrays)
+    except InputError as error:
+        raise InputError(f"{path}: {error}; record it again") from error
     return RolloutOutcomes(
         ReachabilityPairs(*(arrays[field.name] for field in inputs)),
         *(arrays[field.name] for field in ends),
     )
+
+
+def _check(arrays: dict[str, NDArray[Any]]) -> None:
+    """Check each column's length, shape, type and range."""
+    for name, column in arrays.items():
+        if not column.ndim:
+            raise InputError(f"damaged ({name}: a column without rows)")
+        if len(column) != len(arrays["starts"]):
+            raise InputError(f"{name}: its columns differ in length")
+    for name, (row, kinds, least, most) in _FORMS.items():
+        column = arrays[name]
+        if column.shape[1:] != row or column.dtype.kind not in kinds:
+            raise InputError(f"damaged ({name}: {column.dtype} of shape {column.shape})")
+        # Of numbers that are none, neither comparison is true.
+        if column.size and not (column.min() >= least and column.max() <= most):
+            raise InputError(f"{name}: holds a number that is not within {least:g} to {most:g}")
 
 
 def _columns(outcomes: RolloutOutcomes) -> dict[str, NDArray[Any]]:

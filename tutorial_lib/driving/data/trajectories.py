@@ -13,8 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import load_arrays, save_arrays
+from tutorial_lib.files import save_arrays
 from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.reading.arrays import load_arrays
+from tutorial_lib.reading.limits import MAX_TRAJECTORIES
 
 CONTEXT_INTERVAL = 3
 """Frames between the images of a target's context (dT of Meng 2020, III-B)."""
@@ -140,6 +142,8 @@ def _split(arrays: dict[str, NDArray[Any]]) -> list[Trajectory]:
         raise InputError("offsets: not a row of whole numbers")
     if offsets[0] != 0 or offsets[-1] != rows or not (np.diff(offsets) > 0).all():
         raise InputError(f"offsets: do not divide the {rows} rows of poses")
+    if len(offsets) > MAX_TRAJECTORIES + 1:
+        raise InputError(f"offsets: {len(offsets) - 1} trajectories; at most {MAX_TRAJECTORIES}")
     shape = (len(offsets) - 1,)
     if world.shape != shape or (world.dtype.kind != "U" and world.size):
         raise InputError(f"world: not {shape[0]} names")

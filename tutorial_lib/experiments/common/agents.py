@@ -17,9 +17,11 @@ from tutorial_lib.agents.remedies import Remedies
 from tutorial_lib.agents.remedy_agent import RemedyAgent
 from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.errors import InputError
+from tutorial_lib.errors import InputError, words_of
 from tutorial_lib.interfaces import Agent
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.reading.limits import MAX_TEXT
+from tutorial_lib.reading.regular import read_bytes
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 CONTEXT = "k5"
@@ -84,10 +86,8 @@ def custom(where: str) -> Agent:
         InputError: if there is no such file or class, if it cannot be instantiated, or if it is
             no such component.
     """
-    component = _instantiate(where)
-    kinds = [
-        kind for kind, methods in COMPONENTS.items() if all(hasattr(component, m) for m in methods)
-    ]
+    component = guarded(where, _instantiate, where)
+    kinds = guarded(where, _kinds, component)
     if not kinds:
         known = "; ".join(f"{kind}: {', '.join(methods)}" for kind, methods in COMPONENTS.items())
         raise InputError(f"--agent {where}: has the methods of no component ({known})")
@@ -99,41 +99,46 @@ def custom(where: str) -> Agent:
 
 
 def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
-    """Call `run` with the user's agent; an exception in their code becomes a clear message.
+    """Call `run` with the user's agent; whatever their code raises becomes a clear message.
 
     Raises:
-        InputError: with the file, the line and the error.
+        InputError: with the file, the line and the error, in one line.
     """
     try:
         return run(*arguments)
+    except KeyboardInterrupt:
+        raise
     except InputError as error:
         raise InputError(f"--agent {where}: {error}") from error
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
         raise InputError(f"--agent {where}: {_fault(where, error)}") from error
+
+
+def _kinds(component: object) -> list[str]:
+    """What a component can be, by the methods that it has."""
+    return [
+        kind for kind, methods in COMPONENTS.items() if all(hasattr(component, m) for m in methods)
+    ]
 
 
 def _instantiate(where: str) -> Any:  # noqa: ANN401
     file, _, name = where.rpartition(":")
     path = Path(file)
     if not file or not name.isidentifier():
-        raise InputError(f"--agent {where}: give FILE.py:CLASS, as in my_agent.py:MyPlanner")
-    if not path.is_file():
-        raise InputError(f"--agent {where}: there is no file {file}")
+        raise InputError("give FILE.py:CLASS, as in my_agent.py:MyPlanner")
+    if not path.exists():
+        raise InputError(f"there is no file {file}")
+    read_bytes(path, MAX_TEXT, "give a file of Python code")
     spec = importlib.util.spec_from_file_location(f"custom_{path.stem}", path)
     if spec is None or spec.loader is None:
-        raise InputError(f"--agent {where}: {file} is no Python file; its name ends in .py")
+        raise InputError(f"{file} is no Python file; its name ends in .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[module.__name__] = module
-    try:
-        spec.loader.exec_module(module)
-        known = getattr(module, name, None)
-        if known is None:
-            raise InputError(f"--agent {where}: {file} has no {name}")
-        return known()
-    except InputError:
-        raise
-    except (Exception, SystemExit) as error:
-        raise InputError(f"--agent {where}: {_fault(where, error)}") from error
+    spec.loader.exec_module(module)
+    known = getattr(module, name, None)
+    if known is None:
+        raise InputError(f"{file} has no {name}")
+    return known()
 
 
 def _fault(where: str, error: BaseException) -> str:
@@ -147,4 +152,4 @@ def _fault(where: str, error: BaseException) -> str:
     # A SyntaxError has no frame in the file that it concerns.
     line = lines[-1] if lines else getattr(error, "lineno", None)
     at = f"{file.name}, line {line}: " if line else ""
-    return f"{at}{type(error).__name__}: {error}"
+    return f"{at}{words_of(error)}"

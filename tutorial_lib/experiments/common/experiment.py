@@ -12,7 +12,9 @@ from tutorial_lib.experiments.common.report import Options, Report, Rows
 
 STANDARD = "standard"
 """The palette unless another one is given."""
-OPTIONAL = ("map", "palette", "family", "agent", "odometry", "remedies")
+OPTIONAL = (
+    *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
+)
 """Options that only some experiments take."""
 
 
@@ -61,8 +63,9 @@ class Experiment:
             settings = settings if self.quick_settings is None else self.quick_settings
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         rows, notes = self.run(replace(options, worlds=worlds), settings)
-        changed = {"odometry": "" if options.drifts else options.odometry, "family": options.family}
-        changed |= {"remedies": options.remedies}
+        changed = {"odometry": "" if options.drifts else options.odometry}
+        noted = ("family", "starts", "goals", "remedies")
+        changed |= {name: getattr(options, name) for name in noted}
         notes = [*notes, *(f"{name}: {value}" for name, value in changed.items() if value)]
         took = time.perf_counter() - begun
         return Report(
@@ -87,6 +90,9 @@ class Experiment:
             "family": bool(options.family),
             "agent": bool(options.agent),
             "odometry": not options.drifts,
+            "drives": bool(options.drives),
+            "starts": bool(options.starts),
+            "goals": bool(options.goals),
             "remedies": bool(options.remedies),
         }
         for name, is_given in given.items():

@@ -25,9 +25,12 @@ class Options:
         map: a file to run on instead of generated worlds.
         ablation: to run instead of the experiment itself.
         palette: of generated worlds.
-        family: of generated worlds; the experiment's own, by seed, unless given.
+        family: of generated worlds, or "all"; the experiment's own, by seed, unless given.
         agent: FILE.py:CLASS of an agent, or of a component of one, to compare with the others.
         odometry: one of `ODOMETRY`.
+        drives: which of the recorded drives agents learn, see `protocols.drives`; all if empty.
+        starts: where trials start, see `protocols.trial_choices`; at the places if empty.
+        goals: how goals are seen, likewise; as on arrival from the start if empty.
         remedies: for places that look alike, see `agents.remedies`; the experiment's own if empty.
     """
 
@@ -40,6 +43,9 @@ class Options:
     family: str = ""
     agent: str = ""
     odometry: str = DRIFTING
+    drives: str = ""
+    starts: str = ""
+    goals: str = ""
     remedies: str = ""
 
     @property

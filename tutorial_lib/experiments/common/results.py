@@ -1,10 +1,12 @@
 """The stored results that come with the library and that notebooks show."""
 
-import json
+import math
 from pathlib import Path
+from typing import Any
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.reading.documents import read_json
 
 FOLDER = Path(__file__).resolve().parents[2] / "results"
 
@@ -16,11 +18,39 @@ def load_result(name: str, folder: Path = FOLDER) -> Report:
         InputError: when there are none, or the file is damaged.
     """
     path = folder / f"{name}.json"
-    try:
-        text = json.loads(path.read_text(encoding="utf-8"))
-        return Report(**(text | {"worlds": tuple(text["worlds"]), "notes": tuple(text["notes"])}))
-    except FileNotFoundError:
+    if not path.exists():
         known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"
-        raise InputError(f"results: no {name!r} in {folder}; there are {known}") from None
+        raise InputError(f"results: no {name!r} in {folder}; there are {known}")
+    text = read_json(path, "not a result; restore the file")
+    try:
+        _check(text)
+        return Report(**(text | {"worlds": tuple(text["worlds"]), "notes": tuple(text["notes"])}))
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a result ({error}); restore the file") from error
+
+
+def _check(text: Any) -> None:  # noqa: ANN401 - anything JSON can hold
+    """Check the types of a report, and that all rows of its table have the same columns."""
+    fits = {
+        "name": isinstance(text["name"], str),
+        "seed": type(text["seed"]) is int,
+        "worlds": _is_list(text["worlds"], int),
+        "quick": isinstance(text["quick"], bool),
+        "seconds": type(text["seconds"]) in (int, float) and 0 <= text["seconds"] < math.inf,
+        "rows": _is_list(text["rows"], dict) and len(text["rows"]) > 0,
+        "notes": _is_list(text["notes"], str),
+        "map": isinstance(text.get("map", ""), str),
+    }
+    wrong = ", ".join(key for key, good in fits.items() if not good)
+    if wrong:
+        raise InputError(f"{wrong}: of another type, or empty")
+    for number, row in enumerate(text["rows"]):
+        if row.keys() != text["rows"][0].keys():
+            raise InputError(f"rows[{number}]: has other columns than the first row")
+        for key, value in row.items():
+            if isinstance(value, float) and not math.isfinite(value):
+                raise InputError(f"rows[{number}].{key}: {value} is no number")
+
+
+def _is_list(value: object, kind: type) -> bool:
+    return isinstance(value, list) and all(type(item) is kind for item in value)

@@ -36,14 +36,14 @@ from tutorial_lib.experiments.protocols.navigation import (
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
 )
-from tutorial_lib.files import write_text
+from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
 from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
-from tutorial_lib.viz.figures.film import film_writer, write_picture
+from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.panels import evenly, stacked
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
@@ -82,12 +82,14 @@ def run_demo(
     agent = agents.meng()
     learn_map(agent, task.building, say, again=learn)
     beside = drive_oracle(task, say) if oracle else None
-    with film_writer(folder / FILM, FILM_RATE) as write:
-        shown, outcome = drive_by_sight(task, agent, seed, say, beside, write)
-        say("writing the film")
-    strip = [shown[i] for i in evenly(len(shown), 3)]
-    write_picture(folder / STRIP, stacked(strip))
-    write_text(folder / FIGURES, json.dumps(asdict(outcome), indent=1) + "\n")
+    # Together, so that figures are always those of the film beside them.
+    with atomic_paths(*(folder / name for name in (FILM, STRIP, FIGURES))) as (film, *others):
+        with film_encoder(folder / FILM, film, FILM_RATE) as write:
+            shown, outcome = drive_by_sight(task, agent, seed, say, beside, write)
+            say("writing the film")
+        strip = [shown[i] for i in evenly(len(shown), 3)]
+        others[0].write_bytes(exact_png(stacked(strip)))
+        others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
     return outcome
 
 

@@ -12,6 +12,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
+from tutorial_lib.experiments.protocols.drives import share_order
 from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_of, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
@@ -59,7 +60,7 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[float, d
     rng = np.random.default_rng([options.seed, world, 1])
     trials = draw_trials(building, settings.trials, rng)
     goals = goals_of(trials, VIEWS["camera16"], K)
-    order = np.random.default_rng([options.seed, world, 6]).permutation(len(building.pairs))
+    order = share_order(building, options.seed)
     found = {}
     for share in SHARES:
         kept = np.sort(order[: round(share * len(order))])

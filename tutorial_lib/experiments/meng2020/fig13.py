@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.driving.data.demonstrations import demonstrate_between
-from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.experiments.protocols.navigation_tasks import (
-    PLACES,
-    WORLDS,
-    Building,
-    long_enough,
-    make_building,
-)
-from tutorial_lib.experiments.protocols.odometry import RECORDING
-from tutorial_lib.interfaces import Experience
+from tutorial_lib.experiments.meng2020 import fig13_reuse
+from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, WORLDS, make_building
+from tutorial_lib.experiments.protocols.repeated_drives import repeated_drives
 from tutorial_lib.parallel import for_each
 
 
@@ -62,44 +53,13 @@ def run_world(world: int, options: Options, settings: Settings) -> Rows:
     """The rows of one world."""
     building = make_building(world, options.seed, settings.places, drifts=options.drifts)
     rng = np.random.default_rng([options.seed, world, 5])
-    agent, frames, rows, clock = agents.meng(), 0, [], 0.0
-    while frames < settings.frames:
-        recorded = more_trajectories(building, settings.at_once, rng, frames)
-        for index, trajectory in enumerate(recorded.trajectories):
-            observations = recorded.observe(recorded.frames_of(index))
-            agent.learn([Experience(observations, clock + trajectory.timestamps)])
-            clock += float(trajectory.timestamps[-1]) + 60.0
-            before, frames = frames, frames + len(trajectory)
-            due = _due(before, min(frames, settings.frames), settings.interval)
-            rows += [_row(world, count, agent) for count in due]
-            if frames >= settings.frames:
-                break
+    agent, before, rows = agents.meng(), 0, []
+    for experience, frames in repeated_drives(building, settings.frames, settings.at_once, rng):
+        agent.learn([experience])
+        due = _due(before, min(frames, settings.frames), settings.interval)
+        rows += [_row(world, count, agent) for count in due]
+        before = frames
     return rows
-
-
-def more_trajectories(
-    building: Building, count: int, rng: np.random.Generator, frames: int
-) -> RecordedWorld:
-    """Record up to `count` more trajectories between the places, from perturbed starts.
-
-    Their odometry drifts differently after each number of `frames` recorded before.
-    """
-    chosen = rng.integers(len(building.pairs), size=count)
-    first = building.recorded.first_frames[chosen]
-    poses = building.recorded.poses[first]
-    starts, _ = perturbed(building.scene, poses, PAPER_PERTURBATION, rng)
-    goals = building.places[building.pairs[chosen, 1]]
-    odometry = replace(building.odometry, seed=(*building.odometry.seed, frames))
-    made = demonstrate_between(
-        building.name,
-        building.scene,
-        building.paths,
-        starts,
-        goals,
-        0,
-        odometry.noise(RECORDING),
-    )
-    return RecordedWorld(building.scene, [part for part in made if long_enough(part)])
 
 
 def _due(before: int, now: int, interval: int) -> range:
@@ -126,4 +86,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(frames=20_000),
     accepts=frozenset({"odometry"}),
+    ablations={"reuse": fig13_reuse.EXPERIMENT},
 )

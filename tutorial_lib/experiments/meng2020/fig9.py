@@ -67,7 +67,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 def run_world(world: int, options: Options, settings: Settings) -> Array:
     """In one world, (2, N): the probability of each plan, and whether the rollout succeeded."""
     building = make_building(world, options.seed, settings.places, drifts=options.drifts)
-    agent = agents.meng(planner=PERMISSIVE, replans=0)
+    agent = agents.meng(planner=PERMISSIVE, replan_time=0.0)
     agent.learn(list(experiences(building)))
     rng = np.random.default_rng([options.seed, world, 4])
     trials = trials_from_anywhere(building, settings.trials, rng)

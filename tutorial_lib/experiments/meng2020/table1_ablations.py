@@ -43,7 +43,13 @@ QUICK = Settings(episodes=40, max_steps=400)
 def _variants(ablation: str, **architectures: tuple[Architecture, int]) -> dict[str, Recipe]:
     settings = TrainingSettings(max_steps=Settings.max_steps)
     return {
-        name: Recipe(f"ablation_{name}", f"{_COMMAND} {ablation}", architecture, settings, worlds)
+        name: Recipe(
+            f"ablation_{name}",
+            f"{_COMMAND} {ablation}",
+            architecture,
+            settings,
+            worlds=worlds,
+        )
         for name, (architecture, worlds) in architectures.items()
     }
 

@@ -1,33 +1,41 @@
-"""Table II of Meng 2020: success of navigation from place to place, and size of the maps."""
+"""Table II of Meng 2020: success of navigation from place to place, and size of the maps.
+
+With every drive recorded, as in the paper, nearly every trial is *driven*: some drive passes its
+start and later its goal, and an agent that only repeats drives succeeds. With `--drives` agents
+learn a part of them; what was not driven must be *composed* of several.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_thresholds
+from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
+from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN, Thresholds
+from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR, driven_trials, part_of
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
     Result,
-    attempt,
-    navigate,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
     WORLDS,
-    draw_trials,
     make_building,
 )
-from tutorial_lib.interfaces import Agent
+from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
 from tutorial_lib.parallel import for_each
 
+EVERY, COMPOSED = "all worlds", "composed"
+"""Which trials a note is about."""
 PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
 """Success in the least and the most successful of the paper's five worlds."""
 
@@ -38,11 +46,32 @@ class Settings:
 
     Attributes:
         places: of a building; each ordered pair is joined by a recorded trajectory.
+        places_on_map: the same on a map's file, of which there is only one.
         trials: in each building.
+        trials_of_part: in each building, where a part of the drives is learned.
+        thresholds: by `--drives`, chosen on validation worlds; the usual ones for others.
     """
 
     places: int = PLACES
+    places_on_map: int = PLACES
     trials: int = 200
+    trials_of_part: int = 60
+    thresholds: Mapping[str, Thresholds] = field(default_factory=lambda: CHOSEN)
+
+
+@dataclass(frozen=True, eq=False)
+class InWorld:
+    """What came out in one world.
+
+    Attributes:
+        columns: that describe the world.
+        results: by method.
+        driven: (N,) which trials some drive that was learned covers.
+    """
+
+    columns: dict[str, Any]
+    results: dict[str, Result]
+    driven: NDArray[np.bool_]
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
@@ -50,68 +79,81 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     places: list[Any] = [*options.worlds] if options.map is None else [options.map]
     if options.agent:  # a faulty one is refused before any rollout
         agents.custom(options.agent)
-    parts = for_each(run_world, places, options, settings, label="meng_table2")
+    if len(places) > 1:
+        parts = for_each(run_world, places, options, settings, label="meng_table2")
+    else:  # the agents share the cores instead
+        parts = [_together(place, options, settings, for_each) for place in places]
     rows = [
-        _row(place, world, method, found)
-        for place, (world, results) in zip(places, parts, strict=True)
-        for method, found in results.items()
+        _row(place, options.drives, part, method)
+        for place, part in zip(places, parts, strict=True)
+        for method in part.results
     ]
-    return rows, _notes([results for _, results in parts])
+    return rows, _notes(parts, options.drives)
 
 
-def run_world(
+def run_world(place: Any, options: Options, settings: Settings) -> InWorld:  # noqa: ANN401
+    """All agents in one world, one after the other."""
+    return _together(place, options, settings, _in_turn)
+
+
+def _together(
     place: Any,  # noqa: ANN401
     options: Options,
     settings: Settings,
-) -> tuple[dict[str, Any], dict[str, Result]]:
-    """All agents in one world: the columns that describe the world, and their results.
+    each: Callable[..., list[Any]],
+) -> InWorld:
+    """All agents in one world, which learn the same drives and run the same trials.
 
     Args:
         place: seed of a large generated world, or a map's file.
         options: of the run.
         settings: of the run.
+        each: runs a method after the other, or on all cores.
     """
-    building = make_building(
+    whole = make_building(
         place,
         options.seed,
-        settings.places,
+        settings.places if options.map is None else settings.places_on_map,
         options.palette,
         drifts=options.drifts,
         family=options.family,
     )
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
-    trials = draw_trials(building, settings.trials, np.random.default_rng(seeds))
-    entries: dict[str, Agent] = {
-        "meng": agents.meng(),
-        "sptm": agents.sptm(),
-        "random": agents.random_agent(np.random.default_rng(seeds)),
-    }
-    if options.remedies:
-        entries["meng"] = agents.remedied(options.remedies)
-    found = {name: attempt(building, trials, agent) for name, agent in entries.items()}
-    found["oracle"] = Result(
-        navigate(
-            building, trials, lambda sim: OracleNavigation(sim, building.paths, trials.goal_poses)
-        )
+    rng = np.random.default_rng(seeds)
+    count = settings.trials_of_part if options.drives else settings.trials
+    trials = chosen_trials(whole, count, rng, options.starts, options.goals)
+    building = part_of(whole, options.drives, options.seed)
+    methods = [*METHODS, "custom"] if options.agent else METHODS
+    drives = TOUR if options.drives == CONTINUOUS else options.drives
+    limits = settings.thresholds.get(drives, Thresholds())
+    given = (
+        *(building, whole, trials, limits.p_edge, limits.s_shortcut),
+        *(options.agent, options.remedies),
     )
-    if options.agent:
-        own = agents.custom(options.agent)
-        found["custom"] = agents.guarded(options.agent, attempt, building, trials, own)
+    found = each(run_method, methods, *given, label="methods")
     plan = building.scene.plan
-    world = {
+    columns = {
         "family": plan.family,
         "area": round(plan.area),
         "images": len(building.recorded.poses),
     }
-    return world, found
+    results = dict(zip(methods, found, strict=True))
+    return InWorld(columns, results, driven_trials(whole, trials, options.drives, options.seed))
 
 
-def _row(place: Any, world: dict[str, Any], method: str, found: Result) -> dict[str, Any]:  # noqa: ANN401
+def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label: str) -> list[Any]:  # noqa: ANN401
+    """`for_each` without other processes."""
+    del label
+    return [work(item, *given) for item in items]
+
+
+def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401
+    found = part.results[method]
     outcome = found.outcome
     success, low, high = wilson(outcome.success.astype(float))
     row: dict[str, Any] = {
         "world": place if isinstance(place, int) else place.name,
-        **world,
+        **part.columns,
         "method": method,
         "vertices": found.vertices,
         "edges": found.edges,
@@ -122,29 +164,61 @@ def _row(place: Any, world: dict[str, Any], method: str, found: Result) -> dict[
         "high": high,
         "wrong_place": float(outcome.wrong.mean()),
     }
-    return row | {name: float((outcome.ending == name).mean()) for name in ENDINGS[1:]}
-
-
-def _notes(parts: list[dict[str, Result]]) -> tuple[str, ...]:
-    """Success in all worlds together, and paired differences."""
-    world = np.repeat(np.arange(len(parts)), [len(part["meng"].outcome.success) for part in parts])
-    success = {
-        name: np.concatenate([part[name].outcome.success for part in parts]).astype(float)
-        for name in parts[0]
+    row |= {name: float((outcome.ending == name).mean()) for name in ENDINGS[1:]}
+    if not drives:
+        return row
+    return row | {
+        "drives": drives if drives in (TOUR, CONTINUOUS) else float(drives),
+        "trials_composed": int((~part.driven).sum()),
+        "success_composed": _share(outcome.success[~part.driven]),
+        "success_driven": _share(outcome.success[part.driven]),
     }
-    notes = []
-    for name, values in success.items():
-        share, low, high = over_worlds(values, world)
-        notes.append(f"{name}, all worlds: {share:.1%} ({low:.1%} to {high:.1%})")
-    for name in [other for other in success if other != "meng"]:
-        found = difference(success["meng"], success[name], world)
-        notes.append(f"meng - {name}: {in_points(found)}")
+
+
+def _share(success: NDArray[np.bool_]) -> float | None:
+    """The share of trials that succeed; None of none."""
+    return float(success.mean()) if len(success) else None
+
+
+def _notes(parts: Sequence[InWorld], drives: str) -> tuple[str, ...]:
+    """Success in all worlds together, and paired differences; of composed trials apart."""
+    world = np.repeat(np.arange(len(parts)), [len(part.driven) for part in parts])
+    success = {
+        name: np.concatenate([part.results[name].outcome.success for part in parts]).astype(float)
+        for name in parts[0].results
+    }
+    every = np.ones(len(world), dtype=bool)
+    composed = ~np.concatenate([part.driven for part in parts])
+    notes = _compared(success, world, every, EVERY)
+    if drives and composed.any():
+        notes += _compared(success, world, composed, COMPOSED)
+    elif not drives:
+        notes.append(
+            f"driven: {1 - composed.mean():.1%} of the trials have a recorded drive past their "
+            "start and then their goal; of composing drives this tells next to nothing (--drives)"
+        )
     for name in ("meng", "sptm"):
         edges, holes = (
-            sum(getattr(part[name], what) for part in parts) for what in ("edges", "wormholes")
+            sum(getattr(part.results[name], what) for part in parts)
+            for what in ("edges", "wormholes")
         )
         notes.append(f"{name}: {1 - holes / max(edges, 1):.2%} of {edges} edges are no wormholes")
     return tuple(notes)
+
+
+def _compared(
+    success: dict[str, Any], world: NDArray[np.intp], kept: NDArray[np.bool_], which: str
+) -> list[str]:
+    """Success of each method in the trials that are `kept`, and Meng's less each other's."""
+    notes, world = [], world[kept]
+    part = "" if which == EVERY else f", {which}"
+    for name, values in success.items():
+        share, low, high = over_worlds(values[kept], world)
+        notes.append(f"{name}, {which}: {share:.1%} ({low:.1%} to {high:.1%})")
+    for name in [other for other in success if other != "meng"]:
+        found = difference(success["meng"][kept], success[name][kept], world)
+        notes.append(f"meng - {name}{part}: {in_points(found)}")
+    return notes
 
 
 EXPERIMENT = Experiment(
@@ -153,7 +227,7 @@ EXPERIMENT = Experiment(
     WORLDS,
     WORLDS[:3],
     Settings(),
-    quick_settings=Settings(places=6, trials=40),
+    quick_settings=Settings(places=6, trials=40, trials_of_part=20),
     accepts=frozenset(OPTIONAL),
     ablations={"thresholds": table2_thresholds.EXPERIMENT},
 )

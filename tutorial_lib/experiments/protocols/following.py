@@ -15,9 +15,15 @@ from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import SLOWEST, covered
 from tutorial_lib.driving.rollouts import ReachGoals, rollout
+from tutorial_lib.experiments.protocols.navigation import (
+    GRACE,
+    TIMES,
+    NavigationEnds,
+    arrived_at,
+)
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, USUAL, Odometry
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Observation, Policy, Robots
+from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
@@ -129,27 +135,13 @@ class Guide:
         Returns:
             Metres (N,) covered, poses (T, N, 3), and the follower's log.
         """
-        recorded, frames = self.recorded, np.concatenate(anchors)
-        images = self.images(frames)
-        targets, prepared = self.predictor.prepare(images), self.reachability.prepare(images)
-        paths = AnchorPaths.end_to_end(targets, prepared, [len(one) for one in anchors])
-        follower = Follower(paths, self.predictor, RMPController(), self.reachability)
-        ends = np.array([(one[0], one[-1]) for one in anchors])
-        simulation = Simulation(
-            recorded.scene,
-            recorded.poses[ends[:, 0]],
-            people=people,
-            control_noise=noise,
-            odometry_noise=self.odometry.noise(NAVIGATING),
-            rng=rng,
-        )
+        recorded, ends = self.recorded, ends_of(anchors)
+        simulation = self._simulation(ends, people, noise, rng)
+        follower = self._follower(anchors)
         length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
         limit = _BUDGET * length / SLOWEST + 10.0
         reach = ReachGoals(recorded.poses[ends[:, 1], :2], limit)
-        policy: Policy = follower
-        if disturb is not None:
-            policy = DisturbedPolicy(follower, simulation, disturb)
-        rollouts = rollout(simulation, policy, reach)
+        rollouts = rollout(simulation, Following(follower, simulation, disturb), reach)
         metres = []
         for robot, (first, last) in enumerate(ends):
             steps = round(rollouts.seconds[robot] / STEP)
@@ -158,23 +150,90 @@ class Guide:
             metres.append(covered(recorded.poses[first : last + 1], track, touched))
         return np.array(metres), rollouts.poses, follower.log()
 
+    def deliver(
+        self,
+        anchors: list[NDArray[np.intp]],
+        people: Sequence[Person] = (),
+        disturb: Disturb | None = None,
+    ) -> tuple[NDArray[np.bool_], FollowerLog]:
+        """Follow paths of anchors until the robots declare that they have arrived, or give up.
+
+        Success is that of navigation: declared within `NEAR` metres of the last anchor and facing
+        as it does, in at most `TIMES` the time that the recorded robot took and `GRACE` seconds.
+
+        Args:
+            anchors: frames (A,) of each robot's anchors, all of one trajectory.
+            people: in the world.
+            disturb: as for `follow`.
+
+        Returns:
+            Success (N,), and the follower's log.
+        """
+        ends = ends_of(anchors)
+        simulation, follower = self._simulation(ends, people), self._follower(anchors)
+        following = Following(follower, simulation, disturb)
+        limit = TIMES * STEP * (ends[:, 1] - ends[:, 0]) + GRACE
+        found = rollout(simulation, following, NavigationEnds(following, limit))
+        success = arrived_at(self.recorded.poses[ends[:, 1]], found)
+        return success, follower.log()
+
+    def _simulation(
+        self,
+        ends: NDArray[np.intp],
+        people: Sequence[Person] = (),
+        noise: float = 0.0,
+        rng: np.random.Generator | None = None,
+    ) -> Simulation:
+        """Robots at the first of the frames `ends` (N, 2)."""
+        return Simulation(
+            self.recorded.scene,
+            self.recorded.poses[ends[:, 0]],
+            people=people,
+            control_noise=noise,
+            odometry_noise=self.odometry.noise(NAVIGATING),
+            rng=rng,
+        )
+
+    def _follower(self, anchors: list[NDArray[np.intp]]) -> Follower:
+        """A follower of these paths."""
+        images = self.images(np.concatenate(anchors))
+        targets, prepared = self.predictor.prepare(images), self.reachability.prepare(images)
+        paths = AnchorPaths.end_to_end(targets, prepared, [len(one) for one in anchors])
+        return Follower(paths, self.predictor, RMPController(), self.reachability)
+
+
+def ends_of(anchors: list[NDArray[np.intp]]) -> NDArray[np.intp]:
+    """The first and last frame (N, 2) of N paths of anchors."""
+    return np.array([(one[0], one[-1]) for one in anchors])
+
 
 @dataclass(frozen=True)
-class DisturbedPolicy:
-    """A `Policy` whose robots are disturbed before they observe.
+class Following:
+    """A follower as a `Navigation`, whose robots may be disturbed before they observe.
 
     Attributes:
-        policy: drives.
+        follower: drives.
         simulation: the robots.
-        disturb: is given the simulation and the robots under way before each step.
+        disturb: is given the simulation and the robots under way before each step, if given.
     """
 
-    policy: Policy
+    follower: Follower
     simulation: Simulation
-    disturb: Disturb
+    disturb: Disturb | None = None
+
+    @property
+    def arrived(self) -> NDArray[np.bool_]:
+        """(N,) done."""
+        return self.follower.memory.done
+
+    @property
+    def given_up(self) -> NDArray[np.bool_]:
+        """(N,) lost."""
+        return self.follower.memory.lost
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2); a robot that is lost or done stands still."""
-        del observations
-        self.disturb(self.simulation, robots)
-        return self.policy.act(self.simulation.observe(robots), robots)
+        if self.disturb is not None:
+            self.disturb(self.simulation, robots)
+            observations = self.simulation.observe(robots)
+        return self.follower.act(observations, robots)

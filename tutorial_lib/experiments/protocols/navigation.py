@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.rollouts import Record, rollout
+from tutorial_lib.driving.rollouts import Record, Rollouts, rollout
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING
 from tutorial_lib.geometry import Array, wrap
@@ -119,11 +119,17 @@ def navigate(
     navigation, goals = start(simulation), trials.goal_poses
     ends = NavigationEnds(navigation, TIMES * trials.seconds + GRACE)
     found = rollout(simulation, navigation, ends, record)
+    gap = np.linalg.norm(found.last_poses[:, :2] - goals[:, :2], axis=1)
+    success = arrived_at(goals, found)
+    return Outcome(success, found.ending, found.seconds, gap, found.poses)
+
+
+def arrived_at(goals: Array, found: Rollouts) -> NDArray[np.bool_]:
+    """(N,) whether arrival was declared at the goals (N, 3), facing as they do."""
     last = found.last_poses
     gap = np.linalg.norm(last[:, :2] - goals[:, :2], axis=1)
     faces = np.abs(wrap(last[:, 2] - goals[:, 2])) <= FACING
-    success = (found.ending == "arrived") & (gap <= NEAR) & faces
-    return Outcome(success, found.ending, found.seconds, gap, found.poses)
+    return (found.ending == "arrived") & (gap <= NEAR) & faces
 
 
 def experiences(building: Building, indices: Sequence[int] | None = None) -> Iterator[Experience]:

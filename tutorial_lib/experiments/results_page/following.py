@@ -198,8 +198,8 @@ def _disturbance_section(results: Results) -> list[str]:
         f"the middle of a recorded trajectory the car is pushed, turned, put down somewhere else "
         f"out of sight, or a person walks to and fro across its path. "
         f"{CONTEXTS[settings.context]}, p_sparsify = {settings.threshold:g}, "
-        f"{results.worlds('disturbances')} test worlds; cars that were lost before the "
-        f"disturbance are not counted.",
+        f"{results.worlds('disturbances')} test worlds; success is judged as in "
+        f"navigation, and nobody is left out.",
         recoveries(rows),
         f"Undisturbed, {percent(none['finished'])} finish; pushed aside "
         f"{percent(pushed['finished'])} and with a person in the path "

@@ -7,6 +7,7 @@ from itertools import groupby
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.meng2020.fig4 import Settings as PairSettings
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES
+from tutorial_lib.experiments.results_page import reuse
 from tutorial_lib.experiments.results_page.markdown import (
     counted,
     number,
@@ -200,14 +201,12 @@ def _cost_section(results: Results) -> list[str]:
         "over many buildings. *Queries* are those of the whole map for one building, and those of "
         "one more trajectory for many. Bold is the better of two at the same size.",
         cost(rows),
-        f"*Edges found* is the share of the edges of the map that querying all pairs builds which "
-        f"the indexed map has, too. For the map that is used everywhere it is "
+        f"*Edges found* is the share of the edges between places that were not driven, of those "
+        f"that querying all pairs finds, which the index finds, too; each trajectory is compared "
+        f"with the same map both ways. For the map that is used everywhere it is "
         f"{percent(shipped['recall'], 2)} with {percent(shipped['queries'] / every['queries'])} "
-        f"of the queries; {percent(1 - shipped['recall'], 2)} are missing. Edges are compared by "
-        f"the numbers of their vertices, so that one reuse decided otherwise makes later edges "
-        f"differ, too; how much of the gap that is, and what it costs in navigation, is not "
-        f"measured. Without reuse it is {percent(plain['recall'], 2)} with "
-        f"{percent(plain['queries'] / all_of_it['queries'])} of the queries; in many buildings it "
+        f"of the queries, without reuse {percent(plain['recall'], 2)} with "
+        f"{percent(plain['queries'] / all_of_it['queries'])}; in many buildings it "
         f"is not measured. At {indexed['vertices']:,} vertices a plan takes "
         f"{number(indexed['plan_ms'], 0)} ms, its RE queries included, instead of "
         f"{number(exhaustive['plan_ms'], 0)} ms (one thread, the median of few plans). One "
@@ -221,6 +220,7 @@ SECTIONS = (
     Section("Fig. 4: pruning and reuse", ("meng_fig4",), _stages_section),
     Section("Fig. 8: whole maps", ("meng_fig8",), _whole_section),
     Section("Fig. 13: growth of maps", ("meng_fig13",), _growth_section),
+    *reuse.SECTIONS,
     Section("Cost of a growing map", ("map",), _cost_section),
 )
 PATHS = (

@@ -10,6 +10,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
+    composing,
     following,
     local_control,
     maps,
@@ -50,7 +51,7 @@ CHAPTERS = (
     Chapter("Reachability", reachability.SECTIONS),
     Chapter("Following a trajectory", following.SECTIONS),
     Chapter("Maps", maps.SECTIONS),
-    Chapter("Navigation", (*navigation.SECTIONS, *maps.PATHS)),
+    Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
     Chapter("Probability and faults", probability.SECTIONS),
     Chapter("The worlds", worlds.SECTIONS),
     Chapter("Speed", speed.SECTIONS),
@@ -77,8 +78,8 @@ def introduction(results: Results) -> str:
         [
             "# Results",
             f"This page is made from the JSON files beside it by `{COMMAND}`. Each section has "
-            f"the command that measures its numbers again, and the time that it took on two cores "
-            f"of a small server.",
+            f"the command that measures its numbers again, and the time that it took on a small "
+            f"server with two cores, which also had other work at times.",
             f"**Protocol and worlds.** Where a table or figure of Meng 2020 (*Scaling Local "
             f"Control to Large-Scale Topological Navigation*) is named, the protocol is the "
             f"paper's, but the world is easier: 2D floor plans, images by raycasting, a simulated "
@@ -89,16 +90,12 @@ def introduction(results: Results) -> str:
             f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
             f"Each network was trained once: intervals do not hold the variation from one "
             f"training to the next.",
-            "**What has changed since.** All of this was measured with exact wheel odometry; by "
-            "now it drifts unless `--odometry exact` is given. The networks learned in "
-            "apartments, offices and mazes; `train` draws halls, scans and worlds with signs as "
-            "well.",
             "**Names.** *C* is local control with k images of context on either side of the "
             "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
             "is built here; *SPTM* (Savinov 2018) is the paper's baseline, *random* knows nothing "
             "and the *oracle* the floor plan, its pose and the goal's.",
-            "**Intervals** in brackets are of 95 %. Over twenty worlds they are bootstrapped over "
-            "worlds; for one world they are Wilson's, over trials. For three or five worlds "
+            "**Intervals** in brackets are of 95 %. Over ten worlds or more they are bootstrapped "
+            "over worlds; for one world they are Wilson's, over trials. For three or five worlds "
             "together, too few for a bootstrap, the count is given, or each world. Where all "
             "worlds have the same share the bootstrap has no width, and the interval is left out. "
             "**Bold** is the best of its kind in a column or row; oracles and bounds take no "
@@ -132,7 +129,8 @@ def block_of(results: Results) -> str:
         results_in_short(results),
         "",
         f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
-        f"it. The world is easier than the paper's.",
+        f"it. The world is easier than the paper's. Navigation, plans and blocked paths were "
+        f"measured with earlier networks and exact odometry.",
         END,
     ]
     return "\n".join(lines)

@@ -14,14 +14,44 @@ from tutorial_lib.experiments.results_page.markdown import Row
 
 MAPS = ("depot", "tb3_sandbox", "warehouse")
 """Occupancy grids that come with Nav2 (`nav2_bringup/maps`)."""
+OTHER_FAMILIES = ("hall", "scanned")
+"""Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
+DRIVES = ("0.2", "0.4", "tour", "continuous")
+"""Of Table II: what agents learn, beside all drives."""
+
+
+def stored_as(drives: str, ablation: str = "") -> str:
+    """The name of the report on Table II, or an ablation of it, with `--drives`.
+
+    >>> stored_as("0.2"), stored_as("tour", "thresholds")
+    ('meng_table2_drives_02', 'meng_table2_thresholds_tour')
+    """
+    return f"meng_table2_{ablation or 'drives'}_{drives.replace('.', '')}"
+
+
+def _with_drives(drives: str) -> dict[str, str]:
+    """The commands of Table II and of its thresholds with `--drives`."""
+    found = {stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}"}
+    if drives != "continuous":  # its thresholds are those of the tour
+        chosen = f"experiment meng_table2 --ablation thresholds --drives {drives}"
+        found[stored_as(drives, "thresholds")] = chosen
+    return found
+
+
 COMMANDS = {
     "plans": "experiment plans",
+    "nts_wayfinding": "experiment nts_wayfinding",
     "meng_table1": "experiment meng_table1",
     **{f"meng_table1_{name}": f"experiment meng_table1 --map {name}.yaml" for name in MAPS},
+    **{
+        f"meng_table1_{name}": f"experiment meng_table1 --family {name} --worlds 20000:20010"
+        for name in OTHER_FAMILIES
+    },
     **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
-    "calibration": "experiment calibration",
+    "calibration": "experiment calibration --family all",
+    "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
@@ -29,10 +59,22 @@ COMMANDS = {
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
+    **{name: line for drives in DRIVES for name, line in _with_drives(drives).items()},
+    "meng_table2_anywhere": (
+        "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
+    ),
+    "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "faults": "experiment faults",
     **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
+EARLIER = frozenset(
+    {
+        *("meng_fig9", "meng_fig10", "meng_fig11", "meng_fig13", "faults", "map"),
+        *(name for name in COMMANDS if name.startswith(("ablation", "meng_table2"))),
+    }
+)
+"""Reports whose networks were trained in apartments, offices and mazes only; odometry was exact."""
 
 
 @dataclass(frozen=True)

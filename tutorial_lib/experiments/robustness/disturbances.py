@@ -14,7 +14,7 @@ from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
-from tutorial_lib.experiments.protocols.following import Guide, trajectories
+from tutorial_lib.experiments.protocols.following import Guide, ends_of, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.geometry import Array, compose
@@ -63,31 +63,28 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
-    """Every disturbance in one world; each value is (M,) over the robots that it affected.
+    """Every disturbance in one world; each value is (N,) over its trajectories.
 
-    A robot that does not reach the middle of its trajectory when undisturbed is never counted.
+    Every robot counts, also one that was lost before it could be disturbed.
     """
     rng = np.random.default_rng([options.seed, world])
     recorded = trajectories(world, settings.trajectories, rng)
     odometry = Odometry(options.drifts, (options.seed, world))
     guide = Guide(recorded, settings.context, odometry)
     paths = [guide.anchors(i, settings.threshold) for i in range(len(recorded.trajectories))]
-    ends = np.array([(path[0], path[-1]) for path in paths])
+    ends = ends_of(paths)
     length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
     due = recorded.arc[ends[:, 0]] + rng.uniform(*_WHEN, len(paths)) * length
     middle = np.searchsorted(recorded.arc, due)
-    passing = Disturbance(recorded, middle, None, rng)
-    _, poses, log = guide.follow(paths, disturb=passing)
-    found = {"none": _outcomes(recorded, ends, poses, log.state, passing.step)}
-    for kind, move in MOVES.items():
+    found = {}
+    for kind, move in {"none": None, **MOVES}.items():
         moving = Disturbance(recorded, middle, move, rng)
-        _, poses, log = guide.follow(paths, disturb=moving)
-        step = np.where(passing.step < 0, -1, moving.step)
-        found[kind] = _outcomes(recorded, ends, poses, log.state, step)
+        success, log = guide.deliver(paths, disturb=moving)
+        found[kind] = _outcomes(success, log.state, moving.step)
     people = [in_the_way(recorded, frame, robot, rng) for robot, frame in enumerate(middle)]
-    _, poses, log = guide.follow(paths, people=people)
-    # Counted from the step at which they would have met them, had they not slowed down before.
-    return {**found, "person": _outcomes(recorded, ends, poses, log.state, passing.step)}
+    passing = Disturbance(recorded, middle, None, rng)
+    success, log = guide.deliver(paths, people, passing)
+    return {**found, "person": _outcomes(success, log.state, passing.step)}
 
 
 class Disturbance:
@@ -187,37 +184,41 @@ def in_the_way(recorded: RecordedWorld, frame: int, robot: int, rng: np.random.G
 
 
 def _outcomes(
-    recorded: RecordedWorld,
-    ends: NDArray[np.intp],
-    poses: Array,
-    state: NDArray[np.int8],
-    step: NDArray[np.intp],
+    success: NDArray[np.bool_], state: NDArray[np.int8], step: NDArray[np.intp]
 ) -> dict[str, Array]:
-    """How it went on from `step` (N,) for robots that were not lost by then; (M,) each."""
-    gap = np.linalg.norm(poses[..., :2] - recorded.poses[ends[:, 1], :2], axis=-1)
+    """How every rollout ended (N,); a robot that was not disturbed counts as well.
+
+    Args:
+        success: (N,) see `Guide.deliver`.
+        state: (T, N) of the robots.
+        step: (N,) at which they were disturbed, -1 for never.
+    """
     lost = state == State.LOST
     when = np.where(lost.any(axis=0), lost.argmax(axis=0), len(state))
+    since = STEP * (when - step)
     columns = {
-        "finished": gap.min(axis=0) < REACHED,
+        "finished": success,
+        "disturbed": step >= 0,
         "lost": lost[-1],
-        "soon": lost[-1] & (when - step <= SOON / STEP),
-        "seconds": STEP * (when - step),
+        "soon": (step >= 0) & lost[-1] & (since <= SOON),
+        "seconds": since,
     }
-    counts = (step >= 0) & (when >= step)
-    return {name: column[counts].astype(float) for name, column in columns.items()}
+    return {name: column.astype(float) for name, column in columns.items()}
 
 
 def _row(kind: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
     world = np.repeat(np.arange(len(parts)), [len(part["lost"]) for part in parts])
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    lost = joined["lost"] > 0
+    disturbed = joined["disturbed"] > 0
+    lost = disturbed & (joined["lost"] > 0)
     row: dict[str, Any] = {"disturbance": kind, "trajectories": len(world)}
-    for name in ("finished", "soon"):
+    row["disturbed"] = int(disturbed.sum())
+    for name, mine in (("finished", np.ones(len(world), bool)), ("soon", disturbed)):
         shares = (None, None, None)  # if there was nowhere to put a robot
-        if len(world):
-            shares = measured_over_worlds(_mean, world, joined[name])
+        if mine.any():
+            shares = measured_over_worlds(_mean, world[mine], joined[name][mine])
         row |= dict(zip((name, f"{name}_low", f"{name}_high"), shares, strict=True))
-    row["lost"] = _mean(joined["lost"]) if len(world) else None
+    row["lost"] = _mean(joined["lost"])
     row["seconds"] = float(np.median(joined["seconds"][lost])) if lost.any() else None
     return row
 

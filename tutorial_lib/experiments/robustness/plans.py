@@ -25,6 +25,7 @@ from tutorial_lib.world.plan_json import plan_from_json, plan_to_json
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Laser
 from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world.worlds import families_of
 
 WORLDS = tuple(range(20_000, 20_200))
 USUAL = FAMILIES[:5]
@@ -49,7 +50,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
     With `options.map` the only plan is that file's.
     """
-    worlds, families = options.worlds, (options.family,) if options.family else USUAL
+    worlds, families = options.worlds, families_of(options.family, USUAL)
     driven = worlds[: settings.driven]
     jobs = [(family, world, world in driven) for family in families for world in worlds]
     if options.map is not None:

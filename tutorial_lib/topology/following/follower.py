@@ -2,14 +2,16 @@
 
 *Search* localizes the robot on its path. *Follow* drives to the active anchor by the predicted
 waypoint and switches to the next anchor in time. *Dead reckoning* takes over while RE of the active
-anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around. A
-robot that does not find its path again in time is lost, and stops.
+anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around.
+*Turn*: where the path goes on another way, the robot turns until it sees the next anchors. A robot
+that does not find its path again in time is lost, and stops.
 
 Nothing here ever sees a pose.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +36,7 @@ from tutorial_lib.topology.following.transitions import (
     last_visited,
     next_active,
 )
+from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns
 from tutorial_lib.world.simulation import STEP
 
 
@@ -76,6 +79,7 @@ class Follower:
         if not (fits and ((active >= -1) & (active < paths.lengths)).all()):
             raise InputError(f"starts: {starts}; give (N,) anchors of {count} paths, -1 to search")
         self.memory = FollowerState.at(active)
+        self._turns = PathTurns(count)
         self._predicted = np.full((count, 2), np.nan)  # RE of, and overlap with, the active anchor
         self._steps: list[tuple[NDArray, ...]] = []
 
@@ -103,21 +107,27 @@ class Follower:
         going = np.flatnonzero(~memory.over[robots])
         seen, under_way = observations[going], robots[going]
         probabilities = self._look_out(seen, under_way)
-        follow = memory.state[under_way] == State.FOLLOW
-        self._find_back(seen[~follow], under_way[~follow], probabilities[~follow])
-        self._follow(seen[follow], under_way[follow], probabilities[follow])
+        states = memory.state[under_way]
+        for state, step in (
+            (State.DEAD_RECKONING, self._find_back),
+            (State.TURN, self._turn),
+            (State.FOLLOW, self._follow),
+        ):
+            rows = np.flatnonzero(states == state)
+            step(seen[rows], under_way[rows], probabilities[rows])
         actions = np.zeros((len(robots), 2))
         actions[going] = self._drive(seen, under_way)
         before = memory.state.copy(), memory.active.copy(), memory.visited.copy()
         self._steps.append((*before, *self._predicted.T.copy(), memory.waypoints.copy()))
         return actions
 
-    def assign(self, robot: int, path: ArrayLike) -> None:
+    def assign(self, robot: int, path: ArrayLike, turns: Mapping[int, float] | None = None) -> None:
         """Put a robot on another path, which it follows from the first anchor on.
 
         Args:
             robot: its index.
             path: (L,) indices of anchors, as for `AnchorPaths`.
+            turns: by how many rad it turns before each of these places on the path.
 
         Raises:
             InputError: when the path leads beyond the anchors.
@@ -125,6 +135,7 @@ class Follower:
         paths = list(self.paths.paths)
         paths[robot] = path
         self.paths = replace(self.paths, paths=paths)
+        self._turns.set(robot, {} if turns is None else turns)
         self.memory.follow_from_start(robot)
 
     def log(self) -> FollowerLog:
@@ -169,19 +180,27 @@ class Follower:
         settings, memory = self.settings, self.memory
         self._try(observations, robots, probabilities[:, settings.widest] > settings.p_try)
         sighted = found_again(memory.active[robots], probabilities, settings.p_follow)
-        same = np.abs(sighted - memory.sighted[robots]) <= 1
-        streak = np.where(same, memory.streak[robots], 0) + 1
-        streak = np.where(sighted >= 0, streak, 0)
-        memory.sighted[robots], memory.streak[robots] = sighted, streak
+        back = memory.sight(robots, sighted, settings.confirm)
         memory.stalled[robots] += STEP
-        back = streak >= settings.confirm
         lost = ~back & (memory.stalled[robots] > settings.timeout - STEP / 2)
         memory.width[robots] = np.minimum(memory.width[robots] + 1, settings.widest)
         memory.state[robots[lost]] = State.LOST
-        memory.enter(robots[back], State.FOLLOW)
-        memory.heading.begin(robots[back & (sighted != memory.active[robots])])
-        memory.active[robots[back]] = sighted[back]
-        memory.visited[robots[back]] = np.maximum(memory.visited[robots], sighted - 1)[back]
+        memory.go_on(robots[back], sighted[back])
+
+    def _turn(self, observations: Observation, robots: Robots, probabilities: Array) -> None:
+        """Turn: back to Follow once one of the next anchors, or how the goal looks, was sighted."""
+        settings, memory = self.settings, self.memory
+        active, last = memory.active[robots], np.flatnonzero(memory.looked[robots])
+        there = observations[last], robots[last], active[last, None], np.ones((len(last), 1), bool)
+        overlaps = self.paths.waypoints(self.predictor, *there)[1]
+        sighted = found_again(active, probabilities, settings.p_follow)
+        sighted[last] = np.where(overlaps[:, 0] > settings.facing, active[last], -1)
+        back = memory.sight(robots, sighted, settings.confirm)
+        late = ~back & (self._turns.seconds[robots] > TURN_TIME - STEP / 2)
+        memory.go_on(robots[back], sighted[back])
+        memory.state[robots[late]] = State.LOST
+        ends = late & memory.looked[robots]
+        memory.go_on(robots[ends], active[ends])
 
     def _try(self, observations: Observation, robots: Robots, worth: NDArray[np.bool_]) -> None:
         """At the end of dead reckoning, request a new waypoint to the active anchor if `worth`.
@@ -218,7 +237,17 @@ class Follower:
         fresh = sure | moved | np.isnan(memory.waypoints[robots, 0])
         ahead = memory.heading.waypoints(robots, waypoints[np.arange(len(robots)), 1 + moved])
         memory.waypoints[robots[fresh]] = to_world(observations.odometry, ahead)[fresh]
-        self._leave(robots, sure, goal)
+        memory.leave(robots, sure, goal, settings)
+        # Who sees the next anchor drives to it, whatever the map says about turning.
+        blind = moved & ~(after > settings.p_follow) & self._turns.before(robots, chosen)
+        blind &= memory.state[robots] != State.LOST
+        memory.turn(robots[blind], settings.widest)
+        self._turns.begin(robots[blind], observations.odometry[blind], chosen[blind])
+        aside = memory.faces_away(robots, waypoints[:, 1], overlaps[:, 1], settings)
+        aside &= memory.active[robots] == self.paths.lengths[robots] - 1
+        memory.turn(robots[aside], settings.widest)
+        memory.looked[robots[aside]] = True
+        self._turns.look(robots[aside], observations.odometry[aside])
 
     def _arrive(
         self, robots: Robots, now: Array, after: Array, waypoints: Array, overlaps: Array
@@ -236,25 +265,14 @@ class Follower:
         first = np.where(np.where(last, waypoints[:, 1, 1], waypoints[:, 2, 1]) < 0, -1, 1)
         heading.decide(robots, wants, near, gap, overlap, first)
         done = (near & (heading.side[robots] == 0)) | tired
-        return done, near & last & (faces | tired)
-
-    def _leave(self, robots: Robots, sure: NDArray[np.bool_], goal: NDArray[np.bool_]) -> None:
-        """Leave Follow: at the goal, for dead reckoning, or lost."""
-        settings, memory = self.settings, self.memory
-        progress = goal | (sure & (memory.heading.tried[robots] <= settings.effort))
-        memory.calm[robots] = np.where(progress, memory.calm[robots] + STEP, 0.0)
-        memory.stalled[robots[~progress]] += STEP
-        memory.stalled[robots[memory.calm[robots] >= settings.calm]] = 0.0
-        memory.streak[robots] = np.where(goal, memory.streak[robots] + 1, 0)
-        lost = memory.stalled[robots] > settings.timeout - STEP / 2
-        memory.enter(robots[lost], State.LOST)
-        memory.enter(robots[~lost & (memory.streak[robots] >= settings.confirm)], State.DONE)
-        memory.enter(robots[~lost & ~sure & ~goal], State.DEAD_RECKONING)
+        return done, near & last & (faces | (tired & self.memory.looked[robots]))
 
     def _drive(self, observations: Observation, robots: Robots) -> Array:
-        """Actions (M, 2) towards the last waypoint, which odometry keeps track of."""
-        actions = np.zeros((len(robots), 2))
-        moving = np.flatnonzero(~self.memory.over[robots])
+        """Actions (M, 2) towards the last waypoint, which odometry keeps track of, or to turn."""
+        actions, state = np.zeros((len(robots), 2)), self.memory.state[robots]
+        if (turning := np.flatnonzero(state == State.TURN)).size:
+            actions[turning] = self._turns.act(observations[turning], robots[turning])
+        moving = np.flatnonzero(~self.memory.over[robots] & (state != State.TURN))
         if moving.size:
             seen = observations[moving]
             waypoints = to_local(seen.odometry, self.memory.waypoints[robots[moving]])

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import load_arrays, save_arrays
+from tutorial_lib.files import save_arrays
 from tutorial_lib.geometry import Array
+from tutorial_lib.reading.arrays import load_arrays
 
 VERSION = 1
 """Of the file's layout."""

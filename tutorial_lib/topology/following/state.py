@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.heading_search import HeadingSearch
-from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.world.simulation import STEP
 
 
 @dataclass(eq=False)
@@ -26,6 +27,7 @@ class FollowerState:
         width: (N,) anchors on either side of the active one that a lookout reaches.
         sighted: (N,) place of the anchor sighted in dead reckoning, -1 for none.
         streak: (N,) steps in a row with that anchor in sight, or at the goal.
+        looked: (N,) has turned all around at the goal.
         heading: the search for the heading of an anchor.
     """
 
@@ -38,6 +40,7 @@ class FollowerState:
     width: NDArray[np.intp]
     sighted: NDArray[np.intp]
     streak: NDArray[np.intp]
+    looked: NDArray[np.bool_]
     heading: HeadingSearch
 
     @classmethod
@@ -54,6 +57,7 @@ class FollowerState:
             width=np.zeros(count, dtype=int),
             sighted=np.full(count, -1),
             streak=np.zeros(count, dtype=int),
+            looked=np.zeros(count, dtype=bool),
             heading=HeadingSearch(count),
         )
 
@@ -79,10 +83,86 @@ class FollowerState:
         self.width[robots] = 0
         self.heading.stop(robots)
 
+    def turn(self, robots: NDArray[np.intp], widest: int) -> None:
+        """Let robots turn, and look for `widest` anchors ahead."""
+        self.enter(robots, State.TURN)
+        self.width[robots] = widest
+
+    def sight(
+        self, robots: NDArray[np.intp], sighted: NDArray[np.intp], confirm: int
+    ) -> NDArray[np.bool_]:
+        """Which robots (M,) have now sighted about the same anchor for `confirm` steps in a row.
+
+        Args:
+            robots: (M,) their indices.
+            sighted: (M,) places of anchors, -1 for none.
+            confirm: steps.
+        """
+        same = np.abs(sighted - self.sighted[robots]) <= 1
+        streak = np.where(same, self.streak[robots], 0) + 1
+        streak = np.where(sighted >= 0, streak, 0)
+        self.sighted[robots], self.streak[robots] = sighted, streak
+        return streak >= confirm
+
+    def go_on(self, robots: NDArray[np.intp], sighted: NDArray[np.intp]) -> None:
+        """Let robots follow their paths again, towards the anchors (M,) that they sighted."""
+        self.enter(robots, State.FOLLOW)
+        self.heading.begin(robots[sighted != self.active[robots]])
+        self.active[robots] = sighted
+        self.visited[robots] = np.maximum(self.visited[robots], sighted - 1)
+
+    def leave(
+        self,
+        robots: NDArray[np.intp],
+        sure: NDArray[np.bool_],
+        goal: NDArray[np.bool_],
+        settings: FollowerSettings,
+    ) -> None:
+        """Leave Follow: at the goal, for dead reckoning, or lost.
+
+        Args:
+            robots: (M,) their indices.
+            sure: (M,) see their anchors.
+            goal: (M,) are at their goals.
+            settings: the thresholds.
+        """
+        progress = goal | (sure & (self.heading.tried[robots] <= settings.effort))
+        self.calm[robots] = np.where(progress, self.calm[robots] + STEP, 0.0)
+        self.stalled[robots[~progress]] += STEP
+        self.stalled[robots[self.calm[robots] >= settings.calm]] = 0.0
+        self.streak[robots] = np.where(goal, self.streak[robots] + 1, 0)
+        lost = self.stalled[robots] > settings.timeout - STEP / 2
+        self.enter(robots[lost], State.LOST)
+        self.enter(robots[~lost & (self.streak[robots] >= settings.confirm)], State.DONE)
+        self.enter(robots[~lost & ~sure & ~goal], State.DEAD_RECKONING)
+
+    def faces_away(
+        self,
+        robots: NDArray[np.intp],
+        waypoints: Array,
+        overlaps: Array,
+        settings: FollowerSettings,
+    ) -> NDArray[np.bool_]:
+        """Which robots (M,) are at their anchors but do not face them, whatever they tried.
+
+        Those that turned all around before are not among them.
+
+        Args:
+            robots: (M,) their indices.
+            waypoints: (M, 2) to their anchors.
+            overlaps: (M,) with them.
+            settings: the thresholds.
+        """
+        tired = self.heading.tried[robots] > settings.effort
+        at = np.linalg.norm(waypoints, axis=1) < settings.at
+        following = (self.state[robots] == State.FOLLOW) & ~self.looked[robots]
+        return tired & at & (overlaps <= settings.facing) & following
+
     def follow_from_start(self, robot: int) -> None:
         """Let a robot follow a new path from its first anchor on."""
         one = np.array([robot])
         self.enter(one, State.FOLLOW)
         self.active[robot], self.visited[robot] = 0, -1
         self.stalled[robot], self.waypoints[robot] = 0.0, np.nan
+        self.looked[robot] = False
         self.heading.begin(one)

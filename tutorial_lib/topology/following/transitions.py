@@ -24,6 +24,7 @@ class State(IntEnum):
     DEAD_RECKONING = 2
     LOST = 3
     DONE = 4
+    TURN = 5
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class FollowerSettings:
     facing: float = 0.65
     effort: float = 5.0
     confirm: int = 5
-    timeout: float = 4.0
+    timeout: float = 2.0
     calm: float = 1.0
     widest: int = 4
 

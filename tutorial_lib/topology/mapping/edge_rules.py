@@ -27,14 +27,17 @@ class MapSettings:
             before and after the vertex, too; 0 as in the paper, where look-alike places merge.
         candidates: most similar vertices that a new anchor is compared with first.
         p_outdated: RE below which a vertex between two that are seen again is outdated.
+        p_between: RE to an anchor from one vertex, and from it to the next, above which the edge
+            between the two replaces it; 1 for never, as in the paper.
     """
 
     p_edge: float = 0.99
-    p_reuse: float = 0.95
+    p_reuse: float = 0.94
     sequence: int = 2
     reuse_sequence: int = 0
     candidates: int = 12
     p_outdated: float = 0.1
+    p_between: float = 0.94
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -69,6 +72,44 @@ def reusable(into: ArrayLike, onward: ArrayLike, allowed: ArrayLike, p_reuse: fl
     if not fits.any():
         return -1
     return int(np.where(fits, into * onward, -1.0).argmax())
+
+
+def reusable_edge(
+    into: ArrayLike, onward: ArrayLike, edges: ArrayLike, probabilities: ArrayLike, p_reuse: float
+) -> tuple[int, int] | None:
+    """The edge whose two vertices replace an anchor between them, None for none.
+
+    A vertex that replaces an anchor must be near it: some decimetres further, and it is out of
+    reach from the anchor before, or does not reach the one after. Two vertices, one on either side,
+    have no such bounds, so that a map ends to grow where robots drive as before.
+
+    Of the edges with RE above `p_reuse` to their source, along them and onward from their target,
+    the one with the largest product of the three.
+
+    Args:
+        into: (V,) RE from the anchor before to each vertex.
+        onward: (V,) RE from each vertex to the anchor after.
+        edges: (E, 2) source and target of those that may be taken.
+        probabilities: (E,) of those.
+        p_reuse: threshold on RE.
+
+    >>> edges = [[0, 1], [1, 2], [2, 0]]
+    >>> reusable_edge([0.99, 0.97, 0.5], [0.2, 0.96, 0.98], edges, [0.98, 0.99, 0.99], 0.95)
+    (1, 2)
+    """
+    edges = np.asarray(edges, dtype=np.intp).reshape(-1, 2)
+    steps = np.stack(
+        [
+            np.asarray(into, dtype=float)[edges[:, 0]],
+            np.asarray(probabilities, dtype=float),
+            np.asarray(onward, dtype=float)[edges[:, 1]],
+        ]
+    )  # (3, E)
+    fits = (steps > p_reuse).all(axis=0)
+    if not fits.any():
+        return None
+    source, target = edges[np.where(fits, steps.prod(axis=0), -1.0).argmax()].tolist()
+    return source, target
 
 
 def ahead_of(

@@ -9,13 +9,14 @@ from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.anchors import Anchors
-from tutorial_lib.topology.mapping.edge_rules import ahead_of, outdated, reusable
+from tutorial_lib.topology.mapping.edge_rules import outdated
 from tutorial_lib.topology.mapping.edge_search import (
     along_trajectories,
     search_edges,
     weakest_aligned,
 )
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
+from tutorial_lib.topology.mapping.reuse import Replacements, neighbours
 from tutorial_lib.topology.mapping.topomap import Added, TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
 
@@ -72,18 +73,22 @@ class Insertion:
     def insert(self) -> Added:
         """Reuse vertices, make new ones, and join them."""
         anchors, topomap = self.anchors, self.map
-        path, reused = self._reuse()
+        vertices = slice(0, self.count)
+        out, back = np.nan_to_num(self.out[:, vertices]), np.nan_to_num(self.back[:, vertices])
+        replaced = Replacements(topomap, out, back, self._matched())
+        path, reused = replaced.path.copy(), replaced.path >= 0
         fresh = np.flatnonzero(~reused)
         path[fresh] = topomap.make_vertices(
             *anchors.subset(fresh),
             np.full(len(fresh), len(topomap.paths)),
-            fresh,
+            replaced.places[fresh],
             self.prepared[fresh],
         )
-        topomap.paths.append(path.tolist())
+        passed = replaced.laid(path)
+        topomap.paths.append(passed.tolist())
         self._join(path, fresh)
-        self._follow(path)
-        gone = self._outdated(path)
+        self._follow(passed)
+        gone = self._outdated(passed)
         topomap.remove(gone)
         return Added(path, reused, gone, topomap.vertices.queries - self.queries)
 
@@ -152,22 +157,13 @@ class Insertion:
         """RE from vertices to anchors."""
         return self.map.vertices.onward(columns, self.prepared, anchors)
 
-    def _reuse(self) -> tuple[Indices, NDArray[np.bool_]]:
-        """(A,) the vertex that replaces each anchor, -1 for none, and whether there is one.
-
-        At the ends, the first anchor is its own predecessor and the last its own successor.
-        """
-        matched = self._matched()
-        taken, chosen = np.full(len(self.anchors), -1), list[int]()
-        out, back = np.nan_to_num(self.out), np.nan_to_num(self.back)
-        for anchor, (before, after) in enumerate(zip(*neighbours(len(taken)), strict=True)):
-            into, onward = out[before, : self.count], back[after, : self.count]
-            into = self._from_before(int(taken[before]) if anchor else -1, into, onward)
-            allowed = ahead_of(self.map.trajectory, self.map.place, chosen) & matched[anchor]
-            taken[anchor] = reusable(into, onward, allowed, self.settings.p_reuse)
-            if taken[anchor] >= 0:
-                chosen.append(int(taken[anchor]))
-        return taken, taken >= 0
+    def scores(self) -> tuple[Array, Array]:
+        """The least RE (A, V + A) over aligned sequences, from anchors to columns and back."""
+        along = self.along, self.settings.sequence, self.settings.p_edge
+        return (
+            weakest_aligned(self._query_out, self.out, *along),
+            weakest_aligned(self._query_back, self.back, *along),
+        )
 
     def _matched(self) -> NDArray[np.bool_]:
         """(A, V) whether the sequences around an anchor and a vertex are alike, if that matters."""
@@ -177,20 +173,10 @@ class Insertion:
         weakest = weakest_aligned(self._query_out, self.out, self.along, reach, least)
         return weakest[:, : self.count] > least
 
-    def _from_before(self, before: int, into: Array, onward: Array) -> Array:
-        """RE (V,) to vertices from the vertex `before` that replaced the anchor before."""
-        if before < 0:
-            return into
-        worth = np.flatnonzero(onward > self.settings.p_reuse)
-        probabilities = np.zeros(self.count)
-        probabilities[worth] = self.map.vertices.between(np.full(len(worth), before), worth)
-        return probabilities
-
     def _join(self, path: Indices, fresh: Indices) -> None:
         """Edges between new vertices and all others, scored by aligned sequences."""
-        least, reach = self.settings.p_edge, self.settings.sequence
-        out = weakest_aligned(self._query_out, self.out, self.along, reach, least)
-        back = weakest_aligned(self._query_back, self.back, self.along, reach, least)
+        least = self.settings.p_edge
+        out, back = self.scores()
         column = np.concatenate([np.arange(self.count), path])
         new = np.isin(np.arange(len(path)), fresh)
         # An anchor that was replaced by a vertex is no end of an edge.
@@ -220,12 +206,6 @@ class Insertion:
             seen, out[:, : self.count] < self.settings.p_outdated, before, after, _PASSING
         )
         return np.intersect1d(gone, near)
-
-
-def neighbours(anchors: int) -> tuple[Indices, Indices]:
-    """(A,) the anchor before and the one after each; at the ends it is the anchor itself."""
-    own = np.arange(anchors)
-    return np.maximum(own - 1, 0), np.minimum(own + 1, anchors - 1)
 
 
 def _best(alike: Array, pairs: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:

@@ -1,12 +1,13 @@
-"""Maps on disk: a JSON file with the graph, and beside it an `.npz` file with the observations.
+"""Maps on disk: one `.npz` file with the observations and, as JSON, the graph.
 
-The graph names the file of arrays that it belongs to by a digest, and is written last: an
-interrupted save leaves the old map intact.
+One file, so that there is never an older graph beside newer observations: whatever saves at the
+same time, a reader finds one map or another.
 """
 
 from __future__ import annotations
 
 import hashlib
+import io
 import json
 from dataclasses import asdict
 from pathlib import Path
@@ -17,63 +18,74 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import atomic_path, load_arrays, save_arrays, write_text
+from tutorial_lib.files import save_arrays, write_files
 from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.reading.arrays import load_arrays
+from tutorial_lib.reading.documents import parse_json
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.stored_graph import (
+    check_arrays,
+    read_edges,
+    read_paths,
+    read_turns,
+)
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
-VERSION = 1
-"""Of the files' layout."""
+VERSION = 2
+"""Of the file's layout; maps of version 1 were two files, NAME.json beside NAME-DIGEST.npz."""
 _SEEN = ("image", "laser", "odometry", "speed", "steering")
+_OTHERS = ("contexts", "timestamps", "trajectory", "place")
 
 
 def save_map(path: str | Path, topomap: TopoMap) -> None:
-    """Write a map to `path` (JSON) and to an `.npz` file beside it.
+    """Write a map to one `.npz` file, whole or not at all.
 
     Raises:
-        InputError: when the map is empty, or the name does not end in `.json`.
+        InputError: when the map is empty, the name does not end in `.npz`, or the file cannot be
+            written.
     """
-    path = _json(path)
+    path = _npz(path)
     if not len(topomap):
         raise InputError(f"{path}: an empty map; add a trajectory before saving it")
     alive = topomap.alive
-    arrays = _arrays(topomap, alive)
-    digest = _digest(arrays)
-    beside = path.with_name(f"{path.stem}-{digest[:12]}.npz")
-    save_arrays(beside, arrays, compressed=True)
     new = {int(old): number for number, old in enumerate(alive)}
     edges = [
         [new[source], new[target], edge["probability"], edge["driven"]]
         for source, target, edge in topomap.graph.edges(data=True)
     ]
     paths = [[new[v] for v in vertices if v in new] for vertices in topomap.paths]
-    graph = {
-        "version": VERSION,
-        "arrays": beside.name,
-        "digest": digest,
-        "settings": asdict(topomap.settings),
-        "edges": edges,
-        "trails": paths,  # as files of version 1 call them
-    }
-    write_text(path, json.dumps(graph))
-    for stale in path.parent.glob(f"{path.stem}-{'[0-9a-f]' * 12}.npz"):
-        if stale != beside:
-            stale.unlink()
+    # "trails" is what the first version called the paths.
+    turns = [
+        [new[source], new[target], angle]
+        for source, target, angle in topomap.graph.edges(data="turn")
+        if angle is not None
+    ]
+    settings = asdict(topomap.settings)
+    graph = {"settings": settings, "edges": edges, "turns": turns, "trails": paths}
+    text = np.frombuffer(json.dumps(graph).encode(), np.uint8)
+    arrays = {**_arrays(topomap, alive), "graph": text}
+    arrays["digest"] = _digest(arrays)
+    save_arrays(path, arrays, version=VERSION, compressed=True)
 
 
 def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
     """Read what `save_map` wrote, for use with `reachability`.
 
     Raises:
-        InputError: when a file is missing, damaged or of another version; it says which.
+        InputError: when the file is missing, damaged or of another version.
     """
-    path = _json(path)
+    path = _npz(path)
+    advice = "build the map again and save it"
+    names = (*_SEEN, *_OTHERS, "graph", "digest")
+    arrays = load_arrays(path, names, version=VERSION, advice=advice)
     try:
-        graph = _graph(path)
-        arrays = _load(path.with_name(graph["arrays"]), graph["digest"])
+        if not np.array_equal(arrays.pop("digest"), _digest(arrays)):
+            raise InputError("damaged (its digest is that of another map)")
+        graph = _graph(arrays.pop("graph"))
+        check_arrays(arrays)
         return _topomap(graph, arrays, reachability)
     except InputError as error:
-        raise InputError(f"{path}: {error}; build the map again and save it") from error
+        raise InputError(f"{path}: {error}; {advice}") from error
 
 
 def export_graphml(path: str | Path, topomap: TopoMap) -> None:
@@ -87,14 +99,18 @@ def export_graphml(path: str | Path, topomap: TopoMap) -> None:
             timestamp=float(topomap.vertices.timestamps[vertex]),
         )
     graph.add_edges_from(topomap.graph.edges(data=True))
-    with atomic_path(path) as temporary:
-        nx.write_graphml(graph, temporary)
+    buffer = io.BytesIO()
+    nx.write_graphml(graph, buffer)
+    write_files({Path(path): buffer.getvalue()})
 
 
-def _json(path: str | Path) -> Path:
+def _npz(path: str | Path) -> Path:
     path = Path(path)
-    if path.suffix != ".json":
-        raise InputError(f"{path}: the name of a map ends in .json; give another name")
+    if path.suffix == ".json":
+        first = "maps of the first version ended in .json and can no longer be read"
+        raise InputError(f"{path}: {first}; build the map again and save it as .npz")
+    if path.suffix != ".npz":
+        raise InputError(f"{path}: the name of a map ends in .npz; give another name")
     return path
 
 
@@ -109,70 +125,43 @@ def _arrays(topomap: TopoMap, alive: NDArray[np.intp]) -> dict[str, NDArray[Any]
     }
 
 
-def _digest(arrays: dict[str, NDArray[Any]]) -> str:
+def _digest(arrays: dict[str, NDArray[Any]]) -> NDArray[np.uint8]:
+    """SHA-256 (32,) of all that a map says."""
     digest = hashlib.sha256()
     for name in sorted(arrays):
         digest.update(f"{name} {arrays[name].dtype} {arrays[name].shape}".encode())
-        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
-    return digest.hexdigest()
+        digest.update(np.ascontiguousarray(arrays[name]).reshape(-1).view(np.uint8))
+    return np.frombuffer(digest.digest(), np.uint8)
 
 
-def _graph(path: Path) -> dict[str, Any]:
-    """The graph's file, so far as it is one."""
-    if not path.is_file():
-        raise InputError("there is no such file")
+def _graph(stored: NDArray[Any]) -> dict[str, Any]:
+    """Settings, edges and paths."""
     try:
-        graph = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
-        raise InputError(f"damaged, or not JSON ({error})") from error
-    if not isinstance(graph, dict) or graph.get("version") != VERSION:
-        raise InputError(f"not a map of version {VERSION}")
-    missing = {"arrays", "digest", "settings", "edges", "trails"} - set(graph)
-    if missing:
-        raise InputError(f"{', '.join(sorted(missing))}: missing")
-    name = graph["arrays"]
-    if not isinstance(name, str) or not name or Path(name).name != name:
-        raise InputError(f"arrays: {name!r} is not the name of a file beside it")
+        graph = parse_json(stored.tobytes().decode(), "its graph")
+    except UnicodeDecodeError as error:
+        raise InputError(f"its graph is no UTF-8 text ({error})") from error
+    keys = {"settings", "edges", "trails"}
+    found = set(graph) - {"turns"} if isinstance(graph, dict) else set()  # few maps have turns
+    wrong = keys ^ found
+    if wrong:
+        raise InputError(f"{', '.join(sorted(wrong))}: missing, or not part of a map")
     return graph
-
-
-def _load(path: Path, digest: str) -> dict[str, NDArray[Any]]:
-    """The arrays that belong to a graph."""
-    try:
-        arrays = load_arrays(path, names=())
-    except InputError as error:
-        raise InputError(f"{path.name}: missing or damaged ({error})") from error
-    if _digest(arrays) != digest:
-        raise InputError(f"{path.name}: does not belong to this map")
-    return arrays
 
 
 def _topomap(
     graph: dict[str, Any], arrays: dict[str, NDArray[Any]], reachability: Reachability
 ) -> TopoMap:
     try:
-        found = TopoMap(reachability, MapSettings(**graph["settings"]))
-        seen = Observation(depth=None, **{name: arrays[name] for name in _SEEN})
-        found.make_vertices(
-            seen, *(arrays[name] for name in ("contexts", "timestamps", "trajectory", "place"))
-        )
-        found.paths = [[int(vertex) for vertex in vertices] for vertices in graph["trails"]]
-        for number, path in enumerate(found.paths):
-            gone = sorted({*path} - {*found.graph})
-            if gone:
-                raise InputError(f"trajectory {number} leads over {gone}, which are not there")
-        for vertex in found.alive:
-            path, place = found.path_of(int(vertex))
-            if place < 0 or path[place] != vertex:
-                raise InputError(f"vertex {vertex} is not where its trajectory has it")
-        for source, target, probability, driven in graph["edges"]:
-            if source not in found.graph or target not in found.graph:
-                raise InputError(f"edge {source} to {target}; the map has {len(found)} vertices")
-            if not 0.0 <= probability <= 1.0:
-                raise InputError(f"edge {source} to {target}: probability {probability}")
-            found.connect(source, target, probability, driven)
-    except InputError:
-        raise
-    except (TypeError, ValueError, KeyError, IndexError) as error:
-        raise InputError(f"damaged ({error!r})") from error
+        settings = MapSettings(**graph["settings"])
+    except TypeError as error:
+        raise InputError(f"settings: damaged ({error})") from error
+    found = TopoMap(reachability, settings)
+    found.paths = read_paths(graph["trails"], arrays["trajectory"], arrays["place"])
+    edges = read_edges(graph["edges"], len(arrays["place"]))
+    seen = Observation(depth=None, **{name: arrays[name] for name in _SEEN})
+    found.make_vertices(seen, *(arrays[name] for name in _OTHERS))
+    for edge in edges:
+        found.connect(*edge)
+    for source, target, angle in read_turns(graph.get("turns", []), edges):
+        found.graph.edges[source, target]["turn"] = angle
     return found

@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.geometry import wrap
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
@@ -21,7 +22,8 @@ class TopoMap:
 
     Attributes:
         graph: on networkx. An edge has `probability` (RE), `weight` (-log RE) and `driven`: how
-            often a trajectory went along it.
+            often a trajectory went along it. One on which the robot turns where it stands also has
+            `turn`: by how many rad.
         vertices: observation, context and prepared target of each vertex.
         settings: thresholds on RE.
         paths: for each trajectory its vertices, in order.
@@ -80,6 +82,8 @@ class TopoMap:
 
     def connect(self, source: int, target: int, probability: float, driven: int = 0) -> None:
         """Add an edge, or raise its probability."""
+        if self.graph.get_edge_data(source, target, {}).get("turn") is not None:
+            self.graph.remove_edge(source, target)  # to drive is better than to turn
         old = self.graph.get_edge_data(source, target, {"probability": 0.0, "driven": 0})
         probability = max(float(probability), old["probability"])
         self.graph.add_edge(
@@ -89,6 +93,14 @@ class TopoMap:
             weight=float(weight(probability)),
             driven=old["driven"] + driven,
         )
+
+    def connect_by_turn(self, source: int, target: int, probability: float, angle: float) -> bool:
+        """Add an edge on which the robot turns by so many rad, unless there is one already."""
+        if source == target or self.graph.has_edge(source, target):
+            return False
+        self.connect(source, target, probability)
+        self.graph.edges[source, target]["turn"] = float(wrap(angle))
+        return True
 
     def path_of(self, vertex: int) -> PlaceOnPath:
         """The path of the trajectory that a vertex was made for, and the vertex's place on it."""
@@ -141,7 +153,7 @@ class Added:
     """How a trajectory was added to the map.
 
     Attributes:
-        path: (A,) the vertex of each anchor.
+        path: (A,) the vertex of each anchor; of an edge that replaces it, the target.
         reused: (A,) whether that vertex had been there before.
         outdated: (R,) vertices that were removed, since they look different by now.
         queries: pairs that RE was queried about.

@@ -1,5 +1,6 @@
 """Films and pictures as files."""
 
+import errno
 import io
 import os
 import sys
@@ -11,6 +12,7 @@ from threading import Thread
 
 import cv2
 import numpy as np
+from cv2.utils import logging
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -23,11 +25,14 @@ _MOST_WAITING = 30  # frames that wait to be encoded
 
 
 @contextmanager
-def film_writer(path: str | Path, frames_per_second: float) -> Iterator[Callable[[Picture], None]]:
-    """Write a WebM film (VP8), which every browser plays, frame by frame; whole or not at all.
+def film_encoder(
+    path: str | Path, temporary: Path, frames_per_second: float
+) -> Iterator[Callable[[Picture], None]]:
+    """Write a WebM film (VP8), which every browser plays, frame by frame.
 
     Args:
-        path: ends in .webm.
+        path: the film's name, for errors; ends in .webm.
+        temporary: where it is written, see `files.atomic_paths`.
         frames_per_second: of the film.
 
     Yields:
@@ -35,33 +40,34 @@ def film_writer(path: str | Path, frames_per_second: float) -> Iterator[Callable
         own while the next ones are made.
 
     Raises:
-        InputError: when there are no frames, their sizes are odd or differ, the name is not a
-            WebM film's, or this OpenCV cannot write one.
+        InputError: when there are no frames, they are no such pictures, their sizes are odd or
+            differ, the name is not a WebM film's, or this OpenCV cannot write one.
+        OSError: when the disk did not take all frames.
     """
     if Path(path).suffix != ".webm":
         raise InputError(f"{path}: a film's name ends in .webm; rename it")
-    with atomic_path(path) as temporary:
-        encoder = _Encoder(path, temporary, frames_per_second)
-        try:
-            yield encoder.add
-        finally:
-            encoder.finish()
-        if encoder.shape is None:
-            raise InputError(f"{path}: no frames to write; give at least one")
+    encoder = _Encoder(path, temporary, frames_per_second)
+    try:
+        yield encoder.add
+    finally:
+        encoder.finish()
+    if encoder.shape is None:
+        raise InputError(f"{path}: no frames to write; give at least one")
+    if (found := _frames_in(temporary)) != encoder.count:  # OpenCV says nothing of a full disk
+        words = f"{found} of {encoder.count} frames could be read again"
+        raise OSError(errno.ENOSPC, words, str(temporary))
 
 
 def write_film(path: str | Path, frames: Iterable[Picture], frames_per_second: float) -> None:
-    """Write frames (H, W, 3) uint8 RGB as a film; see `film_writer`."""
-    with film_writer(path, frames_per_second) as add:
+    """Write frames (H, W, 3) uint8 RGB as a film, whole or not at all; see `film_encoder`."""
+    with atomic_path(path) as temporary, film_encoder(path, temporary, frames_per_second) as add:
         for frame in frames:
             add(frame)
 
 
-def write_picture(path: str | Path, picture: Picture) -> None:
-    """Write an RGB picture (H, W, 3) as PNG; whole or not at all."""
-    with atomic_path(path) as temporary:
-        if not cv2.imwrite(str(temporary), picture[..., ::-1]):
-            raise OSError(f"{path}: OpenCV could not write the picture")
+def exact_png(picture: Picture) -> bytes:
+    """An RGB picture (H, W, 3) as the bytes of a PNG file with all its colours."""
+    return cv2.imencode(".png", picture[..., ::-1])[1].tobytes()
 
 
 def png(picture: Picture) -> bytes:
@@ -96,6 +102,7 @@ class _Encoder:
 
     def __init__(self, path: str | Path, temporary: Path, rate: float) -> None:
         self.shape: tuple[int, ...] | None = None
+        self.count = 0
         self._path, self._temporary, self._rate = path, temporary, rate
         self._waiting: Queue[Picture | None] = Queue(_MOST_WAITING)
 
@@ -103,8 +110,9 @@ class _Encoder:
         """Add a frame; the first one fixes the size."""
         if self.shape is None:
             self._start(frame)
-        if frame.shape != self.shape:  # OpenCV would drop it silently
-            raise InputError(f"{self._path}: frames differ in size; give all the same")
+        if frame.shape != self.shape or frame.dtype != np.uint8:  # OpenCV would drop it silently
+            raise InputError(f"{self._path}: frames differ in size or are not uint8; mend them")
+        self.count += 1
         self._waiting.put(frame)
 
     def finish(self) -> None:
@@ -130,14 +138,28 @@ class _Encoder:
         self._thread.start()
 
     def _encode(self, writer: cv2.VideoWriter) -> None:
+        level = logging.getLogLevel()
+        logging.setLogLevel(logging.LOG_LEVEL_ERROR)  # no warning for each frame that is lost
         while (frame := self._waiting.get()) is not None:
             writer.write(frame[..., ::-1])
         writer.release()
+        logging.setLogLevel(level)
+
+
+def _frames_in(path: Path) -> int:
+    """How many frames a film holds, which are found but not decoded."""
+    count = 0
+    with _hushed():
+        film = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_FORMAT, -1])
+        while film.grab():
+            count += 1
+        film.release()
+    return count
 
 
 @contextmanager
 def _hushed() -> Iterator[None]:
-    """Keep FFmpeg's harmless warning about VP8's tag off the terminal."""
+    """Keep FFmpeg's warnings off the terminal: of VP8's tag, and of films that end too early."""
     sys.stderr.flush()
     kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     try:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.documents import read_json
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.importers.houseexpo import import_houseexpo
 from tutorial_lib.world.importers.ros_map import import_ros_map
@@ -33,12 +33,7 @@ def import_map(path: str | Path, seed: int = 0, palette: str = "standard") -> Fl
         return import_ros_map(path, seed, palette)
     if path.suffix.lower() != ".json":
         raise InputError(f"{path}: unknown kind of map; give a .yaml, .yml or .json file")
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a map's file") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path.name}: is no JSON ({error}); was the file cut off?") from None
+    content = read_json(path, "give a map's file; was it cut off?")
     if isinstance(content, dict) and "schema" in content:
         return load_plan(path)
     if isinstance(content, dict) and "verts" in content:

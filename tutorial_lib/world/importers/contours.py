@@ -11,6 +11,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.reading.limits import MAX_CORNERS
+
 TOLERANCE = 0.45
 """How far, in cells, a simplified outline may pass by a corner of the exact one; below a half."""
 
@@ -44,13 +47,23 @@ def trace_loops(free: NDArray[np.bool_]) -> list[tuple[NDArray[np.int64], NDArra
     Returns:
         For each loop its corners (K, 2) as x, y and (K,) whether the outline touches itself or
         another one there. Every loop visits a corner once.
+
+    Raises:
+        InputError: when there are more than `MAX_CORNERS`.
     """
     padded = np.pad(np.asarray(free, dtype=bool), 1)
     sw, se, nw, ne = padded[:-1, :-1], padded[:-1, 1:], padded[1:, :-1], padded[1:, 1:]
     # Borders with the free cell on their left that leave a lattice point: east, north, west, south.
     leaving = np.stack([ne & ~se, nw & ~ne, sw & ~nw, se & ~sw])
     arriving = np.stack([nw & ~sw, sw & ~se, se & ~ne, ne & ~nw])
-    rows, columns = np.nonzero((leaving & ~arriving).any(axis=0))
+    corner = (leaving & ~arriving).any(axis=0)
+    count = np.count_nonzero(corner)
+    if count > MAX_CORNERS:
+        raise InputError(
+            f"map: the outline of its free space has {count:,} corners, more than the "
+            f"{MAX_CORNERS:,} that are read; clean or scale down the picture"
+        )
+    rows, columns = np.nonzero(corner)
     touching = leaving[:, rows, columns].sum(axis=0) == 2
     points = np.stack([columns, rows], axis=1).astype(np.int64)
     cycles = _cycles(_neighbours(rows, columns), leaving[:, rows, columns], touching)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -10,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.documents import read_json
+from tutorial_lib.reading.limits import MAX_BOXES, MAX_OUTLINE
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.importers.contours import signed_area
@@ -48,7 +49,8 @@ def import_houseexpo(path: str | Path, seed: int = 0, palette: str = "standard")
             outline crosses itself or encloses nothing.
     """
     check_choice(seed, palette)
-    root = _read_json(Path(path))
+    content = read_json(path, "give a HouseExpo JSON file; was it cut off?")
+    root = Field(content, Path(path).name)
     outline = _outline(root["verts"])
     rng = np.random.default_rng(seed)
     look = imported_look(rng, palette)
@@ -58,18 +60,11 @@ def import_houseexpo(path: str | Path, seed: int = 0, palette: str = "standard")
     return FloorPlan("houseexpo", int(seed), walls, names, offsets, materials, rooms, look=look)
 
 
-def _read_json(path: Path) -> Field:
-    try:
-        return Field(json.loads(path.read_text(encoding="utf-8")), path.name)
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a HouseExpo JSON file") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path.name}: is no JSON ({error}); was the file cut off?") from None
-
-
 def _outline(verts: Field) -> NDArray[np.float64]:
     """The outer wall (K, 2), counter-clockwise, no corner repeated."""
     points = np.array(verts.points()).reshape(-1, 2)
+    if len(points) > MAX_OUTLINE:
+        raise InputError(f"{verts.where}: {len(points)} corners; give at most {MAX_OUTLINE}")
     if len(points):
         points = points[np.hypot(*(points - np.roll(points, 1, axis=0)).T) > _SAME]
     if len(points) < 3:
@@ -114,11 +109,15 @@ def _side(
 def _rooms(categories: Field, outline: NDArray[np.float64]) -> tuple[Room, ...]:
     if not isinstance(categories.value, dict):
         raise categories.fail("give a mapping of categories to boxes")
-    rooms = []
+    rooms, count = [], 0
     for name in categories.value:
         entry = categories[name]
         single = isinstance(entry.value, list) and entry.value[:1] and _is_number(entry.value[0])
-        for box in [entry] if single else list(entry):
+        boxes = [entry] if single else list(entry)
+        count += len(boxes)
+        if count > MAX_BOXES:
+            raise InputError(f"{categories.where}: give at most {MAX_BOXES} boxes")
+        for box in boxes:
             x0, y0, x1, y1 = box.numbers(4)
             corners = _clipped(outline, (min(x0, x1), min(y0, y1), max(x0, x1), max(y0, y1)))
             if len(corners) >= 3 and abs(signed_area(corners)) >= _MIN_ROOM:

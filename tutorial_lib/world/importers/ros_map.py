@@ -5,17 +5,16 @@ The meaning of every key is that of nav2's map_server.
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import to_world
+from tutorial_lib.reading.documents import read_yaml
+from tutorial_lib.reading.pictures import Picture, read_picture
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.importers.contours import free_loops, signed_area
@@ -26,6 +25,7 @@ MIN_AREA = 1.0
 """Square metres that the car must be able to cover in a free region, or it is left out."""
 MAX_EXTENT = 1000.0
 """Metres across, above which a resolution is taken for a mistake."""
+_AT_ONCE = 1_000_000  # pixels
 _CAR_RADIUS = 0.15  # metres; half the car's width and a little room
 
 
@@ -48,14 +48,16 @@ def import_ros_map(path: str | Path, seed: int = 0, palette: str = "standard") -
             sense, or when no free region is large enough for the car.
     """
     check_choice(seed, palette)
-    root = _read_yaml(Path(path))
+    content = read_yaml(path, "give a map's YAML file, or correct it")
+    root = Field(content, Path(path).name)
     resolution = _positive(root["resolution"])
     pose = _origin(root["origin"])
     free = _free_cells(root, Path(path).parent)
     extent = resolution * max(free.shape)
     if extent > MAX_EXTENT:
         raise root["resolution"].fail(f"the map would be {extent:g} m across; give metres a cell")
-    if not large_regions(free, resolution).any():
+    free = large_regions(free, resolution)
+    if not free.any():
         raise InputError(
             f"{root.where}: image: no free region lets the car cover {MIN_AREA:g} m²; "
             "check negate, free_thresh and resolution"
@@ -75,33 +77,20 @@ def plan_of_cells(
     """The floor plan of an occupancy grid.
 
     Args:
-        free: (H, W) cells known to be free, row 0 the lowest y.
+        free: (H, W) cells known to be free, row 0 the lowest y, of `large_regions`.
         resolution: metres a cell.
         pose: [x, y, yaw] of the grid's lower left corner.
         name: family and seed of the plan.
         rng: of the colours, which a grid does not have.
         palette: "standard" or "shifted".
     """
-    cells = free_loops(large_regions(free, resolution))
-    loops = [to_world(pose, loop * resolution) for loop in cells]
+    loops = [to_world(pose, loop * resolution) for loop in free_loops(free)]
     look = imported_look(rng, palette)
     walls, names, offsets, materials = dress_loops(loops, rng, palette)
     rooms = tuple(
         Room("open", tuple(map(tuple, loop.tolist()))) for loop in loops if signed_area(loop) > 0
     )
     return FloorPlan(*name, walls, names, offsets, materials, rooms, look=look)
-
-
-def _read_yaml(path: Path) -> Field:
-    try:
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read ({error}); give a map's YAML file") from None
-    except (yaml.YAMLError, RecursionError, ValueError) as error:
-        mark = getattr(error, "problem_mark", None)
-        where = f" near line {mark.line + 1}" if mark else ""
-        raise InputError(f"{path.name}: is no valid YAML{where}; correct it") from None
-    return Field(content, path.name)
 
 
 def _number(entry: Field) -> float:
@@ -138,18 +127,31 @@ def _free_cells(root: Field, folder: Path) -> NDArray[np.bool_]:
     negate = root["negate"].value
     if not isinstance(negate, bool | int):
         raise root["negate"].fail("give 0 or 1")
-    colour, alpha = _read_picture(root["image"], folder)
-    if alpha is None:
-        shade = colour.mean(axis=2)
-    elif mode == "trinary":  # map_server averages alpha in; grey counts as red, green and blue
-        shade = (3.0 * colour.mean(axis=2) + alpha) / 4.0
-    else:
-        shade = colour.mean(axis=2)
+    picture = _read_picture(root["image"], folder)
+    height, width, channels = picture.values.shape
+    pixels = picture.values.reshape(-1, channels)
+    # Some at a time: as numbers of 64 bits they need many times the room.
+    free = [
+        _free_pixels(pixels[first : first + _AT_ONCE] / picture.top, mode, bool(negate), low, high)
+        for first in range(0, len(pixels), _AT_ONCE)
+    ]
+    return np.concatenate(free).reshape(height, width)[::-1]
+
+
+def _free_pixels(
+    levels: NDArray[np.float64], mode: str, negate: bool, low: float, high: float
+) -> NDArray[np.bool_]:
+    """Which of N pixels (N, C), 0 to 1, are known to be free."""
+    known = np.ones(len(levels), dtype=bool)
+    shade = levels.mean(axis=1)
+    if levels.shape[1] in (2, 4):
+        alpha, shade = levels[:, -1], levels[:, :-1].mean(axis=1)
+        if mode == "trinary":  # map_server averages alpha in; grey counts as red, green and blue
+            shade = (3.0 * shade + alpha) / 4.0
+        else:
+            known = alpha >= 1.0
     occupied = shade if negate else 1.0 - shade
-    free = (occupied < low) & ~(occupied > high)
-    if mode == "scale" and alpha is not None:
-        free &= alpha >= 1.0
-    return free[::-1]
+    return known & (occupied < low) & ~(occupied > high)
 
 
 def _thresholds(root: Field) -> tuple[float, float]:
@@ -163,63 +165,11 @@ def _thresholds(root: Field) -> tuple[float, float]:
     return low, high
 
 
-def _read_picture(
-    entry: Field, folder: Path
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
-    """Brightness (H, W, 1 or 3) and, where there is one, opacity (H, W), each 0 to 1."""
-    path = folder / entry.text()
+def _read_picture(entry: Field, folder: Path) -> Picture:
     try:
-        data = path.read_bytes()
-    except (OSError, ValueError):
-        raise entry.fail("this picture cannot be read; put it beside the YAML file") from None
-    if data[:2] in (b"P2", b"P5"):
-        return _read_pgm(data, entry)[..., None], None
-    cut = data[:4] == b"\x89PNG" and b"IEND" not in data
-    picture = None if cut or not data else _decode(data)
-    if picture is None or picture.dtype not in (np.uint8, np.uint16):
-        raise entry.fail("this is no whole PGM or PNG picture; was it cut off?")
-    levels = picture.reshape(*picture.shape[:2], -1) / np.iinfo(picture.dtype).max
-    if levels.shape[2] in (2, 4):
-        return levels[..., :-1], levels[..., -1]
-    return levels, None
-
-
-def _decode(data: bytes) -> NDArray[Any] | None:
-    try:
-        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        return None
-
-
-def _read_pgm(data: bytes, entry: Field) -> NDArray[np.float64]:
-    """Brightness (H, W), 0 to 1, of a PGM in text (P2) or bytes (P5); OpenCV accepts cut ones."""
-    header = re.match(rb"P[25]" + 3 * rb"(?:\s|#[^\n]*\n)+(\d{1,9})" + rb"(?=\s)", data)
-    if header is None:
-        raise entry.fail("its PGM header is broken; give width, height and largest value")
-    width, height, top = (int(group) for group in header.groups())
-    if not (width and height and 0 < top < 65536):
-        raise entry.fail(f"PGM of {width} x {height} pixels up to {top}; give sizes above 0")
-    count = width * height
-    if data[:2] == b"P5":
-        kind = np.dtype(np.uint8 if top < 256 else ">u2")
-        body = data[header.end() + 1 :]
-        found = len(body) // kind.itemsize
-    else:
-        kind = np.dtype(np.int64)
-        body = re.sub(rb"#[^\n]*", b"", data[header.end() :]).split()
-        found = len(body)
-    if found < count:
-        raise entry.fail(
-            f"holds {found} of {width} x {height} pixels; it was cut off, save it again"
-        )
-    if data[:2] == b"P5":
-        values = np.frombuffer(body, kind, count)
-    else:
-        try:
-            values = np.array([min(int(word), top) for word in body[:count]])
-        except ValueError:
-            raise entry.fail("a pixel is no number; save the PGM again") from None
-    return np.clip(values.reshape(height, width) / top, 0.0, 1.0)
+        return read_picture(folder / entry.text())
+    except InputError as error:
+        raise entry.fail(f"{error}; put a whole picture beside the YAML file") from None
 
 
 def large_regions(free: NDArray[np.bool_], resolution: float) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.reading.limits import MAX_SURFACES
 from tutorial_lib.world.materials import PERIOD, Colour, Look, Material, Stripe
 
 PALETTES = ("standard", "shifted")
@@ -67,6 +68,9 @@ def dress_loops(
 
     Returns:
         Walls (W, 4), W names of materials, offsets (W,) in metres, and the materials.
+
+    Raises:
+        InputError: when the loops are so long that they need more than `MAX_SURFACES`.
     """
     walls, numbers, offsets = [], [], []
     count, shared, used = 0, -1, SPAN
@@ -83,6 +87,11 @@ def dress_loops(
             span = np.minimum(((along + _NEAR) / (length / spans)).astype(int), spans - 1)
             number, offset = count + span, np.maximum(along - span * (length / spans), 0.0)
             count += spans
+        if count > MAX_SURFACES:
+            raise InputError(
+                f"map: its outlines need more than {MAX_SURFACES:,} materials, one for each "
+                f"{SPAN:g} m; clean or scale down the map"
+            )
         walls.append(sides)
         numbers.append(number)
         offsets.append(offset)
@@ -97,7 +106,8 @@ def _cut(loop: NDArray[np.float64]) -> Walls:
     place = np.append(0.0, np.cumsum(np.hypot(*np.diff(ring, axis=0).T)))
     spans = int(np.ceil(place[-1] / SPAN))
     cuts = np.arange(1, spans) * (place[-1] / spans)
-    near = np.abs(place[:, None] - cuts).min(axis=0, initial=np.inf) < _NEAR
+    after = np.searchsorted(place, cuts)
+    near = np.minimum(cuts - place[after - 1], place[after] - cuts) < _NEAR
     cuts = cuts[~near]
     at = np.searchsorted(place, cuts)
     share = ((cuts - place[at - 1]) / (place[at] - place[at - 1]))[:, None]

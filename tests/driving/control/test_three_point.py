@@ -1,0 +1,64 @@
+"""A car turns where it stands, whichever way it looks, and touches nothing."""
+
+import numpy as np
+import pytest
+
+from tests.conftest import make_box
+from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.geometry import wrap
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import Sensors, Simulation
+
+
+def turned(scene, starts, angles, steps):
+    """Headings turned (T, N) and metres from the start (T, N) of cars that turn by `angles`."""
+    simulation = Simulation(scene, starts, sensors=Sensors(camera=None))
+    robots, before = np.arange(len(simulation)), simulation.poses
+    turn = ThreePointTurn(len(simulation))
+    turn.begin(robots, simulation.odometry, np.asarray(angles, dtype=float))
+    total, found, off = np.zeros(len(simulation)), [], []
+    for _ in range(steps):
+        last = simulation.poses
+        simulation.step(turn.act(simulation.observe(), robots))
+        total = total + wrap(simulation.poses[:, 2] - last[:, 2])
+        found.append(total)
+        off.append(np.linalg.norm(simulation.poses[:, :2] - before[:, :2], axis=1))
+    assert not simulation.collided.any()
+    return np.array(found), np.array(off), turn
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_it_turns_round_within_a_car_s_length_or_two(side):
+    scene = Scene(make_box())
+    total, off, turn = turned(scene, [[5.0, 5.0, 0.3]], [side * np.pi], 80)
+    there = np.flatnonzero(side * total[:, 0] > np.pi - 0.2)
+    assert there.size
+    assert there[0] < 70
+    # A circle would end 1.24 m beside the place.
+    assert off[: there[0], 0].max() < 0.75
+    assert turn.seconds[0] == pytest.approx(8.0)
+
+
+def test_it_turns_in_a_corner_too():
+    scene = Scene(make_box())
+    starts = [[0.5, 0.5, heading] for heading in (0.8, 2.4, -1.0)]
+    total, _, _ = turned(scene, starts, [np.pi] * 3, 150)
+    assert (total.max(axis=0) > np.pi - 0.2).all()
+
+
+def test_beyond_the_heading_it_turns_back():
+    scene = Scene(make_box())
+    total, _, _ = turned(scene, [[5.0, 5.0, 0.0]], [1.5], 160)
+    assert 1.9 < total.max() < 3.0
+    last = total[100:, 0]
+    assert last.min() < 1.2
+
+
+def test_only_the_given_robots_turn():
+    simulation = Simulation(Scene(make_box()), [[3.0, 3.0, 0.0], [6.0, 6.0, 0.0]])
+    turn = ThreePointTurn(2)
+    turn.begin(np.array([1]), simulation.odometry[[1]], np.array([-2.0]))
+    actions = turn.act(simulation.observe(np.array([1])), np.array([1]))
+    assert actions.shape == (1, 2)
+    assert actions[0, 1] < 0
+    assert turn.seconds.tolist() == [0.0, pytest.approx(0.1)]

@@ -1,0 +1,124 @@
+"""Tables of what was learned of a part of the drives, and of rules of reuse."""
+
+import pytest
+
+from tests.experiments.results_page.tables import cells
+from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.results_page import composing, reuse
+from tutorial_lib.experiments.results_page.composing import chosen, composed_trials, map_sizes
+from tutorial_lib.experiments.results_page.sources import (
+    COMMANDS,
+    DRIVES,
+    Results,
+    command_of,
+    stored_as,
+)
+
+NOTES = (
+    "meng, all worlds: 91.0% (80.0% to 95.0%)",
+    "meng, composed: 81.0% (70.0% to 90.0%)",
+    "sptm, composed: 12.0% (5.0% to 20.0%)",
+    "random, composed: 3.0% (1.0% to 5.0%)",
+    "oracle, composed: 100.0% (100.0% to 100.0%)",
+    "meng - sptm, composed: +69.0 points (+60.0 to +75.0)",
+    "best with --drives 0.2: p_edge 0.97, s_shortcut 0.995 (composed trials)",
+    "driven: 99.5% of the trials have a recorded drive past their start and then their goal",
+)
+
+
+def row(world, method, composed, success):
+    return {
+        "world": world,
+        "method": method,
+        "images": 4_000,
+        "vertices": 900 + world,
+        "edges": 2_000,
+        "wormholes": 2,
+        "trials": 200,
+        "trials_composed": composed,
+        "success_driven": success,
+    }
+
+
+ROWS = [
+    row(world, method, composed, success)
+    for world, composed, success in ((0, 100, 0.9), (10, 150, 0.5), (20, 200, None))
+    for method in ("meng", "sptm", "random", "oracle")
+]
+
+
+def results(rows, *names):
+    """Stored reports that all have those rows."""
+    worlds = tuple(range(20_000, 20_010))
+    return Results({name: Report(name, 0, worlds, False, 1.0, rows, NOTES) for name in names})
+
+
+def test_success_in_composed_trials_stands_beside_that_in_driven_ones():
+    found = cells(composed_trials(results(ROWS, "a"), {"20%": "a"}))
+    assert found[0] == [
+        "learned", "trials", "Meng", "SPTM", "random", "oracle", "Meng - SPTM", "Meng, driven",
+    ]  # fmt: skip
+    (line,) = found[1:]
+    assert line[:3] == ["20%", "450", "81.0% (70.0% to 90.0%)"]
+    assert line[6] == "+69.0 points (+60.0 to +75.0)"
+    assert line[7] == "76.7%"  # 90 of 100 and 25 of 50; a world without driven trials has none
+
+
+def test_a_table_in_which_everything_is_composed_has_no_driven_success():
+    rows = [row(0, method, 200, None) for method in ("meng", "sptm")]
+    (line,) = cells(composed_trials(results(rows, "a"), {"a tour": "a"}))[1:]
+    assert line[7] == ""
+
+
+def test_sizes_are_means_over_worlds_and_wormholes_sums():
+    (line,) = cells(map_sizes(results(ROWS, "a"), {"20%": "a"}))[1:]
+    assert line == ["20%", "4,000", "910", "2,000", "6", "910", "2,000", "6"]
+
+
+def test_thresholds_have_their_success_in_composed_trials():
+    rows = [
+        {"method": "meng", "threshold": 0.97, "replans": True, "vertices": 5, "edges": 6}
+        | {"wormholes": 0, "trials": 10, "success": 0.5, "success_composed": share}
+        for share in (0.25, 0.75)
+    ]
+    found = cells(chosen(results(rows, "a"), "a"))
+    assert found[0][-2:] == ["success", "composed"]
+    assert [line[-1] for line in found[1:]] == ["25.0%", "75.0%"]
+
+
+def test_rules_of_reuse_are_named_by_their_thresholds():
+    rows = [
+        {"p_reuse": 0.94, "p_between": between, "vertices": 1_234.4, "edges": 3_000.0}
+        | {"growth": 0.17, "trials": 40, "success": 0.9}
+        for between in (1.0, 0.94)
+    ]
+    found = cells(reuse.rules_of_reuse(rows))
+    size = ["1,234", "3,000", "17.0%", "90.0% (36 of 40)"]
+    assert found[1:] == [["0.94", "never", *size], ["0.94", "0.94", *size]]
+    (section,) = reuse.SECTIONS
+    rows[1]["growth"] = 0.08
+    text = section.text(results(rows, "meng_fig13_reuse"))
+    assert "maps grow by 8.0% instead of 17.0%" in text
+
+
+def test_the_sections_say_what_the_protocol_hides_and_by_which_command():
+    names = [stored_as(drives) for drives in DRIVES]
+    section = composing.SECTIONS[0]
+    assert section.sources == tuple(names)
+    text = section.text(results(ROWS, *names, "meng_table2"))
+    assert "in 99.5% of its trials some recorded drive passes" in text
+    for drives, name in zip(DRIVES, names, strict=True):
+        assert f"--worlds 20000:20010 --drives {drives} --json" in command_of(name)
+        assert command_of(name) in text
+
+
+@pytest.mark.parametrize("section", composing.SECTIONS)
+def test_every_section_shows_reports_that_have_a_command(section):
+    assert set(section.sources) <= set(COMMANDS)
+
+
+def test_thresholds_are_measured_for_each_part_but_the_continuous_tour():
+    assert composing.SECTIONS[2].sources == tuple(
+        stored_as(drives, "thresholds") for drives in ("0.2", "0.4", "tour")
+    )
+    assert "meng_table2_thresholds_continuous" not in COMMANDS

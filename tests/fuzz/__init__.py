@@ -1,0 +1,1 @@
+"""Files as nobody would write them: does every loader name what is wrong, and nothing else?"""

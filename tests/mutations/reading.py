@@ -1,0 +1,81 @@
+"""How files are read: limits, checksums, what is refused."""
+
+MUTATIONS = [
+    (
+        "a pipe is opened, and waited for",
+        "reading/regular.py",
+        "if not stat.S_ISREG(found.st_mode):",
+        "if stat.S_ISCHR(found.st_mode):",
+        "reading/test_regular.py -k pipes",
+    ),
+    (
+        "a file that grew is read whole",
+        "reading/regular.py",
+        "if len(data) > limit:",
+        "if len(data) > 2**40:",
+        "reading/test_regular.py -k empty",
+    ),
+    (
+        "brackets in text count as depth",
+        "reading/documents.py",
+        '_STRING.sub("", _ESCAPE.sub("", text))',
+        "text",
+        "reading/test_documents.py -k brackets",
+    ),
+    (
+        "an anchor is read if nothing refers to it",
+        "reading/documents.py",
+        ' or getattr(event, "anchor", None)',
+        "",
+        "reading/test_documents.py -k yaml",
+    ),
+    (
+        "a document's depth is counted on its way down only",
+        "reading/documents.py",
+        "        self.depth -= 1\n",
+        "",
+        "reading/test_documents.py -k yaml",
+    ),
+    (
+        "an array is as large as its header says",
+        "reading/arrays.py",
+        "if file.tell() + prod(shape) * kind.itemsize != member.file_size:",
+        "if prod(shape) < 0:",
+        "reading/test_arrays.py -k header",
+    ),
+    (
+        "the size of the first array counts for all",
+        "reading/arrays.py",
+        "sum(member.file_size for member in members)",
+        "members[0].file_size",
+        "reading/test_arrays.py -k unpacked",
+    ),
+    (
+        "a picture's checksums are not compared",
+        "reading/pictures.py",
+        'if data[end : end + 4] != struct.pack(">I", zlib.crc32(view[start + 4 : end])):',
+        "if end > len(data):",
+        "reading/test_pictures.py -k fell_over",
+    ),
+    (
+        "a picture's size is not looked at before it is decoded",
+        "reading/pictures.py",
+        "    _check_size(*size, MAX_PIXELS)\n",
+        "",
+        "reading/test_pictures.py -k too_large",
+    ),
+    (
+        "a checksum is over the names of what is said",
+        "reading/checksums.py",
+        "json.dumps(content, sort_keys=True",
+        "json.dumps(sorted(content), sort_keys=True",
+        "reading/test_checksums.py",
+    ),
+    (
+        "what is sealed may be longer",
+        "reading/checksums.py",
+        "if sealed(payload) != data:",
+        "if not data.startswith(sealed(payload)[:9]):",
+        "reading/test_checksums.py",
+    ),
+]

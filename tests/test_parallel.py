@@ -1,0 +1,64 @@
+"""Work on many items: in order, and by workers that may be replaced while it lasts."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tutorial_lib.parallel import for_each
+
+
+def square(number, offset):
+    return number * number + offset
+
+
+def test_results_come_in_the_order_of_the_items():
+    assert for_each(square, iter(range(7)), 1, label="squares", jobs=2) == [
+        square(number, 1) for number in range(7)
+    ]
+
+
+def grow(number, megabytes, kept=[]):  # noqa: B006 - it is to grow
+    """Keep memory, and say in which process."""
+    import os
+    import time
+
+    kept.append(bytearray(b"x" * (megabytes * 1_000_000)))
+    time.sleep(1.2)  # loky measures once a second
+    return number, os.getpid()
+
+
+MANY = """
+from tests.test_parallel import grow
+from tutorial_lib.parallel import for_each
+found = for_each(grow, range(6), 400, label="worlds", jobs=2)
+assert [number for number, _ in found] == list(range(6))
+print(len({process for _, process in found}))
+"""
+
+
+def test_workers_that_have_grown_are_replaced_without_a_word():
+    pytest.importorskip("psutil")
+    done = subprocess.run(
+        [sys.executable, "-W", "always", "-c", MANY],
+        cwd=Path(__file__).parents[1],
+        capture_output=True,
+        text=True,
+        timeout=180,
+    )
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 2  # so it did happen
+    assert "worker stopped" not in done.stderr
+
+
+def fail(number):
+    """The process ends, as one that the system killed."""
+    import os
+
+    os._exit(number)
+
+
+def test_a_worker_that_dies_is_an_error():
+    with pytest.raises(Exception, match=r"terminated|abruptly"):
+        for_each(fail, range(4), label="worlds", jobs=2)

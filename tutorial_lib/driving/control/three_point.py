@@ -1,0 +1,91 @@
+"""Turning where a car stands, in arcs ahead and in reverse (a three-point turn), by the laser.
+
+A controller that drives to waypoints turns in a circle, and ends a circle's width beside the place.
+Here the wheels are always at full lock, to one side ahead and to the other in reverse, and the gear
+changes before something is touched or the car has moved too far from its place.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.control.rmp_arcs import free_travel, safe_speeds
+from tutorial_lib.geometry import Array, to_local, wrap
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.sensors import full_circle
+from tutorial_lib.world.simulation import STEP
+
+_OVER = 0.7  # rad that it turns beyond the wanted heading, and then back
+_STEP_OUT = 0.35  # metres ahead of and behind its place between which it drives to and fro
+_BEGIN, _GO_ON = 0.1, 0.03  # metres that must be free to begin with an arc, and to go on
+_SETTLE = 0.15  # rad; until the wheels are turned so far, it stands
+
+
+class ThreePointTurn:
+    """How N cars turn in place.
+
+    Attributes:
+        seconds: (N,) since each began to turn.
+    """
+
+    def __init__(self, robots: int, car: BicycleCar | None = None) -> None:
+        """Begin with so many robots that do not turn."""
+        self.seconds = np.zeros(robots)
+        self._safety = RMPController(body=BicycleCar() if car is None else car)
+        self._angle, self._turned, self._heading = np.zeros((3, robots))
+        self._place = np.zeros((robots, 3))
+        self._side, self._gear = np.ones((2, robots))
+
+    def begin(self, robots: NDArray[np.intp], odometry: Array, angles: Array) -> None:
+        """Begin to turn robots (M,) with `odometry` (M, 3) by `angles` (M,) rad."""
+        self.seconds[robots], self._turned[robots] = 0.0, 0.0
+        self._place[robots], self._heading[robots] = odometry, odometry[:, 2]
+        self._angle[robots], self._side[robots] = angles, np.where(angles < 0, -1.0, 1.0)
+        self._gear[robots] = 1.0
+
+    def act(self, observations: Observation, robots: NDArray[np.intp]) -> Array:
+        """Actions (M, 2) of robots (M,): speed in m/s, and steering in rad."""
+        lasers = np.ascontiguousarray(observations.laser, dtype=float)
+        side = self._sides(observations.odometry, robots)
+        gear = self._gears(lasers, observations, robots, side)
+        car = self._safety.body
+        steering, rule = gear * side * car.max_steering, self._safety
+        arcs = np.stack([gear * side / car.turning_radius, gear], axis=1)
+        taste = (rule.braking, rule.reserve, rule.crawl, rule.hurry)
+        far = np.full(len(robots), np.inf)
+        safe = safe_speeds(lasers, arcs, rule.discs, rule.margin, far, *taste)
+        speed = np.minimum(safe, np.where(gear > 0, car.max_speed, car.max_reverse))
+        speed[np.abs(observations.steering - steering) > _SETTLE] = 0.0
+        return np.stack([gear * speed, steering], axis=1)
+
+    def _sides(self, odometry: Array, robots: NDArray[np.intp]) -> Array:
+        """The side (M,) to which robots turn: on, or back when they turned too far."""
+        self.seconds[robots] += STEP
+        self._turned[robots] += wrap(odometry[:, 2] - self._heading[robots])
+        self._heading[robots] = odometry[:, 2]
+        over, side = self._turned[robots] - self._angle[robots], self._side[robots]
+        self._side[robots] = side = np.where(side * over > _OVER, -side, side)
+        return side
+
+    def _gears(
+        self, lasers: Array, seen: Observation, robots: NDArray[np.intp], side: Array
+    ) -> Array:
+        """The gear (M,), 1 or -1: changed where there is no room, or too far from the place."""
+        gear, rule = self._gear[robots], self._safety
+        angles, radius = full_circle(lasers.shape[1]), rule.body.turning_radius
+        free, other = (
+            free_travel(
+                lasers,
+                angles,
+                np.stack([way * side / radius, way], axis=1),
+                rule.discs,
+                rule.margin,
+            )[:, 0]
+            for way in (gear, -gear)
+        )
+        away = -gear * to_local(seen.odometry, self._place[robots, :2])[:, 0] > _STEP_OUT
+        blocked = (free < _GO_ON) & (other > free)
+        change = blocked | (away & (other > _BEGIN))
+        self._gear[robots] = gear = np.where(change, -gear, gear)
+        return gear

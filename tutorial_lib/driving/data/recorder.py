@@ -1,0 +1,36 @@
+"""Records what robots sense and do in a closed loop, as trajectories."""
+
+import numpy as np
+
+from tutorial_lib.driving.data.trajectories import Trajectory
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Observation, Robots
+from tutorial_lib.world.simulation import STEP, Simulation
+
+
+class Recorder:
+    """Records what the moving robots sense and do."""
+
+    def __init__(self) -> None:
+        """Nothing yet."""
+        self._steps: list[tuple[Robots, tuple[Array, ...]]] = []
+
+    def __call__(
+        self, simulation: Simulation, robots: Robots, seen: Observation, actions: Array
+    ) -> None:
+        """Keep one step, before it is made."""
+        laser = seen.laser.astype(np.float32)
+        poses = simulation.poses[robots]
+        row = (poses, seen.odometry, laser, seen.speed, seen.steering, actions)
+        self._steps.append((robots, row))
+
+    def trajectory(self, world: str, seed: int, robot: int) -> Trajectory:
+        """The trajectory of one robot."""
+        rows = []
+        for robots, row in self._steps:
+            place = np.searchsorted(robots, robot)
+            if place == len(robots) or robots[place] != robot:
+                break  # a robot that is done does not move again
+            rows.append([column[place] for column in row])
+        columns = [np.array(column) for column in zip(*rows, strict=True)]
+        return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)

@@ -1,0 +1,56 @@
+"""The agents of Table II, one at a time, so that they can run beside each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.protocols.navigation import Result, attempt, navigate
+from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+
+METHODS = ("meng", "sptm", "random", "oracle")
+"""In the order of the rows."""
+
+
+def run_method(
+    method: str,
+    building: Building,
+    whole: Building,
+    trials: Trials,
+    p_edge: float,
+    s_shortcut: float,
+    agent: str,
+    remedies: str,
+) -> Result:
+    """One agent: what it learns of a building, and how its trials end.
+
+    Args:
+        method: name of the agent.
+        building: with the drives that it learns.
+        whole: with all drives; only the oracle sees it.
+        trials: to be run.
+        p_edge: of Meng's map.
+        s_shortcut: of SPTM's.
+        agent: FILE.py:CLASS of the custom one.
+        remedies: of Meng's, for places that look alike; see `agents.remedies`.
+    """
+    if method == "oracle":
+        return Result(
+            navigate(
+                building, trials, lambda sim: OracleNavigation(sim, whole.paths, trials.goal_poses)
+            )
+        )
+    if method == "custom":
+        own = agents.custom(agent)
+        return agents.guarded(agent, attempt, building, trials, own)
+    if method == "random":
+        rng = np.random.default_rng([*building.odometry.seed, 1])
+        return attempt(building, trials, agents.random_agent(rng))
+    if method == "sptm":
+        return attempt(building, trials, agents.sptm(s_shortcut=s_shortcut))
+    settings = MapSettings(p_edge=p_edge)
+    if remedies:
+        return attempt(building, trials, agents.remedied(remedies, settings=settings))
+    return attempt(building, trials, agents.meng(settings=settings))

@@ -1,0 +1,138 @@
+"""Table II where it tells methods apart: maps of a part of the drives."""
+
+from __future__ import annotations
+
+from tutorial_lib.experiments.results_page.markdown import number, percent, table
+from tutorial_lib.experiments.results_page.navigation import METHODS, thresholds
+from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.sources import DRIVES, Results, matching, stored_as
+from tutorial_lib.topology.mapping.turn_edges import TurnSettings
+
+SHOWN = {"tour": "a tour", "continuous": "a tour, one drive"}
+"""How drives are called that are no share."""
+ANYWHERE = "meng_table2_anywhere"
+
+
+def shown(drives: str) -> str:
+    """What was learned, to read.
+
+    >>> shown("0.2"), shown("tour")
+    ('20%', 'a tour')
+    """
+    return SHOWN.get(drives) or percent(float(drives), 0)
+
+
+def composed_trials(results: Results, names: dict[str, str]) -> str:
+    """Success in composed trials for what was learned, over all worlds of each report.
+
+    Args:
+        results: the reports.
+        names: of the reports, by what is written in the first column.
+    """
+    lines = []
+    for label, name in names.items():
+        rows = matching(results.rows(name), method="meng")
+        cells = [results.note(name, f"{method}, composed: ") for method in METHODS]
+        known = [row for row in rows if row["success_driven"] is not None]
+        trials = [row["trials"] - row["trials_composed"] for row in known]
+        sure = sum(n * row["success_driven"] for n, row in zip(trials, known, strict=True))
+        lines.append(
+            [
+                label,
+                f"{sum(row['trials_composed'] for row in rows):,}",
+                *cells,
+                results.note(name, "meng - sptm, composed: "),
+                percent(sure / sum(trials)) if sum(trials) else "",
+            ]
+        )
+    head = ["learned", "trials", *METHODS.values(), "Meng - SPTM", "Meng, driven"]
+    return table(head, lines)
+
+
+def map_sizes(results: Results, names: dict[str, str]) -> str:
+    """Images and size of the maps, on average over the worlds of each report."""
+    lines = []
+    for label, name in names.items():
+        cells = []
+        for method in ("meng", "sptm"):
+            rows = matching(results.rows(name), method=method)
+            means = [sum(row[key] for row in rows) / len(rows) for key in ("vertices", "edges")]
+            cells += [number(mean, 0) for mean in means]
+            cells.append(f"{sum(row['wormholes'] for row in rows):,}")
+        images = sum(row["images"] for row in rows) / len(rows)
+        lines.append([label, number(images, 0), *cells])
+    head = ["learned", "images", "Meng: vertices", "edges", "wormholes in all"]
+    return table([*head, "SPTM: vertices", "edges", "wormholes in all"], lines)
+
+
+def _composing_section(results: Results) -> list[str]:
+    names = {shown(drives): stored_as(drives) for drives in DRIVES}
+    worlds = results.worlds(stored_as(DRIVES[0]))
+    hidden = results.note("meng_table2", "driven: ").split(" of the trials")[0]
+    return [
+        f"The protocol of Table II above has a blind spot: every ordered pair of places was "
+        f"driven, so that in {hidden} of its trials some recorded drive passes the start and "
+        f"later the goal, and an agent that only repeats drives succeeds. Here all agents learn "
+        f"the same part of the drives: a share of them, a tour (each place to the next and back, "
+        f"as separate drives), or the same tour as one continuous drive with the car's own "
+        f"turning manoeuvres. Trials that no learned drive covers must be *composed* of several. "
+        f"{worlds} test worlds, the same trials for all; intervals are bootstrapped over worlds, "
+        f"differences are paired.",
+        composed_trials(results, names),
+        f"*Meng, driven* are the other trials. Where drives meet that look opposite ways, no two "
+        f"pictures have anything in common; Meng's map joins them by turning (p = "
+        f"{TurnSettings().p_turn:g} each), where scans and colours say that the place is the same. "
+        f"The thresholds of both maps were chosen for each share on validation worlds.",
+        map_sizes(results, names),
+    ]
+
+
+def _anywhere_section(results: Results) -> list[str]:
+    return [
+        f"The same after a tour, with trials that start anywhere on a drive, mostly looking aside, "
+        f"and goal images that were taken on arrival from elsewhere; {results.worlds(ANYWHERE)} "
+        f"test worlds.",
+        composed_trials(results, {"a tour": ANYWHERE}),
+    ]
+
+
+def _thresholds_section(results: Results) -> list[str]:
+    known = [drives for drives in DRIVES if drives != "continuous"]
+    tables = []
+    for drives in known:
+        name = stored_as(drives, "thresholds")
+        best = results.note(name, f"best with --drives {drives}: ")
+        tables += [
+            f"{shown(drives)[0].upper()}{shown(drives)[1:]}: best {best}.",
+            chosen(results, name),
+        ]
+    return [
+        f"Thresholds for each share, chosen on {results.worlds(stored_as('0.2', 'thresholds'))} "
+        f"validation worlds by success in composed trials: p_edge of RE for Meng, similarity for "
+        f"SPTM. Those of the tour are used for the continuous one, too.",
+        *tables,
+    ]
+
+
+def chosen(results: Results, name: str) -> str:
+    """Success by threshold, with that in composed trials behind it."""
+    rows = results.rows(name)
+    lines = thresholds(rows).splitlines()
+    shares = (f" {percent(row['success_composed'])} " for row in rows)
+    more = [" composed ", "---", *shares]
+    return "\n".join(f"{line}{cell}|" for line, cell in zip(lines, more, strict=True))
+
+
+SECTIONS = (
+    Section(
+        "Table II: a part of the drives",
+        tuple(stored_as(drives) for drives in DRIVES),
+        _composing_section,
+    ),
+    Section("Table II: starts anywhere, goals turned", (ANYWHERE,), _anywhere_section),
+    Section(
+        "Table II: thresholds for a part of the drives",
+        tuple(stored_as(drives, "thresholds") for drives in DRIVES if drives != "continuous"),
+        _thresholds_section,
+    ),
+)

@@ -1,0 +1,205 @@
+"""Edges along which a robot turns where it stands: from a drive to one that looks another way.
+
+Two pictures that look opposite ways at one place have nothing in common, so that RE joins no two
+drives there. Where a scan of the full circle lies on that of a vertex, and the walls around have
+the same colours as seen on either drive, the places are the same: the scans tell by how much to
+turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array, relative, to_world, wrap
+from tutorial_lib.interfaces import Observation
+from tutorial_lib.topology.mapping.anchors import Anchors
+from tutorial_lib.topology.mapping.scan_matching import likely_rotations, match_scans
+from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.topology.mapping.vertices import Indices
+from tutorial_lib.world.sensors import Camera, full_circle
+
+_BESIDE = 3  # anchors before and after, whose pictures show the walls around, too
+_SEEN = 5.0  # metres up to which colours are compared
+_SAME = 0.2  # metres between two sights of the same wall
+_SIGHTS = 12  # of a wall at least that both drives saw
+_ROWS = (3 / 8, 1 / 2)  # of a picture, from the top, that show walls near and far
+
+
+@dataclass(frozen=True)
+class TurnSettings:
+    """When two places are joined by turning.
+
+    Attributes:
+        p_turn: probability of such an edge. Were it much lower, plans would lead around a whole
+            building to save a turn.
+        least: rad of heading between both at least.
+        reach: metres between both at most.
+        candidates: vertices whose scans are compared with that of an anchor.
+        agreement: share of the points that either scan must confirm.
+        colours: correlation that the walls' colours must have.
+        most: edges from an anchor, with `least` between their headings.
+    """
+
+    p_turn: float = 0.95
+    least: float = float(np.deg2rad(60.0))
+    reach: float = 1.0
+    candidates: int = 24
+    agreement: float = 0.95
+    colours: float = 0.35
+    most: int = 3
+
+    def __post_init__(self) -> None:
+        for name in ("p_turn", "agreement", "colours"):
+            if not 0.0 < getattr(self, name) < 1.0:
+                raise InputError(f"turns: {name} = {getattr(self, name)}; give 0 to 1")
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """N pairs of places that may be joined by turning.
+
+    Attributes:
+        anchors: (N,) of the new trajectory.
+        vertices: (N,) of the map.
+        poses: (N, 3) of the vertices as seen from the anchors.
+        scores: (N,) agreement of the scans, by which the best are chosen.
+    """
+
+    anchors: Indices
+    vertices: Indices
+    poses: Array
+    scores: Array
+
+    def __len__(self) -> int:
+        return len(self.anchors)
+
+    def subset(self, chosen: NDArray) -> Turns:
+        """Those that an index or a mask selects."""
+        parts = (self.anchors, self.vertices, self.poses, self.scores)
+        return Turns(*(part[chosen] for part in parts))
+
+
+def add_turns(
+    topomap: TopoMap, anchors: Anchors, path: Indices, settings: TurnSettings | None = None
+) -> int:
+    """Join the new vertices of a trajectory to others by turning, both ways.
+
+    Args:
+        topomap: the map, to which the trajectory was added.
+        anchors: of the trajectory.
+        path: (A,) the vertex of each anchor.
+        settings: thresholds.
+
+    Returns:
+        How many edges were added.
+    """
+    settings = TurnSettings() if settings is None else settings
+    fresh = np.flatnonzero(topomap.trajectory[path] == len(topomap.paths) - 1)
+    turns = _by_scans(topomap, anchors.observations, fresh, settings)
+    sights = [_sights(anchors.observations, i, np.arange(len(anchors))) for i in turns.anchors]
+    alike = [
+        colour_correlation(ours, _sights_from(topomap, int(v)), pose)
+        for ours, v, pose in zip(sights, turns.vertices, turns.poses, strict=True)
+    ]
+    turns = turns.subset(np.array(alike, dtype=float) > settings.colours)
+    added = 0
+    for anchor in np.unique(turns.anchors):
+        best = _apart(turns.subset(turns.anchors == anchor), settings)
+        for vertex, pose in zip(best.vertices.tolist(), best.poses, strict=True):
+            added += topomap.connect_by_turn(int(path[anchor]), vertex, settings.p_turn, pose[2])
+            added += topomap.connect_by_turn(vertex, int(path[anchor]), settings.p_turn, -pose[2])
+    return added
+
+
+def colour_correlation(
+    ours: tuple[Array, Array], theirs: tuple[Array, Array], pose: Array
+) -> float:
+    """How far two drives agree on the colours of the walls that both saw.
+
+    Args:
+        ours: points (N, 2) in metres and their colours (N, 3), as seen from here.
+        theirs: points (M, 2) and colours (M, 3), as seen from there.
+        pose: (3,) of there, as seen from here.
+
+    Returns:
+        Correlation, -1 to 1; not a number where too few walls were seen by both.
+    """
+    (points, colours), (others, other_colours) = ours, theirs
+    if not len(points) or not len(others):
+        return float("nan")
+    far, nearest = KDTree(to_world(pose, others)).query(points, distance_upper_bound=_SAME)
+    both = np.isfinite(far)
+    if both.sum() < _SIGHTS:
+        return float("nan")
+    here, there = colours[both], other_colours[nearest[both]]
+    here, there = here - here.mean(axis=0), there - there.mean(axis=0)
+    scale = np.sqrt((here**2).sum() * (there**2).sum())
+    return float((here * there).sum() / scale) if scale > 0 else float("nan")
+
+
+def _by_scans(topomap: TopoMap, seen: Observation, fresh: Indices, settings: TurnSettings) -> Turns:
+    """Pairs whose scans agree, near each other and with different headings."""
+    alive = topomap.alive
+    lasers = np.asarray(seen.laser, dtype=float)
+    known = np.asarray(topomap.vertices.observations[alive].laser, dtype=float)
+    alike, rotations = likely_rotations(lasers[fresh], known, settings.least)
+    count = min(settings.candidates, len(alive))
+    best = np.argpartition(-alike, count - 1, axis=1)[:, :count]
+    rows, columns = np.repeat(np.arange(len(fresh)), count), best.ravel()
+    starts = np.zeros((len(rows), rotations.shape[2], 3))
+    starts[:, :, 2] = rotations[rows, columns]
+    poses, scores = match_scans(lasers[fresh[rows]], known[columns], starts)
+    near = np.linalg.norm(poses[:, :2], axis=1) < settings.reach
+    aside = np.abs(wrap(poses[:, 2])) > settings.least
+    # Not a number, where scans cannot be compared, is no agreement.
+    fits = near & aside & (scores > settings.agreement)
+    return Turns(fresh[rows], alive[columns], poses, scores).subset(fits)
+
+
+def _apart(turns: Turns, settings: TurnSettings) -> Turns:
+    """The best of one anchor whose headings differ from each other."""
+    chosen: list[int] = []
+    for i in np.argsort(-turns.scores, kind="stable"):
+        gaps = np.abs(wrap(turns.poses[chosen, 2] - turns.poses[i, 2]))
+        if len(chosen) < settings.most and (gaps > settings.least).all():
+            chosen.append(int(i))
+    return turns.subset(np.array(chosen, dtype=np.intp))
+
+
+def _sights_from(topomap: TopoMap, vertex: int) -> tuple[Array, Array]:
+    """Points and colours around a vertex, from its own trajectory."""
+    own = np.flatnonzero(topomap.trajectory == topomap.trajectory[vertex])
+    return _sights(topomap.vertices.observations, vertex, own)
+
+
+def _sights(observations: Observation, place: int, own: Indices) -> tuple[Array, Array]:
+    """Points (N, 2) in the frame of one place, and colours (N, 3), seen there and close by.
+
+    Args:
+        observations: of a trajectory or of a map.
+        place: index of the place.
+        own: indices of its own trajectory, in order; their odometry is comparable.
+    """
+    middle = int(np.searchsorted(own, place))
+    around = own[max(middle - _BESIDE, 0) : middle + _BESIDE + 1]
+    seen = observations[around]
+    poses = relative(observations[np.array([place])].odometry, seen.odometry)
+    half, laser = Camera().field_of_view / 2, np.asarray(seen.laser, dtype=float)
+    angles = full_circle(laser.shape[1])
+    beams = np.flatnonzero(np.abs(angles) < half)
+    aside = np.tan(angles[beams]) / np.tan(half)
+    columns = ((1.0 - aside) / 2 * seen.image.shape[2]).astype(int)
+    first, last = (int(share * seen.image.shape[1]) for share in _ROWS)
+    last = max(last, first + 1)
+    colours = seen.image[:, first:last].astype(float).mean(axis=1)[:, columns]
+    rays = np.stack([np.cos(angles[beams]), np.sin(angles[beams])], axis=1)
+    points = np.stack(
+        [to_world(p, row[:, None] * rays) for p, row in zip(poses, laser[:, beams], strict=True)]
+    )
+    near = laser[:, beams] < _SEEN
+    return points[near], colours[near]
