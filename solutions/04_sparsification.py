@@ -821,7 +821,7 @@ show(stacked(strips, CASES[1:], gap=4))
 # <details><summary>What do they do?</summary>
 # The <i>pushed</i> and the <i>turned</i> car hardly leave Follow, if at all: the anchor is still in view, its $\mathcal{RE}$ falls but not below p_lose, and the local controller leads them back in an S. That is what it was trained for: starts beside the trajectory.
 # <i>A person comes</i>: now and then the person hides so much that $\mathcal{RE}$ falls below p_lose. Then the car goes over to dead reckoning and creeps on, and returns to Follow as soon as it sees enough; with a person in the middle of the image and the walls on either side in view, it may well stay in Follow. Whether it arrives is a matter of luck: if the person turns back and walks in front of it, in the middle of its image, for longer than its timeout lasts, it gives up although it is on the right path. A planner would have to try again; that is notebook 06.
-# The <i>kidnapped</i> car notices at once that something is wrong, since nothing it sees resembles its anchor. It drives on to the last waypoint (which is now in another room, at a place that means nothing), and stops after two seconds. It is lost, and it knows it.
+# The <i>kidnapped</i> car notices at once that something is wrong, since nothing it sees resembles its anchor. It drives on to the last waypoint (which is now in another room, at a place that means nothing), and stops after four seconds. It is lost, and it knows it.
 #
 # Five cars are anecdotes. How often each of these cases ends well in unseen worlds is another experiment: `.venv/bin/python -m tutorial_lib experiment disturbances`.
 # </details>

@@ -186,7 +186,10 @@ def test_a_lost_robot_replans_and_excludes_what_it_could_not_reach():
     assert len(planned.queries) == 2
     place, _, excluded = planned.queries[1]
     assert place == pytest.approx(2.4, abs=0.5)
-    assert excluded == {(HERE, 7), (HERE, 8)}  # there are no edges on this map
+    # There are no edges on this map: of all vertices only the one visited last is where it may be.
+    assert excluded == {(HERE, vertex) for vertex in navigation._topomap.alive.tolist()} - {
+        (HERE, 6)
+    }
     line.go(navigation, 300)
     assert navigation.arrived[0]
     assert line.x[0] == pytest.approx(-3, abs=0.25)
@@ -267,7 +270,8 @@ def test_what_failed_is_a_stretch_with_all_edges_beside_it():
     assert len(planned.queries) == 2
     excluded = planned.queries[1][2]
     assert {edge for edge in excluded if edge[0] != HERE} == {(6, 7), (6, 11), (10, 11)}
-    assert {vertex for source, vertex in excluded if source == HERE} == {7, 11}
+    around = {5, 6, 7, 9, 10, 11, 12}
+    assert {vertex for source, vertex in excluded if source == HERE} & around == {7, 11}
 
 
 def test_a_robot_under_way_takes_any_path_rather_than_none():

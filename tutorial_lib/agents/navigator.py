@@ -46,6 +46,8 @@ LOOK_TIME = 10.0
 """Seconds of rotating after which a plan may begin anywhere."""
 _ALL = 4 * np.pi  # rad; it turns on until it has a plan
 _REPLAN_STEPS = 10  # from one attempt to plan to the next, while rotating
+PATIENCE = 2.0
+"""Seconds without progress after which a robot is lost that can replan."""
 FindPath = Callable[[Observation, Goals, Edges], Plan]
 """Plans from what one robot observes to a goal, around some excluded edges."""
 
@@ -242,7 +244,7 @@ class MapAgent(ABC):
     predictor: WaypointPredictor
     controller: Controller
     reachability: Reachability
-    follower: FollowerSettings = field(default_factory=FollowerSettings)
+    follower: FollowerSettings = field(default_factory=lambda: FollowerSettings(timeout=PATIENCE))
     replan_time: float = 240.0
 
     def __post_init__(self) -> None:

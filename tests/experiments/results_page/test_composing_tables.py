@@ -119,6 +119,6 @@ def test_every_section_shows_reports_that_have_a_command(section):
 
 def test_thresholds_are_measured_for_each_part_but_the_continuous_tour():
     assert composing.SECTIONS[2].sources == tuple(
-        stored_as(drives, "thresholds") for drives in ("0.2", "0.4", "tour")
+        stored_as(drives, "thresholds") for drives in ("0.2", "tour")
     )
     assert "meng_table2_thresholds_continuous" not in COMMANDS

@@ -15,8 +15,7 @@ Case = tuple[str, tuple[Any, ...]]
 """What it is like, and the arguments of the function."""
 
 
-RULES = FollowerSettings(timeout=4.0)
-"""The usual thresholds, but for one: `OTHER_RULES` has the usual wait."""
+RULES = FollowerSettings()
 
 
 OTHER_RULES = FollowerSettings(

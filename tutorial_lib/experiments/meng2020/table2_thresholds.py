@@ -41,7 +41,10 @@ class Thresholds:
     s_shortcut: float = agents.S_SHORTCUT
 
 
-CHOSEN: Mapping[str, Thresholds] = {"0.2": Thresholds(0.99, 0.8)}
+CHOSEN: Mapping[str, Thresholds] = {
+    "0.2": Thresholds(0.99, 0.8),
+    "tour": Thresholds(0.99, 0.9),
+}
 """By `--drives`: what this ablation found best in composed trials of its validation worlds."""
 
 Key = tuple[str, float, bool]

@@ -18,7 +18,7 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
-DRIVES = ("0.2", "0.4", "tour", "continuous")
+DRIVES = ("0.2", "tour", "continuous")
 """Of Table II: what agents learn, beside all drives."""
 
 

@@ -61,7 +61,7 @@ class FollowerSettings:
     facing: float = 0.65
     effort: float = 5.0
     confirm: int = 5
-    timeout: float = 2.0
+    timeout: float = 4.0
     calm: float = 1.0
     widest: int = 4
 
