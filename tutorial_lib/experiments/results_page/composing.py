@@ -42,9 +42,10 @@ def composed_trials(results: Results, names: dict[str, str]) -> str:
                 *cells,
                 results.note(name, "meng - sptm, composed: "),
                 percent(sure / sum(trials)) if sum(trials) else "",
+                results.note(name, "goals, composed: ").split(" ")[0],
             ]
         )
-    head = ["learned", "trials", *METHODS.values(), "Meng - SPTM", "Meng, driven"]
+    head = ["learned", "trials", *METHODS.values(), "Meng - SPTM", "Meng, driven", "goals passed"]
     return table(head, lines)
 
 
@@ -77,8 +78,10 @@ def _composing_section(results: Results) -> list[str]:
         f"several. {worlds} test worlds, the same trials for all; intervals are bootstrapped over "
         f"worlds, differences are paired.",
         composed_trials(results, names),
-        f"*Meng, driven* are the other trials. Where drives meet that look opposite ways, no two "
-        f"pictures have anything in common; Meng's map joins them by turning (p = "
+        f"*Meng, driven* are the other trials; *goals passed* is the share of the composed ones "
+        f"whose goal some learned drive passes as it looks: of the others nobody has an image on "
+        f"any map, so that it bounds what can be reached. Where drives meet that look opposite "
+        f"ways, no two pictures have anything in common; Meng's map joins them by turning (p = "
         f"{TurnSettings().p_turn:g} each), where scans and colours say that the place is the same. "
         f"The thresholds of both maps were chosen for each share on validation worlds.",
         map_sizes(results, names),
