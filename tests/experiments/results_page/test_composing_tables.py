@@ -101,7 +101,7 @@ def test_rules_of_reuse_are_named_by_their_thresholds():
     (section,) = reuse.SECTIONS
     rows[1]["growth"] = 0.08
     text = section.text(results(rows, "meng_fig13_reuse"))
-    assert "maps grow by 8.0% instead of 17.0%" in text
+    assert "they grow by 8.0% instead of 17.0%" in text
 
 
 def test_the_sections_say_what_the_protocol_hides_and_by_which_command():

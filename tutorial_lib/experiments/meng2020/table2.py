@@ -203,7 +203,7 @@ def _notes(parts: Sequence[InWorld], drives: str) -> tuple[str, ...]:
     elif not drives:
         notes.append(
             f"driven: {1 - composed.mean():.1%} of the trials have a recorded drive past their "
-            "start and then their goal; of composing drives this tells next to nothing (--drives)"
+            "start and then their goal; composing drives is hardly tested (--drives)"
         )
     for name in ("meng", "sptm"):
         edges, holes = (

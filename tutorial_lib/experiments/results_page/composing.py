@@ -1,4 +1,4 @@
-"""Table II where it tells methods apart: maps of a part of the drives."""
+"""Table II where it separates the methods: maps of a part of the drives."""
 
 from __future__ import annotations
 
