@@ -897,7 +897,7 @@ table({**head, "through a wormhole": ""}, rows)
 
 # %% [markdown]
 # <details><summary>What is odd about the plans that go through a wormhole?</summary>
-# Each promises more than ours: where ours refuses, or where ours is a little less sure. One edge in seven of the colleague's map is false, yet only three plans of twenty use one: good true paths protect. But a false edge is taken exactly when it promises more than the truth. This is the best of many again: the <b>winner's curse</b>.
+# Each promises at least as much as ours, most of them more. One edge in four of the colleague's map is false, and nine plans of twenty use one; the others are protected by good true paths. But a false edge is taken exactly when it promises more than the truth. This is the best of many again: the <b>winner's curse</b>.
 # </details>
 #
 # ### The bug hunt
@@ -1013,7 +1013,7 @@ for row, i in enumerate(trial_indices[:2]):
 
 # %% [markdown]
 # <details><summary>So why hunt it at all?</summary>
-# Replanning repairs some of it: the car excludes the vertex, and if it then plans correctly from where it is, another path leads on. But it costs time, and it does not always help, since a car is lost where it happens to be, not where the map is good. And the false edge is still on the map: the next car will fall for it, and the one after that. A robot that does not learn from its failures pays for each of them again.
+# Replanning repairs some of it: the car excludes the stretch, and if it then plans correctly from where it is, another path leads on. But it costs time, and it does not always help, since a car is lost where it happens to be, not where the map is good. And the false edge is still on the map: the next car will fall for it, and the one after that. A robot that does not learn from its failures pays for each of them again.
 # </details>
 # <details><summary>Is it always that easy?</summary>
 # No. Here nothing that the cars saw looked like the end of the false edge, and they were lost on the edge itself. There is a nastier kind, and the colleague's map is full of it: a vertex that looks <i>just</i> like the place where the car is. Then the follower counts the false edge as passed, at once and without moving, and is lost on the <i>next</i> one. The tally blames the wrong edge, and only many trips over that edge from elsewhere acquit it (extra 2). And a robot that really drives has further evidence: an edge of many metres that was "passed" within a second.

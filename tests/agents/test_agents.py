@@ -9,8 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.made_up_maps import edges_of, numbered, places_in, sensed, table_map
+from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.navigator import MapNavigation, MapTargets
+from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.sptm import MostAlike, SPTMAgent, window_median

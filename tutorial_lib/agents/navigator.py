@@ -13,12 +13,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import Blockades, Waiting, in_the_way
+from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.whereabouts import Whereabouts
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import Array, to_local
@@ -30,13 +30,11 @@ from tutorial_lib.interfaces import (
     Plan,
     Reachability,
     Robots,
-    Targets,
     WaypointPredictor,
 )
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
-from tutorial_lib.topology.mapping.growing_batch import GrowingBatch, joined
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.world.simulation import STEP
 
@@ -195,37 +193,6 @@ class MapNavigation:
             self.given_up[robot] = True
         else:
             self.plans[robot] = None
-
-
-class MapTargets:
-    """The vertices of a map as targets of C_WP and RE; each is encoded once.
-
-    Attributes:
-        topomap: the map, which may grow from one use to the next.
-    """
-
-    def __init__(
-        self, topomap: TopoMap, predictor: WaypointPredictor, reachability: Reachability
-    ) -> None:
-        """Encode nothing yet."""
-        self.topomap, self._encoders = topomap, (predictor, reachability)
-        self._encoded = GrowingBatch(), GrowingBatch()
-
-    def followed_by(self, contexts: NDArray) -> tuple[Targets, Any]:
-        """The vertices and behind them other images (M, 2k+1, ...), for C_WP and for RE."""
-        vertices, both = self.topomap.vertices, []
-        for encoder, kept in zip(self._encoders, self._encoded, strict=True):
-            fresh = np.arange(len(kept), len(vertices))
-            if fresh.size:
-                same = encoder is vertices.reachability
-                kept.append(
-                    vertices.prepared_targets(fresh)
-                    if same
-                    else encoder.prepare(vertices.contexts[fresh])
-                )
-            others = encoder.prepare(contexts)
-            both.append(joined([kept[np.arange(len(kept))], others]) if len(kept) else others)
-        return both[0], both[1]
 
 
 @dataclass(kw_only=True)

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.navigator import FindPath, MapNavigation, MapTargets
+from tutorial_lib.agents.map_targets import MapTargets
+from tutorial_lib.agents.navigator import FindPath, MapNavigation
 from tutorial_lib.agents.place_guess import PlaceGuess, Weighted
 from tutorial_lib.agents.remedies import Tools
 from tutorial_lib.geometry import Array

@@ -147,5 +147,6 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "meng_table1 rows",
         "meng_table2 thresholds",
         "meng_fig12 localization",
+        "meng_fig13 reuse",
         "calibration audit",
     }

@@ -9,7 +9,15 @@ from tests.conftest import make_box
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols import drives
-from tutorial_lib.experiments.protocols.drives import driven, parse_drives, part_of, tour, toured
+from tutorial_lib.experiments.protocols.drives import (
+    driven,
+    driven_trials,
+    parse_drives,
+    part_of,
+    passed_goals,
+    tour,
+    toured,
+)
 from tutorial_lib.experiments.protocols.navigation_tasks import draw_trials, explored
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials, with_turned_goals
 from tutorial_lib.geometry import wrap
@@ -28,12 +36,14 @@ def trials(building):
     return draw_trials(building, 12, np.random.default_rng(1))
 
 
-@pytest.mark.parametrize(("text", "found"), [("0.2", "0.2"), ("1.0", "1"), ("tour", "tour")])
+@pytest.mark.parametrize(
+    ("text", "found"), [("0.2", "0.2"), ("1.0", "1"), ("tour", "tour"), ("", "")]
+)
 def test_drives_are_a_share_or_a_tour(text, found):
     assert parse_drives(text) == found
 
 
-@pytest.mark.parametrize("text", ["0", "1.5", "-0.2", "nan", "all", ""])
+@pytest.mark.parametrize("text", ["0", "1.5", "-0.2", "nan", "all"])
 def test_other_drives_are_refused(text):
     with pytest.raises(InputError, match="--drives"):
         parse_drives(text)
@@ -94,6 +104,24 @@ def test_a_trial_is_driven_if_one_drive_passes_its_start_and_then_its_goal(build
         # The goal comes before the start.
         assert not driven(only_back, one, 0.5, np.pi)[0]
         assert not driven(only, one, 0.5, 0.0)[0]
+
+
+def test_a_goal_is_passed_if_some_drive_looks_at_it_as_it_was_taken(building, trials):
+    every = passed_goals(building, trials, "", 0)
+    assert every.mean() > 0.8
+    assert (every >= driven_trials(building, trials, "", 0)).all()
+    away = looking(building, float(trials.goal_poses[0, 2] + np.pi))
+    assert passed_goals(looking(building, float(trials.goal_poses[0, 2])), trials, "", 0)[0]
+    assert not passed_goals(away, trials, "", 0)[0]
+
+
+def looking(building, heading):
+    """The building with drives on which the robot looks one way all the time."""
+    drives = [
+        replace(one, poses=np.column_stack([one.poses[:, :2], np.full(len(one), heading)]))
+        for one in building.recorded.trajectories
+    ]
+    return replace(building, recorded=RecordedWorld(building.scene, drives))
 
 
 def test_turned_goals_are_at_the_same_places_but_look_another_way(trials):

@@ -21,7 +21,13 @@ from tutorial_lib.experiments.common.statistics import difference, in_points, ov
 from tutorial_lib.experiments.meng2020 import table2_thresholds
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
 from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN, Thresholds
-from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR, driven_trials, part_of
+from tutorial_lib.experiments.protocols.drives import (
+    CONTINUOUS,
+    TOUR,
+    driven_trials,
+    part_of,
+    passed_goals,
+)
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
     Result,
@@ -67,11 +73,13 @@ class InWorld:
         columns: that describe the world.
         results: by method.
         driven: (N,) which trials some drive that was learned covers.
+        passed: (N,) which goals some drive that was learned passes, facing as they do.
     """
 
     columns: dict[str, Any]
     results: dict[str, Result]
     driven: NDArray[np.bool_]
+    passed: NDArray[np.bool_]
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
@@ -138,7 +146,8 @@ def _together(
         "images": len(building.recorded.poses),
     }
     results = dict(zip(methods, found, strict=True))
-    return InWorld(columns, results, driven_trials(whole, trials, options.drives, options.seed))
+    asked = whole, trials, options.drives, options.seed
+    return InWorld(columns, results, driven_trials(*asked), passed_goals(*asked))
 
 
 def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label: str) -> list[Any]:  # noqa: ANN401
@@ -192,10 +201,12 @@ def _notes(parts: Sequence[InWorld], drives: str) -> tuple[str, ...]:
     notes = _compared(success, world, every, EVERY)
     if drives and composed.any():
         notes += _compared(success, world, composed, COMPOSED)
+        passed = np.concatenate([part.passed for part in parts])[composed].mean()
+        notes.append(f"goals, {COMPOSED}: {passed:.1%} are on some learned drive, as they look")
     elif not drives:
         notes.append(
             f"driven: {1 - composed.mean():.1%} of the trials have a recorded drive past their "
-            "start and then their goal; of composing drives this tells next to nothing (--drives)"
+            "start and then their goal; composing drives is hardly tested (--drives)"
         )
     for name in ("meng", "sptm"):
         edges, holes = (

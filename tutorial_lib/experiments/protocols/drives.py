@@ -136,15 +136,36 @@ def driven(building: Building, trials: Trials, near: float, facing: float) -> ND
         facing: see `near`.
     """
     covered = np.zeros(len(trials), dtype=bool)
-    goals = trials.goal_poses
     for drive in building.recorded.trajectories:
         from_start = _gaps(drive.poses, trials.starts) < PASSED
-        at_goal = _gaps(drive.poses, goals) < near
-        at_goal &= np.abs(wrap(drive.poses[:, None, 2] - goals[:, 2])) < facing
+        at_goal = _at_goals(drive.poses, trials, near, facing)
         first = np.where(from_start.any(axis=0), from_start.argmax(axis=0), len(drive))
         last = len(drive) - 1 - at_goal[::-1].argmax(axis=0)
         covered |= at_goal.any(axis=0) & (first <= last)
     return covered
+
+
+def passed_goals(whole: Building, trials: Trials, drives: str, seed: int) -> NDArray[np.bool_]:
+    """The goals (N,) that some drive passes that agents learn, facing as they do.
+
+    Nobody has seen the others as they look there: a map of pictures cannot hold them.
+
+    Args:
+        whole: with all drives.
+        trials: with the goals.
+        drives: as from `parse_drives`.
+        seed: of the run.
+    """
+    separate = TOUR if drives == CONTINUOUS else drives
+    learned = part_of(whole, separate, seed).recorded.poses
+    return _at_goals(learned, trials, NEAR, FACING).any(axis=0)
+
+
+def _at_goals(poses: Array, trials: Trials, near: float, facing: float) -> NDArray[np.bool_]:
+    """Which poses (T, 3) are at which goals (T, N), facing as they do."""
+    goals = trials.goal_poses
+    faces = np.abs(wrap(poses[:, None, 2] - goals[:, 2])) < facing
+    return (_gaps(poses, goals) < near) & faces
 
 
 def _gaps(poses: Array, others: Array) -> Array:

@@ -129,7 +129,7 @@ def block_of(results: Results) -> str:
         results_in_short(results),
         "",
         f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
-        f"it. The world is easier than the paper's. Navigation, plans and blocked paths were "
+        f"it. The world is easier than the paper's. Plans, and navigation on Nav2's maps, were "
         f"measured with earlier networks and exact odometry.",
         END,
     ]

@@ -238,7 +238,7 @@ class Follower:
         ahead = memory.heading.waypoints(robots, waypoints[np.arange(len(robots)), 1 + moved])
         memory.waypoints[robots[fresh]] = to_world(observations.odometry, ahead)[fresh]
         memory.leave(robots, sure, goal, settings)
-        # Who sees the next anchor drives to it, whatever the map says about turning.
+        # A robot that sees the next anchor drives to it, whatever the map says about turning.
         blind = moved & ~(after > settings.p_follow) & self._turns.before(robots, chosen)
         blind &= memory.state[robots] != State.LOST
         memory.turn(robots[blind], settings.widest)
