@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.map_targets import MapTargets
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.place_guess import PlaceGuess
 from tutorial_lib.agents.remedies import Remedies, Tools
 from tutorial_lib.agents.remedy_navigation import RemedyNavigation
