@@ -211,10 +211,10 @@ def test_a_plan_that_the_belief_contradicts_is_dropped_and_nobody_is_to_blame():
     for _ in range(3):
         navigation._compare(0)
     assert navigation.plans[0] is None
-    navigation.plans[0] = Plan((0, 1, 2), 0, (0.9,) * 4)
-    navigation._lose(0)
-    assert navigation._excluded[0] == set()
-    navigation.guess.filter.belief[0] = np.eye(14)[1]
-    navigation.plans[0] = Plan((0, 1, 2), 0, (0.9,) * 4)
-    navigation._lose(0)
-    assert navigation._excluded[0] != set()
+    odometry = line.observe().odometry[0]
+    for where, blamed in ((12, False), (1, True)):
+        navigation.guess.filter.belief[0] = np.eye(14)[where]
+        navigation.plans[0] = Plan((0, 1, 2), 0, (0.9,) * 4)
+        navigation._lose(0, odometry)
+        assert navigation.plans[0] is None
+        assert bool(navigation._blockades.excluded(0, odometry, navigation._now[0])) == blamed

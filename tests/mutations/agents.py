@@ -68,7 +68,7 @@ MUTATIONS = [
     (
         "a vertex is to blame though the robot was elsewhere",
         "agents/remedy_navigation.py",
-        "        if blameless:\n            self._excluded[robot] = kept\n",
+        "        if blameless:\n            self.plans[robot] = None\n",
         "",
         "agents/test_remedies.py",
     ),

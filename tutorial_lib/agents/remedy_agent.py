@@ -42,7 +42,7 @@ class RemedyAgent(MengAgent):
         if remedies.sequence != self.remedies.sequence:
             raise InputError("remedies: a map is built with sequences or without; learn again")
         other = replace(self, remedies=remedies)
-        other.topomap = self.topomap
+        other.topomap, other._targets = self.topomap, self._targets  # encoded once for all
         return other
 
     def empty_map(self) -> TopoMap:

@@ -163,7 +163,7 @@ def test_what_counts_as_noticed_found_and_calm():
     assert len({tuple(row) for row in rows.values()}) == 1
 
 
-def test_who_is_carried_away_comes_to_another_kind_of_room():
+def test_a_carried_robot_comes_to_another_kind_of_room():
     office = Office(SimpleNamespace(), np.array([0, 0, 1]), np.array([0, 1, 2]))
     trials = SimpleNamespace(pairs=np.array([[0, 2], [2, 0], [1, 2], [0, 1]]))
 
