@@ -197,24 +197,69 @@ def test_without_the_filter_a_robot_does_not_back_up():
     assert min(gone) >= 0
 
 
-def test_a_plan_that_the_belief_contradicts_is_dropped_and_nobody_is_to_blame():
-    navigation = agent_on_line("all").start([goals_at(8)])
-    line = Line([-4.0])
-    line.go(navigation, 20)
-    first = navigation.plans[0]
-    assert first is not None
-    belief = np.zeros(14)
-    belief[12] = 1.0  # far from where the plan has it
-    navigation.guess.filter.belief[0] = belief
-    navigation.plans[0] = Plan((0, 1, 2), 0, (0.9,) * 4)
-    navigation.follower.assign(0, [0, 1, 2, 13])
-    for _ in range(3):
+def at_plan(navigation, vertices, column=None):
+    """Give robot 0 a plan, and all its belief to a column."""
+    navigation.plans[0] = Plan(vertices, 0, (0.9,) * (len(vertices) + 1))
+    navigation.follower.assign(0, [*vertices, 13])
+    if column is not None:
+        navigation.guess.filter.belief[0] = np.eye(14)[column]
+
+
+def compare(navigation, looks=3):
+    for _ in range(looks):
         navigation._compare(0)
-    assert navigation.plans[0] is None
+    return navigation.plans[0] is not None
+
+
+def test_a_plan_that_the_belief_has_left_is_dropped_and_nobody_is_to_blame():
+    navigation, line = agent_on_line("all").start([goals_at(8)]), Line([-4.0])
+    line.go(navigation, 20)
+    assert navigation.plans[0] is not None
+    at_plan(navigation, (0, 1, 2), 1)
+    assert compare(navigation)
+    navigation.guess.filter.belief[0] = np.eye(14)[12]  # far from where the plan has it
+    assert compare(navigation, 2)
+    assert not compare(navigation, 1)
     odometry = line.observe().odometry[0]
     for where, blamed in ((12, False), (1, True)):
-        navigation.guess.filter.belief[0] = np.eye(14)[where]
-        navigation.plans[0] = Plan((0, 1, 2), 0, (0.9,) * 4)
+        at_plan(navigation, (0, 1, 2), where)
         navigation._lose(0, odometry)
         assert navigation.plans[0] is None
         assert bool(navigation._blockades.excluded(0, odometry, navigation._now[0])) == blamed
+
+
+def test_a_plan_that_was_a_guess_is_kept_until_the_belief_has_been_with_it():
+    navigation, line = agent_on_line("all").start([goals_at(8)]), Line([-4.0])
+    at_plan(navigation, (0, 1, 2), 12)
+    assert compare(navigation, 10)
+    navigation.guess.filter.belief[0] = np.eye(14)[1]
+    assert compare(navigation, 1)
+    navigation.guess.filter.belief[0] = np.eye(14)[12]
+    assert not compare(navigation)
+    navigation._plan(line.observe()[[0]], 0)  # the next plan is compared anew
+    at_plan(navigation, (0, 1, 2), 12)
+    assert compare(navigation, 10)
+
+
+def test_one_of_many_twins_is_as_good_as_the_others():
+    guess = agent_on_line("all").start([goals_at(8)]).guess
+    guess.filter.belief[0] = np.append(np.full(13, 1 / 13), 0.0)
+    assert guess.far_from(0, [6]) == pytest.approx(0.0)
+    guess.filter.belief[0] = np.append(np.eye(13)[2] * 0.2, 0.8)
+    assert guess.far_from(0, [2]) == pytest.approx(0.75)  # more likely it is off the map
+    guess.filter.belief[0] = np.eye(14)[2]
+    assert guess.far_from(0, [2, 12]) == 0.0
+    assert guess.far_from(0, [12]) == 1.0
+
+
+def test_where_sequences_count_turns_are_for_goals_that_no_other_path_leads_to():
+    for name, first in (("none", (4, 9)), ("sequence", (4, 5, 6, 7, 8))):
+        agent = agent_on_line(name)
+        assert agent.topomap.connect_by_turn(4, 9, 0.999, np.pi)
+        navigation = agent.start([goals_at(5.5)])
+        Line([0.0]).go(navigation, 1)
+        assert navigation.history[0][0].vertices == first
+    agent.topomap.graph.remove_edge(6, 7)
+    navigation = agent.start([goals_at(5.5)])
+    Line([0.0]).go(navigation, 1)
+    assert navigation.history[0][0].vertices == (4, 9)

@@ -172,6 +172,15 @@ def test_removed_vertices_have_no_column():
     ]
 
 
+def test_an_edge_on_which_a_robot_turns_carries_no_belief():
+    topomap, turned = chain(1.0, 8), chain(1.0, 8)
+    assert turned.connect_by_turn(1, 6, 0.95, np.pi)
+    plain, model = motion_model(topomap), motion_model(turned)
+    assert (model.onward == plain.onward).all()
+    assert (model.lengths == plain.lengths).all()
+    assert (neighbourhoods(turned, 2) == neighbourhoods(topomap, 2)).all()
+
+
 def test_a_turn_counts_as_a_motion():
     assert moved(np.array([[0.0, 0.0, np.pi]])) == pytest.approx(np.pi / 2)
 

@@ -110,10 +110,15 @@ class PlaceGuess:
         return np.where(vertex == OFF_MAP, belief[:, OFF_MAP], mass)
 
     def far_from(self, robot: int, vertices: Sequence[int]) -> float:
-        """Belief that a robot is not near any of some vertices, or is off the map."""
-        columns = self._column[list(vertices)]
-        near = self._near[columns].any(axis=0)
-        return float(1.0 - self.filter.belief[robot, :OFF_MAP][near].sum())
+        """How much less a robot is believed to be near some vertices than anywhere else.
+
+        0 where no place, nor being off the map, is believed more; 1 where they are not believed at
+        all. Of many twins each has a small share of the belief, but no smaller than the others.
+        """
+        belief = self.filter.belief[robot]
+        near = self._near[self._column[list(vertices)]].any(axis=0)
+        most = max(float((belief[:OFF_MAP] @ self._near).max()), float(belief[OFF_MAP]))
+        return max(0.0, 1.0 - float(belief[:OFF_MAP][near].sum()) / most)
 
     def _remember(self, observations: Observation, robots: Robots) -> None:
         """Keep the views of robots that have moved on."""

@@ -26,7 +26,7 @@ BIAS = 0.5
 """Factor on the probability of edges to a vertex for each visit but the first."""
 _DOUBT = 10  # steps of dead reckoning from one attempt to find another plan to the next
 _FADES = 0.99  # for each step of dead reckoning, what the old plan is worth
-_ELSEWHERE = 0.9  # belief of being neither on the plan nor near it that makes it void
+_ELSEWHERE = 0.9  # see `PlaceGuess.far_from`: so far from its plan a robot is elsewhere
 _AGREE = 3  # looks in a row that must say so
 _TURNING, _PERIOD = 40, 55  # steps of a search: turning, and backing up until its period is over
 _BACK = 0.6  # metres to a waypoint behind
@@ -60,6 +60,9 @@ class RemedyNavigation(MapNavigation):
         self._last = np.full(count, -1)  # vertex that was last visited
         self._ready: dict[int, Plan] = {}
         self._reckoned, self._disagreed = np.zeros((2, count), dtype=int)
+        self._agreed = np.zeros(count, dtype=bool)  # was believed to be on its plan once
+        edges = self._topomap.graph.edges(data="turn")
+        self._turns_at: Edges = {(v, w) for v, w, turn in edges if turn is not None}
 
     def _act(self, observations: Observation, robots: Robots) -> Array:
         looked = self.guess.observe(observations, robots)
@@ -83,11 +86,16 @@ class RemedyNavigation(MapNavigation):
         From elsewhere the robot may know better where it is.
         """
         super()._plan(observation, robot)
+        self._agreed[robot] = False
         if self._on.filter and self.given_up[robot]:
             self.given_up[robot], self.plans[robot] = False, None
 
     def _path(self, observation: Observation, robot: int) -> Plan:
-        """The plan that is ready, or a new one from where the robot may be."""
+        """The plan that is ready, or a new one from where the robot may be.
+
+        No sequence confirms an edge on which a robot turns: it rests on a single place, whose twin
+        would look the same. Where sequences count, turns are for goals that no other path leads to.
+        """
         if robot in self._ready:
             return self._ready.pop(robot)
         topomap, likely = self._topomap, self.guess.weights(observation, robot)
@@ -98,8 +106,12 @@ class RemedyNavigation(MapNavigation):
         # The threshold is on RE; what an unlikely start is worth may be less.
         localizer = Weighted(likely, planner.p_query, planner.candidates)
         planner = replace(planner, localizer=localizer, p_query=0.0)
-        excluded = self._excluded(observation, robot)
-        return planner.plan(observation, self._goals[robot], topomap, excluded)
+        excluded, goals = self._excluded(observation, robot), self._goals[robot]
+        if self._on.sequence and self._turns_at:
+            plan = planner.plan(observation, goals, topomap, excluded | self._turns_at)
+            if not plan.refusal:
+                return plan
+        return planner.plan(observation, goals, topomap, excluded)
 
     def _excluded(self, observation: Observation, robot: int) -> Edges:
         """With the filter the belief says where a plan may begin."""
@@ -162,22 +174,27 @@ class RemedyNavigation(MapNavigation):
     # The belief, and recovery off the map.
 
     def _compare(self, robot: int) -> None:
-        """Drop the plan of a robot that is believed to be elsewhere, several looks in a row."""
+        """Drop the plan of a robot that is believed to have left it, several looks in a row.
+
+        A plan that begins where the robot hardly can be was a guess from the start: it is dropped
+        only after the belief has been with it.
+        """
         plan = self.plans[robot]
         if plan is None:
             return
-        elsewhere = self._elsewhere(robot, plan)
+        elsewhere = self._elsewhere(robot, plan) > _ELSEWHERE
         off_map = self.guess.off_map(robot) > 0.5
         follows = self.follower.memory.state[robot] == State.FOLLOW
+        self._agreed[robot] |= not elsewhere
         # Between vertices a robot may seem to be off the map; while it follows all is well.
-        void = elsewhere > _ELSEWHERE and not (off_map and follows)
+        void = elsewhere and self._agreed[robot] and not (off_map and follows)
         self._disagreed[robot] = self._disagreed[robot] + 1 if void else 0
         if self._disagreed[robot] >= _AGREE:
             self._disagreed[robot] = 0
             self.plans[robot] = None
 
     def _elsewhere(self, robot: int, plan: Plan) -> float:
-        """Belief that a robot is not near the vertices of its plan between which it drives."""
+        """How far a robot is from the vertices of its plan between which it drives."""
         active = int(self.follower.memory.active[robot])
         around = [*plan.vertices[max(active - 2, 0) : active + 2], *plan.vertices[-1:]]
         return self.guess.far_from(robot, around) if around else 0.0

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -60,14 +59,15 @@ def motion_model(topomap: TopoMap) -> MotionModel:
     """The motion model of a map: from each vertex along its edges, the surer ones more often.
 
     Lengths are those that odometry measured where one trajectory made both ends of an edge; the
-    others have the usual one.
+    others have the usual one. Edges on which a robot turns are left out: each rests on one place,
+    whose twin would look the same, and would carry the belief there.
     """
     alive = topomap.alive
     column = {int(vertex): i for i, vertex in enumerate(alive)}
     count = len(alive)
     length, share = np.zeros((2, count, count))
-    for v, w, edge in topomap.graph.edges(data=True):
-        share[column[v], column[w]] = edge["probability"]
+    for v, w, probability in _driven(topomap):
+        share[column[v], column[w]] = probability
         length[column[v], column[w]] = _length(topomap, v, w)
     known = length > 0
     usual = float(np.median(length[known])) if known.any() else _USUAL
@@ -78,16 +78,24 @@ def motion_model(topomap: TopoMap) -> MotionModel:
 
 
 def neighbourhoods(topomap: TopoMap, steps: int) -> NDArray[np.bool_]:
-    """(V, V) which vertices lie at most so many edges from each, forwards or backwards."""
+    """(V, V) which vertices lie at most so many edges from each, forwards or backwards.
+
+    Edges on which a robot turns are left out, see `motion_model`.
+    """
     count = len(topomap)
     joined = np.eye(count, dtype=bool)
-    if topomap.graph.number_of_edges():
-        edges = nx.to_numpy_array(topomap.graph, nodelist=topomap.alive.tolist(), weight=None) > 0
-        joined |= edges
+    edges = np.array([(v, w) for v, w, _ in _driven(topomap)], dtype=np.intp).reshape(-1, 2)
+    joined[tuple(np.searchsorted(topomap.alive, edges).T)] = True
     near, joined = np.eye(count, dtype=bool), joined.astype(np.float32)
     for _ in range(steps):
         near = near.astype(np.float32) @ joined > 0  # in numbers, which is much faster
     return near | near.T
+
+
+def _driven(topomap: TopoMap) -> list[tuple[int, int, float]]:
+    """Edges along which a robot drives, with their probabilities."""
+    edges = topomap.graph.edges(data=True)
+    return [(v, w, edge["probability"]) for v, w, edge in edges if "turn" not in edge]
 
 
 def _length(topomap: TopoMap, v: int, w: int) -> float:

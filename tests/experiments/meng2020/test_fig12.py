@@ -115,7 +115,6 @@ def test_the_same_trials_are_run_with_and_without_remedies(office, monkeypatch):
 @networks
 def test_the_filter_is_watched_along_drives_and_at_standstill(office, monkeypatch):
     monkeypatch.setattr(fig12_localization, "make_office", lambda *_, **__: office)
-    monkeypatch.setattr(fig12_localization, "_elsewhere", lambda _, trials: np.arange(len(trials)))
     monkeypatch.setattr(fig12_localization, "for_each", in_turn)
     settings = fig12_localization.Settings(robots=3, before=3.0, after=3.0, still=2.0)
     rows, notes = fig12_localization.run(Options(worlds=(10_000,)), settings)
@@ -163,14 +162,18 @@ def test_what_counts_as_noticed_found_and_calm():
     assert len({tuple(row) for row in rows.values()}) == 1
 
 
-def test_a_carried_robot_comes_to_another_kind_of_room():
-    office = Office(SimpleNamespace(), np.array([0, 0, 1]), np.array([0, 1, 2]))
-    trials = SimpleNamespace(pairs=np.array([[0, 2], [2, 0], [1, 2], [0, 1]]))
+def test_a_carried_robot_comes_to_another_kind_of_room_that_is_not_its_goal():
+    pairs = np.array([[start, goal] for start in range(4) for goal in range(4) if start != goal])
+    poses = np.column_stack([pairs, np.zeros(len(pairs))]).astype(float)  # x is the place
+    recorded = SimpleNamespace(poses=poses, first_frames=np.arange(len(pairs)))
+    office = Office(
+        SimpleNamespace(pairs=pairs, recorded=recorded), np.array([0, 0, 1, 2]), np.arange(4)
+    )
 
     class Trials(SimpleNamespace):
         def __len__(self):
             return len(self.pairs)
 
-    other = fig12_localization._elsewhere(office, Trials(pairs=trials.pairs))
-    kind = office.group[office.rooms[trials.pairs[:, 0]]]
-    assert (kind != kind[other]).all()
+    trials = Trials(pairs=np.array([[0, 2], [1, 3], [0, 3], [1, 2]]))
+    carried = fig12_localization._elsewhere(office, trials)
+    assert carried[:, 0].tolist() == [3, 2, 2, 3]

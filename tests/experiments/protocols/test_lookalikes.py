@@ -27,6 +27,23 @@ def test_rooms_of_one_group_have_the_same_walls_and_furniture(seed):
     assert (sizes == 1).sum() >= 2
 
 
+def test_a_rounding_makes_no_room_unique():
+    plan = generate("symmetric_office", 10_000, size="large")
+    group = alike_rooms(plan)
+    copies = [i for i, room in enumerate(plan.rooms) if _walls_of(plan, room) == {"office A"}]
+    assert len(copies) == 12
+    assert len(set(group[copies])) == 1
+
+
+def _walls_of(plan, room):
+    """The materials of the walls whose middle lies on a room's outline."""
+    corners = np.asarray(room.outline)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middles = (plan.walls[:, :2] + plan.walls[:, 2:4]) / 2
+    inside = ((middles > low - 1e-6) & (middles < high + 1e-6)).all(axis=1)
+    return {plan.wall_materials[i] for i in np.flatnonzero(inside)} - {"door frame"}
+
+
 def test_an_office_of_no_twins_has_none():
     plan = generate("apartment", 40)
     assert np.bincount(alike_rooms(plan)).max() == 1

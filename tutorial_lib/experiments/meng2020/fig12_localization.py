@@ -143,7 +143,7 @@ def _watched(
         guess,
         settings.before + settings.after if moves else settings.still,
         carried,
-        trials.starts[_elsewhere(office, trials)[carried]],
+        _elsewhere(office, trials)[carried],
         settings.before,
     )
     found = rollout(simulation, policy if moves else _Still(), watch, watch.record)
@@ -163,15 +163,20 @@ class _Still:
         return np.zeros((len(robots), 2))
 
 
-def _elsewhere(office: Office, trials: Trials) -> NDArray[np.intp]:
-    """(N,) for each trial another one that starts in another kind of room, if there is one."""
-    kind = office.group[office.rooms[trials.pairs[:, 0]]]
-    found = np.empty(len(trials), dtype=int)
-    for trial in range(len(trials)):
-        others = np.flatnonzero(kind != kind[trial])
-        farther = np.flatnonzero(trials.pairs[:, 0] != trials.pairs[trial, 0])
-        others = others if others.size else farther
-        found[trial] = others[trial % len(others)]
+def _elsewhere(office: Office, trials: Trials) -> Array:
+    """(N, 3) for each trial a pose to be carried to: in a room of another kind than its own.
+
+    Recorded trajectories begin there; its goal is elsewhere. To be carried to an exact twin
+    cannot be noticed.
+    """
+    building, kind = office.building, office.group[office.rooms]
+    begins = building.pairs[:, 0]
+    poses = building.recorded.poses[building.recorded.first_frames]
+    found = np.empty((len(trials), 3))
+    for trial, (start, goal) in enumerate(trials.pairs):
+        others = np.flatnonzero((kind[begins] != kind[start]) & (begins != goal))
+        others = others if others.size else np.flatnonzero(begins != start)
+        found[trial] = poses[others[trial % len(others)]]
     return found
 
 
@@ -194,8 +199,7 @@ def _measured(
     calm = still.vertex[round(1.0 / STEP) :]
     carried = slice(1, None, 2)
     after = driven.gap[begin + 1 :, carried], driven.vertex[begin + 1 :, carried]
-    old = driven.vertex[begin, carried]
-    noticed = (after[1] != old) & ((after[1] < 0) | (after[0] <= RIGHT))
+    noticed = (after[1] < 0) | (after[0] <= RIGHT)
     within = [round(limit / STEP) for limit in (NOTICED, FOUND)]
     return {
         "driven": {"right": right[:, stays].ravel(), "sure": sure[:, stays].ravel()},

@@ -23,6 +23,9 @@ from tutorial_lib.world.worlds import scene_of, world_name
 TWINS, UNIQUE = 6, 4
 """Places in rooms that have a twin, and in rooms that have none."""
 FAMILY = "symmetric_office"
+_ROUNDING = 0.005  # metres, in plans whose corners are whole millimetres
+_Look = dict[tuple[str | int, ...], list[Array]]
+"""Walls and furniture of a room: their coordinates, by what they are made of."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,33 +91,50 @@ def draw_ambiguous_trials(office: Office, count: int, rng: np.random.Generator) 
 def alike_rooms(plan: FloorPlan) -> NDArray[np.intp]:
     """(R,) the group of each room: rooms of one group have the same walls, colours and furniture.
 
-    A room is looked at from its first corner, along its first wall, as it was drawn.
+    A room is looked at from its first corner, along its first wall, as it was drawn. Copies may
+    differ by a rounding, which no camera sees.
     """
-    groups: dict[tuple[frozenset, frozenset], int] = {}
     looks = [_look(plan, room) for room in plan.rooms]
-    return np.array([groups.setdefault(look, len(groups)) for look in looks])
+    group = np.arange(len(looks))
+    for room, look in enumerate(looks):
+        twins = [other for other in range(room) if _alike(look, looks[other])]
+        group[room] = group[twins[0]] if twins else room
+    return np.unique(group, return_inverse=True)[1]
 
 
-def _look(plan: FloorPlan, room: Room) -> tuple[frozenset, frozenset]:
+def _look(plan: FloorPlan, room: Room) -> _Look:
     """Walls and furniture of a room in the frame of its first corner."""
     corners = np.asarray(room.outline)
     ahead = corners[1] - corners[0]
     frame = np.array([*corners[0], np.arctan2(ahead[1], ahead[0])])
+    look: _Look = {}
 
-    def local(points: Array) -> tuple[float, ...]:
-        return tuple((to_local(frame, points).round(3) + 0.0).ravel())
+    def add(what: tuple[str, ...], points: Array, *more: float) -> None:
+        shape = np.append(to_local(frame, points).ravel(), more)
+        look.setdefault((*what, len(shape)), []).append(shape)
 
-    walls = []
     for i, (x0, y0, x1, y1) in enumerate(plan.walls[:, :4]):
         ends = np.array([[x0, y0], [x1, y1]])
         if plan.wall_materials[i] != "door frame" and _on_outline(corners, ends.mean(axis=0)):
-            walls.append((local(ends), plan.wall_materials[i], plan.wall_offsets[i]))
-    pieces = [
-        (local(np.asarray(piece.outline)), piece.kind, piece.material)
-        for piece in plan.furniture
-        if room.contains(np.asarray(piece.outline).mean(axis=0))
-    ]
-    return frozenset(walls), frozenset(pieces)
+            add(("wall", plan.wall_materials[i]), ends, float(plan.wall_offsets[i]))
+    for piece in plan.furniture:
+        outline = np.asarray(piece.outline)
+        if room.contains(outline.mean(axis=0)):
+            add((piece.kind, piece.material), outline)
+    return look
+
+
+def _alike(one: _Look, other: _Look) -> bool:
+    """Whether each wall and piece of either room has its like in the other."""
+    if {what: len(shapes) for what, shapes in one.items()} != {
+        what: len(shapes) for what, shapes in other.items()
+    }:
+        return False
+    for what, shapes in one.items():
+        gaps = np.abs(np.array(shapes)[:, None] - np.array(other[what])).max(axis=2)
+        if gaps.min(axis=0).max() > _ROUNDING or gaps.min(axis=1).max() > _ROUNDING:
+            return False
+    return True
 
 
 def _on_outline(corners: Array, point: Array) -> bool:
