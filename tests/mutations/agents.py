@@ -79,4 +79,25 @@ MUTATIONS = [
         "np.where(reach > self.p_query, reach, 0.0)",
         "agents/test_remedies.py",
     ),
+    (
+        "a plan that was a guess is dropped at once",
+        "agents/remedy_navigation.py",
+        "elsewhere and self._agreed[robot] and not",
+        "elsewhere and not",
+        "agents/test_remedies.py",
+    ),
+    (
+        "plans lead over turns as over edges that were driven",
+        "agents/remedy_navigation.py",
+        "excluded | self._turns_at",
+        "excluded",
+        "agents/test_remedies.py",
+    ),
+    (
+        "one of many twins is elsewhere",
+        "agents/place_guess.py",
+        "float(belief[:OFF_MAP][near].sum()) / most",
+        "float(belief[:OFF_MAP][near].sum())",
+        "agents/test_remedies.py",
+    ),
 ]

@@ -233,4 +233,11 @@ MUTATIONS = [
         "",
         "topology/test_localization.py",
     ),
+    (
+        "the belief moves along edges on which a robot turns",
+        "topology/motion_model.py",
+        'for v, w, edge in edges if "turn" not in edge]',
+        "for v, w, edge in edges]",
+        "topology/test_localization.py",
+    ),
 ]

@@ -20,18 +20,29 @@ def test_rooms_of_one_group_have_the_same_walls_and_furniture(seed):
     for one in range(len(group)):
         for other in range(one):
             if group[one] == group[other]:
-                assert looks[one][1] == looks[other][1]
+                assert all(_within(piece, looks[other][1]) for piece in looks[one][1])
+                assert len(looks[one][1]) == len(looks[other][1])
                 assert plan.rooms[one].kind == plan.rooms[other].kind
     sizes = np.bincount(group)
     assert sizes.max() >= 2
     assert (sizes == 1).sum() >= 2
 
 
+def _within(piece, pieces):
+    """Whether one of the pieces is the same, but for a rounding."""
+    return any(
+        piece[-2:] == other[-2:]
+        and len(piece) == len(other)
+        and np.allclose(piece[:-2], other[:-2], rtol=0, atol=0.005)
+        for other in pieces
+    )
+
+
 def test_a_rounding_makes_no_room_unique():
     plan = generate("symmetric_office", 10_000, size="large")
     group = alike_rooms(plan)
     copies = [i for i, room in enumerate(plan.rooms) if _walls_of(plan, room) == {"office A"}]
-    assert len(copies) == 12
+    assert len(copies) == 13
     assert len(set(group[copies])) == 1
 
 

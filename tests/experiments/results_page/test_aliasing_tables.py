@@ -18,10 +18,20 @@ COMMANDS = {
 def remedy_row(number, name):
     share = 0.5 + number / 20
     return {
-        **{"remedy": name, "trials": 500, "success": share, "low": share - 0.1},
-        **{"high": share + 0.04, "wormholes": 10 - number, "edges": 4_000, "vertices": 1_500},
-        **{"wrong_place": 0.01, "gave_up": 0.02, "stuck": 0.03, "late": 0.04},
-        **{"lost": 0.0, "circled": 0.002},
+        "remedy": name,
+        "trials": 500,
+        "success": share,
+        "low": share - 0.1,
+        "high": share + 0.04,
+        "wormholes": 10 - number,
+        "edges": 4_000,
+        "vertices": 1_500,
+        "wrong_place": 0.01,
+        "gave_up": 0.02,
+        "stuck": 0.03,
+        "late": 0.04,
+        "lost": 0.0,
+        "circled": 0.002,
     }
 
 

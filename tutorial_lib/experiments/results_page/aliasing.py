@@ -88,10 +88,11 @@ def _remedies_section(results: Results) -> list[str]:
         f"such a room; its goal is a picture of a room that has none. {every['trials']:,} trials, "
         f"the same for every choice of remedies. *none*: edges and vertices by single views, the "
         f"start at the most similar vertex, no replanning. *sequence*: edges, reused vertices "
-        f"and the start by sequences of views; *replan*: a lost robot plans again; *cycles*: from "
-        f"the {CYCLE}rd visit of a vertex on a robot plans around what it visited, and gives up "
-        f"at the {ENDLESS}th; *filter*: a Bayes filter over the vertices and *off the map* says "
-        f"where plans begin and when they are void. The paper shows one example and has no table.",
+        f"and the start by sequences of views, turns only where no other path leads to the goal; "
+        f"*replan*: a lost robot plans again; *cycles*: from the {CYCLE}rd visit of a vertex on a "
+        f"robot plans around what it visited, and gives up at the {ENDLESS}th; *filter*: a Bayes "
+        f"filter over the vertices and *off the map* says where plans begin and when they are "
+        f"void. The paper shows one example and has no table.",
         success_by_remedy(results),
         f"With all remedies {percent(every['success'])} of the trials succeed, with none "
         f"{percent(none['success'])}; differences are paired, their intervals over worlds. *In "
