@@ -14,7 +14,6 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.sparsify import contextified, sparsify
 
-
 SPACING = 20.0
 """Frames from anchor to anchor that are near enough, on average: SPTM keeps every 20th frame."""
 
