@@ -8,9 +8,8 @@ from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import DRIVES, Results, matching, stored_as
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings
 
-SHOWN = {"tour": "a tour", "continuous": "a tour, one drive"}
+SHOWN = {"tour": "a tour"}
 """How drives are called that are no share."""
-ANYWHERE = "meng_table2_anywhere"
 
 
 def shown(drives: str) -> str:
@@ -74,11 +73,10 @@ def _composing_section(results: Results) -> list[str]:
         f"The protocol of Table II above has a blind spot: every ordered pair of places was "
         f"driven, so that in {hidden} of its trials some recorded drive passes the start and "
         f"later the goal, and an agent that only repeats drives succeeds. Here all agents learn "
-        f"the same part of the drives: a share of them, a tour (each place to the next and back, "
-        f"as separate drives), or the same tour as one continuous drive with the car's own "
-        f"turning manoeuvres. Trials that no learned drive covers must be *composed* of several. "
-        f"{worlds} test worlds, the same trials for all; intervals are bootstrapped over worlds, "
-        f"differences are paired.",
+        f"the same part of the drives: a share of them, or a tour (each place to the next and "
+        f"back, as separate drives). Trials that no learned drive covers must be *composed* of "
+        f"several. {worlds} test worlds, the same trials for all; intervals are bootstrapped over "
+        f"worlds, differences are paired.",
         composed_trials(results, names),
         f"*Meng, driven* are the other trials; *goals passed* is the share of the composed ones "
         f"whose goal some learned drive passes as it looks: of the others nobody has an image on "
@@ -90,19 +88,9 @@ def _composing_section(results: Results) -> list[str]:
     ]
 
 
-def _anywhere_section(results: Results) -> list[str]:
-    return [
-        f"The same after a tour, with trials that start anywhere on a drive, mostly looking aside, "
-        f"and goal images that were taken on arrival from elsewhere; {results.worlds(ANYWHERE)} "
-        f"test worlds.",
-        composed_trials(results, {"a tour": ANYWHERE}),
-    ]
-
-
 def _thresholds_section(results: Results) -> list[str]:
-    known = [drives for drives in DRIVES if drives != "continuous"]
     tables = []
-    for drives in known:
+    for drives in DRIVES:
         name = stored_as(drives, "thresholds")
         best = results.note(name, f"best with --drives {drives}: ")
         tables += [
@@ -112,7 +100,7 @@ def _thresholds_section(results: Results) -> list[str]:
     return [
         f"Thresholds for each share, chosen on {results.worlds(stored_as('0.2', 'thresholds'))} "
         f"validation worlds by success in composed trials: p_edge of RE for Meng, similarity for "
-        f"SPTM. Those of the tour are used for the continuous one, too.",
+        f"SPTM.",
         *tables,
     ]
 
@@ -132,10 +120,9 @@ SECTIONS = (
         tuple(stored_as(drives) for drives in DRIVES),
         _composing_section,
     ),
-    Section("Table II: starts anywhere, goals turned", (ANYWHERE,), _anywhere_section),
     Section(
         "Table II: thresholds for a part of the drives",
-        tuple(stored_as(drives, "thresholds") for drives in DRIVES if drives != "continuous"),
+        tuple(stored_as(drives, "thresholds") for drives in DRIVES),
         _thresholds_section,
     ),
 )

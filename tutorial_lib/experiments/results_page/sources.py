@@ -18,7 +18,7 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
-DRIVES = ("0.2", "0.4", "tour", "continuous")
+DRIVES = ("0.2", "0.4", "tour")
 """Of Table II: what agents learn, beside all drives."""
 
 
@@ -33,11 +33,12 @@ def stored_as(drives: str, ablation: str = "") -> str:
 
 def _with_drives(drives: str) -> dict[str, str]:
     """The commands of Table II and of its thresholds with `--drives`."""
-    found = {stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}"}
-    if drives != "continuous":  # its thresholds are those of the tour
-        chosen = f"experiment meng_table2 --ablation thresholds --drives {drives}"
-        found[stored_as(drives, "thresholds")] = chosen
-    return found
+    return {
+        stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}",
+        stored_as(drives, "thresholds"): (
+            f"experiment meng_table2 --ablation thresholds --drives {drives}"
+        ),
+    }
 
 
 COMMANDS = {
@@ -60,9 +61,6 @@ COMMANDS = {
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
     **{name: line for drives in DRIVES for name, line in _with_drives(drives).items()},
-    "meng_table2_anywhere": (
-        "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
-    ),
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "faults": "experiment faults",
     **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
@@ -70,8 +68,7 @@ COMMANDS = {
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 EARLIER = frozenset(
     {
-        *("meng_fig9", "meng_fig10", "meng_fig11", "meng_fig13", "map"),
-        *("meng_table2_shifted", *(f"meng_table2_{name}" for name in MAPS)),
+        *("meng_fig9", "meng_fig11", "map", "meng_table2_shifted", "meng_table2_warehouse"),
         *("meng_table2_thresholds", *(f"ablation_{name}" for name in ABLATIONS)),
     }
 )
