@@ -18,7 +18,7 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
-DRIVES = ("0.2", "tour")
+DRIVES = ("0.2", "0.4", "tour")
 """Of Table II: what agents learn, beside all drives."""
 
 
@@ -68,8 +68,7 @@ COMMANDS = {
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 EARLIER = frozenset(
     {
-        *("meng_fig9", "meng_fig10", "meng_fig11", "meng_fig13", "map"),
-        *("meng_table2_shifted", *(f"meng_table2_{name}" for name in MAPS)),
+        *("meng_fig9", "meng_fig11", "map", "meng_table2_shifted", "meng_table2_warehouse"),
         *("meng_table2_thresholds", *(f"ablation_{name}" for name in ABLATIONS)),
     }
 )
