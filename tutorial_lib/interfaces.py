@@ -18,8 +18,10 @@ from tutorial_lib.errors import InputError
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
-HERE, Edges = -1, set[tuple[int, int]]
-"""Of a map, from a vertex, or from where the robot is (`HERE`), to a vertex."""
+HERE = -1
+"""Where the robot is, as the source of an edge."""
+Edges = set[tuple[int, int]]
+"""Of a map: from a vertex, or from `HERE`, to a vertex."""
 
 
 @dataclass(frozen=True)

@@ -20,6 +20,7 @@ from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import HERE, Agent, Experience, Goals, Navigation, Plan
 from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.transitions import FollowerSettings
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
@@ -586,6 +587,25 @@ def test_sptm_takes_the_path_with_the_fewest_edges():
     assert excluded == Plan(tuple(range(12)), 0)
     nowhere = agent.find_path(Line([0.1]).observe(), goals_at(11.1), {(2, 9), (5, 6)})
     assert "no path" in nowhere.refusal
+
+
+def test_a_plan_over_an_edge_that_turns_is_followed_with_that_turn():
+    topomap = line_map(range(9), LineReachability())
+    for vertex in range(8):
+        topomap.connect(vertex, vertex + 1, 0.99)
+    topomap.graph.remove_edge(2, 3)
+    topomap.connect_by_turn(2, 3, 0.95, 1.25)
+    navigation = navigation_over(topomap, Plans(Plan((1, 2, 3, 4), 0, SURE)), [goals_at(4.5)])
+    given, assign = [], navigation.follower.assign
+    navigation.follower.assign = lambda *told: (given.append(told), assign(*told))
+    Line([0.9]).go(navigation, 1)
+    assert given == [(0, [1, 2, 3, 4, 9], {2: 1.25})]
+
+
+def test_an_agent_that_replans_waits_less_than_the_follower_alone():
+    parts = {"controller": LineController(), "reachability": LineReachability()}
+    agent = MengAgent(predictor=LinePredictor(), **parts)
+    assert agent.follower.timeout == 2.0 < FollowerSettings().timeout
 
 
 def test_sptm_begins_where_it_is_allowed_to():
