@@ -626,7 +626,7 @@ show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], heigh
 
 # %% [markdown]
 # <details><summary>What does the first car do?</summary>
-# It chases a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the intended place, up to a wall, and goes back and forth there. This bug does not show as long as all goes well, since in Follow a new waypoint is predicted ten times a second.
+# It chases a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the intended place until something is in its way, and goes back and forth there. This bug does not show as long as all goes well, since in Follow a new waypoint is predicted ten times a second.
 # </details>
 #
 # ### The loop
