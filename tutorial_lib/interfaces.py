@@ -18,10 +18,8 @@ from tutorial_lib.errors import InputError
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
-HERE = -1
-"""Where the robot is, as the source of an edge."""
-Edges = set[tuple[int, int]]
-"""Of a map: from a vertex, or from `HERE`, to a vertex."""
+HERE, Edges = -1, set[tuple[int, int]]
+"""Where the robot is, in place of a vertex; and edges, from a vertex or from there to a vertex."""
 
 
 @dataclass(frozen=True)
