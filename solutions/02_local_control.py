@@ -775,13 +775,13 @@ display(
 print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 
 # %% [markdown]
-# (To train and evaluate them again takes a quarter of an hour: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
+# (This table is older than the other results: its networks were trained for a few minutes each, in apartments, offices and mazes only. To train and evaluate them again takes a quarter of an hour, and gives somewhat other numbers: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
 #
 # ## 5 · Train a network
 #
 # For each pair of images the network learns three things: the waypoint; cosine and sine of the heading difference; the two overlaps. The loss is the weighted sum of the three errors ([`learning/losses.py`](../tutorial_lib/learning/losses.py) shows the weights, and where we differ from the paper's authors).
 #
-# The pretrained networks were trained for up to half an hour in 120 worlds (homes, offices, halls, mazes and scanned maps), by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
+# The pretrained networks were trained for less than an hour each, in 120 worlds (homes, offices, halls, mazes and scanned maps), by [`learning/training.py`](../tutorial_lib/learning/training.py). You write that loop in small (with one rule more, the clipping of gradients), and train in some ten seconds. So we make it easy: $k = 0$, and *one* world, this apartment, in its own colours. The pairs are drawn from the 24 trajectories.
 #
 # The test is 40 episodes with targets more than a metre away. **Predict:** how will the car drive with a network that has *not* been trained yet?
 
@@ -889,7 +889,7 @@ def train_network(network, optimizer, draw_batch, loss_of, validate, plan):
 train_network = check_train_network.use(train_network)
 
 # %% [markdown]
-# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss as it falls. (About 10 s. The training loss that is printed afterwards is larger, since it also counts how well the pose of the target's camera is predicted.) **Predict:** how many of the forty targets will the car reach afterwards? Untrained, it reached 8.
+# Now the loop trains the network: 400 steps of 64 pairs each, drawn from 7,680 pairs. The chart shows the validation loss while the network learns. (About 10 s. The training loss that is printed afterwards is larger, since it also counts how well the pose of the target's camera is predicted.) **Predict:** how many of the forty targets will the car reach afterwards? You saw above how few it reached untrained.
 
 # %%
 training_pairs = Source(
@@ -997,7 +997,7 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
 # Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 400 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
-# rooms. But much of it is not. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour in
+# rooms. But much of it is not: in the other apartment it reaches about as many targets as here. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour in
 # 120 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
 # </details>
 #
@@ -1186,9 +1186,9 @@ show(stacked([failure_strip(case) for case in chosen], titles, gap=10))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# One condition stands out. Where the two images overlap by less than a tenth, about one episode in four fails; of the others one in fifty. There is nothing to match: the network must guess from what rooms usually look like. Targets <i>hidden</i> from the start are too rare here to judge (7 episodes).
-# A target behind the car and a tight place do no harm: $\mathcal C_{RMP}$ reverses and avoids obstacles, with the laser. For the same reason there are no collisions. Three of the eleven failures end within half a metre: there the images differ
-# little, the network takes the place for the target, and the car waits. (The conditions seldom occur alone, and 200 episodes are few: differences of a few points mean nothing here.)
+# One condition stands out. Where the two images overlap by less than a tenth, about one episode in four fails; of the others hardly any. There is nothing to match: the network must guess from what rooms usually look like. Targets <i>hidden</i> from the start are too rare here to judge (7 episodes).
+# A target behind the car and a tight place do no harm: $\mathcal C_{RMP}$ reverses and avoids obstacles, with the laser. For the same reason there are no collisions. Not every failure is a wrong guess. In the first of the pictures the target is close behind the car: it
+# drives away, comes back in reverse, and is just outside the circle when its time is up. In the other two the overlap is small, and the car never gets near its target. (The conditions seldom occur alone, and 200 episodes are few: differences of a few points mean nothing here.)
 #
 # The controller itself notices none of this. That is the subject of notebook 03: to <i>predict</i> which targets it will reach.
 # </details>
@@ -1298,12 +1298,12 @@ display(success_table(by_map, "On three maps from Nav2, which no network has see
 #
 # <details><summary>Why do our numbers differ from the paper's?</summary>
 # In both, control through waypoints beats direct control. The paper's direct controller was trained to imitate forward acceleration and steering velocity; ours imitates speed and steering of the same demonstrator, and has k = 2. Our images are simpler than those of scanned buildings, which helps; but they have 16 rows in place of 64,
-# the networks are small enough to train in half an hour on a laptop, and the car is larger relative to its world: its rear axle needs 1.24 m for its tightest circle, the paper's car 0.9 m. The oracle's row shows what the <i>body</i> and the time limit cost before any network is involved. Compare within one column; between
+# the networks are small enough to train in less than an hour on a laptop, and the car is larger relative to its world: its rear axle needs 1.24 m for its tightest circle, the paper's car 0.9 m. The oracle's row shows what the <i>body</i> and the time limit cost before any network is involved. Compare within one column; between
 # the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
 # A single image is enough for nineteen targets in twenty. Context of k = 2 removes a fifth of the remaining failures, and k = 5 another two fifths of those that are left; k = 5 is two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to nineteen points, and the oracle at most one: walls and rooms have other shapes there than in the training worlds, although halls and scanned plans are among these. <i>Direct</i> has little to lose: it stays within fourteen points of its result here, to either side.
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to nineteen points, and the oracle at most one: walls and rooms have other shapes there than in the training worlds, although halls and scanned plans are among these. <i>Direct</i> has little to lose: it stays within about fourteen points of its result here, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.

@@ -237,7 +237,7 @@ table(headings, lines, caption=caption)
 # Read the table down a column: the distance is the same, and the outcome is not. A target <i>ahead</i> is reached from every distance shown. One <i>behind</i> is reached in reverse, but not from as far. A target <i>beside</i> the car is the hardest of those in sight, however near it is. A wall between makes a target unreachable, unless there is a door nearby: through the doorway the car arrives
 # from a fan of starts that see into the room.
 #
-# RE has the shape right: walls, doors, ahead and behind. But it is far too optimistic for targets <i>beside</i> the car. Keep that in mind, we will come back to it.
+# RE has the shape right: walls, doors, ahead and behind. But it is far too optimistic for targets <i>beside</i> the car, and for those two metres behind it. Keep that in mind, we will come back to it.
 # </details>
 #
 # ### A property of the controller
@@ -603,7 +603,7 @@ fit_temperature = check_fit_temperature.use(fit_temperature)
 # %% [markdown]
 # Now both networks, the quick one and the library's. The temperature of each is fitted in the ring of corridors, and everything is evaluated in the office, which neither has seen.
 #
-# A temperature is a single number and cannot bend a curve. The library's RE uses an increasing piecewise linear function through twenty points instead, fitted to outcomes in sixteen validation worlds, of pairs like those of exercise 1 (*isotonic regression*, `learning/calibration.py`); that is what `reachability.calibration` does, and what section 1 showed.
+# A temperature is a single number and cannot bend a curve. The library's RE uses an increasing piecewise linear function through twenty points instead, fitted to outcomes in 24 validation worlds, of pairs like those of exercise 1 (*isotonic regression*, `learning/calibration.py`); that is what `reachability.calibration` does, and what section 1 showed.
 #
 # For comparison there are two more: a *constant* prediction, the share that arrived in the ring of corridors, and the library's predictions rounded to *0 or 1*, "since a car either arrives or it does not". Four measures: **AUC**, the probability that of two pairs, one of which arrives, that one has the higher prediction; **ECE**; **Brier**, the mean squared error; and the log loss of exercise 2.
 #
@@ -653,13 +653,13 @@ show(from_figure(figure))
 # <details><summary>What changed, and what did not?</summary>
 # The AUC does not change: an increasing function keeps the ranking, and the AUC depends on nothing but the ranking. (The constant has no ranking at all, 0.5; 0 or 1 has thrown most of it away.) Calibration adds no information to a network. It makes its probabilities honest.
 #
-# The ECE alone says little. A constant prediction of the share that arrives is calibrated by definition, and useless, since it does not distinguish any two targets. (The one in the table is the share of another building, so it is off by the difference of the two.) Look at ECE <i>and</i> AUC, or at Brier and log loss, which reward both. The log loss penalises confident errors most: it is very high for "0 or 1", though its AUC is good.
+# The ECE alone says little. A constant prediction of the share that arrives is calibrated by definition, and useless, since it does not distinguish any two targets. (The one in the table is the share of another building, so it is off by the difference of the two, and by what is chance in its bins.) Look at ECE <i>and</i> AUC, or at Brier and log loss, which reward both. The log loss penalises confident errors most: it is very high for "0 or 1", though its AUC is good.
 #
 # And note the last line: with so few rollouts, even exactly right probabilities would not lie on the diagonal. Smaller differences mean nothing here. The results page at the end has many more.
 # </details>
 # <details><summary>Is the library's raw network wrong, too?</summary>
-# Hardly, as far as 150 rollouts can tell: its ECE, its mean prediction and its T are those that exact probabilities might have by chance. T is even below 1: if anything, the raw network is too modest. That is no wonder. In the last part of its training about every seventh target was one on which it had been wrong before (section 5 explains why that is needed), and there many more rollouts fail. The isotonic function was fitted on far more rollouts than we have here, and its place is at the upper end, where maps query:
-# which of the three lines is best cannot be decided with this page's data. The results page at the end has more. Diagnose before you recalibrate: look at the diagram first, and at how much could be chance.
+# A little: it is too modest. Where it is unsure, its points lie above the diagonal, and its mean prediction is below the share that arrived. That is no wonder. In the last part of its training about every tenth target was one on which it had been wrong before (section 5 explains why that is needed), and there many more rollouts fail. A temperature does not help: T is close to 1, and the two lines coincide. It can only move predictions away from one half or towards it, and here those near one half have to move up, too (extra 3). The isotonic function can do that, and was fitted on far more rollouts than we have here.
+# But 150 rollouts are few: how much better it is cannot be decided with this page's data. The results page at the end has more. Diagnose before you recalibrate: look at the diagram first, and at how much could be chance.
 # </details>
 # <details><summary>Why must a calibration be fitted on rollouts on which the network was not trained?</summary>
 # Look at the quick network on its training buildings: it is right there, however sure it is, so the best temperature would be far below 1 and make it even surer. Its confidence is justified on what it has memorised, and not elsewhere; rollouts that it has memorised cannot show that.
@@ -716,8 +716,8 @@ show(side_by_side(panels, titles))
 # know this from tests for rare diseases. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes.
 # </details>
 # <details><summary>Then how can a network ever learn it? In a random draw of pairs, mistakes of this kind hardly occur.</summary>
-# By searching for them, <b>hard negative mining</b>. After most of its training, the network predicted all pairs of 160 frames in 48 training worlds. Among those with a high prediction, the far, occluded pairs are its worst mistakes, <b>hard negatives</b>: up to 400 in each world, those with the highest predictions, and they are labelled 0 without a rollout. Another 100 pairs were rolled out. (Many of these did arrive: such pairs are
-# kept too, or the network would learn to distrust all its confident predictions.) In the rest of the training about every seventh target came from these two sets.
+# By searching for them, <b>hard negative mining</b>. After most of its training, the network predicted all pairs of 160 frames in 80 training worlds. Among those with a high prediction, the far, occluded pairs are its worst mistakes, <b>hard negatives</b>: up to 400 in each world, those with the highest predictions, and they are labelled 0 without a rollout. In each world up to 100 other pairs were rolled out. (Many of these did arrive: such pairs are
+# kept too, or the network would learn to distrust all its confident predictions.) In the rest of the training about every tenth target came from these two sets.
 # </details>
 
 # %% hidden=true
@@ -883,8 +883,8 @@ table(headings, lines, best, words)
 
 # %% [markdown]
 # <details><summary>What did mining change?</summary>
-# The second network is sure of far fewer look-alikes in a building that it has never seen, above 0.5 as well as above 0.9: less than half as many. On the ordinary pairs both are about as good; differences of a hundredth in the AUC mean nothing with 150 rollouts. Sixty hard negatives from two buildings do not make it immune: with about a million pairs to query, a tenth of the look-alikes above 0.9 is still a disaster, and the library's network needed thousands of mined pairs. The confident pairs keep it from
-# learning that whatever looks good is a trap: a third of them do arrive.
+# The second network is sure of far fewer look-alikes in a building that it has never seen, above 0.5 as well as above 0.9: less than half as many. On the ordinary pairs both are about as good; differences of a hundredth in the AUC mean nothing with 150 rollouts. Sixty hard negatives from two buildings do not make it immune: with about a million pairs to query, one look-alike in twenty above 0.9 is still a disaster, and the library's network was trained on tens of thousands of mined pairs. The confident pairs keep it from
+# learning that whatever looks good is a trap: about four in ten of them do arrive.
 # </details>
 #
 # So the question "is it calibrated?" has at least two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. We can measure the second too: of all the pairs above that are not simply neighbours on one trajectory, take those with RE > 0.9, roll out up to 40 of them, and count. **Predict** what share arrives; RE's mean is the share that it expects.
@@ -1067,7 +1067,7 @@ print(
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# Of the three where RE was too confident, look first at the maps. The first two stop just outside the circle of 0.30 m, one of them beside a wall, without having moved: where the images are almost identical, the car takes the place for the target. In the third the target lies beside the car, as in section 1. Those where RE was too low have one thing in common: the two images share little. The path was easy all the same, and RE has no way to know: what lies between is in neither image.
+# Of the three where RE was too confident, look first at the maps. The target is less than a metre away, behind the car beside a wall in the first two, and beside the car in the third, as in section 1. The car moves only a little and never comes near. A large part of the two images is nearly the same; what tells the places apart is at the edges, or a small shift. In the three where RE was too low the target lies beside the car or behind it, or is turned away: the table below shows that such pairs are harder than others. But here the path was easy all the same.
 #
 # In the table RE's mean prediction follows the share that arrives from line to line: it has learnt that targets behind or beside the car, with little overlap or turned away are harder. (Differences of five points, or ten where there are few pairs, mean nothing.) A tight place causes failures too seldom to show in the mean. For targets beside the car it is too optimistic, and where a wall stands between by far: the two views share something around a corner, the path is longer than it seems, and such pairs are rare in its training data.
 # </details>
@@ -1170,8 +1170,11 @@ print(*report.notes, sep="\n")
 # <details><summary>Systems have been built on image similarity and on time between images. What do these two lack?</summary>
 # Both answer another question. Two images can be alike, or close in time, and yet the second be unreachable from the first for this car: behind it, beside it, around a corner. And two images can be quite different although the path is easy: along a corridor. Neither score is a probability, either; calibration could fix the values, but not the ranking.
 # </details>
+# <details><summary>What does context change?</summary>
+# It makes RE more accurate: the more context, the higher the AUC, and no RE has a higher one than geometry. It does not help against far look-alikes here: the share above 0.9 is no smaller with more context. The laser sees no colours, and is sure of far more of them.
+# </details>
 # <details><summary>The three precisions of one estimator differ. Which one is its precision?</summary>
-# All of them. Precision is a property of the estimator <i>and of the distribution of pairs</i>. Consecutive anchors are easy pairs. Among all pairs of a building nearly all are unreachable, and those above 0.99 contain more look-alikes. Notebook 05 looks at the last one, since it decides how many wormholes a map has.
+# All of them. Precision is a property of the estimator <i>and of the distribution of pairs</i>. Consecutive anchors are easy pairs. Among all pairs of a building nearly all are unreachable, and of most estimators those above 0.99 contain more mistakes there. Notebook 05 looks at the last one, since it decides how many wormholes a map has.
 # </details>
 #
 # ## Optional extras

@@ -626,7 +626,7 @@ show(side_by_side(panels, ["the same two numbers", "tracked by odometry"], heigh
 
 # %% [markdown]
 # <details><summary>What does the first car do?</summary>
-# It chases a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the intended place, up to a wall, and goes back and forth there. This bug does not show as long as all goes well, since in Follow a new waypoint is predicted ten times a second.
+# It chases a carrot on a stick: the waypoint moves with the car, always 1 m ahead and 0.6 m to the left, and the car never gets nearer to it. It drives past the intended place until something is in its way, and goes back and forth there. This bug does not show as long as all goes well, since in Follow a new waypoint is predicted ten times a second.
 # </details>
 #
 # ### The loop
@@ -819,7 +819,7 @@ show(stacked(strips, CASES[1:], gap=4))
 
 # %% [markdown]
 # <details><summary>What do they do?</summary>
-# The <i>pushed</i> and the <i>turned</i> car hardly leave Follow, if at all: the anchor is still in view, its $\mathcal{RE}$ falls but not below p_lose, and the local controller leads them back in an S. That is what it was trained for: starts beside the trajectory.
+# The <i>pushed</i> and the <i>turned</i> car hardly leave Follow, if at all: after the disturbance the anchor is still in view, its $\mathcal{RE}$ does not fall below p_lose, and the local controller leads them back in an S. That is what it was trained for: starts beside the trajectory.
 # <i>A person comes</i>: now and then the person hides so much that $\mathcal{RE}$ falls below p_lose. Then the car goes over to dead reckoning and creeps on, and returns to Follow as soon as it sees enough; with a person in the middle of the image and the walls on either side in view, it may well stay in Follow. Whether it arrives is a matter of luck: if the person turns back and walks in front of it, in the middle of its image, for longer than its timeout lasts, it gives up although it is on the right path. A planner would have to try again; that is notebook 06.
 # The <i>kidnapped</i> car notices at once that something is wrong, since nothing it sees resembles its anchor. It drives on to the last waypoint (which is now in another room, at a place that means nothing), and stops after four seconds. It is lost, and it knows it.
 #
@@ -986,7 +986,7 @@ show(closeup(office_view, picture, longest.poses[:, :2], 0.8))
 
 # %% [markdown]
 # <details><summary>Why does noise matter so little?</summary>
-# (Orange is the recorded trajectory, blue the undisturbed car, pink the noisy ones.) A car that looks ten times a second sees where it went wrong and steers back: the loop is closed. Independent noise at each step also averages out within a second. The paper finds no noticeable difference either. (Five runs of one trajectory are anecdotes. Over 160 trajectories, below, noise does cost something: 1 to 3 points, the less the denser the anchors.) A steering that is <i>always</i> too weak would be another matter.
+# (Orange is the recorded trajectory, blue the undisturbed car, pink the noisy ones.) A car that looks ten times a second sees where it went wrong and steers back: the loop is closed. Independent noise at each step also averages out within a second. The paper finds no noticeable difference either. (Five runs of one trajectory are anecdotes. Over 160 trajectories, below, noise costs a point or two at each threshold, and even that may be chance.) A steering that is <i>always</i> too weak would be another matter.
 # </details>
 #
 # ## 7 · The paper's Fig. 7, and ours: cover rate against sparsity
@@ -1035,8 +1035,8 @@ print("\n".join(fig7.notes[1:]))
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig7`. **Same protocol, easier world:** straight walls with painted stripes and even light in place of scanned buildings.)
 #
 # <details><summary>Which of the three hold here?</summary>
-# The first in part: with context, and from 0.95 on, more than 95 % are covered; but without it our controller covers as much, at twice the anchors. Images of painted walls are easy to tell apart, and one of them is nearly enough. The second in part: SPTM's curve falls earlier and more steeply for every controller, most steeply without context; but the area between the curves does not grow as context is taken away, since at ten percent of the frames every
-# tenth frame is as good as any choice, and for $k = 0$ most of our curve lies there. The third nearly: noise costs 1 to 3 points. On the axis of stored frames the order reverses: context is paid for with memory, and $k = 0$ needs the least by far.
+# The first in part: with context, and from 0.95 on, more than 95 % are covered; but without it our controller covers about as much, with more anchors. Images of painted walls are easy to tell apart, and one of them is nearly enough. The second in part: where few frames are kept, SPTM's curve falls earlier and more steeply for every controller, most steeply without context; but the area between the curves does not grow as context is taken away, since at ten percent of the frames every
+# tenth frame is as good as any choice, and for $k = 0$ our curve reaches farthest to that side. The third holds: noise costs a point or two, and every interval of the difference includes 0. On the axis of stored frames the order reverses: context is paid for with memory, and $k = 0$ needs the least by far.
 # </details>
 # <details><summary>Why do our numbers differ from the paper's?</summary>
 # The protocol is the paper's: the same thresholds, the same follower for both methods, an episode ends where the car strays or touches something. The trajectories are not. Our cars start from arbitrary poses, and many first go back and forth until they face the direction they have to drive. These beginnings are left out here: each trajectory begins once the car has driven 2 m (section 8 shows what happens otherwise). How the paper's begin, we do not know. And the cover
@@ -1081,7 +1081,7 @@ early = (metres[~covered_whole] < 3.0).sum()
 print(f"{early} of {(~covered_whole).sum()} failed within the first 3 m")
 
 # %% [markdown]
-# The table alone leaves several suspects, since tight places, sharp bends and reversing occur on the same trajectories. The last line is the clue: they fail where they *begin*. That is where the recorded car goes back and forth to turn round in a room. Why should that be hard? For each failure the log is read backwards: which anchor was active in the end, where did the car stand when it started towards it, that is, when the anchor *before* it counted as visited, and what did $\mathcal{RE}$ predict?
+# The table alone says little: a few failures are not enough, and tight places, sharp bends and reversing occur on the same trajectories. The last line is the clue: most of them fail where they *begin*. That is where the recorded car goes back and forth to turn round in a room. Why should that be hard? For each failure the log is read backwards: which anchor was active in the end, where did the car stand when it started towards it, that is, when the anchor *before* it counted as visited, and what did $\mathcal{RE}$ predict?
 
 
 # %% hidden=true
@@ -1157,10 +1157,10 @@ show(stacked([side_by_side(row, gap=20) for row in rows], gap=10))
 
 # %% [markdown]
 # <details><summary>What is the cause?</summary>
-# The red arrowhead is the active anchor; the track has the colours of the states. In a manoeuvre two anchors lie almost at the same <i>place</i>, with different <i>headings</i>. In most of these rollouts the car stands beside the first of them with the wrong heading. (Two failed at 0.0 s, before they had left any anchor: the first active one lies a quarter of a metre beside the car or half a metre behind it, turned by 64° and 90°. $\mathcal{RE}$ is 0.96 and more, and again only means the place.) "Reached" is defined by position only, in the labels of $\mathcal{RE}$ as in the success of $\mathcal C$ (notebook 03; the authors' code does the same). So the waypoint of
+# The red arrowhead is the active anchor; the track has the colours of the states. In a manoeuvre two anchors lie almost at the same <i>place</i>, with different <i>headings</i>. Where the car failed at the beginning, it mostly stands close to the first of them with a heading that is wrong by 30° to more than 90°. (Two are different. One car went straight for an anchor beyond the manoeuvre, half a second after its start. And one failure lies near the end of its trajectory, with nearly the right heading.) "Reached" is defined by position only, in the labels of $\mathcal{RE}$ as in the success of $\mathcal C$ (notebook 03; the authors' code does the same). So the waypoint of
 # an anchor that is 0.2 m away says "you are there", whatever the heading, and the car starts towards the next one. From the anchor's <i>own</i> image that one is reachable, as the last column shows, and the sparsifier checks nothing else. From where the car really stands it often is not.
 #
-# The library's car searches for the heading, and often that saves it. But it steers by the overlap, and where anchors lie so close together with opposite headings, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that skips the manoeuvre, and follows the trajectory from 4 m on, counts as a failure here, too: a short cut covers nothing.)
+# The library's car searches for the heading, and often that saves it. But it steers by the overlap, and where anchors lie so close together with opposite headings, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that skips the manoeuvre, and follows the trajectory from 4 m on, would count as a failure here, too: a short cut covers nothing.)
 # </details>
 #
 # If this is the cause, then the same trajectories must work from the point where the car is under way. That can be tested: the same 24 trajectories without their first 2 m, new anchors, the same follower. The experiment of section 7 begins its trajectories in the same way. **Predict** the cover rate. (The cell takes about 6 s.)

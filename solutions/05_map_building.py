@@ -663,7 +663,7 @@ compare(sequence=0)
 # %% [markdown]
 # ### Find the bug
 #
-# A colleague has written an `insert` of her own. Nothing crashes, every step of her trajectories has an RE of 0.98 or more, and all paths of her map can be driven. Only: "Reuse does not help much." Step 1 of hers chooses by the two arrays that `through` returns; the rest is the library's. Here is her `through`, and her map beside yours. What is wrong?
+# A colleague has written an `insert` of her own. Nothing crashes, every step of her trajectories has an RE of 0.95 or more, and all paths of her map can be driven. Only: "Reuse does not help much." Step 1 of hers chooses by the two arrays that `through` returns; the rest is the library's. Here is her `through`, and her map beside yours. What is wrong?
 
 
 # %%
@@ -686,7 +686,7 @@ table(head, rows)
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# <code>reach[after, vertices]</code> is the RE from the anchor after <i>to</i> the vertex: the reverse direction. From ahead of a vertex a car seldom gets back to it, and so few vertices qualify: those so close to the next anchor that both directions are reachable. The map is larger than necessary. One number reveals it: with $p_\text{sparsify} = p_\text{reuse} = 0.99$ every driven step of your map has 0.99 (a step between two neighbouring frames could have less, since the next frame is kept whatever RE predicts; here none has), and one of hers has 0.98, since the step from the vertex onward was never checked. In a table of RE the row is always where the robot stands.
+# <code>reach[after, vertices]</code> is the RE from the anchor after <i>to</i> the vertex: the reverse direction. From ahead of a vertex a car seldom gets back to it, and so few vertices qualify: those so close to the next anchor that both directions are reachable. The map is larger than necessary. One number reveals it: with $p_\text{sparsify} = p_\text{reuse} = 0.99$ every driven step of your map has 0.99 (a step between two neighbouring frames could have less, since the next frame is kept whatever RE predicts; here none has), and one of hers has 0.96, since the step from the vertex onward was never checked. In a table of RE the row is always where the robot stands.
 # </details>
 #
 # ## 4 · The map of a building
@@ -727,7 +727,7 @@ table(head, rows, {paths_head: max, "vertices": min, "edges": min})
 
 # %% [markdown]
 # <details><summary>What does the map know that it was never shown?</summary>
-# Driven edges alone contain the twelve trajectories. With edges between them a robot may begin on one trajectory and end on another, and all 108 paths exist, though most of them were never driven as a whole. Reuse merges the trajectories: it nearly halves the vertices, keeps a fraction of the edges, and has the same paths, even if only driven steps are edges. The dense graph has them too, at an edge count that grows with the square of the anchors. (The paper finds the same in IV-C.3: trajectories are combined to solve new tasks.)
+# Driven edges alone contain the twelve trajectories. With edges between them a robot may begin on one trajectory and end on another, and all 108 paths exist, though most of them were never driven as a whole. Reuse merges the trajectories: it nearly halves the vertices, keeps a fraction of the edges, and has the same paths; 96 of them are left even if only driven steps are edges. The dense graph has them too, at an edge count that grows with the square of the anchors. (The paper finds the same in IV-C.3: trajectories are combined to solve new tasks.)
 # </details>
 #
 # <details><summary>A robot has arrived at A. Why can it not continue to B on this map?</summary>
@@ -765,7 +765,7 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do they do?</summary>
-# Only p_reuse changes the vertices. p_edge controls the short cuts between trajectories: at 0.999 none is left, since the estimator never returns as much (section 2), and only the driven steps remain. Thanks to reuse even those contain all paths; at p_reuse = 1 they contain twelve. At 0.8 long edges appear, and some lead through walls. The next section is about those.
+# Only p_reuse changes the vertices. p_edge controls the short cuts between trajectories: at 0.999 none is left, since the estimator never returns as much (section 2), and only the driven steps remain. Thanks to reuse even those contain 96 of the 108 paths; at p_reuse = 1 they contain twelve. At 0.8 long edges appear, and some lead through walls. The next section is about those.
 # </details>
 #
 # ### Turning where drives meet
@@ -843,7 +843,7 @@ values = [office.reach[pair] for pair in same]
 show(aligned_sequences([str(a) for a, _ in same], [str(v) for _, v in same], values))
 
 # %% [markdown]
-# Even the sequences look alike here: of all wormholes this one is the worst case. But the minimum of the five is 0.98, just too little for $p_\text{edge} = 0.99$.
+# The pair in the middle is sure, but the images before and after it fit less and less: the minimum of the five is 0.20, far below $p_\text{edge} = 0.99$.
 #
 # ### Exercise 5 · `weakest_aligned` (hard, 15 minutes)
 #
@@ -932,7 +932,7 @@ print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex 
 
 # %% [markdown]
 # <details><summary>Why does a car "drive" through a wormhole?</summary>
-# It did not. (Without reuse no wormhole was left; reuse has brought back six.) Reuse replaced an anchor by a vertex far away, which according to RE can be reached from the anchor before and reaches the anchor after; and then the trajectory's own links lead there and back. Sequences do not help, because the rule of reuse checks only two values of RE, and driven edges are never pruned. This is a weak spot of the method, and of our library, which follows it. How a robot copes with such a map (it notices, and replans) is the topic of notebook 06.
+# It did not. (Without reuse one was left, a long step that was driven; with reuse there are five.) Reuse replaced an anchor by a vertex far away, which according to RE can be reached from the anchor before and reaches the anchor after; and then the trajectory's own links lead there and back. Sequences do not help, because the rule of reuse checks only two values of RE, and driven edges are never pruned. This is a weak spot of the method, and of our library, which follows it. How a robot copes with such a map (it notices, and replans) is the topic of notebook 06.
 # </details>
 #
 # ## 6 · Not all pairs
@@ -1088,7 +1088,7 @@ print("\n".join(bench.notes))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# The first two parts build the map of one building by either method; "edges found" is the share of the edges that all pairs give which retrieval finds, too, without those that were driven, which need no search. Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
+# The first two parts build the map of one building by either method; "edges found" is the share of the edges that all pairs give which retrieval finds, too. (The stored run compares the two finished maps, driven edges included; the command now compares each trajectory with the same map both ways.) Without reuse retrieval evaluates about 5.5 % of the pairs and misses one edge in 700. With reuse it saves less (15 %), since the map is small: the 12 vertices to begin with are 7 % of 169, and the search comes on top. And the two maps diverge: once another replacement is chosen, all later vertices are joined to that one, so an edge of the one map may be missing in the other though neither is worse. In the last part a map grows without reuse over one building after the other: seventyfold. The queries for all pairs grow a hundredfold, those by retrieval fivefold. (At each size other trajectories are timed, hence the jumps.) "ms to plan" is one plan from an image to an image, including its queries to the network (notebook 06).
 # </details>
 #
 # ## 7 · How maps grow
@@ -1153,7 +1153,7 @@ show(from_figure(figure))
 # <details><summary>Why do the maps not stop growing altogether?</summary>
 # Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late were less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse.
 #
-# The library therefore lets an <b>edge</b> replace an anchor where no vertex does (the paper does not). The anchor lies on an edge from $v$ to $w$ if $\mathcal{RE}$ from $v$ to the anchor, and from the anchor to $w$, are both above p_between; then the trajectory goes from the anchor before over $v$ and $w$ to the anchor after, and each step of it must be above p_reuse. Two vertices have slack: one of them is near, whatever the spacing. A lower p_reuse makes maps smaller, too, but then places merge that only look alike: at 0.92 there were wormholes among the driven edges of a building that we examined, and at 0.8 fewer goals were reached. (<code>experiment meng_fig13 --ablation reuse</code> compares the rules, with the success on each map.)
+# The library therefore lets an <b>edge</b> replace an anchor where no vertex does (the paper does not). The anchor lies on an edge from $v$ to $w$ if $\mathcal{RE}$ from $v$ to the anchor, and from the anchor to $w$, are both above p_between; then the trajectory goes from the anchor before over $v$ and $w$ to the anchor after, and each step of it must be above p_reuse. Two vertices have slack: one of them is near, whatever the spacing. A lower p_reuse makes maps smaller, too, but then places merge that only look alike: on validation worlds all goals were reached with 0.94, and 92 % with 0.8. (<code>experiment meng_fig13 --ablation reuse</code> compares the rules, with the success on each map.)
 # </details>
 #
 # ## 8 · How it fails
@@ -1220,7 +1220,7 @@ show(stacked(rows, gap=14))
 
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
-# <i>Wormholes</i>: two places with the same image, and a rule of reuse that checks no sequence (section 5). <i>Distant replacements</i>: in the office four of seven have the same cause; the others, and those of the apartment, are mostly no defect at all. A vertex some metres on does the job of the anchor as well, which is all that the rule requires. It is a defect only if one believes that a vertex is a <i>place</i>. <i>Duplicates</i>: their RE to each other is high, and yet neither replaced the other. Reuse checks from the anchor <i>before</i> to the anchor <i>after</i>, and those lie elsewhere on each
+# <i>Wormholes</i>: two places with the same image, and a rule of reuse that checks no sequence (section 5). <i>Distant replacements</i>: in the office all three have the same cause; those of the apartment are mostly no defect at all. A vertex some metres on does the job of the anchor as well, which is all that the rule requires. It is a defect only if one believes that a vertex is a <i>place</i>. <i>Duplicates</i>: their RE to each other is high, and yet neither replaced the other. Reuse checks from the anchor <i>before</i> to the anchor <i>after</i>, and those lie elsewhere on each
 # trajectory: where one of the two RE is only just too low, the duplicate stays. A lower p_reuse removes it, at the price of less certain steps. Some are the last two anchors of one trajectory: the end of a trajectory is always kept.
 # </details>
 #
@@ -1249,7 +1249,7 @@ for p_outdated in (0.0, 0.1):
 
 # %% [markdown]
 # <details><summary>What happened?</summary>
-# (Indices up to 16 are vertices of the first trajectory, higher ones are new.) The anchor at the changed place, now 17, could not be replaced, and became a vertex of its own; that happens without any forgetting, since reuse fails there by itself. (18 has nothing to do with the change: the anchor before the last took 16 as its replacement, and then nothing lay ahead for the last one.) What forgetting adds is that the old vertex is removed, and that no plan leads over it any more. In this example the second condition alone would do the same, since our $\mathcal{RE}$ is seldom as low as 0.1, even far away (around 0.3). With an estimator that returns 0 for everything out of sight, nearly the whole map would be removed. Only a robot that <i>passes</i> the place may say that something is gone. And 0.1 is strict: most vertices that look different by now will stay.
+# (Indices up to 16 are vertices of the first trajectory, higher ones are new.) The anchor at the changed place, now 17, could not be replaced, and became a vertex of its own; that happens without any forgetting, since reuse fails there by itself. What forgetting adds is that the old vertex is removed, and that no plan leads over it any more. In this example the second condition alone would do the same, since our $\mathcal{RE}$ is seldom as low as 0.1, even far away (around 0.3). With an estimator that returns 0 for everything out of sight, nearly the whole map would be removed. Only a robot that <i>passes</i> the place may say that something is gone. And 0.1 is strict: most vertices that look different by now will stay.
 # </details>
 # <details><summary>A person stood there once, and is in a vertex's image. Does that do harm?</summary>
 # If the person hides much, RE to the vertex is low from then on, and the next trajectory that passes removes it. If the person hides little, RE stays high, and the vertex does its job. What if a person stands in front of the <i>new</i> car? Then it may not see a vertex that is still good, and removes it: one trajectory is a single witness. Therefore the bound is as low as 0.1, and the whole stretch must agree. A careful map would wait for a second witness (extra 4).
@@ -1257,7 +1257,7 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.94 on, which about halves the map. And it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.94 on, and it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours. Together that leaves three quarters of the vertices.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
 
 # %% hidden=true
 # The library's map, with the network inside

@@ -172,7 +172,7 @@ most_probable_path = check_most_probable_path.use(most_probable_path)
 # %% [markdown]
 # ## 2 · From the current view to the goal image
 #
-# Here is a real map: a building with a corridor all round, in which no network was trained, and five places. There are twenty trajectories from place to place; **only twelve of them** were given to the robot. The map is made of their anchors as in notebook 05; the arrowheads have the colours of the trajectories. Their positions are only for us: the robot knows none. (About 8 s.)
+# Here is a real map: a building with a corridor all round, in which no network was trained, and five places. There are twenty trajectories from place to place; **only twelve of them** were given to the robot. The map is made of their anchors as in notebook 05, by the library's agent: some of its edges are [[turn edge]]s, with a fixed probability of 0.95. The arrowheads have the colours of the trajectories. Their positions are only for us: the robot knows none. (About 8 s.)
 
 # %% hidden=true
 # A building with a corridor all round, and a map from twelve trajectories
@@ -383,7 +383,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What do the plots show?</summary>
-# A single vertex gives a foreign goal no less than one of ours, less than 0.3 on average; the best of all gives 0.75, and for nine foreign goals in ten more than 0.5. A calibrated $\mathcal{RE}$ is right <i>on average over all pairs</i>. Picking the pair with the highest prediction picks its mistakes, too. So the threshold for the goal, <code>p_goal</code> (the vertical line), must be far higher than that for a single pair, and the higher the more vertices are evaluated. It may have a price: goals of this building could lie below it as well. Of these twenty none does. (One is refused all the same: section 9.)
+# A single vertex gives a foreign goal hardly less than one of ours, 0.27 against 0.34 on average; the best of all gives 0.75, and for nine foreign goals in ten more than 0.5. A calibrated $\mathcal{RE}$ is right <i>on average over all pairs</i>. Picking the pair with the highest prediction picks its mistakes, too. So the threshold for the goal, <code>p_goal</code> (the vertical line), must be far higher than that for a single pair, and the higher the more vertices are evaluated. It may have a price: goals of this building could lie below it as well. Of these twenty none does.
 # </details>
 #
 # The second reason not to start is the path itself: a plan returns its probability, and "this allows a robot to assess the risk before executing a plan, and ask for help if necessary" (paper, IV-C). Ours must have at least `rules.least`.
@@ -469,7 +469,7 @@ show(
 # **Predict:** would it be better to exclude the *edge* on which it was lost, and not the vertex?
 #
 # <details><summary>Answer</summary>
-# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one after the other, and fail at each. And where it stands now it is at <code>HERE</code>, whose edges are new. On the other hand a vertex may be hard to reach from one side and easy from another; excluding it loses both. The library takes a third way: what failed is a <i>stretch</i>, and it excludes the edge on which the robot was lost together with the edges that run beside it, but no vertex. And only for two minutes: the next robot may find the corridor free. A person in the way is no reason to replan at all; it waits four seconds first, since most people walk on. What limits it is time (four minutes after it was first lost), not the number of plans.
+# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one after the other, and fail at each. And where it stands now it is at <code>HERE</code>, whose edges are new. On the other hand a vertex may be hard to reach from one side and easy from another; excluding it loses both. The library takes a third way: what failed is a <i>stretch</i>, and it excludes the edge on which the robot was lost together with the edges that run beside it, but no vertex (first steps to those vertices, too, while it stands nearby). And only for two minutes: the next robot may find the corridor free. A person in the way is no reason to replan at all; it waits four seconds first, since most people walk on. What limits it is time (four minutes after it was first lost), not the number of plans. (Your functions below exclude vertices, as the paper does.)
 # </details>
 #
 # ### Exercise 4 · `travel` (medium, 8 minutes)
@@ -543,7 +543,7 @@ def without(graph, excluded):
 #    - Is there a path, and no reason against it? Follow it, in this very step.
 #    - Is there a path and a *reason*? As long as the robot was never lost, that is the end: `"refused"`. (To search elsewhere does not make a foreign goal known.) Once it was lost, on the way or before the goal, it takes the path all the same: rather an improbable path than none.
 #    - Is there no path? Turn for this step. If it has turned for `limits.search` steps of this search, it gives up instead: `"gave up"`. (A look that is due in this step comes first.)
-# 2. **With a path** it follows. On `"arrived"` that is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those to which an edge leads from it *and* from which one leads back, in the whole `graph`. They show the same place. (Never `GOAL`: then nothing is excluded.) It may be lost `limits.replans` times and search again from the next step on; when it is lost once more, it ends with `"gave up"`.
+# 2. **With a path** it follows. On `"arrived"` that is the end: `"arrived"`. On `"lost"` it excludes the vertex at `robot.active`, and the vertices **beside** it: those to which an edge leads from it *and* from which one leads back, in the whole `graph`. They show the same place, perhaps looking another way. (Never `GOAL`: then nothing is excluded.) It may be lost `limits.replans` times and search again from the next step on; when it is lost once more, it ends with `"gave up"`.
 # 3. After `limits.steps` steps the end is `"late"`.
 #
 # The check sends robots through all kinds of trouble, and compares what they do, call by call.
@@ -697,7 +697,7 @@ show(side_by_side(panels, titles, height=400, gap=6))
 
 # %% [markdown]
 # <details><summary>What does it do?</summary>
-# (Orange is the plan, blue the track while following it, grey the track before.) For some seconds it drives to the last waypoint, as in notebook 04, though that means nothing here; then it is lost. It excludes the vertex that it was driving to, which is innocent: a robot cannot tell whether the vertex is wrong or its own position is. The price is small, as long as there are other vertices. Then it plans from what it sees, whatever brought it here, and drives on. The second plan begins wrongly, too: its first vertex, chosen from a single view, lies in another corridor. The car never gets there; later vertices of the plan bring it to the goal.
+# (Orange is the plan, blue the track while following it, grey the track before.) For some seconds it drives to the last waypoint, as in notebook 04, though that means nothing here; then it is lost. It excludes the vertex that it was driving to and the one beside it, which are innocent: a robot cannot tell whether the vertex is wrong or its own position is. The price is small, as long as there are other vertices. Then it plans from what it sees, whatever brought it here, and drives on. Here the second plan is right from its first vertex on, and the car arrives.
 # That is all the "kidnapped robot problem" is to a robot without a position: one more plan. If the new place looks like another one, the new plan may be wrong, too; then it is lost again somewhere else, with one mistake excluded: "the location where robot detects the discrepancy is likely distinct" (III-G).
 # </details>
 #
@@ -859,7 +859,7 @@ sliders(
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# From 4 to 0 the first cuts cost little: beside the missing edge lies a vertex of another trajectory, and the path makes a small detour over it. That is the benefit of many trajectories. After some cuts the path leaves the corridor altogether and goes round the other side. But for seven of the nineteen pairs that start, one cut is the end (try 0 to 1), and for others it costs half of their probability: twelve trajectories leave many a corridor with a single track. What is then left ends at a vertex with a poor view of the goal, and is refused as not on the map. (The straight green line at 8 cuts is such a refused path.)
+# From 4 to 0 the first cut costs little: beside the missing edge lies another one. That is the benefit of many trajectories. From the second cut on the best path that is left has two steps: straight from the start to a vertex 20 m away, and on to the goal. Its first edge rests on a single view that looks alike, and with 0.56 the path is not even refused. And for three of the twenty pairs one cut is the end (find one): twelve trajectories leave many a corridor with a single track.
 # </details>
 #
 # ## 6 · Find the wormhole
@@ -897,7 +897,7 @@ table({**head, "through a wormhole": ""}, rows)
 
 # %% [markdown]
 # <details><summary>What is odd about the plans that go through a wormhole?</summary>
-# Each promises at least as much as ours, most of them more. One edge in four of the colleague's map is false, and nine plans of twenty use one; the others are protected by good true paths. But a false edge is taken exactly when it promises more than the truth. This is the best of many again: the <b>winner's curse</b>.
+# Each promises at least as much as ours, most of them more. One edge in four of the colleague's map is false, and nine plans of twenty use one; the others are protected by good true paths. But a false edge is taken exactly when it promises more than the truth. This is the best of many again: the <b>winner's curse</b>. (The one wormhole of ours is a step of 7.5 m that was driven.)
 # </details>
 #
 # ### The bug hunt
@@ -997,7 +997,7 @@ show(side_by_side(panels, ["trip 1", "trip 2", "would you trust it?"], height=42
 # Not from $\mathcal{RE}$, as the last number shows. A map keeps the edges along its trajectories whatever $\mathcal{RE}$ predicts for them, since they were driven. Here the robot was lifted, and carried round the corner, <i>while it recorded</i>; and the map took one image for the neighbour of the other. Trusting what was driven more than what was estimated requires that it was really driven. (Our own map stores $\mathcal{RE}$ even there.)
 # </details>
 #
-# And what if the edge had not been found? The same two trips over the false edge, but now the cars may replan. (A plan of 0.00 means that no path was found: the car turns and replans, and such attempts are not counted as plans. The library's navigator has the loop of your `navigate`, but excludes stretches, and for a time; it is in [`navigator.py`](../tutorial_lib/agents/navigator.py).) **Predict** what they do at the wormhole. (About 3 s.)
+# And what if the edge had not been found? The same two trips over the false edge, but now the cars may replan. (The library's navigator has the loop of your `navigate`, but excludes stretches, and for a time; and for some seconds after it was lost its plans begin only around the vertex that it visited last. It is in [`navigator.py`](../tutorial_lib/agents/navigator.py).) **Predict** what they do at the wormhole. (About 3 s.)
 
 # %% hidden=true
 # The same trips with replanning
@@ -1013,7 +1013,7 @@ for row, i in enumerate(trial_indices[:2]):
 
 # %% [markdown]
 # <details><summary>So why hunt it at all?</summary>
-# Replanning repairs some of it: the car excludes the stretch, and if it then plans correctly from where it is, another path leads on. But it costs time, and it does not always help, since a car is lost where it happens to be, not where the map is good. And the false edge is still on the map: the next car will fall for it, and the one after that. A robot that does not learn from its failures pays for each of them again.
+# Replanning repairs some of it: the car excludes the stretch, and if it then plans correctly from where it is, another path leads on. But it costs time, and it need not help, since a car is lost where it happens to be, not where the map is good. And the false edge is still on the map: the next car will fall for it, and the one after that. A robot that does not learn from its failures pays for each of them again.
 # </details>
 # <details><summary>Is it always that easy?</summary>
 # No. Here nothing that the cars saw looked like the end of the false edge, and they were lost on the edge itself. There is a nastier kind, and the colleague's map is full of it: a vertex that looks <i>just</i> like the place where the car is. Then the follower counts the false edge as passed, at once and without moving, and is lost on the <i>next</i> one. The tally blames the wrong edge, and only many trips over that edge from elsewhere acquit it (extra 2). And a robot that really drives has further evidence: an edge of many metres that was "passed" within a second.
@@ -1192,6 +1192,8 @@ figure.legend(loc="outside upper center", ncols=4, fontsize=11, frameon=False)
 show(from_figure(figure))
 
 # %% [markdown]
+# Where images are easy to tell apart, SPTM succeeds as often as a map with probabilities (the difference is within chance), with nine times as many vertices. What this says about the two is the question of the next sections.
+#
 # (On the left are our five worlds, on the right the paper's, hollow. To run it again: `.venv/bin/python -m tutorial_lib experiment meng_table2`. **Same protocol, easier world.**)
 #
 # ### What this protocol hides
@@ -1212,16 +1214,16 @@ table(head, rows, caption=f"{len(many_trials)} trials between five places")
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# With all trajectories there is next to nothing to compose, so that Table II cannot tell a system that composes from one that repeats. SPTM always keeps the first and the last image of each trajectory, which lie beside the starts and the goals: nothing else is needed. That is the blind spot of the protocol, the paper's and ours. With a part of the trajectories most trials must be composed, and only there do maps show what they are worth.
+# With all trajectories there is next to nothing to compose, so that Table II cannot tell a system that composes from one that repeats. SPTM always keeps the first and the last image of each trajectory, which lie beside the starts and the goals: nothing else is needed. That is the blind spot of the protocol, the paper's and ours. With few of the trajectories most trials must be composed, and only there do maps show what they are worth.
 #
-# A tour is the hardest, though it passes every place twice: where one trajectory arrives, the next one leaves, mostly looking another way. Nothing joins the two but a robot that turns round: the [[turn edge]]s of notebook 05. (A tour may also be one continuous drive, with the car's own turns in it; what is on the map then was driven.)
+# A tour of five places still passes most of the pairs in order; of ten places, as in the stored runs, 69 % of the trials must be composed after it. And it is hard in another respect: where one trajectory arrives, the next one leaves, mostly looking another way. Nothing joins the two but a robot that turns round: the [[turn edge]]s of notebook 05. (A tour may also be one continuous drive, with the car's own turns in it; what is on the map then was driven.)
 # </details>
 #
 # The [page of results](../tutorial_lib/results/README.md) has the success of all systems in driven and in composed trials, with thresholds chosen for each share. To run it: `.venv/bin/python -m tutorial_lib experiment meng_table2 --drives 0.2` (or `0.4`, `tour`, `continuous`); `--starts anywhere` and `--goals turned` make it harder still.
 #
 # ### Why is SPTM so much stronger here than in the paper?
 #
-# Its `s_shortcut` was found by a search on validation worlds, and SPTM depends on it. Here is the effect of a slightly higher or lower value, and the same for $p_\text{edge}$, the threshold of $\mathcal{RE}$. **Predict** which of the two systems is more sensitive.
+# Its `s_shortcut` was found by a search on validation worlds, and SPTM depends on it. Here is the effect of a slightly higher or lower value, and the same for the thresholds of $\mathcal{RE}$, which were varied together: $p_\text{edge}$, $p_\text{reuse}$ and $p_\text{sparsify}$. (A run with earlier networks.) **Predict** which of the two systems is more sensitive.
 
 # %% hidden=true
 # Other thresholds, from a stored run
@@ -1258,7 +1260,7 @@ show(from_figure(figure))
 #
 # <i>What it depends on.</i> At 0.9 one in sixty of its edges is a wormhole, and since it values a wrong edge as much as a right one, it takes each that saves a step: 63 %. At 0.999 the map falls to pieces: 38 %. Its similarity is no probability, and the right threshold cannot be known beforehand. $\mathcal{RE}$'s thresholds are probabilities. At 0.9 there are wormholes, too, one in forty; but edges are weighted, a doubtful one is taken only where there is no better one, and 90 % arrive. "The hyperparameters in our approach are mostly probability thresholds, which are easy to interpret and tune" (paper, V): here you see what that is worth.
 #
-# <i>Replanning</i> (replans 0 or 1) makes no difference at the best thresholds: hardly any car is lost there.
+# <i>Replanning</i> (the column says how often a robot may) makes no difference at the best thresholds: hardly any car is lost there.
 # </details>
 #
 # ### Where nothing has been tuned
@@ -1318,7 +1320,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>Where does it bend?</summary>
-# Between 20 and 40 %, where the dotted line is far below. With 40 % of the trajectories 96 % arrive and with 60 % 98 %, as the paper found ("nearly all"); with 20 % it is 74 %. What is missing there was mostly refused: no known trajectory passes the goal as it looks in the image, so that no plan can end there.
+# Between 20 and 40 %, where the dotted line is far below. With 40 % of the trajectories 96 % arrive and with 60 % 98 %, as the paper found ("nearly all"); with 20 % it is 74 %. In a fifth of the trials that must be composed then no known trajectory passes the goal as it looks in the image, so that no plan can end there.
 # </details>
 #
 # ### Fig. 11, and ours: one path out of several trajectories
@@ -1384,11 +1386,11 @@ show(stacked(rows, gap=8))
 # %% [markdown]
 # <details><summary>What are the causes?</summary>
 #
-# - **Refused, for the wrong reason.** A vertex does see the goal with more than <code>p_goal</code>, but no path leads to it from where the car stands: the trajectory that would is not known. Exercise 3 then plans again with the lower threshold, finds a long path (its first edge jumps to place 4, it goes round the building and back to where the car stands) to a vertex with a poor view of the goal, and concludes "not on the map". To refuse is prudent; only the reason given is wrong.
-# - **Too late.** The plan is good, and the car follows it until the time is up; but it leads round the whole building, since the short trajectory is one of those that the robot was not given. It had twice the oracle's time and half a minute. The most <i>probable</i> path is not the fastest. (A sure step counts the same, whether half a metre or four.)
-# - **Lost at the start.** The car begins at a place from which no known trajectory leads in that direction. Its first edge rests on a single view; $\mathcal{RE}$ was sure of it (the whole plan has 0.88, so no step has less), and wrong. It replans from where that has led it, until all plans are used up or every remaining vertex is excluded.
+# - **The first edge is wrong** (2 to 1). It leads straight across the building, to a corridor that looks alike. $\mathcal{RE}$ was sure of it (the whole plan has 0.92, so no step has less), and wrong: it rests on a single view. The car is lost, replans several times, and goes the long way round; its time ends some metres before the goal.
+# - **A detour** (4 to 1). The trajectory that would lead there is not known. The most probable path passes the room's door, turns round in the corridor and comes back by another trajectory. The turn costs time, and three plans; the car is a metre short of the goal in the end.
+# - **The long way** (1 to 4). The plan is good, and the car follows it until the time is up; but it leads round the whole building, since the short trajectory is one of those that the robot was not given. It had twice the oracle's time and half a minute. The most <i>probable</i> path is not the fastest. (A sure step counts the same, whether half a metre or four.)
 #
-# In none of them does an edge of the map break. What breaks is the first edge, which rests on a single view; and unknown trajectories make paths long, or leave none.
+# In none of them does an edge of the map break. What breaks is the first edge, which rests on a single view; and unknown trajectories make paths long.
 # </details>
 #
 # ## 10 · Bring your own planner
@@ -1439,7 +1441,7 @@ table(head, rows, caption="averages over the trials in which it starts")
 
 # %% [markdown]
 # <details><summary>What did it buy?</summary>
-# Most paths stay as they are, and three drop a vertex at an end. One saves seven steps by a first edge that was chosen from a single view, and leads to a vertex 19 m away. A planner that pays for steps prefers wormholes.
+# Eleven of the twenty paths change. Most of these lose a few steps; three lose seven or more, by a first edge of about 20 m that was chosen from a single view. A planner that pays for steps prefers wormholes.
 # </details>
 #
 # Other pieces can be exchanged in the same way: a class with `localize` (where am I?), with `prepare` and `probability` (another $\mathcal{RE}$), or with `learn` and `start` (a whole agent).

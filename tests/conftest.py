@@ -31,6 +31,7 @@ LONGEST = (
     "tests/test_cli.py",
     "tests/experiments/",
     "tests/project/test_browser.py",
+    "tests/project/test_fuzz.py",
     "tests/learning/",
 )
 """What workers begin with: started last, one would still be at it when the others are done."""

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
 HERE, Edges = -1, set[tuple[int, int]]
-"""Of a map, from a vertex, or from where the robot is (`HERE`), to a vertex."""
+"""Where the robot is, in place of a vertex; and edges, from a vertex or from there to a vertex."""
 
 
 @dataclass(frozen=True)

@@ -14,12 +14,13 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.agents.random import RandomAgent
-from tutorial_lib.agents.sptm import MostAlike, SPTMAgent, window_median
+from tutorial_lib.agents.sptm import SPTMAgent, similarities, window_median
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
-from tutorial_lib.interfaces import HERE, Agent, Experience, Goals, Localizer, Navigation, Plan
+from tutorial_lib.interfaces import HERE, Agent, Experience, Goals, Navigation, Plan
 from tutorial_lib.topology.following.follower import Follower
+from tutorial_lib.topology.following.transitions import FollowerSettings
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
@@ -513,16 +514,12 @@ def test_a_window_without_pairs_is_refused():
         window_median(np.eye(2), np.zeros(2, int), -1)
 
 
-def test_the_robot_is_where_it_looks_most_alike():
+def test_similarities_are_those_to_the_vertices_that_are_left():
     table = np.random.default_rng(0).random((9, 9))
     topomap = table_map(table, 6)
     topomap.remove([2])
-    belief = MostAlike().localize(numbered([6, 7, 8]), topomap)
-    assert isinstance(MostAlike(), Localizer)
-    assert belief.shape == (3, 5)
-    assert (belief.sum(axis=1) == 1).all()
-    for row, number in zip(belief, (6, 7, 8), strict=True):
-        assert topomap.alive[row.argmax()] == max(topomap.alive, key=lambda v: table[number, v])
+    found = similarities(numbered([6, 7, 8]), topomap)
+    assert found == pytest.approx(table[6:, [0, 1, 3, 4, 5]])
 
 
 class Similar(LineReachability):
@@ -590,6 +587,35 @@ def test_sptm_takes_the_path_with_the_fewest_edges():
     assert excluded == Plan(tuple(range(12)), 0)
     nowhere = agent.find_path(Line([0.1]).observe(), goals_at(11.1), {(2, 9), (5, 6)})
     assert "no path" in nowhere.refusal
+
+
+def test_a_plan_over_an_edge_that_turns_is_followed_with_that_turn():
+    topomap = line_map(range(9), LineReachability())
+    for vertex in range(8):
+        topomap.connect(vertex, vertex + 1, 0.99)
+    topomap.graph.remove_edge(2, 3)
+    topomap.connect_by_turn(2, 3, 0.95, 1.25)
+    navigation = navigation_over(topomap, Plans(Plan((1, 2, 3, 4), 0, SURE)), [goals_at(4.5)])
+    given, assign = [], navigation.follower.assign
+    navigation.follower.assign = lambda *told: (given.append(told), assign(*told))
+    Line([0.9]).go(navigation, 1)
+    assert given == [(0, [1, 2, 3, 4, 9], {2: 1.25})]
+
+
+def test_an_agent_that_replans_waits_less_than_the_follower_alone():
+    parts = {"controller": LineController(), "reachability": LineReachability()}
+    agent = MengAgent(predictor=LinePredictor(), **parts)
+    assert agent.follower.timeout == 2.0 < FollowerSettings().timeout
+
+
+def test_sptm_begins_where_it_is_allowed_to():
+    agent = sptm(every=20, s_shortcut=0.9999)
+    agent.learn([driven_along(0, 12)])
+    given = Line([5.1]).observe(), goals_at(11.1)
+    assert agent.find_path(*given, set()).vertices[0] == 5
+    assert agent.find_path(*given, {(HERE, 5), (HERE, 6)}).vertices[0] == 4
+    every = {(HERE, vertex) for vertex in range(13)}
+    assert agent.find_path(*given, every).refusal == "every first step is excluded"
 
 
 def test_sptm_refuses_where_no_path_leads():

@@ -92,6 +92,14 @@ def test_a_stretch_is_excluded_with_what_runs_beside_it_but_nothing_else():
     assert blockades.excluded(1, PLACE, 10.0) == set()
 
 
+def test_a_stretch_with_an_edge_back_is_excluded_all_the_same():
+    topomap = grid()
+    topomap.connect(2, 1, 0.99)
+    blockades = Blockades(1, topomap)
+    blockades.add(0, [1], [2], PLACE, 10.0)
+    assert {(1, 2), (HERE, 2)} <= blockades.excluded(0, PLACE, 10.0)
+
+
 def test_it_forgets_after_a_time_and_first_steps_once_it_is_elsewhere():
     blockades = Blockades(1, grid())
     blockades.add(0, [1], [2], PLACE, 10.0)

@@ -76,6 +76,7 @@ def make_agent() -> Any:
         reachability=topomap.vertices.reachability,
         topomap=topomap,
         settings=topomap.settings,
+        turns=None,
         p_sparsify=0.99,
     )
 

@@ -48,7 +48,7 @@ def _of_worker(*arguments: Any) -> Iterator[Outcome]:
     worker.start()
     theirs.close()
     try:
-        mine.recv()  # it is ready
+        _wait_until_ready(mine)
         while _says_something(mine, worker.pid):
             said = mine.recv()
             if said is None:
@@ -61,6 +61,18 @@ def _of_worker(*arguments: Any) -> Iterator[Outcome]:
     finally:
         worker.kill()
         worker.join()
+
+
+def _wait_until_ready(pipe: Connection) -> None:
+    """Wait for the first word of a worker.
+
+    Raises:
+        RuntimeError: when it ends before: so would every other, case after case.
+    """
+    try:
+        pipe.recv()
+    except EOFError:
+        raise RuntimeError("no worker came to its first case: see its error above") from None
 
 
 def _says_something(pipe: Connection, worker: int) -> bool:

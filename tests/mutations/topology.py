@@ -37,13 +37,6 @@ MUTATIONS = [
         "topology/mapping/test_reuse.py",
     ),
     (
-        "the most lenient threshold is taken at once",
-        "topology/mapping/anchors.py",
-        "(threshold, *lenient)",
-        "(threshold, *lenient[-1:])",
-        "topology/mapping/test_topomap.py",
-    ),
-    (
         "the next anchor need not be near",
         "topology/following/transitions.py",
         "settings.p_follow) & (np.asarray(overlap) > settings.near)",

@@ -122,6 +122,12 @@ def test_what_never_ends_is_stopped():
 
 
 @linux
+def test_a_worker_that_never_begins_ends_the_run():
+    with pytest.raises(RuntimeError, match="no worker came to its first case"):
+        list(outcomes(0, 2_000, known="tests.fuzz.nothing"))
+
+
+@linux
 def test_the_same_seed_gives_the_same_cases(monkeypatch):
     first, again, other = (
         [(one.change, one.verdict) for one in outcomes(seed, 30, "good", __name__)]

@@ -108,8 +108,10 @@ class Blockades:
             odometry: (3,) of the robot.
             now: seconds.
         """
-        sources, targets = self._beside(before), self._beside(ahead)
-        targets -= sources
+        before, ahead = set(before), set(ahead)
+        # Where an edge leads back, each of the two is beside the other.
+        sources = self._beside(before) - ahead
+        targets = self._beside(ahead) - sources
         edges = frozenset(
             (source, target)
             for source in sources

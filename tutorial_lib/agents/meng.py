@@ -23,14 +23,12 @@ class MengAgent(MapAgent):
         planner: plans paths over the map.
         settings: of the map.
         p_sparsify: RE by which anchors are chosen.
-        lenient: the same for trajectories that would have too many of them; see `anchors_of`.
         turns: when places are joined by turning; never if None.
     """
 
     planner: Planner = field(default_factory=DijkstraPlanner)
     settings: MapSettings = field(default_factory=MapSettings)
     p_sparsify: float = 0.99
-    lenient: tuple[float, ...] = (0.98, 0.97, 0.96, 0.95, 0.94, 0.93, 0.92)
     turns: TurnSettings | None = field(default_factory=TurnSettings)
 
     def empty_map(self) -> TopoMap:
@@ -45,8 +43,9 @@ class MengAgent(MapAgent):
     def sparsified(self, experience: Experience) -> Anchors:
         """The anchors of a trajectory."""
         view, k, seen = self.predictor.view, self.predictor.k, experience.observations
-        images, times = view.of(seen), experience.timestamps
-        return anchors_of(self.reachability, seen, images, k, self.p_sparsify, times, self.lenient)
+        return anchors_of(
+            self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
+        )
 
     def insert(self, anchors: Anchors) -> None:
         """Add a trajectory to the map, and join it by turning to what was there."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import networkx as nx
 import numpy as np
@@ -13,29 +13,16 @@ from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
+    HERE,
     Edges,
     Experience,
     Goals,
-    Localizer,
     Observation,
     Plan,
     Reachability,
 )
 from tutorial_lib.topology.mapping.sparsify import contextified, every_nth
 from tutorial_lib.topology.mapping.topomap import TopoMap
-
-
-@dataclass(frozen=True)
-class MostAlike:
-    """SPTM's `Localizer`: the vertex whose image is most similar to the current one."""
-
-    def localize(self, observations: Observation, topomap: TopoMap) -> Array:
-        """Probabilities (N, V), 1 for one vertex."""
-        alive = topomap.alive
-        rows = np.repeat(np.arange(len(observations)), len(alive))
-        alike = topomap.vertices.into(observations, rows, np.tile(alive, len(observations)))
-        alike = alike.reshape(len(observations), -1)
-        return (np.arange(len(alive)) == alike.argmax(axis=1)[:, None]).astype(float)
 
 
 @dataclass(kw_only=True)
@@ -47,7 +34,6 @@ class SPTMAgent(MapAgent):
 
     Attributes:
         similarity: predicts how similar two images are (SPTM's retrieval network).
-        localizer: returns the vertex of the robot or of a goal.
         every: n.
         s_shortcut: similarity above which two places are joined.
         window: pairs of neighbours on either side, over which similarity is the median.
@@ -55,7 +41,6 @@ class SPTMAgent(MapAgent):
     """
 
     similarity: Reachability
-    localizer: Localizer = field(default_factory=MostAlike)
     every: int = 20
     s_shortcut: float = 0.99
     window: int = 2
@@ -116,12 +101,19 @@ class SPTMAgent(MapAgent):
         return self.topomap.trajectory[source] == self.topomap.trajectory[target]
 
     def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
-        """The path over the fewest edges, between the places that are most alike."""
+        """The path over the fewest edges, between the places that are most alike.
+
+        It begins at no vertex to which the first step is excluded.
+        """
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")
-        here = int(alive[self.localizer.localize(observation, self.topomap)[0].argmax()])
-        there = alive[self.localizer.localize(goals.observations, self.topomap).argmax(axis=1)]
+        allowed = [(HERE, int(vertex)) not in excluded for vertex in alive]
+        if not any(allowed):
+            return Plan(refusal="every first step is excluded")
+        alike = np.where(allowed, similarities(observation, self.topomap)[0], -1.0)
+        here = int(alive[alike.argmax()])
+        there = alive[similarities(goals.observations, self.topomap).argmax(axis=1)]
         graph = nx.restricted_view(graph, [], excluded)
         reached = nx.single_source_shortest_path(graph, here)
         paths = {goal: reached[int(v)] for goal, v in enumerate(there) if int(v) in reached}
@@ -130,6 +122,14 @@ class SPTMAgent(MapAgent):
         goal = min(paths, key=lambda index: len(paths[index]))
         # Similarities are no probabilities: the plan claims none.
         return Plan(tuple(paths[goal]), goal)
+
+
+def similarities(observations: Observation, topomap: TopoMap) -> Array:
+    """(N, V) how similar N observations are to the vertices that are alive."""
+    alive = topomap.alive
+    rows = np.repeat(np.arange(len(observations)), len(alive))
+    alike = topomap.vertices.into(observations, rows, np.tile(alive, len(observations)))
+    return alike.reshape(len(observations), -1)
 
 
 def window_median(alike: Array, trajectory: NDArray[np.intp], window: int) -> NDArray[np.float32]:

@@ -44,8 +44,7 @@ def test_a_map_of_other_networks_settings_or_trajectories_is_learned_again(
     tmp_path, building, agent
 ):
     file = keep_learned(building, agent, tmp_path)
-    changed = {"settings": MapSettings(p_edge=0.9)}, {"p_sparsify": 0.9}, {"lenient": ()}
-    others = [agents.meng(**change) for change in changed]
+    others = agents.meng(settings=MapSettings(p_edge=0.9)), agents.meng(p_sparsify=0.9)
     for other in others:
         assert load_learned(building, other, tmp_path) is None
     retrained = agents.meng()

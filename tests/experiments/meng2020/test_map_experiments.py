@@ -424,7 +424,7 @@ def test_a_path_without_a_detour_is_not_blocked(monkeypatch):
 def test_every_fault_has_its_row_of_outcomes(monkeypatch):
     # The map of this room is too small to hold another path around a blockade.
     passable = lambda *given: np.ones(len(given[-1]), dtype=bool)  # noqa: E731
-    monkeypatch.setattr(faults, "other_ways", passable)
+    monkeypatch.setattr(faults, "other_paths", passable)
     few = replace(faults.EXPERIMENT, quick_settings=faults.Settings(trials=10))
     report = few.report(QUICK)
     rows = {row["fault"]: row for row in saved(report)["rows"]}
@@ -455,7 +455,7 @@ def test_another_path_is_one_on_the_map_that_leads_through_nobody(monkeypatch):
 
     def passable(start, goal, people):
         trials = OneTrial(starts=poses[[start]], goal_poses=goal[None])
-        return bool(faults.other_ways(None, agent, trials, [people])[0])
+        return bool(faults.other_paths(None, agent, trials, [people])[0])
 
     assert passable(0, poses[2], one_side)
     assert passable(0, poses[2], aside)

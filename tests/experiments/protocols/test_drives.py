@@ -115,6 +115,12 @@ def test_a_goal_is_passed_if_some_drive_looks_at_it_as_it_was_taken(building, tr
     assert not passed_goals(away, trials, "", 0)[0]
 
 
+def test_goals_that_the_continuous_drive_passes_are_judged_by_that_drive(building, trials):
+    one = toured(building)
+    wanted = passed_goals(one, trials, "", 0)
+    assert (passed_goals(building, trials, "continuous", 0) == wanted).all()
+
+
 def looking(building, heading):
     """The building with drives on which the robot looks one way all the time."""
     drives = [

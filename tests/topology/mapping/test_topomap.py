@@ -675,29 +675,6 @@ def test_anchors_of_a_trajectory_are_what_sparsification_keeps():
 
 
 @pytest.mark.parametrize(
-    ("reach", "lenient", "spacing"),
-    [
-        ({0.96: 25}, (), 1),
-        ({0.96: 25}, (0.97, 0.95, 0.92), 25),
-        ({0.985: 5, 0.96: 21, 0.93: 40}, (0.97, 0.95, 0.92), 21),  # the strictest that will do
-        ({0.995: 20, 0.96: 40}, (0.95,), 20),  # near enough as they are
-        ({0.93: 9}, (0.97, 0.92), 9),  # none will do
-    ],
-)
-def test_where_re_is_never_sure_anchors_are_as_far_apart_as_a_lower_threshold_lets_them(
-    reach, lenient, spacing
-):
-    count = 121
-    ahead = np.arange(count) - np.arange(count)[:, None]
-    table = np.zeros((count, count))
-    for probability, farthest in reach.items():
-        table = np.maximum(table, np.where((ahead >= 0) & (ahead <= farthest), probability, 0.0))
-    given = Table(table), numbered(range(count)), np.arange(count), 1, 0.99, np.arange(count)
-    found = anchors_of(*given, lenient)
-    assert found.timestamps.tolist() == [*range(0, count - 1, spacing), count - 1]
-
-
-@pytest.mark.parametrize(
     ("count", "contexts", "times"), [(1, 1, 1), (3, 2, 3), (3, 3, 4), (0, 0, 0)]
 )
 def test_anchors_come_with_all_that_is_needed(count, contexts, times):

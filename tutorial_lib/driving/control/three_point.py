@@ -29,10 +29,10 @@ class ThreePointTurn:
         seconds: (N,) since each began to turn.
     """
 
-    def __init__(self, robots: int, car: BicycleCar | None = None) -> None:
+    def __init__(self, robots: int) -> None:
         """Begin with so many robots that do not turn."""
         self.seconds = np.zeros(robots)
-        self._safety = RMPController(body=BicycleCar() if car is None else car)
+        self._safety = RMPController(body=BicycleCar())
         self._angle, self._turned, self._heading = np.zeros((3, robots))
         self._place = np.zeros((robots, 3))
         self._side, self._gear = np.ones((2, robots))
@@ -78,11 +78,11 @@ class ThreePointTurn:
             free_travel(
                 lasers,
                 angles,
-                np.stack([way * side / radius, way], axis=1),
+                np.stack([tried * side / radius, tried], axis=1),
                 rule.discs,
                 rule.margin,
             )[:, 0]
-            for way in (gear, -gear)
+            for tried in (gear, -gear)
         )
         away = -gear * to_local(seen.odometry, self._place[robots, :2])[:, 0] > _STEP_OUT
         blocked = (free < _GO_ON) & (other > free)

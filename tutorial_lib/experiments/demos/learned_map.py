@@ -51,7 +51,6 @@ def _file(building: Building, agent: MengAgent, folder: Path) -> Path:
         agent.settings,
         agent.turns,
         agent.p_sparsify,
-        agent.lenient,
         [len(trajectory) for trajectory in building.recorded.trajectories],
     )
     digest = hashlib.sha256(repr(origin).encode()).hexdigest()

@@ -146,8 +146,8 @@ def _together(
         "images": len(building.recorded.poses),
     }
     results = dict(zip(methods, found, strict=True))
-    asked = whole, trials, options.drives, options.seed
-    return InWorld(columns, results, driven_trials(*asked), passed_goals(*asked))
+    part = whole, trials, options.drives, options.seed
+    return InWorld(columns, results, driven_trials(*part), passed_goals(*part))
 
 
 def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label: str) -> list[Any]:  # noqa: ANN401
@@ -189,7 +189,7 @@ def _share(success: NDArray[np.bool_]) -> float | None:
     return float(success.mean()) if len(success) else None
 
 
-def _notes(parts: Sequence[InWorld], drives: str) -> tuple[str, ...]:
+def _notes(parts: Sequence[InWorld], drives: str) -> list[str]:
     """Success in all worlds together, and paired differences; of composed trials apart."""
     world = np.repeat(np.arange(len(parts)), [len(part.driven) for part in parts])
     success = {
@@ -214,7 +214,7 @@ def _notes(parts: Sequence[InWorld], drives: str) -> tuple[str, ...]:
             for what in ("edges", "wormholes")
         )
         notes.append(f"{name}: {1 - holes / max(edges, 1):.2%} of {edges} edges are no wormholes")
-    return tuple(notes)
+    return notes
 
 
 def _compared(

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
@@ -88,6 +89,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     rows = [_row(key, parts, options.drives) for key in parts[0].results]
     if not options.drives:
         return rows, []
+    if not rows[0]["trials_composed"]:
+        raise InputError(f"--drives {options.drives}: no trial must be composed; give fewer drives")
     best = best_of(rows, "success_composed")
     found = f"p_edge {best.p_edge:g}, s_shortcut {best.s_shortcut:g}"
     return rows, [f"best with --drives {options.drives}: {found} (composed trials)"]
@@ -154,7 +157,7 @@ def _row(key: Key, parts: list[InWorld], drives: str) -> dict[str, Any]:
     if not drives:
         return row
     composed = ~np.concatenate([part.driven for part in parts])
-    found = float(success[composed].mean()) if composed.any() else float("nan")
+    found = float(success[composed].mean()) if composed.any() else None
     return row | {"trials_composed": int(composed.sum()), "success_composed": found}
 
 

@@ -108,9 +108,10 @@ def toured(building: Building) -> Building:
         raise InputError(f"--drives {CONTINUOUS}: no drive leads from the first place to the next")
     goals, noise = building.places[order[:, 1]], building.odometry.noise(RECORDING)
     drive = demonstrate_on(building.name, building.scene, building.paths, start, goals, 0, noise)
+    ends = np.zeros((1, 2), dtype=order.dtype)  # it comes back to the first place
     if drive is None:
         raise InputError(f"--drives {CONTINUOUS}: the car did not come through {building.name}")
-    return replace(building, recorded=RecordedWorld(building.scene, [drive]), pairs=order[:1])
+    return replace(building, recorded=RecordedWorld(building.scene, [drive]), pairs=ends)
 
 
 def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> NDArray[np.bool_]:
@@ -148,7 +149,7 @@ def driven(building: Building, trials: Trials, near: float, facing: float) -> ND
 def passed_goals(whole: Building, trials: Trials, drives: str, seed: int) -> NDArray[np.bool_]:
     """The goals (N,) that some drive passes that agents learn, facing as they do.
 
-    Nobody has seen the others as they look there: a map of pictures cannot hold them.
+    No learned drive has an image of the others as they look there.
 
     Args:
         whole: with all drives.
@@ -156,8 +157,7 @@ def passed_goals(whole: Building, trials: Trials, drives: str, seed: int) -> NDA
         drives: as from `parse_drives`.
         seed: of the run.
     """
-    separate = TOUR if drives == CONTINUOUS else drives
-    learned = part_of(whole, separate, seed).recorded.poses
+    learned = part_of(whole, drives, seed).recorded.poses
     return _at_goals(learned, trials, NEAR, FACING).any(axis=0)
 
 

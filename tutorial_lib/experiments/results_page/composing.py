@@ -79,11 +79,11 @@ def _composing_section(results: Results) -> list[str]:
         f"worlds, differences are paired.",
         composed_trials(results, names),
         f"*Meng, driven* are the other trials; *goals passed* is the share of the composed ones "
-        f"whose goal some learned drive passes as it looks: of the others nobody has an image on "
-        f"any map, so that it bounds what can be reached. Where drives meet that look opposite "
-        f"ways, no two pictures have anything in common; Meng's map joins them by turning (p = "
-        f"{TurnSettings().p_turn:g} each), where scans and colours say that the place is the same. "
-        f"The thresholds of both maps were chosen for each share on validation worlds.",
+        f"whose goal some learned drive passes as it looks: of the others no map has an image. "
+        f"Where drives meet that look opposite ways, no two images have anything in common; Meng's "
+        f"map joins them by turning (p = {TurnSettings().p_turn:g} each), where scans and colours "
+        f"say that the place is the same. The thresholds of both maps were chosen for each share "
+        f"on validation worlds.",
         map_sizes(results, names),
     ]
 

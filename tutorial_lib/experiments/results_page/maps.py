@@ -201,9 +201,10 @@ def _cost_section(results: Results) -> list[str]:
         "over many buildings. *Queries* are those of the whole map for one building, and those of "
         "one more trajectory for many. Bold is the better of two at the same size.",
         cost(rows),
-        f"*Edges found* is the share of the edges between places that were not driven, of those "
-        f"that querying all pairs finds, which the index finds, too; each trajectory is compared "
-        f"with the same map both ways. For the map that is used everywhere it is "
+        f"*Edges found* is the share of the edges that querying all pairs finds which the index "
+        f"finds, too. (The stored run compares two finished maps, driven edges included; today the "
+        f"command compares each trajectory with the same map both ways.) For the map that is used "
+        f"everywhere it is "
         f"{percent(shipped['recall'], 2)} with {percent(shipped['queries'] / every['queries'])} "
         f"of the queries, without reuse {percent(plain['recall'], 2)} with "
         f"{percent(plain['queries'] / all_of_it['queries'])}; in many buildings it "

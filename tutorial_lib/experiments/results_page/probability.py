@@ -76,8 +76,9 @@ def _faults_section(results: Results) -> list[str]:
     free, blocked, own, strange = (one(rows, fault=fault) for fault in FAULTS)
     return [
         f"Faults (ours; the paper has none): people block the path for good where a detour of at "
-        f"most {DETOUR:g} times its length exists, and goal images from another building, of "
-        f"which none can be reached. {results.worlds('faults')} test worlds, too few for an "
+        f"most {DETOUR:g} times its length exists and the agent's map has another path, too "
+        f"({blocked['trials']} trials), and goal images from another building, of which none can "
+        f"be reached. {results.worlds('faults')} test worlds, too few for an "
         f"interval.",
         outcomes_of_faults(rows),
         f"Blocked paths are the weak point: {percent(blocked['reached'])} reach the place, where "

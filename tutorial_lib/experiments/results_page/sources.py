@@ -68,7 +68,8 @@ COMMANDS = {
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 EARLIER = frozenset(
     {
-        *("meng_fig9", "meng_fig11", "map", "meng_table2_shifted", "meng_table2_warehouse"),
+        *("meng_fig9", "meng_fig11", "map"),
+        *("meng_table2_shifted", *(f"meng_table2_{name}" for name in MAPS)),
         *("meng_table2_thresholds", *(f"ablation_{name}" for name in ABLATIONS)),
     }
 )

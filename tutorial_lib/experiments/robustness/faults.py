@@ -99,7 +99,7 @@ def with_blocked_paths(
         np.array([person.route[0] for person in people if person.owner == number])
         for number in range(len(kept))
     ]
-    passable = other_ways(building, agent, trials.subset(kept), rows)
+    passable = other_paths(building, agent, trials.subset(kept), rows)
     chosen = np.flatnonzero(passable)[:count]
     if not len(chosen):
         nothing = {"reached": np.empty(0), "plans": np.empty(0)}
@@ -111,17 +111,16 @@ def with_blocked_paths(
     ]
     blocked = replace(trials.subset(kept[chosen]), seconds=detours[chosen])
     goals = goals_of(blocked, VIEWS["camera16"], K)
-    free = navigate(building, blocked, lambda _: agent.start(goals))
-    navigation = agent.start(goals)
-    outcome = navigate(building, blocked, lambda _: navigation, people)
-    made = [sum(plan.probability > 0 for plan in plans) for plans in navigation.history]
-    return {
-        "none": {"reached": free.success, "plans": np.ones(len(chosen))},
-        "blocked": {"reached": outcome.success, "plans": np.array(made)},
-    }
+    found = {}
+    for fault, there in (("none", []), ("blocked", people)):
+        navigation = agent.start(goals)
+        outcome = navigate(building, blocked, lambda _, own=navigation: own, there)
+        made = [sum(plan.probability > 0 for plan in plans) for plans in navigation.history]
+        found[fault] = {"reached": outcome.success, "plans": np.array(made)}
+    return found
 
 
-def other_ways(
+def other_paths(
     building: Building, agent: MengAgent, trials: Trials, rows: Sequence[Array]
 ) -> NDArray[np.bool_]:
     """Which trials (N,) have a path on the agent's map that leads through nobody.

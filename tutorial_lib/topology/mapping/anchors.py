@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,9 +12,6 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.sparsify import contextified, sparsify
-
-SPACING = 20.0
-"""Frames from anchor to anchor that are near enough, on average: SPTM keeps every 20th frame."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +58,8 @@ def anchors_of(
     k: int,
     threshold: float,
     timestamps: Array,
-    lenient: Sequence[float] = (),
 ) -> Anchors:
     """Sparsify a trajectory, and keep what a map needs.
-
-    In open space RE is hardly ever as sure as elsewhere, however near the target, and the anchors
-    lie too close to be of use. Such a trajectory is sparsified by the first of the `lenient`
-    thresholds that keeps no more than every 20th of its frames (not in the paper).
 
     Args:
         reachability: RE.
@@ -77,14 +68,10 @@ def anchors_of(
         k: images of context on either side of an anchor.
         threshold: p_sparsify.
         timestamps: (T,) seconds.
-        lenient: thresholds below p_sparsify, falling; the last one is taken when none will do.
     """
     contexts = contextified(images, k)
     prepared = reachability.prepare(contexts)
-    for p_sparsify in (threshold, *lenient):
-        kept = sparsify(reachability, observations, prepared, p_sparsify)
-        if len(observations) >= SPACING * (len(kept) - 1):
-            break
+    kept = sparsify(reachability, observations, prepared, threshold)
     return Anchors(
         observations[kept], contexts[kept], timestamps[kept], prepared[kept], reachability
     )

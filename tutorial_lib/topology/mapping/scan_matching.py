@@ -63,7 +63,8 @@ def match_scans(first: Array, second: Array, starts: Array) -> tuple[Array, Arra
         starts: (P, R, 3) poses to begin with; the best result of each pair is returned.
 
     Returns:
-        Poses (P, 3), and agreements (P,) from 0 to 1; see `agreement`.
+        Poses (P, 3), and agreements (P,) from 0 to 1, -1 where no two can be compared; see
+        `agreement`.
     """
     angles = full_circle(first.shape[1])
     best, scores = starts[:, 0].copy(), np.full(len(first), -1.0)

@@ -54,13 +54,13 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
         for source, target, edge in topomap.graph.edges(data=True)
     ]
     paths = [[new[v] for v in vertices if v in new] for vertices in topomap.paths]
-    # "trails" is what the first version called the paths.
     turns = [
         [new[source], new[target], angle]
         for source, target, angle in topomap.graph.edges(data="turn")
         if angle is not None
     ]
     settings = asdict(topomap.settings)
+    # "trails" is what the first version called the paths.
     graph = {"settings": settings, "edges": edges, "turns": turns, "trails": paths}
     text = np.frombuffer(json.dumps(graph).encode(), np.uint8)
     arrays = {**_arrays(topomap, alive), "graph": text}

@@ -56,7 +56,12 @@ class TurnSettings:
     def __post_init__(self) -> None:
         for name in ("p_turn", "agreement", "colours"):
             if not 0.0 < getattr(self, name) < 1.0:
-                raise InputError(f"turns: {name} = {getattr(self, name)}; give 0 to 1")
+                raise InputError(
+                    f"turns: {name} = {getattr(self, name)}; give a number between 0 and 1"
+                )
+        for name in ("candidates", "most"):
+            if getattr(self, name) < 1:
+                raise InputError(f"turns: {name} = {getattr(self, name)}; give 1 or greater")
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +161,6 @@ def _by_scans(topomap: TopoMap, seen: Observation, fresh: Indices, settings: Tur
     poses, scores = match_scans(lasers[fresh[rows]], known[columns], starts)
     near = np.linalg.norm(poses[:, :2], axis=1) < settings.reach
     aside = np.abs(wrap(poses[:, 2])) > settings.least
-    # Not a number, where scans cannot be compared, is no agreement.
     fits = near & aside & (scores > settings.agreement)
     return Turns(fresh[rows], alive[columns], poses, scores).subset(fits)
 
