@@ -997,7 +997,7 @@ for name, network in (("trained for a few seconds", learnt), ("pretrained, k = 2
 # %% [markdown]
 # <details><summary>What has it learnt?</summary>
 # Before training, the network predicts nearly the same waypoint for every input, so every car drives much the same curve. After 400 steps many rollouts end at their target or close to it. Some of what it learnt is useless anywhere else: the appearance of these
-# rooms. But much of it is not: in the other apartment it reaches about as many targets as here. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the half hour in
+# rooms. But much of it is not: in the other apartment it reaches about as many targets as here. A column that reappears further left means the same in every building, and to find it again the network only needs to compare colours. This is why the matching encoder learns from so little data. What the long training in
 # 120 worlds adds is precision, and robustness to the colours, turns and hidden targets that one apartment does not have.
 # </details>
 #

@@ -5,8 +5,8 @@ MUTATIONS = [
     (
         "only the edge that was not passed is excluded",
         "agents/blockades.py",
-        "self._beside(before), self._beside(ahead)",
-        "set(before), set(ahead)",
+        "self._beside(before) - ahead\n        targets = self._beside(ahead) - sources",
+        "before - ahead\n        targets = ahead - sources",
         TESTS,
     ),
     (

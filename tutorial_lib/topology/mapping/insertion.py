@@ -65,7 +65,7 @@ class Insertion:
         self.along = self._along(max(self.settings.sequence, self.settings.reuse_sequence, 1))
         worth, worth_back = self._worth()
         onward, back = self._seeds(worth, worth_back)
-        least = min(self.settings.p_edge, self.settings.p_reuse, self.settings.p_between)
+        least = min(self.settings.p_edge, self.settings.p_reuse)
         self.out = search_edges(self._query_out, onward, worth, self.along, least)
         self.back = search_edges(self._query_back, back, worth_back, self.along, least)
         self._complete()
