@@ -10,6 +10,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
+    aliasing,
     composing,
     following,
     local_control,
@@ -53,6 +54,7 @@ CHAPTERS = (
     Chapter("Maps", maps.SECTIONS),
     Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
     Chapter("Probability and faults", probability.SECTIONS),
+    Chapter("Places that look alike", aliasing.SECTIONS),
     Chapter("The worlds", worlds.SECTIONS),
     Chapter("Speed", speed.SECTIONS),
 )

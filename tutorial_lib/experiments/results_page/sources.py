@@ -62,6 +62,8 @@ COMMANDS = {
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
     **{name: line for drives in DRIVES for name, line in _with_drives(drives).items()},
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
+    "meng_fig12": "experiment meng_fig12",
+    "meng_fig12_localization": "experiment meng_fig12 --ablation localization",
     "faults": "experiment faults",
     **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
 }
