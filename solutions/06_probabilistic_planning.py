@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 06 · Probabilistic planning
 #
-# **120 minutes.** You need notebooks 04 and 05: anchors, a follower that drives along them, and a map that joins the anchors of many trajectories by edges with $\mathcal{RE}$ on them.
+# **150 minutes.** You need notebooks 04 and 05: anchors, a follower that drives along them, and a map that joins the anchors of many trajectories by edges with $\mathcal{RE}$ on them.
 #
 # After this notebook you can
 #
