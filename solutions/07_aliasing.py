@@ -244,9 +244,10 @@ show(side_by_side(pictures, list(maps)))
 def predict(belief, motion, lengths, onward):
     """The prior: where robots may be after they have moved.
 
-    belief: array (N, V + 1), each row sums to 1. motion: array (N,), metres that
-    each robot has moved. lengths: array (V + 1,), metres of the edges of each
-    state. onward: array (V + 1, V + 1); row v holds the probabilities of where a
+    belief: array (N, V + 1), each row sums to 1.
+    motion: array (N,), metres that each robot has moved.
+    lengths: array (V + 1,), metres of the edges of each state.
+    onward: array (V + 1, V + 1); row v holds the probabilities of where a
     robot comes to that leaves state v, and sums to 1.
     Returns an array (N, V + 1).
     """
@@ -285,8 +286,9 @@ predict = check_predict.use(predict)
 def update(prior, likelihood):
     """The belief after a look, by Bayes' rule.
 
-    prior: array (N, V + 1), each row sums to 1. likelihood: array (N, V + 1), not
-    negative: of what each robot sees, were it in each state.
+    prior: array (N, V + 1), each row sums to 1.
+    likelihood: array (N, V + 1), not negative: of what each robot sees, if it
+    is in each state.
     Returns an array (N, V + 1), each row of which sums to 1; where nothing is
     possible, all of it is in the last state.
     """
@@ -364,12 +366,13 @@ sliders(corridor_belief, {"step": "step"}, step=(0, STEPS - 1, 1, 2))
 def match_sequence(likelihoods, before):
     """How well a sequence of views fits that ends at each vertex.
 
-    likelihoods: array (T, V), the likelihoods of T views, the latest in the last
-    row. before: array (V,) of whole numbers, the vertex before each on its
+    likelihoods: array (T, V), the likelihoods of T views, the latest in the
+    last row.
+    before: array (V,) of whole numbers, the vertex before each on its
     trajectory, -1 where there is none.
-    Returns an array (V,): of all sequences that end at the vertex, in which each
-    view is at the same vertex as the view before it or one further, the greatest
-    product of likelihoods, and of that the T-th root.
+    Returns an array (V,): of all sequences that end at the vertex, in which
+    each view is at the same vertex as the view before it or one further, the
+    greatest product of likelihoods, and of that the T-th root.
     """
     ### BEGIN SOLUTION
     total = likelihoods[0]
@@ -401,7 +404,7 @@ rules = FilterSettings()
 print(rules)
 
 # %% [markdown]
-# ### Exercise 4 · `track` (hard, 40 minutes)
+# ### Exercise 4 · `track` (large, 40 minutes)
 #
 # At the start nothing is known: the belief is the same for all states, it is also the first prior, the vertex is -1, and the robot looks at step 0. Then for each step:
 #
@@ -418,12 +421,13 @@ print(rules)
 def track(odometry, look, lengths, onward, rules):
     """Localize one robot at each step of a drive.
 
-    odometry: array (T, 3) of poses as the wheels measure them. look: look(step)
-    returns an array (V,) of the likelihoods of what is seen at that step; call it
-    only where the robot looks, once. lengths, onward: as for predict.
+    odometry: array (T, 3) of poses as the wheels measure them.
+    look: look(step) returns an array (V,) of the likelihoods of what is seen
+    at that step; call it only where the robot looks, once.
+    lengths, onward: as for predict.
     rules: rules.stride, .interval, .least, .unknown, .sharpness, .hysteresis.
-    Returns the beliefs after each step, an array (T, V + 1), and the vertices, a
-    list of T numbers, -1 for off the map.
+    Returns the beliefs after each step, an array (T, V + 1), and the vertices,
+    a list of T numbers, -1 for off the map.
     """
     ### BEGIN SOLUTION
     belief = prior = np.full((1, len(lengths)), 1 / len(lengths))
@@ -596,15 +600,17 @@ show(from_figure(figure))
 
 # %% exercise="around_cycles"
 def around_cycles(graph, visited, cycle, bias):
-    """Whether a robot goes round in circles, and a graph that leads it elsewhere.
+    """Whether a robot goes in circles, and a graph that leads it elsewhere.
 
-    graph: dictionary of dictionaries, graph[v][w] is RE from v to w; it stays as
-    it is. visited: list of the vertices at which the robot was, in order, perhaps
-    empty. cycle: so many visits of one vertex, or more, make a cycle.
+    graph: dictionary of dictionaries, graph[v][w] is RE from v to w; it stays
+    as it is.
+    visited: list of the vertices at which the robot was, in order, perhaps
+    empty.
+    cycle: so many visits of one vertex, or more, make a cycle.
     bias: a number from 0 to 1.
     Returns True or False, and a new graph with the same edges: RE of each edge
-    to a vertex that was visited n times, n >= 2, is multiplied by bias ** (n - 1),
-    whether it is a cycle or not.
+    to a vertex that was visited n times, n >= 2, is multiplied by
+    bias ** (n - 1), whether it is a cycle or not.
     """
     ### BEGIN SOLUTION
     came = [v for i, v in enumerate(visited) if i == 0 or v != visited[i - 1]]
