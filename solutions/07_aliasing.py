@@ -574,7 +574,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What does the plot show?</summary>
-# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief may begin in the wrong twin, or in several, and once something has told them apart it mostly stays right, along corridors of identical doors as well. After the kidnapping it is wrong for a moment, since it trusts its prior; then the views contradict it more and more, and it lets go.
+# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief may begin in the wrong twin, or in several, and once something has told them apart it mostly stays right. Corridors of identical doors are hardest: in ten offices the robot is localized within 2.5 m in 78 % of all steps, but in such corridors in 53 %, and where it says there that it is sure, it is right in 61 % (94 % of all steps): nothing that it sees counts the doors (<code>experiment meng_fig12 --ablation localization</code>). After the kidnapping it is wrong for a moment, since it trusts its prior; then the views contradict it more and more, and it lets go.
 # </details>
 #
 # **Predict:** what happens with `FilterSettings(least=0.0001)`? With `sharpness=8`? With `unknown=0.9`? Change `rules` in the cell above exercise 4, and run the cells from there.
@@ -656,7 +656,7 @@ for name, kind in (("none", "single views"), ("all", "sequences")):
     outcome = run_agent(building, few, lambda _, started=navigation: started, record=keep)
     ends[name] = outcome, [len(history) for history in navigation.history], moments
 scores = [int(ends["all"][0].success[i]) - int(ends["none"][0].success[i]) for i in range(len(few))]
-shown = int(np.argmax(np.array(scores) + 0.1 * np.array(ends["all"][1])))
+shown = max(range(len(few)), key=lambda i: (scores[i], ends["all"][1][i]))
 for name, kind in (("none", "single views"), ("all", "sequences")):
     outcome, plans, moments = ends[name]
     steps = max(int(outcome.seconds[shown] * 10), 1)

@@ -59,9 +59,19 @@ ROWS = {
 @pytest.fixture
 def results():
     worlds = tuple(range(20_000, 20_010))
-    return Results(
-        {name: Report(name, 0, worlds, False, 1.0, rows, NOTES) for name, rows in ROWS.items()}
-    )
+    reports = {
+        name: Report(name, 0, worlds, False, 1.0, rows, NOTES) for name, rows in ROWS.items()
+    }
+    for names in aliasing.ELSEWHERE.values():
+        for name, shares in zip(names, ((0.9, 0.8), (0.95, 0.7)), strict=True):
+            rows = [
+                {"world": world, "method": method, "success": share if method == "meng" else 0.1}
+                for world, share in enumerate(shares)
+                for method in ("meng", "sptm")
+            ]
+            note = f"meng, all worlds: {sum(shares) / 2:.1%}"
+            reports[name] = Report(name, 0, (0, 1), False, 1.0, rows, (note,))
+    return Results(reports)
 
 
 def test_each_choice_of_remedies_is_compared_with_all_or_with_none(results):
@@ -90,10 +100,19 @@ def test_a_case_of_the_filter_shows_only_what_it_has(results):
 
 
 def test_the_sections_tell_the_numbers_below_their_commands(results):
-    remedies, belief = (section.text(results) for section in aliasing.SECTIONS)
+    remedies, belief, _ = (section.text(results) for section in aliasing.SECTIONS)
     assert "With all remedies 95.0% of the trials succeed, with none 50.0%" in remedies
     assert "1 of 500 trials with all remedies" in remedies
     assert "Where it is sure it is right in 93.0% of the steps" in belief
+    assert "corridor with a twin only in 88.0%" in belief
     assert "81.0% are localized again within 20 s" in belief
     for text, name in zip((remedies, belief), ROWS, strict=True):
         assert f"{sources.COMMANDS[name]} --json tutorial_lib/results/{name}.json" in text
+
+
+def test_elsewhere_the_remedies_are_compared_world_by_world(results):
+    head, *lines = cells(aliasing.success_elsewhere(results))
+    assert [line[0] for line in lines] == list(aliasing.ELSEWHERE)
+    found = dict(zip(head, lines[0], strict=True))
+    assert (found["without"], found["with all"], found["worlds"]) == ("85.0%", "82.5%", "2")
+    assert (found["points"], found["by world"]) == ("-2.5", "-10.0 to +5.0")
