@@ -468,4 +468,4 @@ def test_settings_that_make_no_sense_are_refused(values, words):
 
 
 def test_the_defaults_are_those_of_the_map():
-    assert MapSettings() == MapSettings(0.99, 0.94, 2, 12, 0.1, 0.94)
+    assert MapSettings() == MapSettings(0.99, 0.94, 2, 12, 0.1, 0.94, 0)

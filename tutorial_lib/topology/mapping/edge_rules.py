@@ -23,21 +23,21 @@ class MapSettings:
         p_edge: RE above which two vertices are joined.
         p_reuse: RE to a vertex, and onward from it, above which it replaces an anchor; 1 for never.
         sequence: anchors before and after both ends of an edge that must be reachable, too.
-        reuse_sequence: anchors before and after one that is to be replaced that must match those
-            before and after the vertex, too; 0 as in the paper, where look-alike places merge.
         candidates: most similar vertices that a new anchor is compared with first.
         p_outdated: RE below which a vertex between two that are seen again is outdated.
         p_between: RE to an anchor from one vertex, and from it to the next, above which the edge
             between the two replaces it; 1 for never, as in the paper.
+        reuse_sequence: anchors before and after one that is to be replaced that must match those
+            before and after the vertex, too; 0 as in the paper, where look-alike places merge.
     """
 
     p_edge: float = 0.99
     p_reuse: float = 0.94
     sequence: int = 2
-    reuse_sequence: int = 0
     candidates: int = 12
     p_outdated: float = 0.1
     p_between: float = 0.94
+    reuse_sequence: int = 0
 
     def __post_init__(self) -> None:
         for field in fields(self):
