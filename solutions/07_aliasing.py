@@ -681,7 +681,7 @@ for name, kind in (("none", "single views"), ("all", "sequences")):
 # `python -m tutorial_lib experiment meng_fig12`
 #
 # - `none`: edges from single views, argmax, no replanning;
-# - `sequence`: edges, reused vertices, and the robot's vertex by sequences; plans lead over turn edges (notebook 05), which no sequence confirms, only where every other path is longer by more than eight vertices;
+# - `sequence`: edges, reused vertices, and the robot's vertex by sequences; plans lead over turn edges (notebook 05), which no sequence confirms, only where no other path does;
 # - `replan`: a robot that is lost plans again, and so does one that is long in dead reckoning;
 # - `cycles`: visits are counted, and plans lead around them;
 # - `filter`: the belief decides where a plan begins, ends a plan that it contradicts, and begins the recovery when the robot is off the map: turn, back up, look for a plausible vertex, and say *lost* when there is none.

@@ -94,13 +94,6 @@ MUTATIONS = [
         "agents/test_remedies.py",
     ),
     (
-        "to spare a turn no detour is too long",
-        "agents/remedy_navigation.py",
-        "near and not around.refusal",
-        "not around.refusal",
-        "agents/test_remedies.py",
-    ),
-    (
         "one of many twins is elsewhere",
         "agents/place_guess.py",
         "float(belief[:OFF_MAP][near].sum()) / most",

@@ -21,7 +21,7 @@ class Remedies:
     Attributes:
         sequence: sequences are matched, in map building and where the robot looks for its vertex;
             otherwise single views are. Turns, which no sequence confirms, are for goals that no
-            path leads to without a long detour.
+            other path leads to.
         replan: a robot that is lost plans again, and so does one that is long in dead reckoning.
         cycles: visits of vertices are counted; in a cycle the robot plans around them.
         filter: a Bayes filter localizes the robot, and recovery begins when it is off the map;

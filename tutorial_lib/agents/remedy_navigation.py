@@ -24,8 +24,6 @@ CYCLE, ENDLESS = 3, 6
 """Visits of one vertex that make a cycle, and those after which a robot gives up."""
 BIAS = 0.5
 """Factor on the probability of edges to a vertex for each visit but the first."""
-DETOUR = 8
-"""Vertices by which a path may be longer that spares a turn: about 20 s of driving."""
 _DOUBT = 10  # steps of dead reckoning from one attempt to find another plan to the next
 _FADES = 0.99  # for each step of dead reckoning, what the old plan is worth
 _ELSEWHERE = 0.9  # see `PlaceGuess.far_from`: so far from its plan a robot is elsewhere
@@ -96,8 +94,7 @@ class RemedyNavigation(MapNavigation):
         """The plan that is ready, or a new one from where the robot may be.
 
         No sequence confirms an edge on which a robot turns: it rests on a single place, whose twin
-        would look the same. Where sequences count, turns are for goals that no other path leads to
-        without a long detour.
+        would look the same. Where sequences count, turns are for goals that no other path leads to.
         """
         if robot in self._ready:
             return self._ready.pop(robot)
@@ -110,12 +107,11 @@ class RemedyNavigation(MapNavigation):
         localizer = Weighted(likely, planner.p_query, planner.candidates)
         planner = replace(planner, localizer=localizer, p_query=0.0)
         excluded, goals = self._excluded(observation, robot), self._goals[robot]
-        plan = planner.plan(observation, goals, topomap, excluded)
-        if not self._on.sequence or not self._turns(plan):
-            return plan
-        around = planner.plan(observation, goals, topomap, excluded | self._turns_at)
-        near = len(around.vertices) <= len(plan.vertices) + DETOUR
-        return around if near and not around.refusal else plan
+        if self._on.sequence and self._turns_at:
+            plan = planner.plan(observation, goals, topomap, excluded | self._turns_at)
+            if not plan.refusal:
+                return plan
+        return planner.plan(observation, goals, topomap, excluded)
 
     def _excluded(self, observation: Observation, robot: int) -> Edges:
         """With the filter the belief says where a plan may begin."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tutorial_lib.agents.remedies import REMEDIES
-from tutorial_lib.agents.remedy_navigation import CYCLE, DETOUR, ENDLESS
+from tutorial_lib.agents.remedy_navigation import CYCLE, ENDLESS
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.meng2020.fig12_localization import CASES, FOUND, NOTICED, RIGHT, SURE
 from tutorial_lib.experiments.protocols.navigation import WORMHOLE
@@ -93,8 +93,7 @@ def _remedies_section(results: Results) -> list[str]:
         f"such a room; its goal is a picture of a room that has none. {every['trials']:,} trials, "
         f"the same for every choice of remedies. *none*: edges and vertices by single views, the "
         f"start at the most similar vertex, no replanning. *sequence*: edges, reused vertices "
-        f"and the start by sequences of views, turns only where every other path has at least "
-        f"{DETOUR + 1} vertices more; "
+        f"and the start by sequences of views, turns only where no other path leads to the goal; "
         f"*replan*: a lost robot plans again; *cycles*: from the {CYCLE}rd visit of a vertex on a "
         f"robot plans around what it visited, and gives up at the {ENDLESS}th; *filter*: a Bayes "
         f"filter over the vertices and *off the map* says where plans begin and when they are "
