@@ -530,7 +530,7 @@ def around_cycles__only_in_a_cycle(graph, visited, cycle, bias):
 
 
 def around_cycles__removes(graph, visited, cycle, bias):
-    """there may be no other way"""
+    """there may be no other path"""
     n = _counts(visited)
     left = {v: {w: p for w, p in out.items() if n[w] < 2} for v, out in graph.items()}
     return max(n.values(), default=0) >= cycle, left

@@ -100,7 +100,7 @@ _FAULTS = {
     "the first of the list is a visit, too; yours counts from the second on": "second on",
     "vertex 0 is a vertex like the others: a list may begin with a visit of it": "from 0",
     "multiply by bias for each further visit: bias ** (n - 1), not bias / n": "times",
-    "edges to vertices that were visited stay, with less probability; there may be no other way": (
+    "edges to vertices that were visited stay, with less probability; there may be no other path": (
         "removes"
     ),
     "multiply RE by the bias; a difference may be negative": "subtracts",
