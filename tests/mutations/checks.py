@@ -67,9 +67,9 @@ MUTATIONS = [
     ),
     (
         "an answer that changes its arguments spoils the cases of the next one",
-        "checks/nb07/copies.py",
-        "*copy.deepcopy(arguments)",
-        "*arguments",
+        "checks/framework/answers.py",
+        "copy.deepcopy(a) if isinstance(a, _COPIED) else a",
+        "a",
         "checks/test_nb07.py",
     ),
     (

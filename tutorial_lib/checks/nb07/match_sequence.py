@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb07.copies import calling_on_copies
 from tutorial_lib.checks.nb07.small_differences import farthest
 from tutorial_lib.geometry import Array
 
@@ -115,7 +114,7 @@ def check_match_sequence(student: Callable[..., Any]) -> None:
         _CASES,
         match_sequence,
         with_faults(_matched, _FAULTS),
-        invoke=calling_on_copies(
+        invoke=calling(
             {ValueError: "each view is a row of V likelihoods, as many as `before` has"}
         ),
         form=lambda what, got, looks, *_: numbers(what, got, looks.shape[1:]),

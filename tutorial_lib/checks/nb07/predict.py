@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb07.copies import calling_on_copies
 from tutorial_lib.checks.nb07.small_differences import both, of_rounding
 from tutorial_lib.checks.nb07.small_models import random_beliefs, random_model
 from tutorial_lib.geometry import Array
@@ -130,7 +129,7 @@ def check_predict(student: Callable[..., Any]) -> None:
         _CASES,
         predict,
         with_faults(_predicted, _FAULTS),
-        invoke=calling_on_copies({ValueError: shapes, IndexError: shapes}),
+        invoke=calling({ValueError: shapes, IndexError: shapes}),
         form=lambda what, got, belief, *_: numbers(what, got, belief.shape),
         same=partial(close, tolerance=1e-9),
         difference=_why,

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import numbers
+from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb07.copies import calling_on_copies
 from tutorial_lib.checks.nb07.small_differences import farthest
 from tutorial_lib.checks.nb07.small_models import random_beliefs
 from tutorial_lib.geometry import Array
@@ -128,7 +127,7 @@ def check_update(student: Callable[..., Any]) -> None:
         _CASES,
         update,
         with_faults(_updated, _FAULTS),
-        invoke=calling_on_copies({ValueError: words}),
+        invoke=calling({ValueError: words}),
         form=lambda what, got, prior, *_: numbers(what, got, prior.shape),
         same=partial(close, tolerance=1e-9),
         difference=farthest,
