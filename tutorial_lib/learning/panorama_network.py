@@ -1,0 +1,212 @@
+"""One multi-task network for the four functions of Neural Topological SLAM (Chaplot et al. 2020).
+
+It is equivariant to the heading of the source, in steps of 30 degrees, and invariant to that of
+the goal: turning a robot on the spot only renumbers its directions.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import torch
+from torch import Tensor, nn
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.bearings import column_bearings
+from tutorial_lib.learning.panorama_encoder import (
+    ATTEND,
+    COLUMNS,
+    OWN,
+    PIXELS,
+    ROWS,
+    SENSORS,
+    SHOWN,
+    TOKEN,
+    CircularConvolution,
+    Encoded,
+    PanoramaEncoder,
+    PatchTokens,
+)
+from tutorial_lib.world.floorplan import ROOM_KINDS
+
+KINDS = len(ROOM_KINDS) + 1
+"""Kinds of room at a direction's end; the last one for no room, such as a doorway."""
+_FOUND, _HIDDEN = 32, 64
+_SMALL = 0.01  # of a mean rotation: below this length it says nothing
+
+
+@dataclass(frozen=True)
+class PanoramaArchitecture:
+    """All that is needed to build a network; it is stored on the card beside its weights.
+
+    Attributes:
+        sensor: "rgb", which has a head for the missing depth, or "rgbd".
+        goal_blind: whether semantic scores see the source alone (an ablation).
+        kind: of the network, "panorama".
+    """
+
+    sensor: str
+    goal_blind: bool = False
+    kind: str = "panorama"
+
+    def __post_init__(self) -> None:
+        if self.sensor not in SENSORS or self.kind != "panorama":
+            raise InputError(
+                f"network: sensor {self.sensor!r} of a {self.kind!r} network; give a panorama "
+                f"network one of {', '.join(SENSORS)}"
+            )
+        if not isinstance(self.goal_blind, bool):
+            raise InputError(f"network: goal_blind = {self.goal_blind!r}; give true or false")
+
+
+class Seen(NamedTuple):
+    """What the network predicts of N panoramas alone.
+
+    Attributes:
+        explorable: (N, 12) logits (F_G).
+        kinds: (N, 12, KINDS) logits of the kind of room at each direction's end.
+    """
+
+    explorable: Tensor
+    kinds: Tensor
+
+
+class Compared(NamedTuple):
+    """What the network predicts of N pairs of a source and a goal.
+
+    Attributes:
+        connection: (N,) logit that both belong to one node (F_L).
+        direction: (N, 12) logits of the goal's direction inside the node (F_R).
+        offset: (N, 12) the goal's bearing from the middle of each direction, in half bins.
+        nearness: (N,) ``max(1 - d / r, 0)`` of the goal inside the node (F_R).
+        scores: (N, 12) ``max(1 - d_i / 20 m, 0)`` of each direction (F_S).
+        sharp: (N, 12) logits of the best direction, for the listwise loss.
+        same_room: (N, 12) logits that a direction's end is in the goal's room.
+    """
+
+    connection: Tensor
+    direction: Tensor
+    offset: Tensor
+    nearness: Tensor
+    scores: Tensor
+    sharp: Tensor
+    same_room: Tensor
+
+
+class PanoramaNetwork(nn.Module):
+    """Shared encoder, and heads for connection, intra-node pose, openings and semantic scores."""
+
+    def __init__(self, architecture: PanoramaArchitecture) -> None:
+        """Build an untrained network."""
+        super().__init__()
+        self.architecture = architecture
+        self.encoder = PanoramaEncoder(architecture.sensor)
+        self.openings = nn.Sequential(nn.Linear(TOKEN, 32), nn.ReLU(), nn.Linear(32, 1))
+        self.kinds = nn.Linear(TOKEN, KINDS)
+        self.sharpness = nn.Parameter(torch.tensor(2.0))
+        self.find = nn.Linear(SHOWN + 3, OWN)
+        self.found = PatchTokens(OWN, _FOUND)
+        self.both = nn.Linear(_FOUND + 2 * ATTEND, TOKEN)
+        self.judge = CircularConvolution(TOKEN, _HIDDEN, 3)
+        self.each = nn.Linear(_HIDDEN, 4)  # score, direction, offset, same room
+        self.overall = nn.Sequential(nn.Linear(2 * _HIDDEN, _HIDDEN), nn.ReLU())
+        self.of_pair = nn.Linear(_HIDDEN, 3)  # connection, nearness, level of the scores
+        self.list_scale = nn.Parameter(torch.tensor(3.0))
+        angle = torch.from_numpy(column_bearings(COLUMNS)).float()
+        bearing = torch.stack([angle.cos(), angle.sin()], dim=-1)
+        self.register_buffer("bearing", bearing, persistent=False)
+
+    def encode(self, images: Tensor, depth: Tensor | None) -> Encoded:
+        """Features of panoramas, computed once for all pairs that they are part of.
+
+        Args:
+            images: (N, 16, 192, 3) uint8.
+            depth: (N, 192) metres; not looked at by the sensor "rgb".
+
+        Raises:
+            InputError: when images or depth do not fit the network.
+        """
+        return self.encoder.encode(self.columns(images, depth))
+
+    def columns(self, images: Tensor, depth: Tensor | None) -> Tensor:
+        """Columns of features (N, 48, WIDTH), from which `encode` goes on."""
+        if images.shape[1:] != (ROWS, PIXELS, 3) or images.dtype != torch.uint8:
+            raise InputError(
+                f"panoramas: {images.dtype} of shape {tuple(images.shape)}; give uint8 "
+                f"(N, {ROWS}, {PIXELS}, 3)"
+            )
+        if self.architecture.sensor == "rgbd" and (
+            depth is None or depth.shape != (len(images), PIXELS)
+        ):
+            raise InputError(
+                f"panoramas: a network for rgbd needs depth (N, {PIXELS}); give the robot a depth "
+                "camera, or take the network for rgb"
+            )
+        return self.encoder.columns(images, depth)
+
+    def seen(self, encoded: Encoded) -> Seen:
+        """What is predicted of panoramas alone."""
+        local = encoded.local.relu()
+        return Seen(self.openings(local)[..., 0], self.kinds(local))
+
+    def compare(self, sources: Encoded, goals: Encoded) -> Compared:
+        """What is predicted of N pairs, from N sources and as many goals."""
+        both = sources.local + goals.whole[:, None] + self._between(sources, goals)
+        hidden, pooled = self._judged(both)
+        score, direction, offset, same_room = self.each(hidden).unbind(-1)
+        connection, nearness, level = self.of_pair(pooled).unbind(-1)
+        if self.architecture.goal_blind:
+            hidden, pooled = self._judged(sources.local)
+            score, level = self.each(hidden)[..., 0], self.of_pair(pooled)[..., 2]
+        score = score + level[:, None]
+        return Compared(
+            connection,
+            direction,
+            offset.tanh(),
+            nearness.sigmoid(),
+            score.sigmoid(),
+            self.list_scale.exp() * score,
+            same_room,
+        )
+
+    def _between(self, sources: Encoded, goals: Encoded) -> Tensor:
+        """(N, 12, TOKEN) what each direction of the source has to do with the goal."""
+        found = self.found((sources.own + self.find(self._matched(sources, goals))).relu()).relu()
+        attention = (sources.query @ goals.key.transpose(1, 2) / ATTEND**0.5).softmax(-1)
+        bilinear = sources.patch * goals.gate[:, None]
+        return self.both(torch.cat([found, attention @ goals.value, bilinear], dim=-1))
+
+    def _matched(self, sources: Encoded, goals: Encoded) -> Tensor:
+        """(N, 48, SHOWN + 3) for each column of the source what the goal shows there.
+
+        A match has a bearing in either panorama. Their mean difference is how the goal's heading
+        differs; what is left of each difference is the disparity, from which the goal's place
+        follows. As complex numbers: f = u conj(R) conj(v), for bearings u and v and the mean R.
+        """
+        similar = sources.match @ goals.match.transpose(1, 2)  # (N, 48, 48)
+        sharp = (self.sharpness.exp() * similar).softmax(-1)
+        shown = torch.cat([goals.shown, self.bearing.expand(len(similar), -1, -1)], dim=-1)
+        shown = sharp @ shown
+        best = similar.amax(-1, keepdim=True)
+        turned = _times_conjugate(shown[..., -2:], self.bearing)
+        mean = (best.relu() * turned).mean(1, keepdim=True)
+        mean = mean * (mean.square().sum(-1, keepdim=True) + _SMALL**2).rsqrt()
+        disparity = _times_conjugate(turned, mean)
+        return torch.cat([shown[..., :-2], disparity, best], dim=-1)
+
+    def _judged(self, directions: Tensor) -> tuple[Tensor, Tensor]:
+        """Hidden numbers of each direction (N, 12, H), and of all together (N, H)."""
+        hidden = self.judge(directions.relu()).relu()
+        return hidden, self.overall(torch.cat([hidden.mean(1), hidden.amax(1)], dim=-1))
+
+
+def _times_conjugate(a: Tensor, b: Tensor) -> Tensor:
+    """The product of complex numbers (..., 2) with conjugates of others."""
+    real = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
+    return torch.stack([real, a[..., 1] * b[..., 0] - a[..., 0] * b[..., 1]], dim=-1)
+
+
+def parameters_of(network: nn.Module) -> int:
+    """Number of a network's parameters."""
+    return sum(value.numel() for value in network.parameters())
