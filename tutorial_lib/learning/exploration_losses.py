@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 from torch.nn import functional
 
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS
 from tutorial_lib.learning.panorama_batches import PanoramaBatch
 from tutorial_lib.learning.panorama_network import Compared, Seen
 
@@ -22,6 +23,8 @@ SPREAD = 0.5
 KIND_WEIGHT, ROOM_WEIGHT, OFFSET_WEIGHT, LIST_WEIGHT, DEPTH_WEIGHT = 0.1, 0.2, 0.3, 0.5, 0.5
 """Of the kind of room at a direction's end, of whether it is the goal's, of the bearing within a
 direction, of the order of the directions, and of depth."""
+POSITION_WEIGHT = 0.3
+"""Of the metres by which matched columns are wrong about the goal's place: it teaches matching."""
 
 
 def seen_losses(seen: Seen, batch: PanoramaBatch) -> dict[str, Tensor]:
@@ -62,6 +65,7 @@ def pair_losses(compared: Compared, batch: PanoramaBatch, pairs: Tensor) -> dict
         "connection": connection,
         "direction": bearing / count,
         "offset": OFFSET_WEIGHT * offset.square().sum() / count,
+        "position": POSITION_WEIGHT * _position(compared.position[inside], label, inside) / count,
         "nearness": SCORE_WEIGHT * near.square().sum() / count,
         "scores": score_loss(compared.scores, label["metres"]),
         "order": LIST_WEIGHT * listwise_loss(compared.sharp, label["metres"]),
@@ -101,6 +105,17 @@ def listwise_loss(logits: Tensor, metres: Tensor) -> Tensor:
 def depth_loss(log_ranges: Tensor, depth: Tensor) -> Tensor:
     """Mean absolute error of logarithms of depth; both (N, 192), in log metres and metres."""
     return DEPTH_WEIGHT * (log_ranges - depth.clamp(min=0.05).log()).abs().mean()
+
+
+def _position(position: Tensor, label: dict[str, Tensor], inside: Tensor) -> Tensor:
+    """Summed metres between predicted places (M, 2) and those of the labels `inside` a node."""
+    direction, offset, nearness = (
+        label[name][inside] for name in ("direction", "offset", "nearness")
+    )
+    bearing = (direction + 0.5 * offset) * (2 * torch.pi / DIRECTIONS)
+    wanted = torch.stack([bearing.cos(), bearing.sin()], dim=-1)
+    wanted = RADIUS * (1.0 - nearness)[:, None] * wanted
+    return ((position - wanted).square().sum(-1) + 0.01).sqrt().sum()
 
 
 def _mean(values: Tensor, counted: Tensor) -> Tensor:

@@ -9,6 +9,7 @@ import torch
 from torch import Tensor
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS
+from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.learning.calibration import auc
 from tutorial_lib.learning.exploration_losses import depth_loss, pair_losses, seen_losses
 from tutorial_lib.learning.panorama_batches import PanoramaBatch
@@ -19,8 +20,6 @@ from tutorial_lib.learning.panorama_network import (
     Seen,
 )
 
-DIFFICULTIES = {"easy": (1.5, 3.0), "medium": (3.0, 5.0), "hard": (5.0, 10.0)}
-"""Geodesic metres to the goal (Chaplot et al. 2020, 5)."""
 WITHIN = 0.5
 """Metres by which a direction that counts as right may be longer than the best."""
 
@@ -71,7 +70,7 @@ def predictions(network: PanoramaNetwork, batch: PanoramaBatch) -> Predictions:
     """Encode each panorama once, and compare all pairs that are to be learnt from."""
     images, depth = batch.tensor("images").flatten(0, 1), batch.tensor("depth").flatten(0, 1)
     columns = network.columns(images, depth)
-    encoded = network.encoder.encode(columns)
+    encoded = network.encoder.encode(columns, depth)
     pairs, sources, goals = batch.pairs()
     compared = network.compare(encoded.rows(sources), encoded.rows(goals))
     has_depth = network.architecture.sensor == "rgbd"

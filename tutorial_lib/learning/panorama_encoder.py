@@ -18,6 +18,7 @@ WIDTH, TOKEN, MATCH, SHOWN, OWN, ATTEND = 64, 96, 16, 16, 32, 24
 column shows, of what a column knows itself, and of the attention between tokens."""
 SENSORS = ("rgb", "rgbd")
 _STRIDE = PIXELS // COLUMNS
+_FARTHEST = 10.0  # metres beyond which depth is all the same
 
 
 class CircularConvolution(nn.Module):
@@ -71,6 +72,7 @@ class Encoded(NamedTuple):
     """N panoramas, encoded for both roles, source and goal.
 
     Attributes:
+        depth: (N, 48) metres along each column, measured or predicted.
         match: (N, 48, MATCH) of unit length: what a column is found by.
         own: (N, 48, OWN) what a source's column knows.
         shown: (N, 48, SHOWN) what a goal's column shows where it is found.
@@ -83,6 +85,7 @@ class Encoded(NamedTuple):
         whole: (N, TOKEN) the goal as a whole.
     """
 
+    depth: Tensor
     match: Tensor
     own: Tensor
     shown: Tensor
@@ -118,7 +121,7 @@ class Encoded(NamedTuple):
 
 
 _SHAPES = (
-    *((COLUMNS, MATCH), (COLUMNS, OWN), (COLUMNS, SHOWN), (DIRECTIONS, TOKEN)),
+    *((COLUMNS,), (COLUMNS, MATCH), (COLUMNS, OWN), (COLUMNS, SHOWN), (DIRECTIONS, TOKEN)),
     *((DIRECTIONS, ATTEND),) * 4,
     *((ATTEND,), (TOKEN,)),
 )
@@ -173,8 +176,15 @@ class PanoramaEncoder(nn.Module):
         """Logarithms (N, 192) of the depth that the sensor "rgb" lacks, in log metres."""
         return self.ranges(columns).flatten(1)
 
-    def encode(self, columns: Tensor) -> Encoded:
-        """Features of panoramas, from their columns (N, 48, WIDTH)."""
+    def encode(self, columns: Tensor, depth: Tensor | None) -> Encoded:
+        """Features of panoramas.
+
+        Args:
+            columns: (N, 48, WIDTH) from `columns`.
+            depth: (N, 192) metres; predicted for the sensor "rgb".
+        """
+        metres = depth if self.sensor == "rgbd" else self.log_ranges(columns).exp()
+        metres = metres.clamp(max=_FARTHEST).unflatten(1, (COLUMNS, -1)).mean(-1)
         tokens = self.tokens(columns).relu()
         whole = self.whole(torch.cat([tokens.mean(1), tokens.amax(1)], dim=-1)).relu()
         local = self.beside(tokens) + self.from_whole(whole)[:, None]
@@ -182,10 +192,14 @@ class PanoramaEncoder(nn.Module):
         gate, goal = self.as_goal(whole).split([ATTEND, TOKEN], dim=-1)
         match = functional.normalize(self.match(columns), dim=-1)
         own, shown = self.own(columns), self.shown(columns)
-        return Encoded(match, own, shown, local, query, key, value, patch, gate, goal)
+        return Encoded(metres, match, own, shown, local, query, key, value, patch, gate, goal)
 
 
 def _spread(depth: Tensor) -> Tensor:
     """Metres (N, 192) as (N, 192, 3) numbers: near, middling and far ones spread out."""
-    parts = [0.5 / (depth + 0.25), depth.clamp(max=3.0) / 1.5 - 1.0, depth.clamp(max=10.0) / 5 - 1]
+    parts = [
+        0.5 / (depth + 0.25),
+        depth.clamp(max=3.0) / 1.5 - 1.0,
+        depth.clamp(max=_FARTHEST) / 5 - 1,
+    ]
     return torch.stack(parts, dim=-1)

@@ -9,11 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
 import torch
 from torch import Tensor, nn
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.bearings import column_bearings
+from tutorial_lib.exploration.bearings import DIRECTIONS, bearing_of, column_bearings
+from tutorial_lib.geometry import Array
 from tutorial_lib.learning.panorama_encoder import (
     ATTEND,
     COLUMNS,
@@ -33,7 +35,7 @@ from tutorial_lib.world.floorplan import ROOM_KINDS
 KINDS = len(ROOM_KINDS) + 1
 """Kinds of room at a direction's end; the last one for no room, such as a doorway."""
 _FOUND, _HIDDEN = 32, 64
-_SMALL = 0.01  # of a mean rotation: below this length it says nothing
+_SMALL = 0.01  # keeps square roots differentiable
 
 
 @dataclass(frozen=True)
@@ -83,6 +85,8 @@ class Compared(NamedTuple):
         scores: (N, 12) ``max(1 - d_i / 20 m, 0)`` of each direction (F_S).
         sharp: (N, 12) logits of the best direction, for the listwise loss.
         same_room: (N, 12) logits that a direction's end is in the goal's room.
+        position: (N, 2) the goal's place in the source's frame as the matched columns have it, in
+            metres; of use where both see the same walls.
     """
 
     connection: Tensor
@@ -92,6 +96,19 @@ class Compared(NamedTuple):
     scores: Tensor
     sharp: Tensor
     same_room: Tensor
+    position: Tensor
+
+
+class _Matched(NamedTuple):
+    """Columns of the source (N, 48, SHOWN + 5) as found in the goal, and the motion between both.
+
+    `position` (N, 2) is the goal's; `fit` (N, 3) its distance, its error, and how similar columns
+    are.
+    """
+
+    columns: Tensor
+    position: Tensor
+    fit: Tensor
 
 
 class PanoramaNetwork(nn.Module):
@@ -104,18 +121,18 @@ class PanoramaNetwork(nn.Module):
         self.encoder = PanoramaEncoder(architecture.sensor)
         self.openings = nn.Sequential(nn.Linear(TOKEN, 32), nn.ReLU(), nn.Linear(32, 1))
         self.kinds = nn.Linear(TOKEN, KINDS)
-        self.sharpness = nn.Parameter(torch.tensor(2.0))
-        self.find = nn.Linear(SHOWN + 3, OWN)
+        self.sharpness = nn.Parameter(torch.tensor([2.5, 2.0]))
+        self.find = nn.Linear(SHOWN + 5, OWN)
         self.found = PatchTokens(OWN, _FOUND)
-        self.both = nn.Linear(_FOUND + 2 * ATTEND, TOKEN)
+        self.both = nn.Linear(_FOUND + 2 * ATTEND + 5, TOKEN)
         self.judge = CircularConvolution(TOKEN, _HIDDEN, 3)
         self.each = nn.Linear(_HIDDEN, 4)  # score, direction, offset, same room
         self.overall = nn.Sequential(nn.Linear(2 * _HIDDEN, _HIDDEN), nn.ReLU())
         self.of_pair = nn.Linear(_HIDDEN, 3)  # connection, nearness, level of the scores
         self.list_scale = nn.Parameter(torch.tensor(3.0))
-        angle = torch.from_numpy(column_bearings(COLUMNS)).float()
-        bearing = torch.stack([angle.cos(), angle.sin()], dim=-1)
-        self.register_buffer("bearing", bearing, persistent=False)
+        self.register_buffer("bearing", _complex(column_bearings(COLUMNS)), persistent=False)
+        ahead = _complex(bearing_of(np.arange(DIRECTIONS)))
+        self.register_buffer("ahead", ahead, persistent=False)
 
     def encode(self, images: Tensor, depth: Tensor | None) -> Encoded:
         """Features of panoramas, computed once for all pairs that they are part of.
@@ -127,7 +144,7 @@ class PanoramaNetwork(nn.Module):
         Raises:
             InputError: when images or depth do not fit the network.
         """
-        return self.encoder.encode(self.columns(images, depth))
+        return self.encoder.encode(self.columns(images, depth), depth)
 
     def columns(self, images: Tensor, depth: Tensor | None) -> Tensor:
         """Columns of features (N, 48, WIDTH), from which `encode` goes on."""
@@ -152,7 +169,8 @@ class PanoramaNetwork(nn.Module):
 
     def compare(self, sources: Encoded, goals: Encoded) -> Compared:
         """What is predicted of N pairs, from N sources and as many goals."""
-        both = sources.local + goals.whole[:, None] + self._between(sources, goals)
+        between, position = self._between(sources, goals)
+        both = sources.local + goals.whole[:, None] + between
         hidden, pooled = self._judged(both)
         score, direction, offset, same_room = self.each(hidden).unbind(-1)
         connection, nearness, level = self.of_pair(pooled).unbind(-1)
@@ -168,37 +186,64 @@ class PanoramaNetwork(nn.Module):
             score.sigmoid(),
             self.list_scale.exp() * score,
             same_room,
+            position,
         )
 
-    def _between(self, sources: Encoded, goals: Encoded) -> Tensor:
-        """(N, 12, TOKEN) what each direction of the source has to do with the goal."""
-        found = self.found((sources.own + self.find(self._matched(sources, goals))).relu()).relu()
+    def _between(self, sources: Encoded, goals: Encoded) -> tuple[Tensor, Tensor]:
+        """(N, 12, TOKEN) what each direction has to do with the goal, and its place (N, 2)."""
+        matched = self._matched(sources, goals)
+        found = self.found((sources.own + self.find(matched.columns)).relu()).relu()
         attention = (sources.query @ goals.key.transpose(1, 2) / ATTEND**0.5).softmax(-1)
         bilinear = sources.patch * goals.gate[:, None]
-        return self.both(torch.cat([found, attention @ goals.value, bilinear], dim=-1))
+        place = _times_conjugate(matched.position[:, None], self.ahead)  # (N, 12, 2)
+        fit = matched.fit[:, None].expand(-1, DIRECTIONS, -1)
+        parts = [found, attention @ goals.value, bilinear, place, fit]
+        return self.both(torch.cat(parts, dim=-1)), matched.position
 
-    def _matched(self, sources: Encoded, goals: Encoded) -> Tensor:
-        """(N, 48, SHOWN + 3) for each column of the source what the goal shows there.
+    def _matched(self, sources: Encoded, goals: Encoded) -> _Matched:
+        """Where columns of the source are found in the goal, and how both then lie to each other.
 
-        A match has a bearing in either panorama. Their mean difference is how the goal's heading
-        differs; what is left of each difference is the disparity, from which the goal's place
-        follows. As complex numbers: f = u conj(R) conj(v), for bearings u and v and the mean R.
+        With points p of the source and q of the goal as complex numbers, weighted by how well they
+        match, the rigid motion ``p = R q + t`` of least squares has ``R ~ sum w (p - p0) conj(q -
+        q0)`` and ``t = p0 - R q0`` (Umeyama 1991): t is the goal's place. It turns with the source
+        and does not change with the goal's heading.
         """
         similar = sources.match @ goals.match.transpose(1, 2)  # (N, 48, 48)
-        sharp = (self.sharpness.exp() * similar).softmax(-1)
-        shown = torch.cat([goals.shown, self.bearing.expand(len(similar), -1, -1)], dim=-1)
-        shown = sharp @ shown
+        sharpness, confidence = self.sharpness.exp()
+        points = goals.depth[..., None] * self.bearing
+        shown = torch.cat([goals.shown, self.bearing.expand_as(points), points], dim=-1)
+        shown = (sharpness * similar).softmax(-1) @ shown
         best = similar.amax(-1, keepdim=True)
-        turned = _times_conjugate(shown[..., -2:], self.bearing)
-        mean = (best.relu() * turned).mean(1, keepdim=True)
-        mean = mean * (mean.square().sum(-1, keepdim=True) + _SMALL**2).rsqrt()
-        disparity = _times_conjugate(turned, mean)
-        return torch.cat([shown[..., :-2], disparity, best], dim=-1)
+        weight = (confidence * best).softmax(1)
+        p, q = sources.depth[..., None] * self.bearing, shown[..., -2:]
+        p0, q0 = ((weight * x).sum(1, keepdim=True) for x in (p, q))
+        turn = (weight * _times_conjugate(p - p0, q - q0)).sum(1, keepdim=True)
+        turn = turn * (turn.square().sum(-1, keepdim=True) + _SMALL**2).rsqrt()
+        implied = p - _times(turn, q)
+        position = p0 - _times(turn, q0)
+        error = (weight * (implied - position).square().sum(-1, keepdim=True)).sum(1)
+        distance = position[:, 0].square().sum(-1, keepdim=True).add(_SMALL**2).sqrt()
+        in_column = [_times(turn, shown[..., -4:-2]), implied]
+        in_column = [_times_conjugate(x, self.bearing) for x in in_column]
+        columns = torch.cat([shown[..., :-4], *in_column, best], dim=-1)
+        fit = torch.cat([distance, (error + _SMALL**2).sqrt(), best.mean(1)], dim=-1)
+        return _Matched(columns, position[:, 0], fit)
 
     def _judged(self, directions: Tensor) -> tuple[Tensor, Tensor]:
         """Hidden numbers of each direction (N, 12, H), and of all together (N, H)."""
         hidden = self.judge(directions.relu()).relu()
         return hidden, self.overall(torch.cat([hidden.mean(1), hidden.amax(1)], dim=-1))
+
+
+def _complex(angles: Array) -> Tensor:
+    """Unit vectors (K, 2) of angles (K,)."""
+    return torch.from_numpy(np.stack([np.cos(angles), np.sin(angles)], axis=-1)).float()
+
+
+def _times(a: Tensor, b: Tensor) -> Tensor:
+    """The product of complex numbers (..., 2)."""
+    real = a[..., 0] * b[..., 0] - a[..., 1] * b[..., 1]
+    return torch.stack([real, a[..., 0] * b[..., 1] + a[..., 1] * b[..., 0]], dim=-1)
 
 
 def _times_conjugate(a: Tensor, b: Tensor) -> Tensor:
