@@ -17,7 +17,7 @@ from tutorial_lib.experiments.meng2020 import (
     table1,
     table2,
 )
-from tutorial_lib.experiments.nts import wayfinding
+from tutorial_lib.experiments.nts import scores, wayfinding
 from tutorial_lib.experiments.robustness import disturbances, faults, plans
 
 _EXPERIMENTS = (
@@ -38,6 +38,7 @@ _EXPERIMENTS = (
     disturbances,
     faults,
     wayfinding,
+    scores,
 )
 _BENCHMARKS = (raycast, fleet, control, reachability, map_building)
 

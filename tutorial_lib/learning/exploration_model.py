@@ -135,6 +135,6 @@ def _joined(
 ) -> NDArray[np.float32]:
     """What `compute` makes of images and depth, a few panoramas at a time, as rows (N, ...)."""
     images, depth = inputs
-    depths = [None] * len(images) if depth is None else depth.split(_AT_ONCE)
+    depths = [None] * max(len(images), 1) if depth is None else depth.split(_AT_ONCE)
     parts = zip(images.split(_AT_ONCE), depths, strict=False)
     return torch.cat([compute(*part) for part in parts]).numpy()

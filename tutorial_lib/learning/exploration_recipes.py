@@ -61,7 +61,7 @@ class NtsRecipe:
         return (work / f"{self.name}.pt",)
 
 
-STEPS = 7_500
+STEPS = 7_000
 
 
 def _recipe(sensor: str, *, blind: bool) -> NtsRecipe:
@@ -69,7 +69,7 @@ def _recipe(sensor: str, *, blind: bool) -> NtsRecipe:
     settings = Settings(
         max_steps=STEPS,
         targets=16,
-        learning_rate=1e-3,
+        learning_rate=2e-3,
         warmup_steps=300,
         eval_interval=500,
         patience=STEPS,

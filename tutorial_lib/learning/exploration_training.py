@@ -19,6 +19,7 @@ from tutorial_lib.learning.panorama_network import (
     PanoramaNetwork,
     Seen,
 )
+from tutorial_lib.world.generators import SIGNS
 
 WITHIN = 0.5
 """Metres by which a direction that counts as right may be longer than the best."""
@@ -111,6 +112,7 @@ def _quality(found: Predictions, batch: PanoramaBatch) -> dict[str, np.ndarray]:
         "distance": error,
         "right": best_chosen(compared.scores, label["metres"]),
         "far": label["far"],
+        "signs": np.broadcast_to(batch.signs[:, None, None], batch.far.shape).ravel()[pairs],
         "depth": depth,
     }
 
@@ -141,7 +143,9 @@ def _summary(rows: dict[str, np.ndarray]) -> dict[str, float]:
     }
     if len(rows["depth"]):
         measured["depth_error"] = rows["depth"].mean()
-    for name, (least, most) in DIFFICULTIES.items():
-        mine = (rows["far"] >= least) & (rows["far"] < most) & np.isfinite(rows["right"])
-        measured[f"top1_{name}"] = rows["right"][mine].mean() if mine.any() else 0.0
+    for signs in SIGNS:
+        for name, (least, most) in DIFFICULTIES.items():
+            mine = (rows["far"] >= least) & (rows["far"] < most) & np.isfinite(rows["right"])
+            mine &= rows["signs"] == (signs == "wayfinding")
+            measured[f"top1_{name}_{signs}"] = rows["right"][mine].mean() if mine.any() else 0.0
     return {name: round(float(value), 4) for name, value in measured.items()}

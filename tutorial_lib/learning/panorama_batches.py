@@ -23,7 +23,6 @@ GROUP = 1 + sum(count for count, _ in NEAR)
 VARIED = {"plain": 0.25, "wayfinding": 0.5}
 """Share of groups in other colours, by signs: the colour of a room hints at its kind, that of a
 sign is arbitrary."""
-_PAIR = ("connected", "direction", "offset", "nearness", "metres", "same_room", "far", "used")
 
 
 @dataclass(frozen=True)
@@ -43,6 +42,7 @@ class PanoramaBatch:
         same_room: (G, P, P, 12) 1 where a direction's end is in the goal's room.
         far: (G, P, P) geodesic metres.
         used: (G, P, P) whether a pair is to be learnt from.
+        signs: (G,) whether the group is shown with signs that lead.
     """
 
     images: NDArray[np.uint8]
@@ -57,6 +57,7 @@ class PanoramaBatch:
     same_room: NDArray[np.float32]
     far: NDArray[np.float32]
     used: NDArray[np.bool_]
+    signs: NDArray[np.bool_]
 
     def tensor(self, name: str) -> Tensor:
         """One of the arrays."""
@@ -174,6 +175,7 @@ def batch_of(world: PanoramaWorld, signs: str, groups: NDArray[np.intp]) -> Pano
         same_room=(world.rooms[sources] == world.room[goals][..., None]).astype(np.float32),
         far=far,
         used=(sources != goals) & (far <= FARTHEST_PAIR),
+        signs=np.full(len(groups), signs == "wayfinding"),
     )
 
 

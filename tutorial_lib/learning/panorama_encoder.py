@@ -13,7 +13,7 @@ from tutorial_lib.exploration.bearings import DIRECTIONS
 
 ROWS, PIXELS, COLUMNS = 16, 192, 48
 """Rows and columns of a panorama, and columns of features that it is reduced to."""
-WIDTH, TOKEN, MATCH, SHOWN, OWN, ATTEND = 64, 96, 16, 16, 32, 24
+WIDTH, TOKEN, MATCH, SHOWN, OWN, ATTEND = 64, 96, 16, 16, 32, 32
 """Numbers of a column, of a direction's token, of what a column is matched by, of what a matched
 column shows, of what a column knows itself, and of the attention between tokens."""
 SENSORS = ("rgb", "rgbd")
@@ -45,7 +45,7 @@ class CircularConvolution(nn.Module):
     def forward(self, columns: Tensor) -> Tensor:
         """(N, L, C) to (N, L / stride, outputs)."""
         x = columns.roll(self.lead, 1) if self.lead else columns
-        x = x.reshape(len(x), x.shape[1] // self.stride, -1)
+        x = x.reshape(len(x), x.shape[1] // self.stride, x.shape[2] * self.stride)
         rest = [x.roll(-block, 1) for block in range(1, self.blocks)]
         return self.linear(torch.cat([x, *rest], dim=-1))
 

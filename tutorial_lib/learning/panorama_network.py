@@ -35,6 +35,7 @@ from tutorial_lib.world.floorplan import ROOM_KINDS
 KINDS = len(ROOM_KINDS) + 1
 """Kinds of room at a direction's end; the last one for no room, such as a doorway."""
 _FOUND, _HIDDEN = 32, 64
+_VAGUE = 0.1  # square metres of points below which their rotation says nothing
 _SMALL = 0.01  # keeps square roots differentiable
 
 
@@ -129,7 +130,7 @@ class PanoramaNetwork(nn.Module):
         self.each = nn.Linear(_HIDDEN, 4)  # score, direction, offset, same room
         self.overall = nn.Sequential(nn.Linear(2 * _HIDDEN, _HIDDEN), nn.ReLU())
         self.of_pair = nn.Linear(_HIDDEN, 3)  # connection, nearness, level of the scores
-        self.list_scale = nn.Parameter(torch.tensor(3.0))
+        self.list_scale = nn.Parameter(torch.tensor(2.0))
         self.register_buffer("bearing", _complex(column_bearings(COLUMNS)), persistent=False)
         ahead = _complex(bearing_of(np.arange(DIRECTIONS)))
         self.register_buffer("ahead", ahead, persistent=False)
@@ -218,7 +219,7 @@ class PanoramaNetwork(nn.Module):
         p, q = sources.depth[..., None] * self.bearing, shown[..., -2:]
         p0, q0 = ((weight * x).sum(1, keepdim=True) for x in (p, q))
         turn = (weight * _times_conjugate(p - p0, q - q0)).sum(1, keepdim=True)
-        turn = turn * (turn.square().sum(-1, keepdim=True) + _SMALL**2).rsqrt()
+        turn = turn * (turn.square().sum(-1, keepdim=True) + _VAGUE**2).rsqrt()
         implied = p - _times(turn, q)
         position = p0 - _times(turn, q0)
         error = (weight * (implied - position).square().sum(-1, keepdim=True)).sum(1)
