@@ -61,7 +61,7 @@ class NtsRecipe:
         return (work / f"{self.name}.pt",)
 
 
-STEPS = 7_000
+STEPS = 6_500
 
 
 def _recipe(sensor: str, *, blind: bool) -> NtsRecipe:
