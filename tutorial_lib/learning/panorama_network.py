@@ -34,7 +34,9 @@ from tutorial_lib.world.floorplan import ROOM_KINDS
 
 KINDS = len(ROOM_KINDS) + 1
 """Kinds of room at a direction's end; the last one for no room, such as a doorway."""
-_FOUND, _HIDDEN = 32, 64
+HIDDEN = 64
+"""Numbers of a direction, from which all heads read."""
+_FOUND = 32
 _VAGUE = 0.1  # square metres of points below which their rotation says nothing
 _SMALL = 0.01  # keeps square roots differentiable
 
@@ -126,10 +128,10 @@ class PanoramaNetwork(nn.Module):
         self.find = nn.Linear(SHOWN + 5, OWN)
         self.found = PatchTokens(OWN, _FOUND)
         self.both = nn.Linear(_FOUND + 2 * ATTEND + 5, TOKEN)
-        self.judge = CircularConvolution(TOKEN, _HIDDEN, 3)
-        self.each = nn.Linear(_HIDDEN, 4)  # score, direction, offset, same room
-        self.overall = nn.Sequential(nn.Linear(2 * _HIDDEN, _HIDDEN), nn.ReLU())
-        self.of_pair = nn.Linear(_HIDDEN, 3)  # connection, nearness, level of the scores
+        self.judge = CircularConvolution(TOKEN, HIDDEN, 3)
+        self.each = nn.Linear(HIDDEN, 4)  # score, direction, offset, same room
+        self.overall = nn.Sequential(nn.Linear(2 * HIDDEN, HIDDEN), nn.ReLU())
+        self.of_pair = nn.Linear(HIDDEN, 3)  # connection, nearness, level of the scores
         self.list_scale = nn.Parameter(torch.tensor(2.0))
         self.register_buffer("bearing", _complex(column_bearings(COLUMNS)), persistent=False)
         ahead = _complex(bearing_of(np.arange(DIRECTIONS)))
@@ -170,9 +172,7 @@ class PanoramaNetwork(nn.Module):
 
     def compare(self, sources: Encoded, goals: Encoded) -> Compared:
         """What is predicted of N pairs, from N sources and as many goals."""
-        between, position = self._between(sources, goals)
-        both = sources.local + goals.whole[:, None] + between
-        hidden, pooled = self._judged(both)
+        hidden, pooled, position = self.directions(sources, goals)
         score, direction, offset, same_room = self.each(hidden).unbind(-1)
         connection, nearness, level = self.of_pair(pooled).unbind(-1)
         if self.architecture.goal_blind:
@@ -189,6 +189,15 @@ class PanoramaNetwork(nn.Module):
             same_room,
             position,
         )
+
+    def directions(self, sources: Encoded, goals: Encoded) -> tuple[Tensor, Tensor, Tensor]:
+        """What all heads read of N pairs: of each direction, of all together, and the goal's place.
+
+        Returns:
+            hidden (N, 12, HIDDEN), pooled (N, HIDDEN), and position (N, 2), see `Compared`.
+        """
+        between, position = self._between(sources, goals)
+        return *self._judged(sources.local + goals.whole[:, None] + between), position
 
     def _between(self, sources: Encoded, goals: Encoded) -> tuple[Tensor, Tensor]:
         """(N, 12, TOKEN) what each direction has to do with the goal, and its place (N, 2)."""
