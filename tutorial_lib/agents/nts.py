@@ -17,7 +17,7 @@ from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 
 _ARRIVED = 0.4  # metres from where a robot is going, or from the end of the path to it
-_PATIENCE = 30  # steps in which a robot must come nearer to where it is going
+_PATIENCE = 50  # steps in which a robot must come nearer to where it is going
 _NEARER = 0.1  # metres that count as nearer
 _APART = 1.0  # metres between a node and a ghost that is explored by a node of its own
 

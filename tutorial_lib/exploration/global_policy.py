@@ -12,7 +12,7 @@ from tutorial_lib.exploration.labels import FAR
 from tutorial_lib.geometry import Array, to_world
 
 _ONE_OPENING = 1.0  # metres between ghosts that lead to the same place
-_PASSED = 1.0  # metres from a node on the path at which a robot goes on to the next
+_PASSED = 0.8  # metres from a node on the path at which a robot goes on to the next
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,8 @@ def ghost_places(memory: Memory, ghosts: list[Ghost]) -> Array:
 def subgoal(memory: Memory, node: int, place: Array) -> tuple[Array, bool]:
     """Where to go now on the path to a place at another node.
 
+    A robot that passes a node of the path is in that node from then on.
+
     Args:
         memory: of the robot.
         node: at which the place is.
@@ -84,8 +86,9 @@ def subgoal(memory: Memory, node: int, place: Array) -> tuple[Array, bool]:
         (2,) in the frame of the robot's odometry, the next node of the path or the place; and
         whether it is the place.
     """
-    poses = memory.graph.poses_from(memory.node)
     for other in memory.graph.path(memory.node, node)[1:]:
-        if np.linalg.norm(poses[other, :2] - memory.offset[:2]) > _PASSED:
-            return memory.in_odometry(poses[other, :2]), False
-    return memory.in_odometry(to_world(poses[node], place)), True
+        pose = memory.graph.edges[memory.node][other]
+        if np.linalg.norm(pose[:2] - memory.offset[:2]) > _PASSED:
+            return memory.in_odometry(pose[:2]), False
+        memory.enter(other)
+    return memory.in_odometry(place), True

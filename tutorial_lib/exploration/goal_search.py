@@ -65,12 +65,17 @@ class GoalSearch:
     """
 
     def __init__(
-        self, model: ExplorationModel, goals: Observation, settings: SearchSettings
+        self,
+        model: ExplorationModel,
+        goals: Observation,
+        settings: SearchSettings,
+        maps: LocalMaps | None = None,
     ) -> None:
-        """Look for `goals` (N,)."""
+        """Look for `goals` (N,), and drive over `maps`; over small ones unless given."""
         count = len(goals)
         self._model, self._settings = model, settings
-        self.maps, self.left = LocalMaps(count), np.full(count, np.inf)
+        self.maps = LocalMaps(count) if maps is None else maps
+        self.left = np.full(count, np.inf)
         self._policy = LocalPolicy(self.maps)
         self._looked, self._now = np.full((count, 2), np.nan), np.zeros(count, bool)
         self.look_for(goals)

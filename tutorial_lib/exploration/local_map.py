@@ -7,11 +7,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tutorial_lib.exploration.bearings import RADIUS, column_bearings
-from tutorial_lib.exploration.grid_kernels import UNKNOWN, Bytes, draw_rays
+from tutorial_lib.exploration.grid_kernels import OCCUPIED, UNKNOWN, Bytes, draw_rays
 from tutorial_lib.geometry import Array
 
 RESOLUTION = 0.1
 """Metres of a cell."""
+_ABOUT = 3  # cells around a place that is closed
 
 
 class LocalMaps:
@@ -62,6 +63,19 @@ class LocalMaps:
         """The middles (M, 2) of cells (M,), each in its robot's grid."""
         row, column = np.divmod(cells, self.grids.shape[1])
         return self.corners[robots] + (np.stack([column, row], axis=1) + 0.5) * RESOLUTION
+
+    def close(self, robots: NDArray[np.intp], points: Array) -> None:
+        """Take what is not seen about points (M, 2) for occupied, until it is seen.
+
+        A robot that stands there and does not see it never will.
+        """
+        side = self.grids.shape[1]
+        for robot, cell in zip(robots, self.cells(robots, points), strict=True):
+            row, column = divmod(int(cell), side)
+            rows = slice(max(row - _ABOUT, 0), row + _ABOUT + 1)
+            columns = slice(max(column - _ABOUT, 0), column + _ABOUT + 1)
+            part = self.grids[robot, rows, columns]
+            part[part == UNKNOWN] = OCCUPIED
 
     def _follow(self, robots: NDArray[np.intp], odometry: Array) -> None:
         """Move the grids whose robots left the middle, by whole cells."""

@@ -20,7 +20,10 @@ NEAR, UNSEEN = 3, 2
 """Times its length that a cell near a wall costs, and one that was not seen."""
 _AHEAD = 15  # cells at which a path is followed, at most
 _AIM = np.deg2rad(8.0)  # off which a robot turns; more than half a turn, or it would swing
-_KEPT = 4  # steps for which a path is followed before it is planned again
+_SWING = np.deg2rad(25.0)  # off which a robot that turned too far goes ahead nevertheless
+_EVADE = 3  # turns after a step into a wall
+_KEPT = 4  # steps forward for which a path is followed before it is planned again
+_DONE = 0.3  # metres from the point ahead at which another one is needed
 _MOVED = 0.2  # metres by which a target moves before that
 _BLOCKED = 0.12  # metres that a forward step is long where nothing is in the way, at least
 _AROUND = 8  # cells about a target in which another is taken for it, where it is blocked
@@ -107,8 +110,12 @@ class LocalPolicy:
         bearing = np.arctan2(local[:, 1], local[:, 0])
         turn = np.where(bearing > 0, LEFT, RIGHT)
         actions = np.where(np.abs(bearing) > _AIM, turn, FORWARD)
+        # A turn slips aside as well, so one back and forth would not end.
+        last = self._action[robots]
+        back = np.isin(last, (LEFT, RIGHT)) & (turn != last) & (np.abs(bearing) < _SWING)
+        actions = np.where(back, FORWARD, actions)
         # A robot at a wall that its map has elsewhere turns on the way that it turned last.
-        self._evade[robots] = np.where(blocked, 3, np.maximum(self._evade[robots] - 1, 0))
+        self._evade[robots] = np.where(blocked, _EVADE, np.maximum(self._evade[robots] - 1, 0))
         evading = self._evade[robots] > 0
         actions = np.where(evading & (actions == FORWARD), turn, actions)
         self._before[robots], self._action[robots] = here, actions
@@ -124,8 +131,11 @@ class LocalPolicy:
         """Find new paths where the old one is old, done, or leads elsewhere."""
         gone = np.linalg.norm(targets - self._targets[robots], axis=1)
         left = np.linalg.norm(self._ahead[robots] - odometry[:, :2], axis=1)
-        stale = ~(gone < _MOVED) | (self._age[robots] >= _KEPT) | (left < 0.3) | blocked
-        self._age[robots] += 1
+        # While it turns, a robot keeps its path: it would waver between two of one length.
+        moved = self._action[robots] == FORWARD
+        self._age[robots] += moved
+        done = moved & ((left < _DONE) | (self._age[robots] >= _KEPT))
+        stale = ~(gone < _MOVED) | done | blocked
         some = np.flatnonzero(stale)
         if len(some):
             mine = robots[some]
