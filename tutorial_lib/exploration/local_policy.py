@@ -19,11 +19,12 @@ than the second where it can do otherwise."""
 NEAR, UNSEEN = 3, 2
 """Times its length that a cell near a wall costs, and one that was not seen."""
 _AHEAD = 15  # cells at which a path is followed, at most
+_LEAST = 4  # cells, at least
 _AIM = np.deg2rad(8.0)  # off which a robot turns; more than half a turn, or it would swing
 _SWING = np.deg2rad(25.0)  # off which a robot that turned too far goes ahead nevertheless
 _EVADE = 3  # turns after a step into a wall
 _KEPT = 4  # steps forward for which a path is followed before it is planned again
-_DONE = 0.3  # metres from the point ahead at which another one is needed
+_DONE = 0.25  # metres from the point ahead at which another one is needed
 _MOVED = 0.2  # metres by which a target moves before that
 _BLOCKED = 0.12  # metres that a forward step is long where nothing is in the way, at least
 _AROUND = 8  # cells about a target in which another is taken for it, where it is blocked
@@ -199,17 +200,20 @@ def _nearest(length: NDArray[np.int32], target: int, side: int) -> int:
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _follow(cost: Bytes, parent: NDArray[np.int32], start: int, target: int) -> int:
-    """The farthest cell of a path, up to `_AHEAD`, to which a straight line costs no more."""
+    """The farthest cell of a path, up to `_AHEAD`, to which a straight line costs no more.
+
+    Not nearer than `_LEAST`: the bearing of what is very near changes with every slip.
+    """
     side = len(cost)
     path = [target]
     while path[-1] != start:
         path.append(parent[path[-1]])
     path.reverse()
-    chosen, most = path[min(1, len(path) - 1)], 0
+    chosen, most = path[0], 0
     for cell in path[1:]:
         most = max(most, cost.ravel()[cell])
         far = max(abs(cell // side - start // side), abs(cell % side - start % side))
-        if far > _AHEAD or not in_sight(cost, start, cell, most):
+        if far > _AHEAD or (far > _LEAST and not in_sight(cost, start, cell, most)):
             break
         chosen = cell
     return chosen
