@@ -14,10 +14,14 @@ STRAIGHT, DIAGONAL, KNIGHT = 29, 41, 65
 DEAREST = 8
 """The most that a cell may cost, times its length."""
 
+BEHIND = 0.02
+"""Metres beyond the end of a ray at which a wall is entered: within it, whichever side is seen."""
+
 Bytes = NDArray[np.uint8]
 Ints = NDArray[np.int32]
 Floats = NDArray[np.float64]
 
+_CLOSE, _LONGEST = 3.5, 15.0  # cells between two ends of rays on one wall
 _BUCKETS = KNIGHT * DEAREST + 1
 _STEPS = np.array(
     [(0, 1, STRAIGHT), (1, 0, STRAIGHT), (0, -1, STRAIGHT), (-1, 0, STRAIGHT)]
@@ -58,13 +62,36 @@ def draw_rays(
             column = int(np.floor((pose[0] + i * step * cos - corner[0]) / resolution))
             if 0 <= row < side and 0 <= column < side:
                 grid[row, column] = FREE
+    x, y = np.empty(count), np.empty(count)
+    for ray in range(count):
+        cos, sin = np.cos(pose[2] + bearings[ray]), np.sin(pose[2] + bearings[ray])
+        x[ray] = (pose[0] + (ranges[ray] + BEHIND) * cos - corner[0]) / resolution
+        y[ray] = (pose[1] + (ranges[ray] + BEHIND) * sin - corner[1]) / resolution
     for ray in range(count):
         if ranges[ray] <= reach:
-            cos, sin = np.cos(pose[2] + bearings[ray]), np.sin(pose[2] + bearings[ray])
-            row = int(np.floor((pose[1] + ranges[ray] * sin - corner[1]) / resolution))
-            column = int(np.floor((pose[0] + ranges[ray] * cos - corner[0]) / resolution))
-            if 0 <= row < side and 0 <= column < side:
-                grid[row, column] = OCCUPIED
+            _draw_wall(grid, x, y, ray, ranges[(ray + 1) % count] <= reach)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _draw_wall(grid: Bytes, x: Floats, y: Floats, ray: int, both: bool) -> None:
+    """Mark where a ray ends, and the wall from there to the end of the next one, if it is one.
+
+    It is one where the ends are close, or where the next ones on either side lie on their line.
+    """
+    side, count = len(grid), len(x)
+    after, before, beyond = (ray + 1) % count, (ray - 1) % count, (ray + 2) % count
+    dx, dy = x[after] - x[ray], y[after] - y[ray]
+    gap = np.sqrt(dx * dx + dy * dy)
+    wall = both and gap < _CLOSE
+    if both and _CLOSE <= gap < _LONGEST:
+        first = abs((x[before] - x[ray]) * dy - (y[before] - y[ray]) * dx) / gap
+        last = abs((x[beyond] - x[ray]) * dy - (y[beyond] - y[ray]) * dx) / gap
+        wall = first < 0.5 and last < 0.5
+    steps = int(gap / 0.7) + 1 if wall else 1
+    for k in range(steps):
+        row, column = int(np.floor(y[ray] + dy * k / steps)), int(np.floor(x[ray] + dx * k / steps))
+        if 0 <= row < side and 0 <= column < side:
+            grid[row, column] = OCCUPIED
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
