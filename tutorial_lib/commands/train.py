@@ -7,7 +7,13 @@ from typing import Any
 
 from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning import exploration_recipes, reach_recipes, recipes
+from tutorial_lib.learning import (
+    exploration_recipes,
+    goal_map_recipes,
+    imitation_recipes,
+    reach_recipes,
+    recipes,
+)
 from tutorial_lib.learning.panorama_encoder import SENSORS
 from tutorial_lib.learning.weights import save_network
 
@@ -16,7 +22,11 @@ NETWORKS = {
     "reachability": {**reach_recipes.REACHABILITY, "sptm": reach_recipes.SPTM},
 }
 """Recipes by name and k."""
-EXPLORATION = {"nts": "the functions of Neural Topological SLAM"}
+EXPLORATION = {
+    "nts": "the functions of Neural Topological SLAM",
+    "il": "a recurrent policy that imitates shortest paths; needs the weights of nts",
+    "ans_like": "a choice among frontiers of a metric map; needs the weights of nts",
+}
 """Networks of exploration, by name; their recipes depend on the sensor."""
 
 
@@ -54,6 +64,10 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
     if options.name == "nts":
         recipe = exploration_recipes.NTS[options.sensor, options.blind]
         return recipe, exploration_recipes.train_nts
+    if options.name == "il":
+        return imitation_recipes.IMITATION[options.sensor], imitation_recipes.train_imitation
+    if options.name == "ans_like":
+        return goal_map_recipes.GOAL_MAPS[options.sensor], goal_map_recipes.train_goal_map
     known = NETWORKS[options.name]
     if options.k not in known:
         raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")

@@ -36,7 +36,7 @@ from tutorial_lib.world.worlds import scene_of, world_name
 
 EPISODES = {"easy": 10, "medium": 15, "hard": 25}
 """Of each world."""
-STEPS = 90
+STEPS = 110
 """Actions of an episode, at most."""
 WINDOW = 48
 """Actions in a row that a batch shows of an episode."""
@@ -48,7 +48,7 @@ AFTER = 4
 """Actions that are recorded after its first stop, so that stopping is not too rare."""
 SEED = 13
 """Of the episodes."""
-_REACH = 0.9  # metres of the path ahead that the expert aims at
+_REACH = 0.7  # metres of the path ahead that the expert aims at
 _STRAIGHT = np.deg2rad(7.0)  # bearing within which it drives on
 _VERSION = 1
 _NAMES = ("poses", "actions", "previous", "length", "goals")

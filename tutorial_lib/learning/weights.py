@@ -13,6 +13,7 @@ from torch import nn
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder, write_files
+from tutorial_lib.learning.goal_map_network import GoalMapArchitecture, GoalMapNetwork
 from tutorial_lib.learning.imitation_network import ImitationArchitecture, ImitationNetwork
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
@@ -27,6 +28,7 @@ KINDS: dict[str, tuple[type, type[nn.Module]]] = {
     "local": (Architecture, LocalNetwork),
     "panorama": (PanoramaArchitecture, PanoramaNetwork),
     "imitation": (ImitationArchitecture, ImitationNetwork),
+    "goal_map": (GoalMapArchitecture, GoalMapNetwork),
 }
 """Architecture and network by the kind that a card's architecture names; "local" if it has none."""
 Network = TypeVar("Network", bound=nn.Module)
