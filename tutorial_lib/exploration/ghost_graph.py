@@ -9,11 +9,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.bearings import RADIUS, bearing_of, bin_of
-from tutorial_lib.geometry import Array, compose, inverse
+from tutorial_lib.exploration.bearings import RADIUS, bearing_of, bin_of, column_of
+from tutorial_lib.geometry import Array, compose, inverse, to_world
 
 BESIDE = 1.5 * RADIUS
 """Metres within which a node stands in a direction of another one, with or without an edge."""
+SEEN = 0.75 * RADIUS
+"""Metres from which a node sees a ghost of another one so well that it is explored."""
 EXPLORED = 1.0
 """Metres from a node within which a ghost is explored, in whatever direction."""
 
@@ -52,6 +54,7 @@ class GhostGraph:
         self.edges: list[dict[int, Array]] = []
         self.ghosts: dict[tuple[int, int], Ghost] = {}
         self.reserve: dict[tuple[int, int], Ghost] = {}
+        self._ranges: list[Array] = []
 
     def __len__(self) -> int:
         return len(self.edges)
@@ -62,6 +65,7 @@ class GhostGraph:
         free: ArrayLike | None = None,
         previous: int | None = None,
         pose: ArrayLike | None = None,
+        ranges: ArrayLike | None = None,
     ) -> int:
         """Add a node with its ghosts, linked to the node before it.
 
@@ -70,6 +74,7 @@ class GhostGraph:
             free: (K,) metres that each direction is free; those of the reserve have some.
             previous: the node where the robot was; none for the first one.
             pose: (3,) of the new node in the frame of `previous`.
+            ranges: (W,) metres in each column of its panorama; what it sees is explored.
 
         Returns:
             The new node.
@@ -82,6 +87,7 @@ class GhostGraph:
         explorable, node = np.asarray(explorable, dtype=bool), len(self)
         free = np.where(explorable, RADIUS, 0.0) if free is None else np.asarray(free, dtype=float)
         self.edges.append({})
+        self._ranges.append(np.empty(0) if ranges is None else np.asarray(ranges, dtype=float))
         for direction in np.flatnonzero(explorable).tolist():
             self.ghosts[node, direction] = Ghost(node, direction)
         for direction in np.flatnonzero(~explorable & (free > 0)).tolist():
@@ -172,3 +178,18 @@ class GhostGraph:
         for other in beside[beside != node].tolist():
             self._stands(node, poses[other])
             self._stands(other, inverse(poses[other]))
+        for other in beside[beside != node].tolist():
+            self._sees(node, other, poses[other])
+            self._sees(other, node, inverse(poses[other]))
+
+    def _sees(self, viewer: int, node: int, pose: Array) -> None:
+        """Keep in reserve the ghosts of a node at `pose` that another one sees well."""
+        if not len(self._ranges[viewer]):
+            return
+        for ghost in [g for g in self.ghosts.values() if g.node == node]:
+            x, y = to_world(pose, self.place_of(ghost))
+            metres, count = float(np.hypot(x, y)), len(self._ranges[viewer])
+            column = int(column_of(np.arctan2(y, x), count))
+            around = self._ranges[viewer][np.arange(column - 1, column + 2) % count]
+            if metres < SEEN and metres < around.min():
+                self.reserve[node, ghost.direction] = self.ghosts.pop((node, ghost.direction))

@@ -118,9 +118,10 @@ class GraphUpdate:
         explorable = self._model.explorable(features) >= self._explorable
         free = free_metres(ranges, explorable.shape[1])
         free[free < _FREE] = 0.0
-        for memory, row, likely, metres in zip(memories, features, explorable, free, strict=True):
+        rows = zip(memories, features, explorable, free, ranges, strict=True)
+        for memory, row, likely, metres, seen in rows:
             previous = memory.node if len(memory.graph) else None
-            memory.node = memory.graph.add_node(likely, metres, previous, memory.offset)
+            memory.node = memory.graph.add_node(likely, metres, previous, memory.offset, seen)
             memory.offset = np.zeros(3)
             memory.features.append(row)
 
