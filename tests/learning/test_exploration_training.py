@@ -212,7 +212,7 @@ def test_what_is_embedded_once_is_as_good_as_computed_anew(seen, sensor):
         direct = network.compare(encoded, encoded.rows(torch.arange(23, -1, -1)))
         openings = network.seen(encoded).explorable
     close = {"rel": 1e-4, "abs": 1e-5}
-    assert model.scores(rows, rows[::-1].copy()) == pytest.approx(direct.scores.numpy(), **close)
+    assert model.scores(rows, rows[::-1]) == pytest.approx(direct.scores.numpy(), **close)
     together = model.same_node(rows, rows[::-1].copy())
     assert together == pytest.approx(direct.connection.sigmoid().numpy(), **close)
     assert model.explorable(rows) == pytest.approx(openings.sigmoid().numpy(), **close)

@@ -80,7 +80,7 @@ class LearnedExploration:
     @torch.inference_mode()
     def explorable(self, features: NDArray[np.float32]) -> Array:
         """F_G: probabilities (N, 12) that a direction leads to explorable area."""
-        encoded = Encoded.of(torch.from_numpy(features))
+        encoded = Encoded.of(torch.from_numpy(np.ascontiguousarray(features)))
         return sigmoid(self.network.seen(encoded).explorable.numpy())
 
     def same_node(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
@@ -122,7 +122,8 @@ class LearnedExploration:
         """A part of what is predicted of pairs, from rows (P, FEATURES) of either."""
         if len(sources) != len(goals):
             raise InputError(f"features: {len(sources)} sources, {len(goals)} goals; give as many")
-        halves = (torch.from_numpy(rows).split(_AT_ONCE) for rows in (sources, goals))
+        tensors = (torch.from_numpy(np.ascontiguousarray(rows)) for rows in (sources, goals))
+        halves = [rows.split(_AT_ONCE) for rows in tensors]
         found = [
             part(self.network.compare(Encoded.of(source), Encoded.of(goal)))
             for source, goal in zip(*halves, strict=True)

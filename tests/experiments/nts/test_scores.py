@@ -7,7 +7,7 @@ from tests.conftest import in_turn
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.nts import scores
-from tutorial_lib.experiments.nts.scores import SCORES, Settings, choices, common_colours, regret_of
+from tutorial_lib.experiments.nts.scores import SCORES, Settings, choices, regret_of
 from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.learning.exploration_data import random_poses
 from tutorial_lib.world.worlds import scene_of
@@ -17,35 +17,33 @@ SMALL = Settings(places=20, goals=6, sensors=("rgbd",))
 INF = np.inf
 
 
-@pytest.fixture
-def perfect(monkeypatch):
-    """F_S knows the distances of the office, and the blind network only half of them."""
+class Perfect:
+    """Scores by the true distances in the office, or the same ones for all directions."""
 
-    def learned(name, seen, sources, goals):
+    def __init__(self, blind):
+        self.blind = blind
+
+    def embed(self, seen):
+        return np.arange(len(seen), dtype=np.float32)[:, None]
+
+    def scores(self, sources, goals):
         scene = scene_of(WORLD)
         poses = random_poses(scene, 26, np.random.default_rng([0, scene.plan.seed]))
-        metres = PanoramaLabels(scene, poses).metres(sources, goals)[:, :-1]
-        nothing = np.zeros_like(metres)
-        return nothing if "blind" in name else np.nan_to_num(-metres, neginf=-99.0)
+        source, goal = (rows[:, 0].astype(int) for rows in (sources, goals))
+        metres = PanoramaLabels(scene, poses).metres(source, goal)[:, :-1]
+        return np.zeros_like(metres) if self.blind else np.nan_to_num(-metres, neginf=-99.0)
 
-    monkeypatch.setattr(scores, "_learned", learned)
+
+@pytest.fixture
+def perfect(monkeypatch):
+    """Nothing is loaded: F_S knows all distances, and the blind network none."""
+    monkeypatch.setattr(scores, "LearnedExploration", lambda name: Perfect("blind" in name))
 
 
 def test_regret_is_what_the_choice_is_longer_by():
     metres = np.array([[3.0, 1.0, INF], [2.0, 5.0, 4.0]])
     assert regret_of(np.array([[0.9, 0.1, 1.0], [0.2, 0.9, 0.3]]), metres).tolist() == [2.0, 3.0]
     assert regret_of(-metres, metres).tolist() == [0.0, 0.0]
-
-
-def test_colours_in_common_are_shares_of_a_patch():
-    images = np.zeros((2, 16, 192, 3), np.uint8)
-    images[0, :, 96 - 24 : 96 + 24] = 250  # white ahead
-    images[1] = 250
-    found = common_colours(images, np.array([0, 0]), np.array([1, 0]))
-    assert found[0, 0] == pytest.approx(1.0)
-    assert found[0, [1, 11]] == pytest.approx([2 / 3, 2 / 3])
-    assert found[0, 6] == 0.0
-    assert found[1, 6] == pytest.approx(0.75)  # three quarters of the goal are black
 
 
 def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):

@@ -16,7 +16,9 @@ from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.exploration.episodes import DIFFICULTIES, exploration_world
 from tutorial_lib.exploration.labels import PanoramaLabels
+from tutorial_lib.exploration.other_scores import HistogramScores, RandomScores
 from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.exploration_data import SHORTEST, random_poses
 from tutorial_lib.learning.exploration_model import LearnedExploration
@@ -28,9 +30,8 @@ from tutorial_lib.world.sensors import PanoramicCamera
 from tutorial_lib.world.worlds import scene_of
 
 SCORES = ("semantic", "blind", "histogram", "random")
-"""F_S; the same network with scores that see the source alone; the share of colours that a
-direction's patch has in common with the goal's panorama; and no knowledge at all."""
-_LEVELS = 6  # of each colour channel in a histogram
+"""F_S; the same network with scores that see the source alone; how much a direction's patch has the
+colours of some patch of the goal; and no knowledge at all."""
 
 
 @dataclass(frozen=True)
@@ -125,16 +126,23 @@ def choices(name: str, seed: int, settings: Settings) -> Chosen:
     still = np.zeros(len(poses))
     seen = Observation(image, depth, still[:, None], poses * 0.0, still, still).pictures()
     regret = {}
-    luck, colours = rng.random(metres.shape), common_colours(image, source, goal)
     for sensor in settings.sensors:
-        scores = {
-            "semantic": _learned(f"nts_{sensor}", seen, source, goal),
-            "blind": _learned(f"nts_blind_{sensor}", seen, source, goal),
-            "histogram": colours,
-            "random": luck,
-        }
-        regret |= {(sensor, score): regret_of(found, metres) for score, found in scores.items()}
+        for score, model in models_of(sensor, rng).items():
+            rows = model.embed(seen)
+            found = model.scores(rows[source], rows[goal])
+            regret[sensor, score] = regret_of(found, metres)
     return Chosen(level.argmax(axis=1), regret)
+
+
+def models_of(sensor: str, rng: np.random.Generator) -> dict[str, ExplorationModel]:
+    """What scores directions, by the names of `SCORES`; `rng` draws random ones."""
+    learned = LearnedExploration(f"nts_{sensor}")
+    return {
+        "semantic": learned,
+        "blind": LearnedExploration(f"nts_blind_{sensor}"),
+        "histogram": HistogramScores(learned),
+        "random": RandomScores(learned, rng),
+    }
 
 
 def regret_of(scores: Array, metres: Array) -> Array:
@@ -146,39 +154,6 @@ def regret_of(scores: Array, metres: Array) -> Array:
     """
     chosen = np.where(np.isfinite(metres), scores, -np.inf).argmax(axis=1)
     return metres[np.arange(len(metres)), chosen] - metres.min(axis=1)
-
-
-def common_colours(
-    images: NDArray[np.uint8], sources: NDArray[np.intp], goals: NDArray[np.intp]
-) -> Array:
-    """Scores (D, 12): the share of colours that each patch of a source has in common with a goal.
-
-    Args:
-        images: (N, H, W, 3) panoramas.
-        sources: (D,) indices of panoramas.
-        goals: (D,) indices of panoramas.
-    """
-    patches = np.stack([_histograms(part) for part in PanoramicCamera().split(images)])
-    wholes = _histograms(images)
-    return np.minimum(patches[sources], wholes[goals][:, None]).sum(axis=-1)
-
-
-def _histograms(images: NDArray[np.uint8]) -> Array:
-    """Shares (N, _LEVELS ** 3) of colours in images (N, H, W, 3)."""
-    levels = images.astype(np.intp) * _LEVELS // 256
-    colour = (levels @ [_LEVELS**2, _LEVELS, 1]).reshape(len(images), -1)
-    offset = np.arange(len(images))[:, None] * _LEVELS**3
-    counts = np.bincount((colour + offset).ravel(), minlength=len(images) * _LEVELS**3)
-    return counts.reshape(len(images), -1) / colour.shape[1]
-
-
-def _learned(
-    name: str, seen: Observation, sources: NDArray[np.intp], goals: NDArray[np.intp]
-) -> Array:
-    """Scores (D, 12) of shipped weights."""
-    model = LearnedExploration(name)
-    rows = model.embed(seen)
-    return model.scores(rows[sources], rows[goals])
 
 
 EXPERIMENT = Experiment(
