@@ -31,7 +31,7 @@ from tutorial_lib.learning.exploration_training import (
     predictions,
 )
 from tutorial_lib.learning.panorama_batches import PanoramaSource
-from tutorial_lib.learning.panorama_encoder import FEATURES
+from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
 from tutorial_lib.learning.training import train
@@ -229,16 +229,13 @@ def test_relative_poses_are_within_the_node(seen):
     assert (np.abs(found[:, 0]) <= np.pi).all()
     assert ((found[:, 1] >= 0) & (found[:, 1] <= 3)).all()
     with torch.inference_mode():
-        encoded = [torch.from_numpy(part) for part in (rows, rows[::-1].copy())]
-        pairs = [
-            type(model.network.encode(torch.from_numpy(seen.image), torch.zeros(24, 192))).of(part)
-            for part in encoded
-        ]
+        pairs = (Encoded.of(torch.from_numpy(part)) for part in (rows, rows[::-1].copy()))
         compared = model.network.compare(*pairs)
-    off = np.angle(
-        np.exp(1j * (found[:, 0] - np.deg2rad(30) * compared.direction.argmax(1).numpy()))
-    )
-    assert (np.abs(off) <= np.deg2rad(15) + 1e-6).all()
+    best = compared.direction.argmax(1)
+    offset = compared.offset[torch.arange(24), best].numpy()
+    bearing = np.deg2rad(30) * best.numpy() + np.deg2rad(15) * offset
+    assert np.cos(found[:, 0] - bearing) == pytest.approx(np.ones(24), abs=1e-6)
+    assert found[:, 1] == pytest.approx(3.0 * (1 - compared.nearness.numpy()), abs=1e-4)
 
 
 def test_ranges_are_measured_or_predicted(seen):

@@ -142,7 +142,7 @@ def labels_of(scene: Scene, poses: Array) -> dict[str, NDArray]:
     metres = labels.metres(source, goal).reshape(count, count, -1)
     far = np.where(metres[..., -1] <= FARTHEST, metres[..., -1], np.inf)
     metres = np.where(np.isfinite(far)[..., None], metres[..., :-1], np.inf)
-    metres[labels.lengths[:, None] < np.broadcast_to(SHORTEST, metres.shape)] = np.inf
+    metres = np.where((labels.lengths >= SHORTEST)[:, None], metres, np.inf)
     gaps = np.linalg.norm(poses[:, None, :2] - poses[:, :2], axis=-1)
     near = np.nonzero(gaps <= RADIUS)
     connected = np.zeros((count, count), bool)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import torch
@@ -183,8 +184,11 @@ class PanoramaEncoder(nn.Module):
             columns: (N, 48, WIDTH) from `columns`.
             depth: (N, 192) metres; predicted for the sensor "rgb".
         """
-        metres = depth if self.sensor == "rgbd" else self.log_ranges(columns).exp()
-        metres = metres.clamp(max=_FARTHEST).unflatten(1, (COLUMNS, -1)).mean(-1)
+        if self.sensor == "rgbd":
+            metres = depth.clamp(max=_FARTHEST)
+        else:
+            metres = self.log_ranges(columns).clamp(max=math.log(_FARTHEST)).exp()
+        metres = metres.unflatten(1, (COLUMNS, -1)).mean(-1)
         tokens = self.tokens(columns).relu()
         whole = self.whole(torch.cat([tokens.mean(1), tokens.amax(1)], dim=-1)).relu()
         local = self.beside(tokens) + self.from_whole(whole)[:, None]
