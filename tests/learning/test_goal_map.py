@@ -19,7 +19,7 @@ from tutorial_lib.learning.goal_map_network import (
     GoalMapObjective,
 )
 from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS, GoalMapRecipe, train_goal_map
-from tutorial_lib.learning.panorama_encoder import FEATURES
+from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
 from tutorial_lib.learning.weights import Card, load_card, load_network, save_network
@@ -137,7 +137,13 @@ def test_the_scorer_reads_any_number_of_frontiers_of_several_robots(seeing):
             crops[[robot]], *rows[:, [robot]], frontiers[[number]], np.zeros(1, int)
         )
         assert alone == pytest.approx(together[[number]], rel=1e-4)
-    assert (together <= -frontiers[:, 2] + 1e-9).all()
+    with torch.inference_mode():
+        encoded = (Encoded.of(torch.from_numpy(part[[0]])) for part in rows)
+        pairs = seeing.directions(*encoded)[0]
+        mine = torch.from_numpy(frontiers[robots == 0]).float()[None]
+        remaining = 20.0 * (1.0 - scorer.network(torch.from_numpy(crops[:1]), mine, pairs)[0])
+    total = frontiers[robots == 0, 2] + remaining.numpy()
+    assert together[robots == 0] == pytest.approx(-total, rel=1e-4)
     assert scorer.score(crops, *rows, frontiers[:0], robots[:0]).shape == (0,)
     with pytest.raises(InputError, match="crops: shape"):
         scorer.score(crops[:, :90], *rows, frontiers, robots)
