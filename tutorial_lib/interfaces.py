@@ -195,7 +195,10 @@ class ExplorationModel(Protocol):
 
 @runtime_checkable
 class ExplorerAgent(Protocol):
-    """N robots in lock-step in places that they have never seen, each with a goal's picture."""
+    """N robots in lock-step in places that they have never seen, each with a goal's picture.
+
+    One that can go on to other goals also has `look_for(goals)`: it keeps what it remembers.
+    """
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,), see `Observation.pictures`; forget all before."""

@@ -12,6 +12,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import DifferentialDrive
+from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import world_name
@@ -86,6 +87,8 @@ def exploration_world(seed: int, signs: str = "plain", palette: str = "standard"
     >>> exploration_world(20_001, "wayfinding")
     'office/20001/standard/wayfinding'
     """
+    if signs not in SIGNS:
+        raise InputError(f"signs: {signs!r} is unknown; use one of {', '.join(SIGNS)}")
     return world_name(FAMILIES[seed % len(FAMILIES)], seed, palette, signs=signs)
 
 

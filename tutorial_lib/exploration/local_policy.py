@@ -24,7 +24,7 @@ _AIM = np.deg2rad(8.0)  # off which a robot turns; more than half a turn, or it 
 _SWING = np.deg2rad(25.0)  # off which a robot that turned too far goes ahead nevertheless
 _EVADE = 3  # turns after a step into a wall
 _KEPT = 4  # steps forward for which a path is followed before it is planned again
-_DONE = 0.25  # metres from the point ahead at which another one is needed
+_DONE = 0.2  # metres from the point ahead at which another one is needed
 _MOVED = 0.2  # metres by which a target moves before that
 _BLOCKED = 0.12  # metres that a forward step is long where nothing is in the way, at least
 _AROUND = 8  # cells about a target in which another is taken for it, where it is blocked
@@ -132,10 +132,11 @@ class LocalPolicy:
         """Find new paths where the old one is old, done, or leads elsewhere."""
         gone = np.linalg.norm(targets - self._targets[robots], axis=1)
         left = np.linalg.norm(self._ahead[robots] - odometry[:, :2], axis=1)
-        # While it turns, a robot keeps its path: it would waver between two of one length.
+        # While it turns, a robot keeps its path, or it would waver between two of one length;
+        # unless it slips past the point ahead.
         moved = self._action[robots] == FORWARD
         self._age[robots] += moved
-        done = moved & ((left < _DONE) | (self._age[robots] >= _KEPT))
+        done = (left < _DONE) | (moved & (self._age[robots] >= _KEPT))
         stale = ~(gone < _MOVED) | done | blocked
         some = np.flatnonzero(stale)
         if len(some):

@@ -1,4 +1,4 @@
-"""Scores to compare F_S with: colour histograms, and chance."""
+"""Scores to compare F_S with: of another model, by colour, and by chance."""
 
 from __future__ import annotations
 
@@ -61,6 +61,23 @@ class RandomScores(OtherScores):
     def scores(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
         """(P, 12) uniform in [0, 1)."""
         return self._rng.random((len(sources), DIRECTIONS))
+
+
+class ScoresOf(OtherScores):
+    """The scores of one more model, such as one that does not see the goal."""
+
+    def __init__(self, model: ExplorationModel, other: ExplorationModel) -> None:
+        """Take all but the scores from `model`, and these from `other`."""
+        super().__init__(model)
+        self._other = other
+
+    def scores(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+        """F_S of the other model, (P, 12)."""
+        return self._other.scores(sources[:, self._width :], goals[:, self._width :])
+
+    def _described(self, observations: Observation) -> NDArray[np.float32]:
+        """What the other model makes of the panorama."""
+        return self._other.embed(observations)
 
 
 class HistogramScores(OtherScores):

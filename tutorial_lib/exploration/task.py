@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -193,5 +193,27 @@ def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:
     """Let an agent act until all episodes of a task are over."""
     agent.start(task.goals())
     while not task.done.all():
-        running = ~task.done
-        task.step(agent.act(task.observe(), running))
+        task.step(agent.act(task.observe(), ~task.done))
+
+
+def explore_on(
+    task: ExplorationTask, agent: ExplorerAgent, goals: Array
+) -> Iterator[tuple[NDArray[np.bool_], Array]]:
+    """Let an agent look for several goals in a row, and remember between them (section 6.1).
+
+    Args:
+        task: with the first goals.
+        agent: one that can go on, see `ExplorerAgent.look_for`.
+        goals: (K, N, 3) poses, the first ones included.
+
+    Yields:
+        Success (N,) and SPL (N,) for each of the K goals.
+    """
+    agent.start(task.goals())
+    for number, poses in enumerate(goals):
+        if number:
+            task.next_goals(poses)
+            agent.look_for(task.goals())
+        while not task.done.all():
+            task.step(agent.act(task.observe(), ~task.done))
+        yield task.success, task.spl
