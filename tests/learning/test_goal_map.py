@@ -10,8 +10,8 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import FrontierScorer
-from tutorial_lib.learning import frontier_scorer, goal_map_data, goal_map_recipes
-from tutorial_lib.learning.frontier_scorer import LearnedFrontiers
+from tutorial_lib.learning import exploration_policies, goal_map_data, goal_map_recipes
+from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer
 from tutorial_lib.learning.goal_map_data import CROP, FRONTIERS, GoalMapSource, goal_maps
 from tutorial_lib.learning.goal_map_network import (
     GoalMapArchitecture,
@@ -124,7 +124,7 @@ def test_a_frontier_is_read_where_it_is_on_the_map():
 
 
 def test_the_scorer_reads_any_number_of_frontiers_of_several_robots(seeing):
-    scorer, rng = LearnedFrontiers(network_of(), seeing), np.random.default_rng(0)
+    scorer, rng = LearnedFrontierScorer(network_of(), seeing), np.random.default_rng(0)
     assert isinstance(scorer, FrontierScorer)
     crops = rng.integers(0, 3, (3, CROP, CROP)).astype(np.uint8)
     rows = rng.normal(size=(2, 3, FEATURES)).astype(np.float32)
@@ -145,6 +145,8 @@ def test_the_scorer_reads_any_number_of_frontiers_of_several_robots(seeing):
     total = frontiers[robots == 0, 2] + remaining.numpy()
     assert together[robots == 0] == pytest.approx(-total, rel=1e-4)
     assert scorer.score(crops, *rows, frontiers[:0], robots[:0]).shape == (0,)
+    with pytest.raises(InputError, match="the multi-task network"):
+        LearnedFrontierScorer(network_of())
     with pytest.raises(InputError, match="crops: shape"):
         scorer.score(crops[:, :90], *rows, frontiers, robots)
 
@@ -152,7 +154,7 @@ def test_the_scorer_reads_any_number_of_frontiers_of_several_robots(seeing):
 def test_it_trains_on_shipped_features_and_refuses_others(seeing, tmp_path, monkeypatch):
     weights = tmp_path / "weights"
     save_network(seeing, Card("nts_rgbd", "train nts --sensor rgbd", seeing.architecture), weights)
-    for module in (goal_map_recipes, frontier_scorer):
+    for module in (goal_map_recipes, exploration_policies):
         for name, function in (("load_card", load_card), ("load_network", load_network)):
             monkeypatch.setattr(
                 module,
@@ -167,11 +169,11 @@ def test_it_trains_on_shipped_features_and_refuses_others(seeing, tmp_path, monk
     with joblib.parallel_config(backend="threading"):
         network, card = train_goal_map(recipe, tmp_path)
     save_network(network, card, weights)
-    assert LearnedFrontiers.shipped("tiny").network.architecture == architecture
+    assert LearnedFrontierScorer("tiny").network.architecture == architecture
     other = PanoramaNetwork(PanoramaArchitecture("rgbd"))
     save_network(other, Card("nts_rgbd", "train nts --sensor rgbd", other.architecture), weights)
     with pytest.raises(InputError, match=r"other weights .* train ans_like --sensor rgbd"):
-        LearnedFrontiers.shipped("tiny")
+        LearnedFrontierScorer("tiny")
 
 
 def test_recipes_and_what_is_no_sensor():

@@ -12,6 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.motion import exact_motions, move
 from tutorial_lib.interfaces import RecurrentPolicy
 from tutorial_lib.learning import imitation_data, recipes
+from tutorial_lib.learning.exploration_policies import LearnedImitation
 from tutorial_lib.learning.imitation_data import (
     ARRIVED,
     STEPS,
@@ -26,7 +27,6 @@ from tutorial_lib.learning.imitation_network import (
     ImitationNetwork,
     ImitationObjective,
 )
-from tutorial_lib.learning.imitation_policy import LearnedImitation
 from tutorial_lib.learning.imitation_recipes import IMITATION, ImitationRecipe
 from tutorial_lib.learning.panorama_encoder import FEATURES
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork

@@ -171,7 +171,7 @@ MUTATIONS = [
     ),
     (
         "the imitating policy forgets what it did",
-        "learning/imitation_policy.py",
+        "learning/exploration_policies.py",
         "after = [state[:, :FEATURES], memory[0].numpy(), actions.astype(np.float32)]",
         "after = [state[:, :FEATURES], memory[0].numpy(), 0 * actions.astype(np.float32)]",
         "learning/test_imitation.py -k step_by_step",
@@ -185,7 +185,7 @@ MUTATIONS = [
     ),
     (
         "a frontier that is far is as good as a near one",
-        "learning/frontier_scorer.py",
+        "learning/exploration_policies.py",
         "-(frontiers[:, 2] + FARTHEST * (1.0 - scores[robots, place].astype(float)))",
         "-FARTHEST * (1.0 - scores[robots, place].astype(float))",
         "learning/test_goal_map.py -k any_number",
