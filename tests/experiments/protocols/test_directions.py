@@ -6,13 +6,13 @@ import pytest
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.protocols.directions import (
     DIFFICULTIES,
-    DIRECTIONS,
-    REACH,
     SHORTEST,
     Decisions,
     best_chosen,
     decisions,
 )
+from tutorial_lib.exploration.bearings import DIRECTIONS
+from tutorial_lib.exploration.bearings import RADIUS as REACH
 from tutorial_lib.world.worlds import scene_of, world_name
 
 

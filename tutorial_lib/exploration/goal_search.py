@@ -1,0 +1,163 @@
+"""Noticing a goal and going to it: what all agents share (Chaplot et al. 2020, 4.1 and 5.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.exploration.local_map import LocalMaps
+from tutorial_lib.exploration.local_policy import LocalPolicy
+from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.interfaces import ExplorationModel
+from tutorial_lib.observation import Observation
+from tutorial_lib.world.noise import STOP
+
+_SAME = 1.5  # metres between two estimates of one goal, at most
+_SPREAD = (0.1, 0.15)  # metres of an estimate's error, and the same for each metre to the goal
+_MUTED = 1.5  # metres to travel before a goal that was not where it seemed is looked for again
+
+
+@dataclass(frozen=True)
+class SearchSettings:
+    """When a goal is noticed and reached.
+
+    Attributes:
+        visible: probability of F_L from which a goal is taken to be visible.
+        stop_within: estimated metres from the goal at which a robot stops; success needs 1 m.
+        look_every: metres between two places at which a robot compares what it sees.
+    """
+
+    visible: float = 0.5
+    stop_within: float = 0.6
+    look_every: float = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Sensed:
+    """What the robots that are under way sense in one step.
+
+    Attributes:
+        robots: (M,) indices.
+        odometry: (M, 3).
+        ranges: (M, W) metres.
+        looking: (L,) which of the M compare what they see with goal and nodes.
+        features: (L, D) of what these see.
+    """
+
+    robots: NDArray[np.intp]
+    odometry: Array
+    ranges: Array
+    looking: NDArray[np.intp]
+    features: NDArray[np.float32]
+
+
+class GoalSearch:
+    """N robots with a local map each that go to their goal once they see it, and stop there.
+
+    Attributes:
+        maps: the local maps.
+        goals: (N, D) features of the goals.
+        found: (N,) whether a robot knows where its goal is.
+        places: (N, 2) where, in the frame of its odometry.
+        left: (N,) metres in a straight line to the end of its path.
+    """
+
+    def __init__(
+        self,
+        model: ExplorationModel,
+        goals: Observation,
+        settings: SearchSettings,
+        maps: LocalMaps | None = None,
+    ) -> None:
+        """Look for `goals` (N,), and drive over `maps`; over small ones unless given."""
+        count = len(goals)
+        self._model, self._settings = model, settings
+        self.maps = LocalMaps(count) if maps is None else maps
+        self.left = np.full(count, np.inf)
+        self._policy = LocalPolicy(self.maps)
+        self._looked, self._now = np.full((count, 2), np.nan), np.zeros(count, bool)
+        self.look_for(goals)
+
+    def look_for(self, goals: Observation) -> None:
+        """Look for other goals (N,), and keep the maps."""
+        count = len(goals)
+        self.goals = self._model.embed(goals)
+        self.found, self.places = np.zeros(count, bool), np.zeros((count, 2))
+        self._weight, self._sure = np.zeros(count), np.zeros(count, bool)
+        self._muted = np.full((count, 2), np.inf)
+        self._looked[:] = np.nan
+
+    def look_again(self, robots: NDArray[np.intp]) -> None:
+        """Let these robots look in the next step, wherever they are."""
+        self._looked[robots] = np.nan
+
+    def sense(self, observations: Observation, running: NDArray[np.bool_]) -> Sensed:
+        """Enter what the running robots see into their maps, and look for the goals.
+
+        Args:
+            observations: of all N robots.
+            running: (N,) which of them are under way.
+        """
+        robots = np.flatnonzero(running)
+        here = observations[robots]
+        ranges = self._model.ranges(here)
+        self.maps.observe(robots, here.odometry, ranges)
+        moved = np.linalg.norm(here.odometry[:, :2] - self._looked[robots], axis=1)
+        near = self.found[robots] & (self._gap(robots, here.odometry) < self._near)
+        looking = np.flatnonzero(~(moved < self._settings.look_every) | (near & (moved > 0.1)))
+        features = self._model.embed(here[looking])
+        self._looked[robots[looking]] = here.odometry[looking, :2]
+        self._look(robots[looking], here.odometry[looking], features)
+        return Sensed(robots, here.odometry, ranges, looking, features)
+
+    def drive(self, sensed: Sensed, targets: Array) -> NDArray[np.intp]:
+        """Actions (N,): to the goals that were found, else to `targets` (N, 2)."""
+        robots = sensed.robots
+        targets = np.where(self.found[:, None], self.places, targets)[robots]
+        moves, self.left[robots] = self._policy.act(robots, sensed.odometry, targets)
+        actions = np.full(len(self.found), STOP)
+        actions[robots] = np.where(self._arrived(robots, sensed.odometry), STOP, moves)
+        return actions
+
+    @property
+    def _near(self) -> float:
+        return self._settings.stop_within + 0.4
+
+    def _gap(self, robots: NDArray[np.intp], odometry: Array) -> Array:
+        """Metres from robots to where their goals seem to be."""
+        return np.linalg.norm(self.places[robots] - odometry[:, :2], axis=1)
+
+    def _look(
+        self, robots: NDArray[np.intp], odometry: Array, features: NDArray[np.float32]
+    ) -> None:
+        """Where goals are visible, estimate their places, the mean of what is seen of them."""
+        goals = self.goals[robots]
+        self._sure[robots] = self._model.same_node(features, goals) >= self._settings.visible
+        muted = np.linalg.norm(odometry[:, :2] - self._muted[robots], axis=1) < _MUTED
+        self._sure[robots[muted]] = False
+        seen = np.flatnonzero(self._sure[robots])
+        if not len(seen):
+            return
+        mine = robots[seen]
+        bearing, metres = self._model.relative(features[seen], goals[seen]).T
+        local = metres[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
+        places = to_world(odometry[seen], local)
+        weight = 1.0 / (_SPREAD[0] + _SPREAD[1] * metres) ** 2
+        apart = np.linalg.norm(places - self.places[mine], axis=1) > _SAME
+        known = np.where(self.found[mine] & ~apart, self._weight[mine], 0.0)
+        share = (weight / (weight + known))[:, None]
+        self.places[mine] = share * places + (1 - share) * self.places[mine]
+        self._weight[mine], self.found[mine] = weight + known, True
+
+    def _arrived(self, robots: NDArray[np.intp], odometry: Array) -> NDArray[np.bool_]:
+        """(M,) whether to stop; a goal that is not where it seemed is looked for elsewhere."""
+        gap, found = self._gap(robots, odometry), self.found[robots]
+        there = found & (gap < self._settings.stop_within)
+        stop = there & self._sure[robots]
+        stuck = found & (self.left[robots] < 0.15) & ~stop
+        wrong = (there & ~self._sure[robots] & (self._weight[robots] >= 0)) | stuck
+        lost = robots[wrong]
+        self.found[lost], self._muted[lost] = False, odometry[wrong, :2]
+        return stop

@@ -1,0 +1,152 @@
+"""Localising robots in their graphs, and adding nodes (Chaplot et al. 2020, 4.1, Graph Update)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, column_bearings
+from tutorial_lib.exploration.ghost_graph import BESIDE, GhostGraph
+from tutorial_lib.geometry import Array, compose, inverse, relative, to_world
+from tutorial_lib.interfaces import ExplorationModel
+
+_TRIED = 4  # nodes besides its own in which a robot is looked for
+_WIDE = 0.22  # metres to either side that a robot needs
+_FREE = 1.0  # metres that a direction is free, at least, to be kept in reserve
+
+
+@dataclass(eq=False)
+class Memory:
+    """What one robot remembers.
+
+    Attributes:
+        graph: its nodes and ghosts.
+        features: (D,) of each node's panorama.
+        node: in which it is.
+        offset: (3,) its pose in the frame of that node, by odometry.
+    """
+
+    graph: GhostGraph = field(default_factory=GhostGraph)
+    features: list[NDArray[np.float32]] = field(default_factory=list)
+    node: int = -1
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    _odometry: Array = field(default_factory=lambda: np.zeros(3))
+
+    def move(self, odometry: Array) -> None:
+        """The robot is now at `odometry` (3,)."""
+        self.offset = compose(self.offset, relative(self._odometry, odometry))
+        self._odometry = odometry
+
+    def in_odometry(self, points: Array) -> Array:
+        """Points (..., 2) of the node's frame in the frame of the odometry."""
+        return to_world(compose(self._odometry, inverse(self.offset)), points)
+
+    def beside(self) -> list[int]:
+        """The nodes near the robot, except its own, the nearest first."""
+        gaps = self.graph.poses_from(self.node)[:, :2] - self.offset[:2]
+        far = np.linalg.norm(gaps, axis=1)
+        order = [int(n) for n in np.argsort(far, kind="stable") if far[n] < BESIDE]
+        return [node for node in order if node != self.node][:_TRIED]
+
+    def enter(self, node: int, place: Array | None = None) -> None:
+        """Be in another node from now on.
+
+        Args:
+            node: the node.
+            place: (2,) of the robot in its frame; by odometry unless given.
+        """
+        pose = relative(self.graph.poses_from(self.node)[node], self.offset)
+        pose = pose if place is None else np.array([*place, pose[2]])
+        if node not in self.graph.edges[self.node]:
+            self.graph.connect(self.node, node, compose(self.offset, inverse(pose)))
+        self.node, self.offset = node, pose
+
+
+def free_metres(ranges: NDArray[np.floating], directions: int = DIRECTIONS) -> Array:
+    """Metres (N, K), `RADIUS` at most, that a robot can drive in each direction.
+
+    Args:
+        ranges: (N, W) metres in each column of the panorama.
+        directions: K.
+    """
+    centres = np.arange(directions) * 2 * np.pi / directions
+    offset = column_bearings(ranges.shape[1]) - centres[:, None]
+    ahead, aside = np.cos(offset) * ranges[:, None], np.sin(offset) * ranges[:, None]
+    in_the_way = (ahead > 0) & (np.abs(aside) < _WIDE)
+    return np.clip(np.where(in_the_way, ahead - _WIDE, RADIUS).min(axis=2), 0.0, RADIUS)
+
+
+class GraphUpdate:
+    """Keeps the graphs of many robots up to date, with few calls of the model for all of them."""
+
+    def __init__(self, model: ExplorationModel, same: float, explorable: float) -> None:
+        """Set the model and the probabilities of F_L and F_G from which they count."""
+        self._model, self._same, self._explorable = model, same, explorable
+
+    def update(
+        self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
+    ) -> NDArray[np.bool_]:
+        """Localise each robot in its node, or in another one near it, or make a new node.
+
+        Args:
+            memories: of M robots.
+            features: (M, D) of what they see.
+            ranges: (M, W) metres.
+
+        Returns:
+            (M,) whether a node was made.
+        """
+        outside = np.array([not len(memory.graph) for memory in memories], dtype=bool)
+        inside = np.flatnonzero(~outside)
+        if len(inside):
+            own = np.array([memories[m].features[memories[m].node] for m in inside])
+            lost = inside[self._model.same_node(own, features[inside]) < self._same]
+            outside[lost[~self._elsewhere([memories[m] for m in lost], features[lost])]] = True
+        new = np.flatnonzero(outside)
+        self.add_nodes([memories[m] for m in new], features[new], ranges[new])
+        return outside
+
+    def add_nodes(
+        self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
+    ) -> None:
+        """Make a node where each of these robots is; arguments as for `update`."""
+        if not len(memories):
+            return
+        explorable = self._model.explorable(features) >= self._explorable
+        free = free_metres(ranges, explorable.shape[1])
+        free[free < _FREE] = 0.0
+        rows = zip(memories, features, explorable, free, ranges, strict=True)
+        for memory, row, likely, metres, seen in rows:
+            previous = memory.node if len(memory.graph) else None
+            memory.node = memory.graph.add_node(likely, metres, previous, memory.offset, seen)
+            memory.offset = np.zeros(3)
+            memory.features.append(row)
+
+    def _elsewhere(
+        self, memories: Sequence[Memory], features: NDArray[np.float32]
+    ) -> NDArray[np.bool_]:
+        """(M,) whether a robot is in another node than its own; if so, it enters that."""
+        nodes = [memory.beside() for memory in memories]
+        rows = np.repeat(np.arange(len(memories)), [len(some) for some in nodes])
+        entered = np.zeros(len(memories), bool)
+        if not len(rows):
+            return entered
+        pairs = [
+            (memory, node) for memory, some in zip(memories, nodes, strict=True) for node in some
+        ]
+        sources = np.array([memory.features[node] for memory, node in pairs])
+        likely = self._model.same_node(sources, features[rows])
+        bearing, metres = self._model.relative(sources, features[rows]).T
+        for row in np.unique(rows):
+            mine = np.flatnonzero(rows == row)
+            best = mine[likely[mine].argmax()]
+            if likely[best] >= self._same:
+                place = metres[best] * np.array([np.cos(bearing[best]), np.sin(bearing[best])])
+                memory, node = pairs[best]
+                known = node in memory.graph.edges[memory.node]
+                memory.enter(node, None if known else place)
+                entered[row] = True
+        return entered
