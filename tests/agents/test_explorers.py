@@ -43,7 +43,9 @@ def make(name, task):
     rng, model = np.random.default_rng(2), TrueGeometry(task)
     return {
         "nts": lambda: NTSAgent(model, rng),
-        "options": lambda: NTSAgent(model, rng, NTSSettings(choice=GhostChoice(0.3, True))),
+        "options": lambda: NTSAgent(
+            model, rng, NTSSettings(explored_by_sight=True, choice=GhostChoice(0.3, True))
+        ),
         "no graph": lambda: NTSAgent(model, rng, NTSSettings(use_graph=False)),
         "no score": lambda: NTSAgent(model, rng, NTSSettings(use_score=False)),
         "histogram": lambda: NTSAgent(HistogramScores(model), rng),
