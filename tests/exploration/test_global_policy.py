@@ -83,6 +83,19 @@ def test_the_reserve_is_used_when_ghosts_run_out_and_then_there_is_none():
     assert chosen(memory, scores) is None
 
 
+def test_the_reserve_can_be_compared_with_ghosts_at_a_penalty():
+    memory, free = Memory(), np.zeros(12)
+    free[4] = 1.5
+    memory.node = memory.graph.add_node(only(7), free)
+    scores = np.zeros((1, 12))
+    scores[0, 4], scores[0, 7] = 0.8, 0.5
+    assert chosen(memory, scores) == Ghost(0, 7)
+    assert chosen(memory, scores, reserve_penalty=0.4) == Ghost(0, 7)
+    assert chosen(memory, scores, reserve_penalty=0.2) == Ghost(0, 4, 1.5)
+    assert memory.graph.ghosts.keys() == {(0, 4), (0, 7)}
+    assert not memory.graph.reserve
+
+
 def test_equal_ghosts_are_drawn():
     memory = corridor()
     rng = np.random.default_rng(0)
