@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import spl
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.exploration.episodes import SUCCESS, Episodes
 from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
 from tutorial_lib.geometry import Array, compose, relative
 from tutorial_lib.interfaces import ExplorerAgent
@@ -22,8 +22,6 @@ from tutorial_lib.world.sensors import Laser, PanoramicCamera
 
 STEPS = 500
 """Actions of an episode, at most."""
-SUCCESS = 1.0
-"""Metres from the goal, in a straight line, within which `stop` succeeds."""
 SENSORS = ("rgbd", "rgb")
 
 
