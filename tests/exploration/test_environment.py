@@ -39,7 +39,7 @@ def test_stop_terminates_with_the_spl_as_reward():
     environment = gymnasium.make(NAME, worlds=(10_100,), difficulty="easy")
     environment.reset(seed=0)
     _, reward, terminated, truncated, info = environment.step(STOP)
-    assert (reward, terminated, truncated) == (0.0, True, False)  # 1.5 m away at least
+    assert (reward, terminated, truncated) == (0.0, True, False)  # 1 m away at least
     assert info == {"success": False, "spl": 0.0, "steps": 1}
 
 
@@ -61,7 +61,31 @@ def test_nothing_that_is_returned_says_where_the_robot_or_the_goal_is():
     assert not seen["odometry"].any()
 
 
+def test_the_reward_is_the_spl_once_and_nothing_else_pays():
+    environment = gymnasium.make(NAME, worlds=(10_100,), noise=False).unwrapped
+    environment.reset(seed=3)
+    task = environment._task
+    task.poses = task.goal_poses.copy()  # a robot at its goal
+    rewards = [environment.step(action)[1] for action in (LEFT, LEFT, STOP)]
+    assert rewards == [0.0, 0.0, 1.0]
+    with pytest.raises(InputError, match="the episode is over; call reset"):
+        environment.step(STOP)
+    environment.reset(seed=3)
+    assert environment.step(LEFT)[1:4] == (0.0, False, False)
+
+
+def test_nothing_is_done_before_reset():
+    environment = gymnasium.make(NAME, worlds=(10_100,), render_mode="rgb_array").unwrapped
+    for call in (environment.render, lambda: environment.step(LEFT)):
+        with pytest.raises(InputError, match="call reset first"):
+            call()
+    seen, _ = environment.reset(seed=0)
+    assert np.array_equal(environment.render(), seen["image"])
+
+
 def test_wrong_input_is_refused():
+    with pytest.raises(InputError, match="sensor: 'sonar' is unknown"):
+        gymnasium.make(NAME, sensor="sonar")
     with pytest.raises(InputError, match="signs"):
         gymnasium.make(NAME, signs="neon").reset(seed=0)
     with pytest.raises(InputError, match="difficulty"):

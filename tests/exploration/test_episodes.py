@@ -5,11 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
+from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import (
     DIFFICULTIES,
     SEQUENTIAL,
+    SUCCESS,
     Episodes,
     draw_episodes,
     draw_sequence,
@@ -17,6 +19,7 @@ from tutorial_lib.exploration.episodes import (
 )
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.scene import Scene
 
 
 def test_starts_and_goals_are_free_and_as_far_apart_as_the_difficulty_says(scenes, episodes):
@@ -30,6 +33,18 @@ def test_starts_and_goals_are_free_and_as_far_apart_as_the_difficulty_says(scene
         for far, difficulty in zip(metres, mine.difficulty, strict=True):
             least, most = DIFFICULTIES[difficulty]
             assert least <= far < most
+
+
+def test_no_start_is_so_near_that_stop_succeeds_at_once():
+    """A path of 1.5 m and more may lead around a wall to a goal within a metre."""
+    ends = [(x, y) for x in np.arange(1.2, 9, 1.2) for y in (0.9, 3.9, 6.9)]
+    walls = [(x, y + far, 0.02) for x, y in ends for far in np.arange(0, 2.2, 0.04)]
+    scene = Scene(make_box(10.0, 10.0, walls))
+    drawn = draw_episodes("box", scene, {"easy": 100}, np.random.default_rng(1))
+    gaps = np.linalg.norm(drawn.starts[:, :2] - drawn.goals[:, :2], axis=1)
+    assert gaps.min() >= SUCCESS
+    chain = draw_sequence(scene, drawn.goals, 2, np.random.default_rng(0))
+    assert np.linalg.norm(chain[1, :, :2] - chain[0, :, :2], axis=1).min() >= SUCCESS
 
 
 def test_the_same_seed_draws_the_same_episodes(scenes):

@@ -103,7 +103,7 @@ def test_ends_are_the_farthest_traversable_points_in_a_straight_line(scene, labe
 def brute_explorable(ranges, directions=12, radius=3.0, cell=0.1):
     """The same map and steps, with networkx."""
     bearings = column_bearings(len(ranges))
-    near = ranges <= radius
+    near = ranges < np.inf
     hits = (ranges * np.stack([np.cos(bearings), np.sin(bearings)]))[:, near].T / cell
     half = int(np.ceil(1.05 * radius / cell)) + 1
     free = {
@@ -158,6 +158,21 @@ def test_explorable_in_a_corridor_is_along_it():
     assert explorable(middle).all()
     assert explorable(middle, 24, 2.0).shape == (1, 24)
     assert not explorable(middle, 12, 5.6)[0, [0, 3, 6, 9]].any()
+
+
+@pytest.mark.parametrize("gap", [2.9, 3.01, 3.05, 3.15])
+def test_a_wall_at_which_no_robot_can_stand_is_not_explorable(gap):
+    # The wall is to the left of the first robot, and ahead of the second.
+    scene = Scene(make_box(20.0, 20.0))
+    ranges = panorama_ranges(scene, np.array([[10.0, 20.0 - gap, 0.0], [20.0 - gap, 10.0, 0.0]]))
+    found = explorable(ranges)
+    assert np.flatnonzero(~found[0]).tolist() == [3]
+    assert np.flatnonzero(~found[1]).tolist() == [0]
+
+
+def test_a_wall_that_leaves_room_for_a_robot_is_explorable():
+    ranges = panorama_ranges(Scene(make_box(20.0, 20.0)), np.array([[16.75, 10.0, 0.0]]))
+    assert explorable(ranges).all()
 
 
 def test_turning_the_source_turns_its_labels(scene, labels):

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
-from tutorial_lib.exploration.ghost_graph import Ghost
+from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
+from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.global_policy import GhostChoice, choose_ghost, subgoal
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed
 from tutorial_lib.exploration.graph_update import GraphUpdate, Memory, free_metres
@@ -16,9 +17,6 @@ from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 
-_ARRIVED = 0.4  # metres from where a robot is going, or from the end of the path to it
-_PATIENCE = 50  # steps in which a robot must come nearer to where it is going
-_NEARER = 0.1  # metres that count as nearer
 _APART = 1.0  # metres between a node and a ghost that is explored by a node of its own
 
 
@@ -47,70 +45,6 @@ class NTSSettings:
     search: SearchSettings = field(default_factory=SearchSettings)
 
 
-@dataclass(frozen=True, eq=False)
-class Destination:
-    """Where a robot is going over its graph.
-
-    Attributes:
-        node: of the graph.
-        place: (2,) in that node's frame.
-        ghost: that is there, if any.
-    """
-
-    node: int
-    place: Array
-    ghost: Ghost | None = None
-
-
-@dataclass(eq=False)
-class ExploringRobot:
-    """One robot: what it remembers, and where it is going.
-
-    Attributes:
-        memory: its graph.
-        scores: (K,) of each node's directions.
-        destination: None where it has to choose.
-        reached: whether it is there, or does not come nearer.
-    """
-
-    memory: Memory = field(default_factory=Memory)
-    scores: list[Array] = field(default_factory=list)
-    destination: Destination | None = None
-    reached: bool = False
-    _target: Array = field(default_factory=lambda: np.full(2, np.inf))
-    _nearest: float = np.inf
-    _waited: int = 0
-
-    def go_to(self, destination: Destination | None) -> None:
-        """Go there from now on."""
-        self.destination, self.reached = destination, False
-        self._nearest, self._waited = np.inf, 0
-
-    def is_valid(self) -> bool:
-        """Whether it is going anywhere, and the ghost there was not explored meanwhile."""
-        if self.destination is None:
-            return False
-        ghost = self.destination.ghost
-        return ghost is None or (ghost.node, ghost.direction) in self.memory.graph.ghosts
-
-    def watch(self, target: Array, here: Array, left: float, last: bool) -> None:
-        """Notice that the destination is reached, or that it cannot be.
-
-        Args:
-            target: (2,) the point that it drives to.
-            here: (2,) where it is.
-            left: metres to the end of the path.
-            last: whether the target is the destination.
-        """
-        gap = float(np.linalg.norm(target - here))
-        if np.linalg.norm(target - self._target) > 2 * _ARRIVED:
-            self._nearest, self._waited, self._target = np.inf, 0, target
-        if gap < self._nearest - _NEARER:
-            self._nearest, self._waited = gap, 0
-        self._waited += 1
-        self.reached = self._waited > _PATIENCE or (last and min(gap, left) < _ARRIVED)
-
-
 class NTSAgent:
     """The `ExplorerAgent` of the paper, over any `ExplorationModel`.
 
@@ -125,23 +59,27 @@ class NTSAgent:
         rng: np.random.Generator,
         settings: NTSSettings | None = None,
     ) -> None:
-        """Explore with `model`; `rng` draws among equals."""
+        """Explore with `model`; `rng` breaks ties, from a stream of its own for each robot."""
         self._model, self._rng = model, rng
         self._settings = NTSSettings() if settings is None else settings
         chosen = self._settings
-        self._update = GraphUpdate(
-            model, chosen.same_node, chosen.explorable, by_sight=chosen.explored_by_sight
-        )
+        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
-        self.robots = [ExploringRobot() for _ in range(len(goals))]
+        by_sight, count = self._settings.explored_by_sight, len(goals)
+        self.robots = [
+            ExploringRobot(rng, Memory(GhostGraph(by_sight=by_sight)))
+            for rng in self._rng.spawn(count)
+        ]
         self.search = GoalSearch(self._model, goals, self._settings.search)
-        self._targets, self._last = np.zeros((len(goals), 2)), np.zeros(len(goals), bool)
+        self._targets, self._last = np.zeros((count, 2)), np.zeros(count, bool)
+        self._reacting = np.zeros(count, bool)
 
     def look_for(self, goals: Observation) -> None:
         """Go on to other goals (N,), and keep graphs and maps (section 6.1)."""
         self.search.look_for(goals)
+        self._reacting[:] = False
         for number, robot in enumerate(self.robots):
             robot.go_to(None)
             if robot.memory.features and self._settings.use_graph:
@@ -203,19 +141,23 @@ class NTSAgent:
 
     def _choose(self, robot: ExploringRobot) -> Destination:
         """The best ghost; where none is left, a node, from which the goal may be seen."""
-        memory, choice = robot.memory, self._settings.choice
-        ghost = choose_ghost(memory, np.array(robot.scores), choice, self._rng)
+        memory, scores = robot.memory, np.array(robot.scores)
+        if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
+            scores = robot.rng.random(scores.shape)
+        ghost = choose_ghost(memory, scores, self._settings.choice, robot.rng)
         if ghost is None:
-            return Destination(int(self._rng.integers(len(memory.graph))), np.zeros(2))
+            return Destination(int(robot.rng.integers(len(memory.graph))), np.zeros(2))
         return Destination(ghost.node, memory.graph.place_of(ghost), ghost)
 
     def _react(self, sensed: Sensed) -> None:
         """Without a graph: drive in the best direction of the present panorama."""
         looking = sensed.looking
-        due = [m for m, n in enumerate(sensed.robots[looking]) if not self._is_driving(n)]
-        if not due:
+        numbers = sensed.robots[looking]
+        reached = np.array([self.robots[number].reached for number in numbers], dtype=bool)
+        due = np.flatnonzero(~self._reacting[numbers] | reached)
+        if not len(due):
             return
-        numbers, ranges = sensed.robots[looking[due]], sensed.ranges[looking[due]]
+        numbers, ranges = numbers[due], sensed.ranges[looking[due]]
         explorable = self._model.explorable(sensed.features[due]) >= self._settings.explorable
         free = free_metres(ranges, explorable.shape[1])
         scores = self._scores(sensed.features[due], numbers) + explorable * 2.0 + (free > _APART)
@@ -224,27 +166,27 @@ class NTSAgent:
         ahead = RADIUS * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
         self._targets[numbers] = to_world(sensed.odometry[looking[due]], ahead)
         self._last[numbers] = True
+        self._reacting[numbers] = True
         for number in numbers:
-            self.robots[number].go_to(Destination(0, np.zeros(2)))
-
-    def _is_driving(self, number: int) -> bool:
-        robot = self.robots[number]
-        return robot.destination is not None and not robot.reached
+            self.robots[number].go_to(None)
 
     def _watch(self, sensed: Sensed) -> None:
         """Look again where a destination is reached."""
         for number, odometry in zip(sensed.robots, sensed.odometry, strict=True):
             robot = self.robots[number]
-            if not self.search.found[number]:
-                left, last = float(self.search.left[number]), bool(self._last[number])
-                robot.watch(self._targets[number], odometry[:2], left, last)
-                if robot.reached:
-                    self.search.look_again(np.array([number]))
+            if self.search.found[number]:
+                robot.interrupt()
+                continue
+            left, last = float(self.search.left[number]), bool(self._last[number])
+            robot.watch(self._targets[number], odometry[:2], left, last)
+            if robot.reached:
+                self.search.look_again(np.array([number]))
 
     def _scores(self, features: NDArray[np.float32], robots: NDArray[np.intp]) -> Array:
         """F_S (M, K) towards the goals of these robots, or random scores."""
         if not self._settings.use_score:
-            return self._rng.random((len(features), DIRECTIONS))
+            drawn = [self.robots[number].rng.random(DIRECTIONS) for number in robots]
+            return np.array(drawn).reshape(len(robots), DIRECTIONS)
         return self._model.scores(features, self.search.goals[robots])
 
     def _remembered(

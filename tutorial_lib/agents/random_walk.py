@@ -29,7 +29,7 @@ class RandomWalkAgent:
         rng: np.random.Generator,
         settings: SearchSettings | None = None,
     ) -> None:
-        """Notice goals with `model`; `rng` draws directions."""
+        """Notice goals with `model`; `rng` draws directions, in a stream for each robot."""
         self._model, self._rng = model, rng
         self._settings = SearchSettings() if settings is None else settings
 
@@ -37,20 +37,23 @@ class RandomWalkAgent:
         """Begin episodes towards `goals` (N,); forget all before."""
         self.search = GoalSearch(self._model, goals, self._settings)
         self._targets, self._left = np.zeros((len(goals), 2)), np.zeros(len(goals))
+        self._streams = self._rng.spawn(len(goals))
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
         sensed = self.search.sense(observations, running)
         robots = sensed.robots
-        due = np.flatnonzero((self._left[robots] <= 0) | (self.search.left[robots] < _ARRIVED))
+        over = (self._left[robots] <= 0) | (self.search.left[robots] < _ARRIVED)
+        due = np.flatnonzero(over & ~self.search.found[robots])
         metres = free_metres(sensed.ranges[due])
         # The farther a direction is free, the likelier it is drawn.
         chance = metres + 0.01
         total = chance.cumsum(axis=1)
-        drawn = (total > self._rng.random((len(due), 1)) * total[:, -1:]).argmax(axis=1)
+        luck = np.array([self._streams[robot].random() for robot in robots[due]])
+        drawn = (total > luck.reshape(-1, 1) * total[:, -1:]).argmax(axis=1)
         bearing, far = bearing_of(drawn, DIRECTIONS), metres[np.arange(len(due)), drawn]
         local = far[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
         self._targets[robots[due]] = to_world(sensed.odometry[due], local)
-        self._left -= 1
+        self._left[robots] -= ~self.search.found[robots]
         self._left[robots[due]] = _LONGEST
         return self.search.drive(sensed, self._targets)

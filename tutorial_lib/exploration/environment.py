@@ -1,4 +1,4 @@
-"""Image-goal navigation as a Gymnasium environment, so that any agent can play.
+"""Image-goal navigation as a Gymnasium environment, so that any agent can be evaluated.
 
 Importing this module registers ``tutorial_lib/ImageGoalNav-v0``:
 
@@ -17,10 +17,10 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import draw_episodes, exploration_world
 from tutorial_lib.exploration.motion import ACTIONS
-from tutorial_lib.exploration.task import STEPS, ExplorationTask
-from tutorial_lib.observation import Observation
+from tutorial_lib.exploration.task import SENSORS, STEPS, ExplorationTask
 from tutorial_lib.world.noise import STOP
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera
@@ -57,7 +57,12 @@ class ImageGoalNavigation(gymnasium.Env):
             sensor: "rgbd" or "rgb".
             noise: of motion and odometry.
             render_mode: None, or "rgb_array" for the panorama.
+
+        Raises:
+            InputError: for an unknown sensor.
         """
+        if sensor not in SENSORS:
+            raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
         self._worlds, self._signs, self._difficulty = tuple(worlds), signs, difficulty
         self._sensor, self._noise, self.render_mode = sensor, noise, render_mode
         self._task: ExplorationTask | None = None
@@ -77,7 +82,7 @@ class ImageGoalNavigation(gymnasium.Env):
         """Draw an episode; the same seed draws the same one.
 
         Raises:
-            InputError: for unknown signs, difficulty or sensor.
+            InputError: for unknown signs or difficulty.
         """
         super().reset(seed=seed, options=options)
         world = exploration_world(int(self.np_random.choice(self._worlds)), self._signs)
@@ -93,28 +98,40 @@ class ImageGoalNavigation(gymnasium.Env):
         """Carry out an action.
 
         Raises:
-            InputError: for an unknown action.
+            InputError: for an unknown action, before `reset`, and when the episode is over.
         """
-        self._task.step(np.array([action]))
-        over = bool(self._task.done[0])
-        truncated = bool(over and action != STOP and self._task.steps[0] >= STEPS)
-        reward = float(self._task.spl[0]) if over else 0.0
+        task = self._running()
+        if task.done[0]:
+            raise InputError("step: the episode is over; call reset")
+        task.step(np.array([action]))
+        over = bool(task.done[0])
+        truncated = bool(over and action != STOP and task.steps[0] >= STEPS)
+        reward = float(task.spl[0]) if over else 0.0
         return self._observe(), reward, over and not truncated, truncated, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The panorama, if `render_mode` asks for it."""
-        return self._seen.image[0] if self.render_mode == "rgb_array" else None
+        """The panorama, if `render_mode` asks for it.
+
+        Raises:
+            InputError: before `reset`.
+        """
+        image = self._running().observe().image[0]
+        return image if self.render_mode == "rgb_array" else None
+
+    def _running(self) -> ExplorationTask:
+        if self._task is None:
+            raise InputError("environment: call reset first")
+        return self._task
 
     def _observe(self) -> dict[str, NDArray]:
-        self._seen: Observation = self._task.observe()
-        seen, goal = self._seen, self._goal
+        seen, goal = self._running().observe(), self._goal
         found = {"image": seen.image[0], "goal_image": goal.image[0].copy()}
         if seen.depth is not None and goal.depth is not None:
             found |= {"depth": _metres(seen.depth), "goal_depth": _metres(goal.depth)}
         return {**found, "odometry": seen.odometry[0]}
 
     def _info(self) -> dict[str, Any]:
-        task = self._task
+        task = self._running()
         return {
             "success": bool(task.success[0]),
             "spl": float(task.spl[0]),

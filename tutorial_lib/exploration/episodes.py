@@ -19,6 +19,8 @@ from tutorial_lib.world.worlds import world_name
 
 DIFFICULTIES = {"easy": (1.5, 3.0), "medium": (3.0, 5.0), "hard": (5.0, 10.0)}
 """Geodesic metres from start to goal (Chaplot et al. 2020, 5)."""
+SUCCESS = 1.0
+"""Metres from the goal, in a straight line, within which `stop` succeeds."""
 SEQUENTIAL = (1.5, 5.0)
 """Metres from each of several goals to the next (section 6.1)."""
 FAMILIES = ("apartment", "office")
@@ -164,7 +166,9 @@ class _Places:
     ) -> tuple[Array, float] | None:
         """A pose so many metres from a goal, and how many; None where there is none."""
         metres = self._paths.fields(goal[None, :2], shortest=True).distance(self._points)
-        near = np.flatnonzero((metres >= bounds[0]) & (metres < bounds[1]))
+        # A path of 1.5 m around a corner may end nearer than `SUCCESS`: stop would succeed at once.
+        apart = np.linalg.norm(self._points - goal[:2], axis=1) >= SUCCESS
+        near = np.flatnonzero(apart & (metres >= bounds[0]) & (metres < bounds[1]))
         if not len(near):
             return None
         chosen = near[rng.integers(len(near))]

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from tutorial_lib.exploration.grid_kernels import (
     FREE,
-    STRAIGHT,
     UNKNOWN,
     Bytes,
     costs_of,
+    path_length,
     spread,
 )
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
@@ -30,10 +30,13 @@ _BLOCK = 10  # cells along a side of the squares of which each gives one frontie
 class Frontiers:
     """F frontiers of the maps of several robots.
 
+    Paths keep off the walls where they can, so that the nearest frontier need not have the shortest
+    of them.
+
     Attributes:
         robots: (F,) whose map, an index in the arrays that were given.
         places: (F, 2) in the frame of the robot's odometry.
-        metres: (F,) to go, counting what is near walls several times.
+        metres: (F,) length of the path there.
     """
 
     robots: NDArray[np.intp]
@@ -152,12 +155,15 @@ def _search(
                 ends[row, column] = cost[row, column] > 0 and _is_frontier(grid, row, column)
         cell = spread(cost, starts[m], ends if nearest else none, length, parent)
         if nearest:
-            found[m, 0], metres[m, 0] = cell, max(length[cell], 0) * RESOLUTION / STRAIGHT
+            found[m, 0] = cell
+            metres[m, 0] = RESOLUTION * path_length(parent, cell, side) if cell >= 0 else 0.0
             continue
         for cell in range(side * side):
             row, column = cell // side, cell % side
             if ends[row, column] and length[cell] >= 0:
                 block = row // _BLOCK * (side // _BLOCK + 1) + column // _BLOCK
-                far = length[cell] * RESOLUTION / STRAIGHT
-                if found[m, block] < 0 or far < metres[m, block]:
-                    found[m, block], metres[m, block] = cell, far
+                if found[m, block] < 0 or length[cell] < length[found[m, block]]:
+                    found[m, block] = cell
+        for block in range(found.shape[1]):
+            if found[m, block] >= 0:
+                metres[m, block] = RESOLUTION * path_length(parent, found[m, block], side)

@@ -18,6 +18,9 @@ _SAME = 1.5  # metres between two estimates of one goal, at most
 _SPREAD = (0.1, 0.15)  # metres of an estimate's error, and the same for each metre to the goal
 _SHIFT = 0.05  # metres from which on a map is drawn anew
 _NEAR = 1.0  # metres from which a goal counts where one was missed before
+_REFUSED = 4  # places of missed goals that a robot remembers
+_BESIDE = 0.4  # metres beyond those at which it stops, from which it looks at every step
+_AT_END = 0.15  # metres from the end of a path at which a robot has come to it: half an action
 
 
 @dataclass(frozen=True)
@@ -57,12 +60,17 @@ class Sensed:
 class GoalSearch:
     """N robots with a local map each that go to their goal once they see it, and stop there.
 
+    Beyond the paper: estimates of a goal's place from several panoramas are averaged, and a robot
+    that comes to that place and does not see the goal refuses it: there it believes in a goal again
+    only from within a metre.
+
     Attributes:
         maps: the local maps.
         goals: (N, D) features of the goals.
         found: (N,) whether a robot knows where its goal is.
         places: (N, 2) where, in the frame of its odometry.
-        left: (N,) metres in a straight line to the end of its path.
+        left: (N,) metres in a straight line to the end of its path; infinite where that path led to
+            a goal that was missed.
     """
 
     def __init__(
@@ -87,7 +95,7 @@ class GoalSearch:
         self.goals = self._model.embed(goals)
         self.found, self.places = np.zeros(count, bool), np.zeros((count, 2))
         self._weight, self._sure = np.zeros(count), np.zeros(count, bool)
-        self._refused = np.full((count, 2), np.inf)
+        self._refused = np.full((count, _REFUSED, 2), np.inf)
         self._looked[:] = np.nan
 
     def look_again(self, robots: NDArray[np.intp]) -> None:
@@ -128,7 +136,7 @@ class GoalSearch:
 
     @property
     def _near(self) -> float:
-        return self._settings.stop_within + 0.4
+        return self._settings.stop_within + _BESIDE
 
     def _gap(self, robots: NDArray[np.intp], odometry: Array) -> Array:
         """Metres from robots to where their goals seem to be."""
@@ -146,8 +154,8 @@ class GoalSearch:
         bearing, metres = self._model.relative(features[seen], goals[seen]).T
         local = metres[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
         places = to_world(odometry[seen], local)
-        again = np.linalg.norm(places - self._refused[robots[seen]], axis=1) < _SAME
-        refused = again & (metres > _NEAR)
+        gaps = np.linalg.norm(places[:, None] - self._refused[robots[seen]], axis=2)
+        refused = (gaps < _SAME).any(axis=1) & (metres > _NEAR)
         self._sure[robots[seen[refused]]] = False
         seen, places, metres = seen[~refused], places[~refused], metres[~refused]
         mine = robots[seen]
@@ -163,8 +171,10 @@ class GoalSearch:
         gap, found = self._gap(robots, odometry), self.found[robots]
         there = found & (gap < self._settings.stop_within)
         stop = there & self._sure[robots]
-        stuck = found & (self.left[robots] < 0.15) & ~stop
-        wrong = (there & ~self._sure[robots]) | stuck
-        lost = robots[wrong]
-        self.found[lost], self._refused[lost] = False, self.places[lost]
+        stuck = found & (self.left[robots] < _AT_END) & ~stop
+        lost = robots[(there & ~self._sure[robots]) | stuck]
+        self._refused[lost] = np.roll(self._refused[lost], 1, axis=1)
+        self._refused[lost, 0] = self.places[lost]
+        # What is left of the path to a goal says nothing of that to an agent's own target.
+        self.found[lost], self.left[lost] = False, np.inf
         return stop

@@ -181,6 +181,18 @@ def spread(cost: Bytes, start: int, ends: Bytes, length: Ints, parent: Ints) -> 
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def path_length(parent: Ints, end: int, side: int) -> float:
+    """Cells along the path to a cell that `spread` reached, whatever they cost."""
+    total, cell = 0.0, end
+    while parent[cell] >= 0:
+        before = parent[cell]
+        down, right = cell // side - before // side, cell % side - before % side
+        total += np.sqrt(down * down + right * right)
+        cell = before
+    return total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def _open(cost: Bytes, row: int, column: int, down: int, right: int) -> bool:
     """Whether both cells that a step passes between are free."""
     if down == 0 or right == 0:

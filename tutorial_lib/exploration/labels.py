@@ -183,7 +183,8 @@ def explorable(
     """F_G's labels (N, K): whether the point at `radius` in a direction is easy to get to.
 
     In a map of the obstacles that the panorama shows within `radius`, the path to the point is at
-    most 1.05 times as long as it were without obstacles.
+    most 1.05 times as long as it were without obstacles. A robot needs room: obstacles block what
+    is within `ROOM` of them, those just beyond the map too.
 
     Args:
         ranges: (N, W) depth of the panoramas.
@@ -240,7 +241,7 @@ def _explorable(
     for n in range(len(ranges)):
         cost[:] = 1
         for ray in range(len(bearings)):
-            if ranges[n, ray] > radius:
+            if ranges[n, ray] >= radius + ROOM:  # nearer ones reach into the map
                 continue
             x = ranges[n, ray] * np.cos(bearings[ray]) / _CELL + half
             y = ranges[n, ray] * np.sin(bearings[ray]) / _CELL + half

@@ -12,6 +12,8 @@ from tutorial_lib.geometry import Array
 
 RESOLUTION = 0.1
 """Metres of a cell."""
+REACH = RADIUS + 1.0
+"""Metres up to which ranges are entered into maps."""
 _ABOUT = 3  # cells around a place that is closed
 
 
@@ -26,7 +28,7 @@ class LocalMaps:
         corners: (N, 2) x and y of each grid's first cell, metres.
     """
 
-    def __init__(self, robots: int, side: float = 9.0, reach: float = RADIUS + 1.0) -> None:
+    def __init__(self, robots: int, side: float = 9.0, reach: float = REACH) -> None:
         """Begin with empty maps.
 
         Args:

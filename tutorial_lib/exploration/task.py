@@ -10,20 +10,18 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import spl
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.exploration.episodes import SUCCESS, Episodes
 from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
 from tutorial_lib.geometry import Array, compose, relative
 from tutorial_lib.interfaces import ExplorerAgent
 from tutorial_lib.observation import Observation
 from tutorial_lib.world.bodies import DifferentialDrive
-from tutorial_lib.world.noise import ACTUATION, STOP, DiscreteOdometry, sample_motions
+from tutorial_lib.world.noise import STOP, DiscreteNoise
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Laser, PanoramicCamera
 
 STEPS = 500
 """Actions of an episode, at most."""
-SUCCESS = 1.0
-"""Metres from the goal, in a straight line, within which `stop` succeeds."""
 SENSORS = ("rgbd", "rgb")
 
 
@@ -37,6 +35,7 @@ class ExplorationTask:
         episodes: see `Episodes`.
         scenes: the worlds by name.
         poses: (N, 3) true poses.
+        odometry: (N, 3) poses by dead reckoning, in the frame of each robot's start.
         done: (N,) has stopped, or has no steps left.
         success: (N,) has stopped within `SUCCESS` metres of its goal.
         steps: (N,) actions taken towards the present goal.
@@ -61,7 +60,7 @@ class ExplorationTask:
         Args:
             scenes: the worlds by name.
             episodes: N of them.
-            rng: draws actuation and odometry noise.
+            rng: draws actuation and odometry noise, from a stream of its own for each robot.
             sensor: one of `SENSORS`; with depth or without.
             noise: of motion and odometry; without it, actions are exact and so is odometry.
             limit: actions of an episode.
@@ -75,16 +74,12 @@ class ExplorationTask:
             raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
         if sensor not in SENSORS:
             raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
-        self.episodes, self.scenes = episodes, scenes
-        self._depth, self._noise, self._limit = sensor == "rgbd", noise, limit
-        self._stops_itself, self._rng = stops_itself, rng
-        self._camera, self._odometry_noise = PanoramicCamera(), DiscreteOdometry()
-        self._rows = [
-            (scenes[name], np.flatnonzero([world == name for world in episodes.worlds]))
-            for name in dict.fromkeys(episodes.worlds)
-        ]
-        count = len(episodes)
-        self.poses, self._odometry = episodes.starts.astype(float), np.zeros((count, 3))
+        self.episodes, self.scenes, count = episodes, scenes, len(episodes)
+        self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
+        self._noise = DiscreteNoise(count, rng) if noise else None
+        self._rows = _rows_by_scene(scenes, episodes.worlds)
+        self._camera = PanoramicCamera()
+        self.poses, self.odometry = episodes.starts.astype(float), np.zeros((count, 3))
         self._goals, self._shortest = episodes.goals, episodes.shortest
         self._image = np.zeros((count, self._camera.rows, self._camera.columns, 3), np.uint8)
         self._ranges = np.zeros((count, self._camera.columns))
@@ -96,7 +91,7 @@ class ExplorationTask:
         return len(self.episodes)
 
     def _begin(self) -> None:
-        """Towards the present goals, nothing was done yet."""
+        """Reset the counters of the present goals."""
         count = len(self)
         self.done, self.success = np.zeros((2, count), bool)
         self.steps, self.travelled = np.zeros(count, np.intp), np.zeros(count)
@@ -116,7 +111,7 @@ class ExplorationTask:
         image, ranges = self._look(self.poses, self._stale)
         self._image[self._stale], self._ranges[self._stale] = image, ranges
         self._stale[:] = False
-        return self._observation(self._image.copy(), self._ranges.copy(), self._odometry.copy())
+        return self._observation(self._image.copy(), self._ranges.copy(), self.odometry.copy())
 
     def goals(self) -> Observation:
         """The pictures (N,) of the goals, with depth where the robots have it."""
@@ -137,14 +132,14 @@ class ExplorationTask:
             raise InputError(f"actions: {actions.tolist()}; give (N,) numbers from 0 to 3")
         running = ~self.done
         actions = np.where(running, actions, STOP)
-        wanted = sample_motions(ACTUATION, actions, self._rng)
-        wanted = wanted if self._noise else exact_motions(actions)
+        wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
+        if self._noise is not None:
+            wanted, errors = self._noise.draw(actions)
         before, self.poses = self.poses, self.poses.copy()
         for scene, rows in self._rows:
             self._move(scene, rows[(actions[rows] != STOP)], wanted)
         motions = relative(before, self.poses)
-        read = self._odometry_noise.measure(motions, actions, self._rng)
-        self._odometry = compose(self._odometry, read if self._noise else motions)
+        self.odometry = compose(self.odometry, motions + errors)
         self.travelled = self.travelled + np.linalg.norm(motions[:, :2], axis=1)
         self.steps[running] += 1
         self._stale |= actions != STOP
@@ -152,12 +147,21 @@ class ExplorationTask:
         self._end(running, actions)
 
     def next_goals(self, goals: Array) -> None:
-        """Give all robots another goal (N, 3), from where they stand (section 6.1)."""
-        self._goals = np.asarray(goals, dtype=float)
-        self._shortest = np.empty(len(self))
+        """Give all robots another goal, from where they stand (section 6.1).
+
+        Args:
+            goals: (N, 3) poses.
+
+        Raises:
+            InputError: when there are not as many, or no path leads to one of them.
+        """
+        goals = np.asarray(goals, dtype=float)
+        if goals.shape != (len(self), 3):
+            raise InputError(f"goals: shape {goals.shape}; give ({len(self)}, 3), a pose a robot")
+        shortest = np.empty(len(self))
         for scene, rows in self._rows:
-            paths = GridPaths(scene.clearance)
-            self._shortest[rows] = paths.between(self.poses[rows, :2], self._goals[rows, :2])
+            shortest[rows] = _shortest(scene, self.poses[rows, :2], goals[rows, :2])
+        self._goals, self._shortest = goals, shortest
         self._begin()
 
     def _move(self, scene: Scene, rows: NDArray[np.intp], motions: Array) -> None:
@@ -166,7 +170,7 @@ class ExplorationTask:
         self.collisions[rows] += stopped
 
     def _end(self, running: NDArray[np.bool_], actions: NDArray[np.intp]) -> None:
-        """Whose episode is over now, and how it ended."""
+        """Mark finished episodes and successes."""
         near = np.linalg.norm(self.poses[:, :2] - self._goals[:, :2], axis=1) < SUCCESS
         stopped = running & ((actions == STOP) | (near & self._stops_itself))
         self.success |= stopped & near
@@ -187,6 +191,33 @@ class ExplorationTask:
         return Observation(
             image, ranges if self._depth else None, laser, odometry, still, still.copy()
         )
+
+
+def _rows_by_scene(
+    scenes: Mapping[str, Scene], worlds: tuple[str, ...]
+) -> list[tuple[Scene, NDArray[np.intp]]]:
+    """Each world with the rows of its episodes."""
+    names = np.array(worlds)
+    return [(scenes[name], np.flatnonzero(names == name)) for name in dict.fromkeys(worlds)]
+
+
+def _shortest(scene: Scene, starts: Array, goals: Array) -> Array:
+    """Metres (N,) between starts and goals, both (N, 2).
+
+    A robot can stand in a pocket that the grid does not join to the rest: its path then begins at
+    the nearest place of the largest part.
+    """
+    paths = GridPaths(scene.clearance)
+    metres = paths.between(starts, goals)
+    cut = np.flatnonzero(~np.isfinite(metres))
+    if len(cut):
+        points = paths.points[paths.largest]
+        gaps = np.linalg.norm(points[:, None] - starts[cut], axis=2)
+        metres[cut] = gaps.min(axis=0) + paths.between(points[gaps.argmin(axis=0)], goals[cut])
+    if not np.isfinite(metres).all():
+        lost = goals[~np.isfinite(metres)].tolist()
+        raise InputError(f"goals: no path leads to {lost}; choose other places")
+    return metres
 
 
 def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:

@@ -40,7 +40,8 @@ FARTHEST = 16.0
 """Metres between two panoramas beyond which a pair has no labels."""
 SEED = 11
 """Of the poses."""
-_VERSION = 1
+VERSION = 2
+"""Of the recorded labels."""
 _EIGHTH, _NOWHERE, _ELSEWHERE = 8, -1, -2  # ends and goals in no room are not in the same
 _NAMES = ("poses", "explorable", "kinds", "rooms", "room", "connected", "metres", "far")
 
@@ -114,11 +115,11 @@ def _load(plan: tuple[str, int], folder: Path, count: int) -> PanoramaWorld:
     path = folder / f"{plan[0]}-{plan[1]}-{count}.npz"
     scenes = {signs: scene_of(world_name(*plan, signs=signs)) for signs in SIGNS}
     try:
-        arrays = load_arrays(path, _NAMES, version=_VERSION)
+        arrays = load_arrays(path, _NAMES, version=VERSION)
     except InputError:
         rng = np.random.default_rng([SEED, crc32(plan[0].encode()), plan[1]])
         arrays = labels_of(scenes["plain"], random_poses(scenes["plain"], count, rng))
-        save_arrays(path, arrays, version=_VERSION, compressed=True)
+        save_arrays(path, arrays, version=VERSION, compressed=True)
     camera, poses = PanoramicCamera(), arrays["poses"]
     looks = {signs: camera.look(scene, poses) for signs, scene in scenes.items()}
     images = {signs: image for signs, (image, _) in looks.items()}

@@ -24,7 +24,7 @@ from tutorial_lib.exploration.frontier import all_frontiers, crops
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.files import make_folder, save_arrays
 from tutorial_lib.geometry import Array, to_local
-from tutorial_lib.learning.imitation_data import EPISODES, record_expert
+from tutorial_lib.learning.imitation_data import EPISODES, counts_in_name, record_expert
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.parallel import for_each
 from tutorial_lib.reading.arrays import load_arrays
@@ -44,7 +44,7 @@ _EVERY = 2  # actions between two panoramas that are mapped
 _LEAST, _CUTS = 6, 4  # actions before a robot looks for frontiers, and how often it does
 _OWN = 0.3  # share of goals that are those of the expert's path
 _FARTHEST = 16.0  # metres to a goal
-_VERSION = 1
+_VERSION = 2
 _NAMES = ("poses", "goals", "crops", "frontiers", "remaining")
 
 
@@ -128,7 +128,7 @@ def goal_maps(
 
 def _load(plan: tuple[str, int], network: str, folder: Path, counts: dict[str, int]) -> GoalMaps:
     """One plan's maps, with each kind of signs."""
-    path = folder / f"{plan[0]}-{plan[1]}-{sum(counts.values())}.npz"
+    path = folder / f"{plan[0]}-{plan[1]}-{counts_in_name(counts)}.npz"
     try:
         arrays = load_arrays(path, _NAMES, version=_VERSION)
     except InputError:
@@ -136,7 +136,6 @@ def _load(plan: tuple[str, int], network: str, folder: Path, counts: dict[str, i
         name = world_name(*plan)
         arrays = record_maps(scene_of(name), name, counts, rng)
         save_arrays(path, arrays, version=_VERSION, compressed=True)
-    torch.set_num_threads(1)
     known = (arrays["crops"], arrays["frontiers"], arrays["remaining"])
     return GoalMaps.joined(
         [

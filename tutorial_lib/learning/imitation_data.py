@@ -50,7 +50,7 @@ SEED = 13
 """Of the episodes."""
 _REACH = 0.7  # metres of the path ahead that the expert aims at
 _STRAIGHT = np.deg2rad(7.0)  # bearing within which it drives on
-_VERSION = 1
+_VERSION = 2
 _NAMES = ("poses", "actions", "previous", "length", "goals")
 
 
@@ -85,7 +85,7 @@ def expert_episodes(
 
 
 def _load(plan: tuple[str, int], folder: Path, counts: dict[str, int]) -> ExpertEpisodes:
-    path = folder / f"{plan[0]}-{plan[1]}-{sum(counts.values())}.npz"
+    path = folder / f"{plan[0]}-{plan[1]}-{counts_in_name(counts)}.npz"
     scenes = {signs: scene_of(world_name(*plan, signs=signs)) for signs in SIGNS}
     try:
         arrays = load_arrays(path, _NAMES, version=_VERSION)
@@ -94,6 +94,15 @@ def _load(plan: tuple[str, int], folder: Path, counts: dict[str, int]) -> Expert
         arrays = record_expert(scenes["plain"], world_name(*plan), counts, rng)
         save_arrays(path, arrays, version=_VERSION, compressed=True)
     return ExpertEpisodes(**{name: arrays[name] for name in _NAMES}, scenes=scenes)
+
+
+def counts_in_name(counts: dict[str, int]) -> str:
+    """Episodes of each difficulty as part of a file's name.
+
+    >>> counts_in_name({"easy": 10, "hard": 25})
+    'easy10-hard25'
+    """
+    return "-".join(f"{difficulty}{count}" for difficulty, count in counts.items())
 
 
 def record_expert(

@@ -13,7 +13,7 @@ from torch import Tensor
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of
 from tutorial_lib.geometry import relative, wrap
-from tutorial_lib.learning.exploration_data import PanoramaWorld
+from tutorial_lib.learning.exploration_data import VERSION, PanoramaWorld
 
 FARTHEST_PAIR = 12.0
 """Metres between the panoramas of a pair, along the shortest path."""
@@ -22,7 +22,8 @@ NEAR = ((3, 4.0), (2, 8.0), (2, FARTHEST_PAIR))
 GROUP = 1 + sum(count for count, _ in NEAR)
 VARIED = {"plain": 0.25, "wayfinding": 0.5}
 """Share of groups in other colours, by signs: the colour of a room hints at its kind, that of a
-sign is arbitrary."""
+sign is arbitrary. Signs have all hues, and so have recoloured walls: to a network that is trained
+on them no hue of the shifted palette is new."""
 
 
 @dataclass(frozen=True)
@@ -98,10 +99,12 @@ class PanoramaSource:
     def recipe(self) -> dict[str, Any]:
         """What its blocks depend on, in brief."""
         return {
+            "labels": VERSION,
             "panoramas": sum(len(world.poses) for world in self.recorded),
             "signs": sorted({signs for world in self.recorded for signs in world.images}),
             "block": [self.worlds, self.targets, GROUP],
             "vary": self.vary,
+            "hues": "all, those of the shifted palette included",
         }
 
     def block(self, seed: Sequence[int]) -> PanoramaBatch:
@@ -196,7 +199,8 @@ def recoloured(images: NDArray[np.uint8], rng: np.random.Generator) -> NDArray[n
     """Images (..., 3) in other colours, all in the same; colours that were alike stay alike.
 
     Channels are exchanged, and all are inverted or none: both turn or mirror the circle of hues, so
-    that hues keep their distances. Brightness and contrast change a little.
+    that hues keep their distances; hues of the standard palette become those of the shifted one.
+    Brightness and contrast change a little.
     """
     level = np.linspace(0.0, 1.0, 256)
     gamma, gain = np.exp(rng.normal(0.0, 0.2)), rng.normal(1.0, 0.1, 3)
