@@ -66,9 +66,9 @@ def make_explorer(
     if name == "random":
         return RandomWalkAgent(model, rng)
     if name == "fbe":
-        return FrontierAgent(model)
+        return FrontierAgent(model, rng=rng)
     if name == "ans_like":
-        return FrontierAgent(model, scorer=shipped("ans_like", sensor))
+        return FrontierAgent(model, scorer=shipped("ans_like", sensor), rng=rng)
     if name == "nts_blind":
         model = ScoresOf(model, shipped("nts_blind", sensor))
     elif name == "nts_histogram":

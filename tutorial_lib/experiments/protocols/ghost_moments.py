@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.nts import ExploringRobot
+from tutorial_lib.exploration.exploring_robot import ExploringRobot
 from tutorial_lib.exploration.global_policy import ghost_places
 from tutorial_lib.geometry import Array, to_world
 
