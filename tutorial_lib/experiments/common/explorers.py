@@ -31,9 +31,14 @@ AGENTS = {
 }
 """The agents of Table 1 by sensor. Frontier exploration maps measured depth, so that it has no row
 without; bounds and the ablations of the graph and the score are run with depth only."""
-WITH_GEOMETRY = ("nts", "nts_no_graph", "nts_no_score", "nts_histogram", "fbe", "random", "oracle")
+WITH_GEOMETRY = (
+    *("nts", "nts_2m", "nts_no_graph", "nts_no_score", "nts_histogram"),
+    *("fbe", "random", "oracle"),
+)
 """The agents that run without a network where an oracle stands in for it."""
 _ABLATIONS = {"nts_no_graph": {"use_graph": False}, "nts_no_score": {"use_score": False}}
+_FINE = {"directions": 24, "radius": 2.0}
+"""Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
 _CLASSES: dict[str, Callable[[str], Any]] = {
     "nts": LearnedExploration,
     "nts_blind": LearnedExploration,
@@ -60,6 +65,8 @@ def make_explorer(
     """
     if name == "oracle":
         return OracleExplorer(task)
+    if name == "nts_2m" and geometry:
+        return NTSAgent(TrueGeometry(task, **_FINE), rng, NTSSettings(**_FINE))
     if name == "il":
         return ImitationAgent(shipped("il", sensor))
     model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", sensor)
