@@ -9,7 +9,7 @@ from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS
 from tutorial_lib.exploration.labels import (
-    FAR,
+    MAX_DISTANCE,
     connected,
     direction_ends,
     explorable,
@@ -30,7 +30,7 @@ class TrueGeometry:
     """
 
     def __init__(self, task: ExplorationTask) -> None:
-        """Look into `task`."""
+        """Read poses and walls from `task`."""
         self._task = task
         self._names = list(dict.fromkeys(task.episodes.worlds))
         self._number = np.array([self._names.index(name) for name in task.episodes.worlds])
@@ -75,7 +75,7 @@ class TrueGeometry:
         for row, (source, goal) in enumerate(zip(sources, goals, strict=True)):
             scene = self._task.scenes[self._names[int(source[0])]]
             ends, _ = direction_ends(scene, source[None, 1:].astype(float))
-            found[row] = 1 - self._field(goal).distance(ends[0]) / FAR
+            found[row] = 1 - self._field(goal).distance(ends[0]) / MAX_DISTANCE
         return np.maximum(found, 0.0)
 
     def ranges(self, observations: Observation) -> Array:
