@@ -124,8 +124,8 @@ def test_what_is_no_path_is_refused(path, track, words):
 
 @pytest.mark.parametrize("metres", [np.inf, np.nan, -1.0])
 def test_success_is_not_weighted_by_what_is_no_length(metres):
-    with pytest.raises(InputError, match="shortest: .*give finite metres"):
+    with pytest.raises(InputError, match=r"shortest: .*give finite metres"):
         spl([1, 0], [2.0, metres], [1.0, 1.0])
-    with pytest.raises(InputError, match="travelled: .*give finite metres"):
+    with pytest.raises(InputError, match=r"travelled: .*give finite metres"):
         spl([1, 0], [2.0, 2.0], [metres, 1.0])
     assert spl([1, 1], [0.0, 3.0], [0.0, 4.0]).tolist() == [1.0, 0.75]
