@@ -41,13 +41,18 @@ class Model:
         return observations.depth
 
 
-def drive(model, goal, target=(3.0, 0.0), steps=80):
+def one_robot(goal):
+    """A task in a hall, with the robot in its middle."""
     start = np.array([[5.0, 5.0, 0.0]])
     far = np.linalg.norm(np.array(goal) - 5.0)
     episodes = Episodes(("box",), start, np.array([[*goal, 0.0]]), np.array([far]), ("",))
-    task = ExplorationTask(
+    return ExplorationTask(
         {"box": Scene(make_box())}, episodes, np.random.default_rng(1), noise=False
     )
+
+
+def drive(model, goal, target=(3.0, 0.0), steps=80):
+    task = one_robot(goal)
     search = GoalSearch(model, task.goals(), SearchSettings())
     found = []
     for _ in range(steps):
@@ -101,6 +106,45 @@ def test_a_goal_that_is_not_there_is_given_up_without_stopping():
     assert any(found)
     assert not found[-1]
     assert not task.done.any()
+
+
+def test_a_goal_that_was_missed_leaves_no_trace_in_what_is_left_of_the_path():
+    goal, model = (5.0, 7.4), Model((5.0, 7.4), exists=False)
+    task = one_robot(goal)
+    search = GoalSearch(model, task.goals(), SearchSettings())
+    before, missed = False, 0
+    for _ in range(45):
+        sensed = search.sense(task.observe(), ~task.done)
+        pursued = bool(search.found[0])
+        task.step(search.drive(sensed, np.array([[3.0, 0.0]])))
+        if pursued and not search.found[0]:
+            assert search.left[0] == np.inf
+            missed += 1
+        elif not pursued:
+            assert 0 < search.left[0] < 6
+        before |= pursued
+    assert before
+    assert missed == 1
+
+
+def test_every_place_of_a_missed_goal_is_remembered():
+    task = one_robot((5.0, 7.4))
+    search = GoalSearch(Model((5.0, 7.4)), task.goals(), SearchSettings())
+    refused, row = [(2.5, 0.0), (0.0, -2.5), (-2.5, 0.0)], np.array([0])
+    for place in refused:
+        search.found[0], search.places[0], search.left[0] = True, place, 0.0
+        search._arrived(row, np.zeros((1, 3)))
+        assert not search.found[0]
+
+    def looks(goal):
+        search._model.goal = np.array([5.0, 5.0]) + goal
+        search.found[:] = False
+        search._look(row, np.zeros((1, 3)), np.zeros((1, 3), np.float32))
+        return bool(search.found[0])
+
+    assert not any(looks(place) for place in refused)
+    assert looks((0.0, 2.5))
+    assert looks((0.7, 0.0))  # what is near may be a goal after all
 
 
 def test_robots_look_only_where_they_have_moved():

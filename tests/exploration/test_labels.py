@@ -9,9 +9,9 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.exploration.bearings import bearing_of, column_bearings
 from tutorial_lib.exploration.episodes import exploration_world
 from tutorial_lib.exploration.labels import (
+    CLEARANCE,
     DETOUR,
-    FAR,
-    ROOM,
+    MAX_DISTANCE,
     PanoramaLabels,
     connected,
     direction_ends,
@@ -86,7 +86,9 @@ def test_scores_are_geodesics_from_the_ends(scene, labels, pairs):
     assert np.allclose(
         metres[:, 12], paths.between(labels.poses[sources, :2], labels.poses[goals, :2])
     )
-    assert np.allclose(labels.scores(sources, goals), np.maximum(1 - metres[:, :12] / FAR, 0))
+    assert np.allclose(
+        labels.scores(sources, goals), np.maximum(1 - metres[:, :12] / MAX_DISTANCE, 0)
+    )
 
 
 def test_ends_are_the_farthest_traversable_points_in_a_straight_line(scene, labels):
@@ -94,7 +96,9 @@ def test_ends_are_the_farthest_traversable_points_in_a_straight_line(scene, labe
         for direction in range(12):
             angle = pose[2] + direction * np.pi / 6
             ahead, steps = np.array([np.cos(angle), np.sin(angle)]), 0
-            while steps < 30 and scene.clearance.at(pose[:2] + (steps + 1) * 0.1 * ahead) >= ROOM:
+            while (
+                steps < 30 and scene.clearance.at(pose[:2] + (steps + 1) * 0.1 * ahead) >= CLEARANCE
+            ):
                 steps += 1
             assert lengths[direction] == pytest.approx(0.1 * steps)
             assert np.allclose(ends[direction], pose[:2] + 0.1 * steps * ahead)
@@ -110,7 +114,7 @@ def brute_explorable(ranges, directions=12, radius=3.0, cell=0.1):
         (i, j)
         for i in range(-half, half + 1)
         for j in range(-half, half + 1)
-        if not len(hits) or (np.hypot(*(hits - (j, i)).T) >= ROOM / cell).all()
+        if not len(hits) or (np.hypot(*(hits - (j, i)).T) >= CLEARANCE / cell).all()
     } | {(0, 0)}
     graph, empty = nx.Graph(), nx.Graph()
     square = {(i, j) for i in range(-half, half + 1) for j in range(-half, half + 1)}

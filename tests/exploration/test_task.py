@@ -47,6 +47,95 @@ def test_noise_has_the_measured_statistics():
         assert motion[:, 2].std() < 0.6 * degrees
 
 
+def test_noise_has_both_peaks_of_each_mixture_with_their_weights():
+    degrees, task = np.pi / 180, in_a_hall(4000)
+    before = task.poses
+    task.step(np.full(4000, LEFT))
+    turned = relative(before, task.poses)[:, 2] / degrees
+    assert turned.std() == pytest.approx(np.hypot(0.3, 0.3), rel=0.05)
+    # Two peaks 0.6 degrees apart are flatter than one, of which this were 3.
+    assert ((turned - turned.mean()) ** 4).mean() / turned.var() ** 2 == pytest.approx(2.5, abs=0.2)
+    motions, errors = [], []
+    for _ in range(12):
+        before, read = task.poses, task.odometry
+        task.step(np.full(4000, FORWARD))
+        motions.append(relative(before, task.poses))
+        errors.append((relative(read, task.odometry) - motions[-1])[:, 0])
+    motion, error = np.concatenate(motions), np.concatenate(errors)
+    assert motion[:, 2].std() == pytest.approx(np.hypot(0.004, 0.0039), rel=0.03)
+    assert motion[:, 0].std() == pytest.approx(0.004, rel=0.03)
+    # 84 % at 1.0 mm and 16 % at 3.8 mm are skewed.
+    means, weights = np.array([0.0010, 0.0038]), np.array([0.84, 0.16])
+    far = means - weights @ means
+    assert error.mean() == pytest.approx(weights @ means, rel=0.03)
+    assert error.var() == pytest.approx(0.0025**2 + weights @ far**2, rel=0.03)
+    assert ((error - error.mean()) ** 3).mean() == pytest.approx(weights @ far**3, rel=0.5)
+
+
+def roll(task, choose, steps):
+    """What robots do and read, by step: poses and odometry."""
+    rows = []
+    for step in range(steps):
+        task.step(choose(step))
+        rows.append(np.concatenate([task.poses, task.odometry], axis=1))
+    return np.array(rows)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 4))
+def test_a_robot_moves_as_it_does_without_the_others(seed, fewer):
+    actions = np.random.default_rng(seed).integers(1, 4, (130, 5))
+    actions[actions[:, 4] == 1, 4] = STOP  # the last one stops at some time
+    together = roll(in_a_hall(5), lambda step: actions[step], 130)
+    alone = roll(in_a_hall(fewer), lambda step: actions[step, :fewer], 130)
+    assert np.array_equal(together[:, :fewer], alone)
+    assert len(np.unique(in_one_step(7), axis=0)) == 7
+
+
+def in_one_step(count):
+    return roll(in_a_hall(count), lambda step: np.full(count, FORWARD), 1)[0]
+
+
+def test_one_that_is_done_keeps_all_that_is_counted():
+    task = in_a_hall(2, (20.3, 20.0, 0))
+    task.step([FORWARD, FORWARD])
+    task.step([STOP, FORWARD])
+    names = ("travelled", "collisions", "steps", "odometry", "poses", "spl", "success")
+    before = {name: np.array(getattr(task, name)) for name in names}
+    seen = task.observe()
+    for _ in range(60):
+        task.step([FORWARD, LEFT])
+        task.step([FORWARD, FORWARD])
+    for name in names:
+        assert np.array_equal(getattr(task, name)[0], before[name][0]), name
+    assert (task.steps[1], task.travelled[1] > 2.0) == (122, True)
+    again = task.observe()
+    assert np.array_equal(again.image[0], seen.image[0])
+    assert np.array_equal(again.odometry[0], seen.odometry[0])
+
+
+def test_from_a_pocket_the_path_begins_at_the_nearest_place_of_the_rest():
+    """Four pillars with gaps that no robot passes: a place to stand, and no path from it."""
+    pillars = [(20 + x, 20 + y, 0.35) for x in (-0.8, 0, 0.8) for y in (-0.8, 0, 0.8) if x or y]
+    scene = Scene(make_box(40.0, 40.0, pillars))
+    starts = np.array([[20.0, 20.0, 0.0], [26.0, 20.0, 0.0]])
+    goals = np.array([[28.0, 20.0, 0.0]] * 2)
+    episodes = Episodes(("hall",) * 2, starts, goals, np.array([8.0, 2.0]), ("",) * 2)
+    task = ExplorationTask({"hall": scene}, episodes, np.random.default_rng(0), noise=False)
+    task.next_goals(goals)
+    task.poses = goals.copy()
+    task.step([STOP, STOP])
+    assert task.success.all()
+    assert np.isfinite(task.spl).all()
+    assert 8.0 < task._shortest[0] < 10.0
+    assert task._shortest[1] == pytest.approx(2.0, abs=0.1)
+    with pytest.raises(InputError, match=r"goals: shape \(1, 3\); give \(2, 3\)"):
+        task.next_goals(goals[:1])
+    with pytest.raises(InputError, match="goals: no path leads to"):
+        task.next_goals(np.array([[20.0, 20.0, 0.0]] * 2))
+    assert np.array_equal(task.goal_poses, goals)
+
+
 def test_without_noise_actions_and_odometry_are_exact():
     task = in_a_hall(3, noise=False)
     for action in ([FORWARD, LEFT, RIGHT], [LEFT, FORWARD, FORWARD], [FORWARD] * 3):

@@ -8,11 +8,13 @@ import torch
 from tutorial_lib import cli
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.frontier import CROP
 from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import FrontierScorer
 from tutorial_lib.learning import exploration_policies, goal_map_data, goal_map_recipes
 from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer
-from tutorial_lib.learning.goal_map_data import CROP, FRONTIERS, GoalMapSource, goal_maps
+from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMapSource
+from tutorial_lib.learning.goal_map_data import goal_maps
 from tutorial_lib.learning.goal_map_network import (
     GoalMapArchitecture,
     GoalMapNetwork,

@@ -102,8 +102,8 @@ MUTATIONS = [
     (
         "every direction has the score of the place itself",
         "exploration/labels.py",
-        "self.metres(sources, goals)[:, :-1] / FAR",
-        "(self.metres(sources, goals)[:, -1:] + 0 * self.lengths[sources]) / FAR",
+        "self.metres(sources, goals)[:, :-1] / MAX_DISTANCE",
+        "(self.metres(sources, goals)[:, -1:] + 0 * self.lengths[sources]) / MAX_DISTANCE",
         "exploration/test_labels.py",
     ),
     (

@@ -6,6 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.exploration.frontier import (
+    CROP,
+    SIDE,
     Frontiers,
     all_frontiers,
     crops,
@@ -19,10 +21,6 @@ from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import ExplorationModel, FrontierScorer
 from tutorial_lib.observation import Observation
 
-SIDE = 24.0
-"""Metres of the metric map; a robot that leaves its middle forgets what is far behind it."""
-CROP = 96
-"""Cells along a side of the part of the map that a scorer gets."""
 _ARRIVED = 0.4  # metres from a frontier, or from the end of the path to it
 _TIMEOUT = (40, 12)  # steps towards a frontier, and the same for each metre
 

@@ -6,10 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
+from tutorial_lib.exploration.motion import actions_towards
 from tutorial_lib.exploration.task import ExplorationTask
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
-from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
+from tutorial_lib.world.noise import STOP
 
 _STOP = 0.6  # metres from the goal
 _AIM = np.deg2rad(8.0)  # off which it turns
@@ -20,7 +21,7 @@ class OracleExplorer:
     """An `ExplorerAgent` that is given the task on purpose, and so knows poses and walls."""
 
     def __init__(self, task: ExplorationTask) -> None:
-        """Look into `task`."""
+        """Read poses and walls from `task`."""
         self._task = task
 
     def start(self, goals: Observation) -> None:
@@ -35,10 +36,7 @@ class OracleExplorer:
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
         task = self._task
-        local = to_local(task.poses, self._waypoints())
-        bearing = np.arctan2(local[:, 1], local[:, 0])
-        actions = np.where(bearing > 0, LEFT, RIGHT)
-        actions[np.abs(bearing) < _AIM] = FORWARD
+        actions = actions_towards(task.poses, self._waypoints(), _AIM)
         gap = np.linalg.norm(task.goal_poses[:, :2] - task.poses[:, :2], axis=1)
         return np.where((gap < _STOP) | ~running, STOP, actions)
 

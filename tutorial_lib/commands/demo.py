@@ -37,11 +37,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
-    return _explore(options) if options.explore else _navigate(options)
+    reached = _explore(options) if options.explore else _navigate(options)
+    return 0 if reached else MISSED
 
 
-def _explore(options: argparse.Namespace) -> int:
-    """Explore until the goal is found."""
+def _explore(options: argparse.Namespace) -> bool:
+    """Explore; whether the goal was found."""
     for name in ("oracle", "learn"):
         if getattr(options, name):
             raise InputError(f"--{name}: the demo cannot use it with --explore; leave it out")
@@ -65,11 +66,11 @@ def _explore(options: argparse.Namespace) -> int:
         f"{outcome.travelled} m (geodesic {outcome.geodesic} m, SPL {outcome.spl})."
     )
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
-    return 0 if outcome.reached else MISSED
+    return outcome.reached
 
 
-def _navigate(options: argparse.Namespace) -> int:
-    """Navigate over a map."""
+def _navigate(options: argparse.Namespace) -> bool:
+    """Navigate over a map; whether the goal was reached."""
     takes = 30 if options.oracle else 20
     with Narrator() as say:
         say(f"importing the library: the demo takes about {takes} s on two idle cores")
@@ -91,4 +92,4 @@ def _navigate(options: argparse.Namespace) -> int:
         words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
         print(f"  {name}: {verdict} {words}")
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
-    return 0 if outcome.reached else MISSED
+    return outcome.reached

@@ -20,6 +20,10 @@ from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.exploration.local_policy import BODY, COMFORT, NEAR
 from tutorial_lib.geometry import Array
 
+SIDE = 24.0
+"""Metres of a metric map; a robot that leaves its middle forgets what is far behind it."""
+CROP = 96
+"""Cells along a side of the part of the map that a scorer gets."""
 SMALLEST = 9
 """Cells of a frontier about each of its cells, itself included: through fewer no robot fits."""
 _ABOUT = 4  # cells to either side among which they are counted

@@ -8,7 +8,7 @@ import numpy as np
 
 from tutorial_lib.exploration.ghost_graph import Ghost
 from tutorial_lib.exploration.graph_update import Memory
-from tutorial_lib.exploration.labels import FAR
+from tutorial_lib.exploration.labels import MAX_DISTANCE
 from tutorial_lib.geometry import Array, to_world
 
 _ONE_OPENING = 1.0  # metres between ghosts that lead to the same place
@@ -58,7 +58,7 @@ def choose_ghost(
     if reserve:
         values[-len(reserve) :] -= settings.reserve_penalty
     metres = travel(memory, ghosts, places)
-    values = values - settings.travel_weight * metres / FAR
+    values = values - settings.travel_weight * metres / MAX_DISTANCE
     best = np.flatnonzero(values == values.max())
     chosen = ghosts[int(best[rng.integers(len(best))])]
     graph.promote(chosen)

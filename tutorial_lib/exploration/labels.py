@@ -23,11 +23,11 @@ from tutorial_lib.world.floorplan import ROOM_KINDS, FloorPlan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera
 
-FAR = 20.0
+MAX_DISTANCE = 20.0
 """Geodesic metres at which a semantic score is 0, d_max of the paper."""
 DETOUR = 1.05
 """Times the straight line that a path to an explorable point may be long."""
-ROOM = 0.2
+CLEARANCE = 0.2
 """Metres of clearance of what is traversable: the robot's radius and a little more."""
 NO_ROOM = len(ROOM_KINDS)
 """Number of the kind of a place in no room, such as a doorway."""
@@ -116,7 +116,7 @@ class PanoramaLabels:
 
     def scores(self, sources: NDArray[np.intp], goals: NDArray[np.intp]) -> Array:
         """(P, K) labels of F_S: max(1 - d / 20 m, 0), d from each direction's end to the goal."""
-        return np.maximum(1 - self.metres(sources, goals)[:, :-1] / FAR, 0.0)
+        return np.maximum(1 - self.metres(sources, goals)[:, :-1] / MAX_DISTANCE, 0.0)
 
     def metres(self, sources: NDArray[np.intp], goals: NDArray[np.intp]) -> Array:
         """(P, K + 1) geodesic metres to the goal, from each direction's end and from the source.
@@ -184,7 +184,7 @@ def explorable(
 
     In a map of the obstacles that the panorama shows within `radius`, the path to the point is at
     most 1.05 times as long as it were without obstacles. A robot needs room: obstacles block what
-    is within `ROOM` of them, those just beyond the map too.
+    is within `CLEARANCE` of them, those just beyond the map too.
 
     Args:
         ranges: (N, W) depth of the panoramas.
@@ -216,7 +216,7 @@ def direction_ends(
     ahead = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
     steps = np.arange(_STEP, radius + _STEP / 2, _STEP)
     points = poses[:, None, None, :2] + steps[:, None] * ahead[:, :, None]
-    free = np.logical_and.accumulate(scene.clearance.at(points) >= ROOM, axis=2)
+    free = np.logical_and.accumulate(scene.clearance.at(points) >= CLEARANCE, axis=2)
     metres = _STEP * free.sum(axis=2)
     return poses[:, None, :2] + metres[..., None] * ahead, metres
 
@@ -235,19 +235,19 @@ def _explorable(
 ) -> None:
     """See `explorable`: a map in the source's frame, with its middle cell around the source."""
     half = int(np.ceil(DETOUR * radius / _CELL)) + 1
-    side, room = 2 * half + 1, int(ROOM / _CELL) + 1
+    side, room = 2 * half + 1, int(CLEARANCE / _CELL) + 1
     cost, ends = np.empty((side, side), np.uint8), np.zeros((side, side), np.uint8)
     length, parent = np.empty(side * side, np.int32), np.empty(side * side, np.int32)
     for n in range(len(ranges)):
         cost[:] = 1
         for ray in range(len(bearings)):
-            if ranges[n, ray] >= radius + ROOM:  # nearer ones reach into the map
+            if ranges[n, ray] >= radius + CLEARANCE:  # nearer ones reach into the map
                 continue
             x = ranges[n, ray] * np.cos(bearings[ray]) / _CELL + half
             y = ranges[n, ray] * np.sin(bearings[ray]) / _CELL + half
             for i in range(int(y) - room, int(y) + room + 2):
                 for j in range(int(x) - room, int(x) + room + 2):
-                    near = (i - y) ** 2 + (j - x) ** 2 < (ROOM / _CELL) ** 2
+                    near = (i - y) ** 2 + (j - x) ** 2 < (CLEARANCE / _CELL) ** 2
                     if near and 0 <= i < side and 0 <= j < side:
                         cost[i, j] = 0
         spread(cost, half * side + half, ends, length, parent)

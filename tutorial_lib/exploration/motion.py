@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array, to_world, wrap
+from tutorial_lib.geometry import Array, to_local, to_world, wrap
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
 
 ACTIONS = (STOP, FORWARD, LEFT, RIGHT)
@@ -26,6 +26,16 @@ _STEP = 0.01  # metres between the places at which contact is tested
 def exact_motions(actions: NDArray[np.intp]) -> Array:
     """Motions (N, 3) of discrete actions (N,) without noise, in the robots' frames."""
     return np.array([EXACT[action] for action in actions.tolist()]).reshape(-1, 3)
+
+
+def actions_towards(poses: Array, points: Array, aim: float) -> NDArray[np.intp]:
+    """FORWARD, LEFT or RIGHT (N,) of robots at poses (N, 3) on the way to points (N, 2).
+
+    A robot turns while its heading is off by `aim` (rad) or more, which has to be more than half a
+    turn.
+    """
+    bearing = np.arctan2(*np.moveaxis(to_local(poses, points), -1, 0)[::-1])
+    return np.where(np.abs(bearing) < aim, FORWARD, np.where(bearing > 0, LEFT, RIGHT))
 
 
 def move(

@@ -9,7 +9,7 @@ from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS
 from tutorial_lib.exploration.labels import (
-    FAR,
+    MAX_DISTANCE,
     connected,
     direction_ends,
     explorable,
@@ -32,7 +32,7 @@ class TrueGeometry:
     def __init__(
         self, task: ExplorationTask, directions: int = DIRECTIONS, radius: float = RADIUS
     ) -> None:
-        """Look into `task`.
+        """Read poses and walls from `task`.
 
         Args:
             task: of which it knows all.
@@ -86,7 +86,7 @@ class TrueGeometry:
             scene = self._task.scenes[self._names[int(source[0])]]
             pose = source[None, 1:].astype(float)
             ends, _ = direction_ends(scene, pose, self._directions, self._radius)
-            found[row] = 1 - self._field(goal).distance(ends[0]) / FAR
+            found[row] = 1 - self._field(goal).distance(ends[0]) / MAX_DISTANCE
         return np.maximum(found, 0.0)
 
     def ranges(self, observations: Observation) -> Array:

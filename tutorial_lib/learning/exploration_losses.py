@@ -11,13 +11,12 @@ from torch import Tensor
 from torch.nn import functional
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS
+from tutorial_lib.exploration.labels import MAX_DISTANCE
 from tutorial_lib.learning.panorama_batches import PanoramaBatch
 from tutorial_lib.learning.panorama_network import Compared, Seen
 
 SCORE_WEIGHT = 10.0
 """Of squared errors of scores, as in the paper."""
-FARTHEST = 20.0
-"""Metres at which a semantic score is zero."""
 SPREAD = 0.5
 """Metres by which directions differ in the listwise loss: softmax(-d / 0.5 m)."""
 KIND_WEIGHT, ROOM_WEIGHT, OFFSET_WEIGHT, LIST_WEIGHT, DEPTH_WEIGHT = 0.1, 0.2, 0.3, 0.5, 0.5
@@ -81,7 +80,7 @@ def score_loss(scores: Tensor, metres: Tensor) -> Tensor:
         metres: (N, 12) from each direction's end to the goal; infinite for a direction with none.
     """
     possible = metres.isfinite()
-    wanted = (1.0 - torch.where(possible, metres, 0.0) / FARTHEST).clamp(min=0.0)
+    wanted = (1.0 - torch.where(possible, metres, 0.0) / MAX_DISTANCE).clamp(min=0.0)
     return SCORE_WEIGHT * _mean((scores - wanted).square(), possible)
 
 

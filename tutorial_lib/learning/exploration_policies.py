@@ -7,9 +7,9 @@ import torch
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.frontier import CROP
+from tutorial_lib.exploration.labels import MAX_DISTANCE
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.exploration_losses import FARTHEST
-from tutorial_lib.learning.goal_map_data import CROP
 from tutorial_lib.learning.goal_map_network import GoalMapNetwork
 from tutorial_lib.learning.imitation_network import MEMORY, ImitationNetwork
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
@@ -130,7 +130,7 @@ class LearnedFrontierScorer:
         encoded = (Encoded.of(torch.from_numpy(rows)) for rows in (here, goals))
         pairs = self.pairs.directions(*encoded)[0]
         scores = self.network(torch.from_numpy(crops), torch.from_numpy(padded), pairs).numpy()
-        return -(frontiers[:, 2] + FARTHEST * (1.0 - scores[robots, place].astype(float)))
+        return -(frontiers[:, 2] + MAX_DISTANCE * (1.0 - scores[robots, place].astype(float)))
 
 
 def _shipped(name: str) -> tuple[GoalMapNetwork, PanoramaNetwork]:

@@ -20,13 +20,14 @@ from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS
-from tutorial_lib.learning.exploration_losses import FARTHEST, SPREAD, listwise_loss, score_loss
-from tutorial_lib.learning.goal_map_data import CROP, GoalMaps
+from tutorial_lib.exploration.frontier import CROP
+from tutorial_lib.exploration.labels import MAX_DISTANCE
+from tutorial_lib.exploration.local_map import RESOLUTION
+from tutorial_lib.learning.exploration_losses import SPREAD, listwise_loss, score_loss
+from tutorial_lib.learning.goal_map_batches import GoalMaps
 from tutorial_lib.learning.panorama_encoder import SENSORS
 from tutorial_lib.learning.panorama_network import HIDDEN
 
-RESOLUTION = 0.1
-"""Metres of a cell."""
 _CHANNELS = (16, 24, 32)
 _LIST_WEIGHT = 0.5
 _WITHIN = 0.5  # metres by which a choice that counts as right may be longer
@@ -141,4 +142,4 @@ def _predicted(network: GoalMapNetwork, batch: GoalMaps) -> tuple[Tensor, Tensor
 
 def _totals(scores: Tensor, batch: GoalMaps) -> Tensor:
     """Metres (N, F) of the path by each frontier to the goal, as the scores have it."""
-    return batch.tensor("frontiers")[..., 2] + FARTHEST * (1.0 - scores)
+    return batch.tensor("frontiers")[..., 2] + MAX_DISTANCE * (1.0 - scores)

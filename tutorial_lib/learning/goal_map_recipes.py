@@ -8,7 +8,8 @@ from pathlib import Path
 
 from tutorial_lib.learning.exploration_data import training_plan, unseen_plan
 from tutorial_lib.learning.exploration_recipes import FIRST_STOPPING
-from tutorial_lib.learning.goal_map_data import GoalMapSource, goal_maps
+from tutorial_lib.learning.goal_map_batches import GoalMapSource
+from tutorial_lib.learning.goal_map_data import goal_maps
 from tutorial_lib.learning.goal_map_network import (
     GoalMapArchitecture,
     GoalMapNetwork,

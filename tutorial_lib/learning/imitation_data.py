@@ -21,15 +21,15 @@ from torch import Tensor
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import draw_episodes
-from tutorial_lib.exploration.motion import move
+from tutorial_lib.exploration.motion import actions_towards
+from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.files import make_folder, save_arrays
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.geometry import Array
 from tutorial_lib.learning.panorama_batches import VARIED, recoloured
 from tutorial_lib.parallel import for_each
 from tutorial_lib.reading.arrays import load_arrays
-from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.generators import SIGNS
-from tutorial_lib.world.noise import ACTUATION, FORWARD, LEFT, RIGHT, STOP, sample_motions
+from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera
 from tutorial_lib.world.worlds import scene_of, world_name
@@ -92,6 +92,7 @@ def _load(plan: tuple[str, int], folder: Path, counts: dict[str, int]) -> Expert
     except InputError:
         rng = np.random.default_rng([SEED, crc32(plan[0].encode()), plan[1]])
         arrays = record_expert(scenes["plain"], world_name(*plan), counts, rng)
+        arrays = {name: arrays[name] for name in _NAMES}
         save_arrays(path, arrays, version=_VERSION, compressed=True)
     return ExpertEpisodes(**{name: arrays[name] for name in _NAMES}, scenes=scenes)
 
@@ -117,26 +118,28 @@ def record_expert(
         rng: draws episodes, actuation noise and mistakes.
 
     Returns:
-        Arrays by the names of `ExpertEpisodes`.
+        Arrays by the names of `ExpertEpisodes`, and (E, T, 3) "odometry".
     """
     drawn = draw_episodes(world, scene, counts, rng)
     fields_ = GridPaths(scene.clearance).fields(drawn.goals[:, :2])
-    count, poses = len(drawn), drawn.starts.astype(float)
+    task, count = ExplorationTask({world: scene}, drawn, rng, limit=STEPS), len(drawn)
     executed, over = np.full(count, STOP), np.zeros(count, np.intp)
-    seen, labels, before, length = [], [], [], np.zeros(count, np.intp)
+    seen, odometry, labels, before = [], [], [], []
+    length = np.zeros(count, np.intp)
     for _ in range(STEPS):
-        action = expert_actions(scene, fields_, poses)
-        seen.append(poses)
+        action = expert_actions(scene, fields_, task.poses)
+        seen.append(task.poses)
+        odometry.append(task.odometry)
         labels.append(action)
         before.append(executed)
         length += over <= AFTER
         over += (action == STOP) | (over > 0)
         mistaken = (rng.random(count) < NOISE) | (action == STOP)
         executed = np.where(mistaken, rng.choice([FORWARD, LEFT, RIGHT], count), action)
-        motions = sample_motions(ACTUATION, executed, rng)
-        poses, _ = move(poses, motions, scene.plan.segments, DifferentialDrive.radius)
+        task.step(executed)
     return {
         "poses": np.stack(seen, axis=1),
+        "odometry": np.stack(odometry, axis=1),
         "actions": np.stack(labels, axis=1).astype(np.int8),
         "previous": np.stack(before, axis=1).astype(np.int8),
         "length": length.astype(np.int16),
@@ -148,10 +151,7 @@ def expert_actions(scene: Scene, paths: DistanceFields, poses: Array) -> NDArray
     """Actions (N,) of robots at poses (N, 3), each to the goal of its own index."""
     own = np.arange(len(poses))
     aims = paths.waypoints(poses[:, :2], own, scene.caster, _REACH)
-    ahead = to_local(poses, aims)
-    bearing = np.arctan2(ahead[:, 1], ahead[:, 0])
-    turn = np.where(bearing > 0, LEFT, RIGHT)
-    actions = np.where(np.abs(bearing) > _STRAIGHT, turn, FORWARD)
+    actions = actions_towards(poses, aims, _STRAIGHT)
     there = np.linalg.norm(poses[:, :2] - paths.goals, axis=1) < ARRIVED
     return np.where(there, STOP, actions)
 

@@ -15,12 +15,11 @@ from torch.nn import functional
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS
+from tutorial_lib.exploration.motion import ACTIONS
 from tutorial_lib.learning.imitation_data import ImitationBatch
 from tutorial_lib.learning.panorama_encoder import SENSORS, Encoded
 from tutorial_lib.learning.panorama_network import HIDDEN, PanoramaArchitecture, PanoramaNetwork
 
-ACTIONS = 4
-"""STOP, FORWARD, LEFT, RIGHT, see `world.noise`."""
 MEMORY = 96
 """Numbers that the GRU remembers."""
 _NARROW = 64
@@ -55,8 +54,8 @@ class ImitationNetwork(nn.Module):
         self.architecture = architecture
         self.pairs = PanoramaNetwork(PanoramaArchitecture(architecture.sensor))
         self.narrow = nn.Linear(DIRECTIONS * HIDDEN, _NARROW)
-        self.memory = nn.GRU(_NARROW + ACTIONS, MEMORY, batch_first=True)
-        self.choose = nn.Linear(MEMORY + _NARROW, ACTIONS)
+        self.memory = nn.GRU(_NARROW + len(ACTIONS), MEMORY, batch_first=True)
+        self.choose = nn.Linear(MEMORY + _NARROW, len(ACTIONS))
 
     def forward(
         self, seen: Encoded, goals: Encoded, previous: Tensor, memory: Tensor | None = None
@@ -71,7 +70,7 @@ class ImitationNetwork(nn.Module):
         """
         hidden, _, _ = self.pairs.directions(seen, goals)
         narrow = self.narrow(hidden.flatten(1)).relu().unflatten(0, previous.shape)
-        given = torch.cat([narrow, functional.one_hot(previous, ACTIONS).float()], dim=-1)
+        given = torch.cat([narrow, functional.one_hot(previous, len(ACTIONS)).float()], dim=-1)
         remembered, memory = self.memory(given, memory)
         return self.choose(torch.cat([remembered, narrow], dim=-1)), memory
 

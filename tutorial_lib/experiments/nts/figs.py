@@ -25,7 +25,7 @@ from tutorial_lib.exploration.episodes import (
     draw_episodes,
     exploration_world,
 )
-from tutorial_lib.exploration.labels import FAR, PanoramaLabels
+from tutorial_lib.exploration.labels import MAX_DISTANCE, PanoramaLabels
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.files import write_files
 from tutorial_lib.geometry import Array, to_world
@@ -115,7 +115,7 @@ def _two_goals(place: Place) -> Rows:
         far = np.where(explorable, metres[case], np.inf)
         same = {"pose": source, "goal": goals[case], "best": int(far.argmin())}
         choice = int(np.where(explorable, scores[case], -np.inf).argmax())
-        truth = np.maximum(1 - metres[case] / FAR, 0.0)
+        truth = np.maximum(1 - metres[case] / MAX_DISTANCE, 0.0)
         shown = {"explorable": explorable, "scores": scores[case], "truth": truth}
         rows.append(place.row(4, case, what, **same | shown | _choice(choice, far)))
         ghost = first[case]["chosen"]
