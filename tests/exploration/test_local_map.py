@@ -6,20 +6,29 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.conftest import make_box
+from tests.conftest import make_box, random_walls
 from tutorial_lib.exploration.frontier import (
     all_frontiers,
     crops,
     is_frontier,
     nearest_frontiers,
 )
-from tutorial_lib.exploration.grid_kernels import FREE, OCCUPIED, STRAIGHT, UNKNOWN, spread
+from tutorial_lib.exploration.grid_kernels import (
+    FREE,
+    OCCUPIED,
+    STRAIGHT,
+    UNKNOWN,
+    path_length,
+    spread,
+)
 from tutorial_lib.exploration.labels import panorama_ranges
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy, find_paths
-from tutorial_lib.geometry import compose
+from tutorial_lib.geometry import compose, distance_to_segments
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT
+from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import PanoramicCamera
 
 ONE = np.array([0])
 
@@ -83,6 +92,69 @@ def test_a_map_has_free_floor_walls_and_what_was_not_seen():
     assert (kinds(maps, [(1.5, 0.0), (-3.0, 0.0)]) == UNKNOWN).all()
     turned = seen_from([2.0, 2.0, 1.0], scene, at=[0, 0, 1.0])
     assert (turned.grids == maps.grids).mean() > 0.98
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_a_map_agrees_with_the_raycaster(seed):
+    """What is marked free is in sight and near; what is occupied is at a wall."""
+    rng = np.random.default_rng(seed)
+    walls = np.concatenate([random_walls(6, 6.0, rng), Scene(make_box(6.0, 6.0)).plan.segments])
+    pose = np.array([3.0, 3.0, rng.uniform(-3, 3)])
+    if distance_to_segments(pose[None, :2], walls).min() < 0.3:
+        return
+    caster, camera = Raycaster(walls), PanoramicCamera()
+    ranges = caster.cast(pose[None], camera.fan).distance[:, ::-1]
+    maps = LocalMaps(1, 9.0, 2.5)
+    maps.observe(ONE, pose[None], ranges)
+    for kind in (FREE, OCCUPIED):
+        cells = np.flatnonzero(maps.grids[0].ravel() == kind)
+        middles = maps.centres(np.zeros(len(cells), int), cells)
+        far = np.linalg.norm(middles - pose[:2], axis=1)
+        assert far.max(initial=0.0) < 2.5 + 0.15
+        if kind == OCCUPIED:
+            gaps = distance_to_segments(middles, walls).min(axis=1)
+            assert (gaps < 0.12).mean() > 0.8  # walls are drawn on between two rays
+        else:
+            assert len(cells) > 30
+            clear = distance_to_segments(middles, walls).min(axis=1) > 0.15
+            sees = caster.sees(np.tile(pose[:2], (len(middles), 1)), middles)
+            assert sees[clear].mean() > 0.94  # rays between two columns may graze an edge
+            assert (maps.grids[0] == FREE).sum() > 0.9 * 100 * visible_area(ranges[0], 2.3)
+
+
+def visible_area(ranges, reach):
+    """Square metres in sight within `reach`."""
+    return (np.pi / len(ranges)) * (np.minimum(ranges, reach) ** 2).sum()
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_a_path_s_length_is_that_of_its_steps_whatever_they_cost(seed):
+    rng = np.random.default_rng(seed)
+    cost = rng.choice([0, 1, 1, 1, 3, 8], (12, 12)).astype(np.uint8)
+    start = int(rng.integers(144))
+    length, parent = np.empty(144, np.int32), np.empty(144, np.int32)
+    spread(cost, start, np.zeros((12, 12), np.uint8), length, parent)
+    steps = nx.DiGraph()
+    steps.add_node(start)
+    for cell in np.flatnonzero(parent >= 0).tolist():
+        (i, j), (k, m) = divmod(cell, 12), divmod(int(parent[cell]), 12)
+        steps.add_edge(int(parent[cell]), cell, weight=np.hypot(i - k, j - m))
+    assert nx.is_arborescence(steps)
+    expected = nx.single_source_dijkstra_path_length(steps, start)
+    for cell, metres in expected.items():
+        assert path_length(parent, cell, 12) == pytest.approx(metres)
+        assert length[cell] >= 29 * metres - 0.2 * len(expected)  # no cell costs less than 1
+
+
+def test_a_frontier_s_metres_do_not_count_walls_more_than_once():
+    """In a corridor 0.8 m wide all cells are near a wall, and cost three times their length."""
+    maps = seen_from([5.0, 0.4, 0.0], Scene(make_box(20.0, 0.8)), LocalMaps(1, 16.0, 3.0))
+    for found in (f(maps, ONE, np.zeros((1, 3))) for f in (nearest_frontiers, all_frontiers)):
+        assert len(found.metres)
+        straight = np.linalg.norm(found.places, axis=1)
+        assert found.metres == pytest.approx(straight, abs=0.15)
 
 
 def test_what_is_seen_now_replaces_what_was_seen_before():

@@ -186,8 +186,8 @@ MUTATIONS = [
     (
         "a frontier that is far is as good as a near one",
         "learning/exploration_policies.py",
-        "-(frontiers[:, 2] + FARTHEST * (1.0 - scores[robots, place].astype(float)))",
-        "-FARTHEST * (1.0 - scores[robots, place].astype(float))",
+        "-(frontiers[:, 2] + MAX_DISTANCE * (1.0 - scores[robots, place].astype(float)))",
+        "-MAX_DISTANCE * (1.0 - scores[robots, place].astype(float))",
         "learning/test_goal_map.py -k any_number",
     ),
 ]
