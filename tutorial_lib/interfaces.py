@@ -13,104 +13,13 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.errors import InputError
+from tutorial_lib.observation import Experience, Goals, Observation
 
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
 HERE, Edges = -1, set[tuple[int, int]]
 """Where the robot is, in place of a vertex; and edges, from a vertex or from there to a vertex."""
-
-
-@dataclass(frozen=True)
-class Observation:
-    """All that an agent ever observes, for N robots at once.
-
-    Attributes:
-        image: (N, H, W, 3) uint8 RGB, left column = left of view.
-        depth: (N, W) float metres for each image column, or None where there is no depth camera.
-        laser: (N, B) float metres, B beams over the full circle, from -pi counter-clockwise.
-        odometry: (N, 3) pose since the start by wheel odometry; it drifts.
-        speed: (N,) m/s, negative in reverse.
-        steering: (N,) the car's steering angle in rad; for a differential drive its rad/s.
-    """
-
-    image: NDArray[np.uint8]
-    depth: NDArray[np.floating] | None
-    laser: NDArray[np.floating]
-    odometry: NDArray[np.float64]
-    speed: NDArray[np.float64]
-    steering: NDArray[np.float64]
-
-    def __len__(self) -> int:
-        return len(self.odometry)
-
-    def __getitem__(self, index: Any) -> Observation:  # noqa: ANN401 - any numpy index
-        """The robots that `index` selects (a mask, a slice, indices or one index), as a batch."""
-        index = [index] if isinstance(index, int | np.integer) else index
-        depth = None if self.depth is None else self.depth[index]
-        return Observation(
-            self.image[index],
-            depth,
-            self.laser[index],
-            self.odometry[index],
-            self.speed[index],
-            self.steering[index],
-        )
-
-    def pictures(self) -> Observation:
-        """The images, and depth where there is any, without what else was measured there.
-
-        The laser has no reading (not a number, as ROS REP 117 has it); odometry, speed and steering
-        are zero.
-        """
-        return Observation(
-            self.image,
-            self.depth,
-            np.full(np.shape(self.laser), np.nan),
-            np.zeros_like(self.odometry),
-            np.zeros_like(self.speed),
-            np.zeros_like(self.steering),
-        )
-
-    @classmethod
-    def joined(cls, parts: Sequence[Observation]) -> Observation:
-        """The robots of all parts, as one batch; depth only where all have it."""
-        depths = [part.depth for part in parts]
-        depth = None if any(d is None for d in depths) else np.concatenate(depths)
-        names = ("image", "laser", "odometry", "speed", "steering")
-        whole = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
-        return cls(depth=depth, **whole)
-
-
-@dataclass(frozen=True, eq=False)
-class Goals:
-    """Images of where a robot is to go (image-goal navigation); one of several is enough.
-
-    Whatever observations they are made of, only the pictures are kept: the odometry of who took
-    them would lead to the goal. A network that looks at the laser has its scans in the contexts.
-
-    Attributes:
-        observations: (G,) the pictures taken there, see `Observation.pictures`.
-        contexts: (G, 2k+1, ...) images of each in its context, as the network's view has them.
-
-    Raises:
-        InputError: when there is none, or not as many of both.
-    """
-
-    observations: Observation
-    contexts: NDArray
-
-    def __post_init__(self) -> None:
-        if not len(self.contexts) or len(self.contexts) != len(self.observations):
-            raise InputError(
-                f"goals: {len(self.observations)} observations, {len(self.contexts)} contexts; "
-                "give as many of both, one at least"
-            )
-        object.__setattr__(self, "observations", self.observations.pictures())
-
-    def __len__(self) -> int:
-        return len(self.contexts)
 
 
 @dataclass(frozen=True)
@@ -133,29 +42,6 @@ class Plan:
     def probability(self) -> float:
         """That every step succeeds, were they independent; 0 where there is no path."""
         return float(np.prod(self.probabilities)) if self.probabilities else 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class Experience:
-    """What a robot observed on one trajectory at 10 Hz; all that an agent learns from.
-
-    Attributes:
-        observations: (T,) in order.
-        timestamps: (T,) seconds, rising.
-
-    Raises:
-        InputError: when there are fewer than two, or not as many of both.
-    """
-
-    observations: Observation
-    timestamps: Array
-
-    def __post_init__(self) -> None:
-        if not 2 <= len(self.observations) == len(self.timestamps):
-            raise InputError(
-                f"experience: {len(self.observations)} observations, {len(self.timestamps)} "
-                "timestamps; give as many of both, two at least"
-            )
 
 
 Targets = Any
@@ -278,3 +164,79 @@ class Agent(Protocol):
 
     def start(self, goals: Sequence[Goals]) -> Navigation:
         """Send robots that stand somewhere in that building to one goal each."""
+
+
+@runtime_checkable
+class ExplorationModel(Protocol):
+    """The four functions of Neural Topological SLAM (Chaplot et al. 2020, section 4).
+
+    Features are rows: one of each panorama, which a node keeps. Directions are 12 bins; bin i is
+    centred on the bearing of 30 i degrees, counter-clockwise from the source's heading.
+    """
+
+    def embed(self, observations: Observation) -> NDArray[np.float32]:
+        """Features (N, D) of N panoramas, of a source or of a goal alike."""
+
+    def explorable(self, features: NDArray[np.float32]) -> Array:
+        """F_G: probabilities (N, 12) that a direction leads to explorable area."""
+
+    def same_node(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+        """F_L: calibrated probabilities (P,) that a goal is visible from its source within 3 m."""
+
+    def scores(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+        """F_S: scores (P, 12) in [0, 1], the higher the nearer a direction leads to the goal."""
+
+    def relative(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
+        """F_R: goals (P, 2) of the same node: bearing in the source's frame (rad), and metres."""
+
+    def ranges(self, observations: Observation) -> Array:
+        """Metres (N, W) to the wall in each column: measured, or predicted from the image."""
+
+
+@runtime_checkable
+class ExplorerAgent(Protocol):
+    """N robots in lock-step in places that they have never seen, each with a goal's picture.
+
+    One that can go on to other goals also has `look_for(goals)`: it keeps what it remembers.
+    """
+
+    def start(self, goals: Observation) -> None:
+        """Begin episodes towards `goals` (N,), see `Observation.pictures`; forget all before."""
+
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Discrete actions (N,) of all robots; those of robots not `running` (N,) do nothing."""
+
+
+@runtime_checkable
+class RecurrentPolicy(Protocol):
+    """A policy with a memory, such as one that imitates shortest paths."""
+
+    def start(self, goals: Observation) -> Any:  # noqa: ANN401 - whatever it remembers
+        """The state of N robots before their first step; its first axis counts the robots."""
+
+    def act(self, observations: Observation, state: Any) -> tuple[NDArray[np.intp], Any]:  # noqa: ANN401
+        """Discrete actions (N,), and the state after them."""
+
+
+@runtime_checkable
+class FrontierScorer(Protocol):
+    """Where on a metric map to look for a goal, in place of the nearest frontier."""
+
+    def score(
+        self,
+        crops: NDArray[np.uint8],
+        here: NDArray[np.float32],
+        goals: NDArray[np.float32],
+        frontiers: Array,
+        robots: NDArray[np.intp],
+    ) -> Array:
+        """Scores (F,) of frontiers, the higher the better.
+
+        Args:
+            crops: (N, S, S) of the map around each robot: 0 unknown, 1 free, 2 occupied; x of the
+                robot's frame runs along columns, y along rows, and the robot is in the middle.
+            here: (N, D) features of what each robot sees, see `ExplorationModel.embed`.
+            goals: (N, D) of what it looks for.
+            frontiers: (F, 3) x and y in the robot's frame, and metres to go.
+            robots: (F,) index of the robot of each frontier.
+        """

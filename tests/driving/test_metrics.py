@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tutorial_lib.driving.metrics import AHEAD, REACHED, STRAYED, covered
+from tutorial_lib.driving.metrics import AHEAD, REACHED, STRAYED, covered, spl
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import compose
 
@@ -120,3 +120,12 @@ def test_it_is_the_same_wherever_the_world_lies(seed):
 def test_what_is_no_path_is_refused(path, track, words):
     with pytest.raises(InputError, match=words):
         covered(path, track)
+
+
+@pytest.mark.parametrize("metres", [np.inf, np.nan, -1.0])
+def test_success_is_not_weighted_by_what_is_no_length(metres):
+    with pytest.raises(InputError, match=r"shortest: .*give finite metres"):
+        spl([1, 0], [2.0, metres], [1.0, 1.0])
+    with pytest.raises(InputError, match=r"travelled: .*give finite metres"):
+        spl([1, 0], [2.0, 2.0], [metres, 1.0])
+    assert spl([1, 1], [0.0, 3.0], [0.0, 4.0]).tolist() == [1.0, 0.75]

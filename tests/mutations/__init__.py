@@ -8,8 +8,8 @@ from importlib import import_module
 from typing import NamedTuple
 
 PARTS = (
-    "reading", "world", "driving", "learning", "topology", "agents", "experiments", "viz", "checks",
-    "project",
+    "reading", "world", "driving", "exploration", "learning", "topology", "agents", "experiments",
+    "viz", "checks", "project",
 )  # fmt: skip
 
 

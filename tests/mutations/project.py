@@ -3,14 +3,14 @@
 MUTATIONS = [
     (
         "a goal comes with the odometry of who took it",
-        "interfaces.py",
+        "observation.py",
         "np.zeros_like(self.odometry),",
         "self.odometry,",
         "test_interfaces.py",
     ),
     (
         "a goal comes with a laser scan",
-        "interfaces.py",
+        "observation.py",
         "np.full(np.shape(self.laser), np.nan),",
         "self.laser,",
         "test_interfaces.py",
@@ -107,7 +107,7 @@ MUTATIONS = [
     (
         "a demo that misses its goal ends well",
         "commands/demo.py",
-        "return 0 if outcome.reached else MISSED",
+        "return 0 if reached else MISSED",
         "return 0",
         "test_cli.py -k missed",
     ),

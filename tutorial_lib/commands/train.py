@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 from tutorial_lib.commands.constants import PROJECT
 from tutorial_lib.errors import InputError
-from tutorial_lib.learning import reach_recipes, recipes
+from tutorial_lib.learning import (
+    exploration_recipes,
+    goal_map_recipes,
+    imitation_recipes,
+    reach_recipes,
+    recipes,
+)
+from tutorial_lib.learning.panorama_encoder import SENSORS
 from tutorial_lib.learning.weights import save_network
 
 NETWORKS = {
@@ -14,28 +22,55 @@ NETWORKS = {
     "reachability": {**reach_recipes.REACHABILITY, "sptm": reach_recipes.SPTM},
 }
 """Recipes by name and k."""
+EXPLORATION = {
+    "nts": "the functions of Neural Topological SLAM",
+    "il": "a recurrent policy that imitates shortest paths; needs the weights of nts",
+    "ans_like": "a choice among frontiers of a metric map; needs the weights of nts",
+}
+"""Networks of exploration, by name; their recipes depend on the sensor."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the network's name and k."""
-    parser.add_argument("name", choices=tuple(NETWORKS))
+    """Declare the network's name, with k or the sensor."""
+    names = parser.add_subparsers(dest="name", required=True)
     choices = dict.fromkeys(k for known in NETWORKS.values() for k in known)
-    parser.add_argument("--k", choices=tuple(choices), required=True)
+    for name in NETWORKS:
+        names.add_parser(name).add_argument("--k", choices=tuple(choices), required=True)
+    for name, words in EXPLORATION.items():
+        command = names.add_parser(name, help=words)
+        command.add_argument("--sensor", choices=SENSORS, required=True)
+        if name == "nts":
+            command.add_argument("--blind", action="store_true", help="scores without the goal")
 
 
 def run(options: argparse.Namespace) -> int:
     """Train, and write the weights."""
-    known = NETWORKS[options.name]
-    if options.k not in known:
-        raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")
-    recipe = known[options.k]
-    if options.name == "waypoint":
-        network, card = recipes.train_local(recipe, recipes.WORK)
-    else:
-        network, card = reach_recipes.train_reachability(recipe, recipes.WORK)
+    recipe, train = _chosen(options)
+    network, card = train(recipe, recipes.WORK)
     path = save_network(network, card)
     # Otherwise the next call would resume a finished training.
     for checkpoint in recipe.checkpoints(recipes.WORK):
         checkpoint.unlink(missing_ok=True)
     print(f"wrote {path.relative_to(PROJECT)} after {card.minutes} min: {card.validation}")
     return 0
+
+
+def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
+    """The recipe, and the function that trains by it.
+
+    Raises:
+        InputError: when there is no such network of that k.
+    """
+    if options.name == "nts":
+        recipe = exploration_recipes.NTS[options.sensor, options.blind]
+        return recipe, exploration_recipes.train_nts
+    if options.name == "il":
+        return imitation_recipes.IMITATION[options.sensor], imitation_recipes.train_imitation
+    if options.name == "ans_like":
+        return goal_map_recipes.GOAL_MAPS[options.sensor], goal_map_recipes.train_goal_map
+    known = NETWORKS[options.name]
+    if options.k not in known:
+        raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")
+    if options.name == "waypoint":
+        return known[options.k], recipes.train_local
+    return known[options.k], reach_recipes.train_reachability

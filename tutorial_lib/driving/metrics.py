@@ -29,6 +29,28 @@ def time_limit(geodesic: ArrayLike) -> Array:
     return np.asarray(geodesic, dtype=float) / SLOWEST + GRACE
 
 
+def spl(success: ArrayLike, shortest: ArrayLike, travelled: ArrayLike) -> Array:
+    """Success weighted by path length (Anderson et al. 2018): of each episode, to be averaged.
+
+    Args:
+        success: (N,) of each episode.
+        shortest: (N,) geodesic metres from start to goal.
+        travelled: (N,) metres.
+
+    Raises:
+        InputError: when a length is negative or not finite.
+
+    >>> spl([1, 1, 0], [2.0, 2.0, 2.0], [4.0, 1.5, 2.0]).tolist()
+    [0.5, 1.0, 0.0]
+    """
+    shortest, travelled = np.asarray(shortest, float), np.asarray(travelled, float)
+    for name, metres in (("shortest", shortest), ("travelled", travelled)):
+        if not (np.isfinite(metres) & (metres >= 0)).all():
+            raise InputError(f"{name}: {metres.tolist()}; give finite metres from 0 on")
+    longest = np.maximum(np.maximum(shortest, travelled), 1e-9)
+    return np.asarray(success, float) * np.maximum(shortest, 1e-9) / longest
+
+
 def walls_crossed(caster: Raycaster, poses: Array) -> int:
     """How often a track among `poses` (T, N, 3) passes through a wall."""
     before, after = poses[:-1, :, :2].reshape(-1, 2), poses[1:, :, :2].reshape(-1, 2)

@@ -1,6 +1,13 @@
 """All experiments and benchmarks, by the names of their commands."""
 
-from tutorial_lib.experiments.benchmarks import control, fleet, map_building, raycast, reachability
+from tutorial_lib.experiments.benchmarks import (
+    control,
+    explore,
+    fleet,
+    map_building,
+    raycast,
+    reachability,
+)
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.meng2020 import (
     calibration,
@@ -17,6 +24,11 @@ from tutorial_lib.experiments.meng2020 import (
     table1,
     table2,
 )
+from tutorial_lib.experiments.nts import fig8 as nts_fig8
+from tutorial_lib.experiments.nts import figs as nts_figs
+from tutorial_lib.experiments.nts import scores as nts_scores
+from tutorial_lib.experiments.nts import table1 as nts_table1
+from tutorial_lib.experiments.nts import table2 as nts_table2
 from tutorial_lib.experiments.nts import wayfinding
 from tutorial_lib.experiments.robustness import disturbances, faults, plans
 
@@ -38,8 +50,13 @@ _EXPERIMENTS = (
     disturbances,
     faults,
     wayfinding,
+    nts_scores,
+    nts_table1,
+    nts_table2,
+    nts_fig8,
+    nts_figs,
 )
-_BENCHMARKS = (raycast, fleet, control, reachability, map_building)
+_BENCHMARKS = (raycast, fleet, control, reachability, map_building, explore)
 
 EXPERIMENTS: dict[str, Experiment] = {
     module.EXPERIMENT.name: module.EXPERIMENT for module in _EXPERIMENTS

@@ -1,14 +1,14 @@
 """One plain training loop: seeded, resumable, with a progress bar."""
 
 import io
-import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any, Protocol
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
@@ -16,78 +16,53 @@ from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.settings import Progress, Settings
 from tutorial_lib.learning.weights import digest_of
 from tutorial_lib.reading.checksums import sealed, unsealed
 from tutorial_lib.reading.limits import MAX_CHECKPOINT
 from tutorial_lib.reading.regular import read_bytes
 
 
-@dataclass(frozen=True)
-class Settings:
-    """Hyperparameters of a training.
+class Objective(Protocol):
+    """What kind of network is trained, and for what."""
 
-    Attributes:
-        max_steps: batches at most.
-        targets: of a batch; each has `STARTS` pairs.
-        learning_rate: the highest of Adam; it decays to zero along half a cosine.
-        warmup_steps: batches until it is reached.
-        eval_interval: batches between two evaluations on the validation worlds.
-        patience: evaluations without a better result after which training ends.
-        threads: of torch; the result depends on it in the last digits.
-        seed: of the initial weights and of the batches.
-    """
+    def build(self, architecture: Any) -> nn.Module:  # noqa: ANN401 - of that kind of network
+        """An untrained network."""
 
-    max_steps: int = 20_000
-    targets: int = 16
-    learning_rate: float = 2e-3
-    warmup_steps: int = 200
-    eval_interval: int = 1_000
-    patience: int = 6
-    threads: int = 1
-    seed: int = 0
+    def loss(self, network: Any, batch: Any) -> Tensor:  # noqa: ANN401 - of that kind
+        """Training loss of a batch."""
 
-    def learning_rate_at(self, step: int) -> float:
-        """The learning rate of a step."""
-        warmup = min(1.0, (step + 1) / self.warmup_steps)
-        decay = 0.5 * (1.01 + math.cos(math.pi * step / self.max_steps))
-        return self.learning_rate * warmup * decay
+    def measure(self, network: Any, validation: Sequence[Any]) -> dict[str, float]:  # noqa: ANN401
+        """What is measured on validation worlds; "validation" selects the best evaluation."""
 
 
-@dataclass
-class Progress:
-    """How far a training has got.
+class _LocalObjective:
+    """Networks of local control."""
 
-    Attributes:
-        step: batches learnt from.
-        history: for each evaluation the step, the mean training loss since the last one, and what
-            was measured on the validation worlds.
-        seconds: of training, summed over all interrupted runs.
-    """
+    def build(self, architecture: Architecture) -> LocalNetwork:
+        return LocalNetwork(architecture)
 
-    step: int = 0
-    history: list[dict[str, float]] = field(default_factory=list)
-    seconds: float = field(default=0.0, compare=False)
+    def loss(self, network: LocalNetwork, batch: Batch) -> Tensor:
+        return total_loss(network, batch)
 
-    @property
-    def best(self) -> int:
-        """Index of the evaluation with the smallest validation loss."""
-        losses = [evaluation["validation"] for evaluation in self.history]
-        return losses.index(min(losses))
+    def measure(self, network: LocalNetwork, validation: Sequence[Batch]) -> dict[str, float]:
+        return validate(network, validation)
 
-    def is_over(self, patience: int) -> bool:
-        """Whether the last `patience` evaluations were no better than one before."""
-        return bool(self.history) and len(self.history) - 1 - self.best >= patience
+
+LOCAL = _LocalObjective()
+"""Of the networks of local control."""
 
 
 def train(
-    architecture: Architecture,
+    architecture: Any,  # noqa: ANN401 - of the objective's kind of network
     source: Blocks,
-    validation: Sequence[Batch],
+    validation: Sequence[Any],
     settings: Settings,
     checkpoint: Path | None = None,
-    on_evaluation: Callable[[LocalNetwork, Progress], None] | None = None,
-    init_from: LocalNetwork | None = None,
-) -> tuple[LocalNetwork, Progress]:
+    on_evaluation: Callable[[Any, Progress], None] | None = None,
+    init_from: nn.Module | None = None,
+    objective: Objective = LOCAL,
+) -> tuple[Any, Progress]:
     """Train a network from scratch or resume from `checkpoint`, with the same resulting weights.
 
     Args:
@@ -98,6 +73,7 @@ def train(
         checkpoint: file to which the state is saved at every evaluation.
         on_evaluation: called with the network and the progress after every evaluation.
         init_from: trained network whose weights are copied where name and shape match.
+        objective: what kind of network it is, and its losses.
 
     Returns:
         The network with the weights of the best evaluation, and the progress.
@@ -107,11 +83,11 @@ def train(
     """
     torch.set_num_threads(settings.threads)
     torch.manual_seed(settings.seed)
-    fresh = LocalNetwork(architecture)
+    fresh = objective.build(architecture)
     if init_from is not None:
         copy_matching_weights(fresh, init_from)
     initial = "" if init_from is None else digest_of(init_from)
-    state = _State(fresh, settings, source, initial)
+    state = _State(fresh, settings, source, initial, objective)
     if checkpoint is not None:
         make_folder(checkpoint.parent)
         if checkpoint.exists():
@@ -135,7 +111,7 @@ def train(
     return network.eval(), progress
 
 
-def copy_matching_weights(network: LocalNetwork, trained: LocalNetwork) -> None:
+def copy_matching_weights(network: nn.Module, trained: nn.Module) -> None:
     """Copy every weight of `trained` that has a counterpart of the same shape in `network`."""
     own = network.state_dict()
     matching = {
@@ -150,9 +126,15 @@ class _State:
     """All that changes while a network trains."""
 
     def __init__(
-        self, network: LocalNetwork, settings: Settings, source: Blocks, initial: str
+        self,
+        network: nn.Module,
+        settings: Settings,
+        source: Blocks,
+        initial: str,
+        objective: Objective = LOCAL,
     ) -> None:
         self.network, self.settings, self.progress = network, settings, Progress()
+        self.objective = objective
         self.recipe = {
             **asdict(network.architecture),
             **asdict(settings),
@@ -164,21 +146,21 @@ class _State:
         self.losses: list[float] = []
         self.evaluated = time.monotonic()
 
-    def learn(self, batch: Batch) -> None:
+    def learn(self, batch: Any) -> None:  # noqa: ANN401 - the source's
         """One gradient step."""
         for group in self.optimizer.param_groups:
             group["lr"] = self.settings.learning_rate_at(self.progress.step)
-        loss = total_loss(self.network, batch)
+        loss = self.objective.loss(self.network, batch)
         self.optimizer.zero_grad()
         loss.backward()
         self.optimizer.step()
         self.progress.step += 1
         self.losses.append(loss.item())
 
-    def evaluate(self, validation: Sequence[Batch]) -> dict[str, float]:
+    def evaluate(self, validation: Sequence[Any]) -> dict[str, float]:
         """Evaluate on the validation worlds, and keep the weights if they are the best so far."""
         evaluation = {"training": sum(self.losses) / len(self.losses)}
-        evaluation |= validate(self.network, validation)
+        evaluation |= self.objective.measure(self.network, validation)
         self.losses.clear()
         now = time.monotonic()
         self.progress.seconds += now - self.evaluated
@@ -227,7 +209,7 @@ class _State:
         raise InputError(f"{path}: a checkpoint of another training, {state['recipe']}; {advice}")
 
 
-def _copy(network: LocalNetwork) -> dict[str, Tensor]:
+def _copy(network: nn.Module) -> dict[str, Tensor]:
     return {name: value.detach().clone() for name, value in network.state_dict().items()}
 
 

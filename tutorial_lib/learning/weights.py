@@ -4,15 +4,19 @@ import hashlib
 import json
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import torch
 from safetensors import SafetensorError
 from safetensors.torch import load, save
+from torch import nn
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder, write_files
+from tutorial_lib.learning.goal_map_network import GoalMapArchitecture, GoalMapNetwork
+from tutorial_lib.learning.imitation_network import ImitationArchitecture, ImitationNetwork
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
+from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_WEIGHTS
@@ -20,6 +24,14 @@ from tutorial_lib.reading.regular import read_bytes
 
 FOLDER = Path(__file__).resolve().parent.parent / "weights"
 """Of the weights that come with the library."""
+KINDS: dict[str, tuple[type, type[nn.Module]]] = {
+    "local": (Architecture, LocalNetwork),
+    "panorama": (PanoramaArchitecture, PanoramaNetwork),
+    "imitation": (ImitationArchitecture, ImitationNetwork),
+    "goal_map": (GoalMapArchitecture, GoalMapNetwork),
+}
+"""Architecture and network by the kind that a card's architecture names; "local" if it has none."""
+Network = TypeVar("Network", bound=nn.Module)
 _LARGE = 1e12  # no number on a card is
 
 
@@ -42,7 +54,7 @@ class Card:
 
     name: str
     command: str
-    architecture: Architecture
+    architecture: Any  # one of KINDS
     recipe: dict[str, Any] = field(default_factory=dict)
     validation: dict[str, float] = field(default_factory=dict)
     calibration: dict[str, Any] = field(default_factory=dict)
@@ -52,7 +64,7 @@ class Card:
     sha256: str = ""
 
 
-def save_network(network: LocalNetwork, card: Card, folder: Path = FOLDER) -> Path:
+def save_network(network: nn.Module, card: Card, folder: Path = FOLDER) -> Path:
     """Write `NAME.safetensors` in half precision and the card `NAME.json` beside it.
 
     Returns:
@@ -86,7 +98,8 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
         if CHECKSUM in text:  # cards of older versions have none
             text = without_checksum(text)
         _check_card(text, name)
-        return Card(**(text | {"architecture": Architecture(**text["architecture"])}))
+        kind = KINDS[text["architecture"].get("kind", "local")][0]
+        return Card(**(text | {"architecture": kind(**text["architecture"])}))
     except (InputError, KeyError, TypeError) as error:
         raise InputError(f"{path}: not a card of weights ({error}); {again}") from error
 
@@ -115,8 +128,13 @@ def _check_card(text: Any, name: str) -> None:  # noqa: ANN401 - anything JSON c
         raise InputError("minutes, validation, or calibration: finite numbers belong there")
 
 
-def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
+def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = LocalNetwork) -> Network:
     """A trained network by its name, ready for inference.
+
+    Args:
+        name: of the weights.
+        folder: that holds them.
+        wanted: the class that it must have.
 
     Raises:
         InputError: when file or card is missing, the hash differs or the shapes do not fit; it
@@ -128,7 +146,7 @@ def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
     data = read_bytes(path, MAX_WEIGHTS, again)
     if hashlib.sha256(data).hexdigest() != card.sha256:
         raise InputError(f"{path}: not the file that its card describes (SHA-256 differs); {again}")
-    network = LocalNetwork(card.architecture)
+    network = _network_of(card, wanted, path)
     try:
         weights = {key: value.float() for key, value in load(data).items()}
         network.load_state_dict(weights)
@@ -137,7 +155,15 @@ def load_network(name: str, folder: Path = FOLDER) -> LocalNetwork:
     return network.eval().to(memory_format=torch.channels_last)
 
 
-def digest_of(network: LocalNetwork) -> str:
+def _network_of(card: Card, wanted: type[Network], path: Path) -> Network:
+    """An untrained network of the card's architecture."""
+    kind = dict(KINDS.values())[type(card.architecture)]
+    if kind is not wanted:
+        raise InputError(f"{path}: holds a {kind.__name__} where a {wanted.__name__} is needed")
+    return wanted(card.architecture)
+
+
+def digest_of(network: nn.Module) -> str:
     """A short name for a network's weights: the same ones have the same."""
     found = hashlib.sha256()
     for name, value in sorted(network.state_dict().items()):

@@ -136,8 +136,11 @@ class Mixture:
 
     def sample(self, count: int, rng: Rng) -> Array:
         """`count` motions (count, 3): metres ahead, metres to the left, rad."""
-        mode = rng.choice(len(self.weights), size=count, p=self.weights)
-        noise = rng.normal(size=(count, 3))
+        return self.motions(rng.random(count), rng.normal(size=(count, 3)))
+
+    def motions(self, luck: Array, noise: Array) -> Array:
+        """Motions (N, 3) from `luck` (N,) in [0, 1), uniform, and `noise` (N, 3), normal."""
+        mode = np.searchsorted(np.cumsum(self.weights)[:-1], luck, side="right")
         return np.take(self.means, mode, axis=0) + np.take(self.deviations, mode, axis=0) * noise
 
 
@@ -181,6 +184,36 @@ def sample_motions(table: dict[int, Mixture], actions: NDArray[np.intp], rng: Rn
         chosen = np.flatnonzero(actions == action)
         motions[chosen] = mixture.sample(len(chosen), rng)
     return motions
+
+
+class DiscreteNoise:
+    """`ACTUATION` and `ODOMETRY` of N robots, each with a random stream of its own.
+
+    As much is drawn for each action, also for `STOP`: the noise of a robot follows from the
+    generator, its number and its own actions, whatever the other robots do and however many there
+    are.
+    """
+
+    def __init__(self, robots: int, rng: Rng) -> None:
+        """Spawn a stream of `rng` for each of N robots."""
+        self._streams = rng.spawn(robots)
+        self._luck, self._noise = np.empty((0, robots, 2)), np.empty((0, robots, 2, 3))
+        self._row = 0
+
+    def draw(self, actions: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Motions (N, 3) of discrete actions (N,), and errors (N, 3) of the odometry's reading."""
+        if self._row == len(self._luck):
+            self._luck = np.stack([s.random((_STEPS_DRAWN, 2)) for s in self._streams], axis=1)
+            normal = [s.normal(size=(_STEPS_DRAWN, 2, 3)) for s in self._streams]
+            self._noise, self._row = np.stack(normal, axis=1), 0
+        luck, noise = self._luck[self._row], self._noise[self._row]
+        self._row += 1
+        drawn = np.zeros((2, len(actions), 3))
+        for action in np.unique(actions).tolist():
+            rows = np.flatnonzero(actions == action)
+            for number, table in enumerate((ACTUATION, ODOMETRY)):
+                drawn[number, rows] = table[action].motions(luck[rows, number], noise[rows, number])
+        return drawn[0], drawn[1]
 
 
 class DiscreteOdometry:

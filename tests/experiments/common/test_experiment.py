@@ -137,10 +137,11 @@ def test_every_entry_declares_settings_and_worlds_of_its_own(entry):
 
 
 def test_commands_and_their_ablations_are_those_of_the_design():
-    assert list(BENCHMARKS) == ["raycast", "fleet", "control", "reachability", "map"]
+    assert list(BENCHMARKS) == ["raycast", "fleet", "control", "reachability", "map", "explore"]
     figures = {f"meng_fig{number}" for number in (4, 5, 6, 7, 8, 9, 10, 11, 12, 13)}
     tables = {"plans", "meng_table1", "meng_table2", "calibration", "disturbances", "faults"}
-    assert set(EXPERIMENTS) == figures | tables | {"nts_wayfinding"}
+    nts = {"nts_wayfinding", "nts_scores", "nts_table1", "nts_table2", "nts_fig8"}
+    assert set(EXPERIMENTS) == figures | tables | nts
     assert set(ABLATIONS) == {
         "meng_table1 encoder",
         "meng_table1 worlds",
@@ -149,4 +150,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "meng_fig12 localization",
         "meng_fig13 reuse",
         "calibration audit",
+        "nts_table1 geometry",
+        "nts_table2 geometry",
+        "nts_fig8 geometry",
     }

@@ -8,23 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.exploration.episodes import DIFFICULTIES
+from tutorial_lib.exploration.labels import NO_ROOM, direction_ends, room_kinds
 from tutorial_lib.geometry import Array
-from tutorial_lib.world.floorplan import ROOM_KINDS, FloorPlan
+from tutorial_lib.learning.exploration_data import SHORTEST
 from tutorial_lib.world.generators.wayfinding import Depth
 from tutorial_lib.world.scene import Scene
 
-DIRECTIONS = 12
-REACH = 3.0
-"""Metres of the local map (Chaplot et al. 2020, III)."""
-SHORTEST = 1.0
-"""Metres that a direction must be traversable to be chosen."""
-ROOM = 0.2
-"""Metres of clearance of what is traversable."""
-DIFFICULTIES = {"easy": (1.5, 3.0), "medium": (3.0, 5.0), "hard": (5.0, 10.0)}
-"""Geodesic metres to the goal (Chaplot et al. 2020, IV)."""
-NO_ROOM = len(ROOM_KINDS)
-"""Number of the kind of a place in no room, such as a doorway."""
-_STEP = 0.1  # metres between the points of a direction that are tested
 _PLACES, _GOALS = 150, 24
 
 
@@ -64,7 +54,8 @@ def decisions(scene: Scene, rng: np.random.Generator, *, signs: bool) -> Decisio
     nodes = np.flatnonzero(paths.largest)
     places = paths.points[rng.choice(nodes, _PLACES)]
     goals = paths.points[rng.choice(nodes, _GOALS)]
-    ends, long = _ends(scene, places, rng)
+    headings = rng.uniform(0.0, 2 * np.pi, len(places))
+    ends, long = direction_ends(scene, np.column_stack([places, headings]))
     fields = paths.fields(goals, shortest=True)
     reading = _Reading(scene, signs)
     from_here, at_end = reading.of(places), reading.of(ends.reshape(-1, 2))
@@ -95,32 +86,31 @@ def _known(here: Array, ends: Array, goal: Array) -> tuple[Array, Array]:
     return np.column_stack([here, ends, ends - here]), np.column_stack(added)
 
 
-def best_chosen(
-    found: Decisions, scores: Array, within: float
-) -> tuple[NDArray, NDArray[np.bool_]]:
-    """For each decision its difficulty, and whether the highest score is about the best choice.
+def regret_of(scores: Array, metres: Array) -> Array:
+    """Metres (N,) by which the direction of the highest score is longer than the best.
+
+    Args:
+        scores: (N, K) of K directions.
+        metres: (N, K) to the goal, infinite for a direction that is none.
+    """
+    chosen = np.where(np.isfinite(metres), scores, -np.inf).argmax(axis=1)
+    return metres[np.arange(len(metres)), chosen] - metres.min(axis=1)
+
+
+def regret_in(found: Decisions, scores: Array) -> tuple[NDArray[np.intp], Array]:
+    """For each decision its difficulty, and its regret in metres, see `regret_of`.
 
     Args:
         found: the decisions.
         scores: (D,) of every direction.
-        within: metres by which the chosen direction may be longer than the shortest.
     """
-    first = np.flatnonzero(np.diff(found.number, prepend=-1))
-    order = np.lexsort((-scores, found.number))
-    chosen = found.metres[order[first]]
-    return found.difficulty[first], chosen <= np.minimum.reduceat(found.metres, first) + within
-
-
-def _ends(scene: Scene, places: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """Ends (P, 12, 2) of all directions from P places, and metres (P, 12) up to them."""
-    headings = rng.uniform(0.0, 2 * np.pi, len(places))[:, None]
-    headings = headings + np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
-    ahead = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
-    steps = np.arange(_STEP, REACH + _STEP / 2, _STEP)
-    points = places[:, None, None] + steps[:, None] * ahead[:, :, None]
-    free = np.logical_and.accumulate(scene.clearance.at(points) >= ROOM, axis=2)
-    long = _STEP * free.sum(axis=2)
-    return places[:, None] + long[..., None] * ahead, long
+    first, counts = np.unique(found.number, return_index=True, return_counts=True)[1:]
+    row = np.repeat(np.arange(len(first)), counts)
+    column = np.arange(len(row)) - first[row]
+    shape = (len(first), counts.max(initial=1))
+    likings, metres = np.full(shape, -np.inf), np.full(shape, np.inf)
+    likings[row, column], metres[row, column] = scores, found.metres
+    return found.difficulty[first], regret_of(likings, metres)
 
 
 class _Reading:
@@ -131,16 +121,8 @@ class _Reading:
 
     def of(self, points: Array) -> Array:
         """(N, F) numbers for points (N, 2)."""
-        kinds = _kinds(self._scene.plan, points)
+        kinds = room_kinds(self._scene.plan, points)
         flags = (kinds[:, None] == np.arange(NO_ROOM + 1)).astype(float)
         clearance = self._scene.clearance.at(points)
         depth = np.zeros(len(points)) if self._depth is None else self._depth.by_room(points)
         return np.column_stack([flags, clearance, depth])
-
-
-def _kinds(plan: FloorPlan, points: Array) -> NDArray[np.intp]:
-    """(N,) the kind of the room in which each point lies."""
-    kinds = np.full(len(points), NO_ROOM)
-    for room in plan.rooms:
-        kinds[room.contains(points)] = ROOM_KINDS.index(room.kind)
-    return kinds

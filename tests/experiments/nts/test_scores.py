@@ -1,0 +1,74 @@
+"""The first choice of scores: decisions, regret, colours, and the table."""
+
+import numpy as np
+import pytest
+
+from tests.conftest import in_turn
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.nts import scores
+from tutorial_lib.experiments.nts.scores import SCORES, Settings, choices
+from tutorial_lib.exploration.labels import PanoramaLabels
+from tutorial_lib.learning.exploration_data import random_poses
+from tutorial_lib.world.worlds import scene_of
+
+WORLD = "office/1/standard"
+SMALL = Settings(places=20, goals=6, sensors=("rgbd",))
+
+
+class Perfect:
+    """Scores by the true distances in the office, or the same ones for all directions."""
+
+    def __init__(self, blind):
+        self.blind = blind
+
+    def embed(self, seen):
+        return np.arange(len(seen), dtype=np.float32)[:, None]
+
+    def scores(self, sources, goals):
+        scene = scene_of(WORLD)
+        poses = random_poses(scene, 26, np.random.default_rng([0, scene.plan.seed]))
+        source, goal = (rows[:, 0].astype(int) for rows in (sources, goals))
+        metres = PanoramaLabels(scene, poses).metres(source, goal)[:, :-1]
+        return np.zeros_like(metres) if self.blind else np.nan_to_num(-metres, neginf=-99.0)
+
+
+@pytest.fixture
+def perfect(monkeypatch):
+    """Nothing is loaded: F_S knows all distances, and the blind network none."""
+    monkeypatch.setattr(scores, "LearnedExploration", lambda name: Perfect("blind" in name))
+
+
+def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):
+    found = choices(WORLD, 0, SMALL)
+    assert set(np.unique(found.difficulty)) == {0, 1, 2}
+    assert set(found.regret) == {("rgbd", score) for score in SCORES}
+    for regret in found.regret.values():
+        assert regret.shape == found.difficulty.shape
+        assert (regret >= 0).all()
+    assert found.regret["rgbd", "semantic"].max() == 0.0
+    assert found.regret["rgbd", "random"].mean() > 0.5
+    scene = scene_of(WORLD)
+    poses = random_poses(scene, 26, np.random.default_rng([0, scene.plan.seed]))
+    far = np.concatenate(
+        [
+            GridPaths(scene.clearance).between(poses[:20, :2], np.tile(poses[i, :2], (20, 1)))
+            for i in range(20, 26)
+        ]
+    )
+    assert 0.8 * ((far >= 1.5) & (far < 10)).sum() <= len(found.difficulty)
+
+
+def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
+    monkeypatch.setattr(scores, "for_each", in_turn)
+    monkeypatch.setattr(scores, "exploration_world", lambda seed, signs: WORLD)
+    rows, _ = scores.run(Options(worlds=(20_000, 20_001)), SMALL)
+    keys = [tuple(row[key] for key in ("score", "sensor", "signs", "difficulty")) for row in rows]
+    assert len(set(keys)) == len(keys) == 4 * 1 * 2 * 3
+    for row in rows:
+        assert row["low"] <= row["top1"] <= row["high"]
+        if row["score"] == "semantic":
+            assert (row["top1"], row["regret"], row["gain"]) == (1.0, 0.0, None)
+        else:
+            assert row["gain"] == pytest.approx(1.0 - row["top1"])
+            assert row["gain_low"] <= row["gain"] <= row["gain_high"]

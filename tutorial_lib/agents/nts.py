@@ -1,0 +1,209 @@
+"""Neural Topological SLAM (Chaplot et al. 2020): explores by a graph with ghost nodes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
+from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
+from tutorial_lib.exploration.ghost_graph import GhostGraph
+from tutorial_lib.exploration.global_policy import GhostChoice, choose_ghost, subgoal
+from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed
+from tutorial_lib.exploration.graph_update import GraphUpdate, Memory, free_metres
+from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.interfaces import ExplorationModel
+from tutorial_lib.observation import Observation
+
+_APART = 1.0  # metres between a node and a ghost that is explored by a node of its own
+
+
+@dataclass(frozen=True)
+class NTSSettings:
+    """The paper's agent, and what is changed in it.
+
+    Attributes:
+        use_graph: without it, the best direction of the present panorama is taken, and nothing is
+            remembered (the paper's ablation, section 6.1).
+        use_score: without it, scores are random: a ghost is drawn (the other ablation).
+        explored_by_sight: ghosts that another node sees well go to the reserve; in the paper they
+            stay. It helps where scores are poor, and costs where they are good.
+        same_node: probability of F_L from which a robot is in a node.
+        explorable: probability of F_G from which a direction gets a ghost.
+        directions: of each node, as many as the model has; 12 in the paper.
+        radius: metres from a node to its ghosts, as of the model's; 3 in the paper.
+        choice: how ghosts are compared.
+        search: how the goal is noticed.
+    """
+
+    use_graph: bool = True
+    use_score: bool = True
+    explored_by_sight: bool = False
+    same_node: float = 0.5
+    explorable: float = 0.5
+    directions: int = DIRECTIONS
+    radius: float = RADIUS
+    choice: GhostChoice = field(default_factory=GhostChoice)
+    search: SearchSettings = field(default_factory=SearchSettings)
+
+
+class NTSAgent:
+    """The `ExplorerAgent` of the paper, over any `ExplorationModel`.
+
+    Attributes:
+        robots: what each of the N robots remembers, and where it is going.
+        search: their local maps and goals.
+    """
+
+    def __init__(
+        self,
+        model: ExplorationModel,
+        rng: np.random.Generator,
+        settings: NTSSettings | None = None,
+    ) -> None:
+        """Explore with `model`; `rng` breaks ties, from a stream of its own for each robot."""
+        self._model, self._rng = model, rng
+        self._settings = NTSSettings() if settings is None else settings
+        chosen = self._settings
+        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable, chosen.radius)
+
+    def start(self, goals: Observation) -> None:
+        """Begin episodes towards `goals` (N,); forget all before."""
+        chosen, count = self._settings, len(goals)
+        shape = (chosen.directions, chosen.radius)
+        self.robots = [
+            ExploringRobot(rng, Memory(GhostGraph(*shape, by_sight=chosen.explored_by_sight)))
+            for rng in self._rng.spawn(count)
+        ]
+        self.search = GoalSearch(self._model, goals, self._settings.search)
+        self._targets, self._last = np.zeros((count, 2)), np.zeros(count, bool)
+        self._reacting = np.zeros(count, bool)
+
+    def look_for(self, goals: Observation) -> None:
+        """Go on to other goals (N,), and keep graphs and maps (section 6.1)."""
+        self.search.look_for(goals)
+        self._reacting[:] = False
+        for number, robot in enumerate(self.robots):
+            robot.go_to(None)
+            if robot.memory.features and self._settings.use_graph:
+                nodes = np.array(robot.memory.features)
+                robot.scores = list(self._scores(nodes, np.full(len(nodes), number)))
+                robot.go_to(self._remembered(nodes, self.search.goals[number]))
+
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Actions (N,) of all robots; those not `running` (N,) stop."""
+        sensed = self.search.sense(observations, running)
+        for number, odometry in zip(sensed.robots, sensed.odometry, strict=True):
+            self.robots[number].memory.move(odometry)
+        if self._settings.use_graph:
+            self._remember(sensed)
+            self._explore(sensed.robots)
+        else:
+            self._react(sensed)
+        actions = self.search.drive(sensed, self._targets)
+        self._watch(sensed)
+        return actions
+
+    def _remember(self, sensed: Sensed) -> None:
+        """Update the graphs of the robots that look."""
+        looking = sensed.robots[sensed.looking]
+        if not len(looking):
+            return
+        robots, ranges = [self.robots[number] for number in looking], sensed.ranges[sensed.looking]
+        made = self._update.update([r.memory for r in robots], sensed.features, ranges)
+        there = [m for m in np.flatnonzero(~made) if robots[m].reached and self._resolve(robots[m])]
+        self._update.add_nodes(
+            [robots[m].memory for m in there], sensed.features[there], ranges[there]
+        )
+        made[there] = True
+        new = np.flatnonzero(made)
+        scores = self._scores(sensed.features[new], looking[new])
+        for m, row in zip(new, scores, strict=True):
+            robots[m].scores.append(row)
+            if robots[m].destination is None or robots[m].destination.ghost is not None:
+                robots[m].go_to(None)
+
+    def _resolve(self, robot: ExploringRobot) -> bool:
+        """A destination was reached; whether its place becomes a node."""
+        memory, ghost = robot.memory, robot.destination.ghost if robot.destination else None
+        robot.go_to(None)
+        if ghost is None:
+            return False
+        memory.graph.remove(ghost)
+        return bool(np.linalg.norm(memory.offset[:2]) >= _APART)
+
+    def _explore(self, robots: NDArray[np.intp]) -> None:
+        """Choose where to go for the robots that have to, and the next point on the path."""
+        for number in robots:
+            robot = self.robots[number]
+            memory = robot.memory
+            if not robot.is_valid():
+                robot.go_to(self._choose(robot))
+            node, place = robot.destination.node, robot.destination.place
+            self._targets[number], self._last[number] = subgoal(memory, node, place)
+
+    def _choose(self, robot: ExploringRobot) -> Destination:
+        """The best ghost; where none is left, a node, from which the goal may be seen."""
+        memory, scores = robot.memory, np.array(robot.scores)
+        if not self._settings.use_score:  # drawn anew, or all but the newest had lost before
+            scores = robot.rng.random(scores.shape)
+        ghost = choose_ghost(memory, scores, self._settings.choice, robot.rng)
+        if ghost is None:
+            return Destination(int(robot.rng.integers(len(memory.graph))), np.zeros(2))
+        return Destination(ghost.node, memory.graph.place_of(ghost), ghost)
+
+    def _react(self, sensed: Sensed) -> None:
+        """Without a graph: drive in the best direction of the present panorama."""
+        looking = sensed.looking
+        numbers = sensed.robots[looking]
+        reached = np.array([self.robots[number].reached for number in numbers], dtype=bool)
+        due = np.flatnonzero(~self._reacting[numbers] | reached)
+        if not len(due):
+            return
+        numbers, ranges = numbers[due], sensed.ranges[looking[due]]
+        explorable = self._model.explorable(sensed.features[due]) >= self._settings.explorable
+        radius, directions = self._settings.radius, self._settings.directions
+        free = free_metres(ranges, directions, radius)
+        scores = self._scores(sensed.features[due], numbers) + explorable * 2.0 + (free > _APART)
+        best = scores.argmax(axis=1)
+        bearing = bearing_of(best, directions)
+        ahead = radius * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
+        self._targets[numbers] = to_world(sensed.odometry[looking[due]], ahead)
+        self._last[numbers] = True
+        self._reacting[numbers] = True
+        for number in numbers:
+            self.robots[number].go_to(None)
+
+    def _watch(self, sensed: Sensed) -> None:
+        """Look again where a destination is reached."""
+        for number, odometry in zip(sensed.robots, sensed.odometry, strict=True):
+            robot = self.robots[number]
+            if self.search.found[number]:
+                robot.interrupt()
+                continue
+            left, last = float(self.search.left[number]), bool(self._last[number])
+            robot.watch(self._targets[number], odometry[:2], left, last)
+            if robot.reached:
+                self.search.look_again(np.array([number]))
+
+    def _scores(self, features: NDArray[np.float32], robots: NDArray[np.intp]) -> Array:
+        """F_S (M, K) towards the goals of these robots, or random scores."""
+        if not self._settings.use_score:
+            count = self._settings.directions
+            drawn = [self.robots[number].rng.random(count) for number in robots]
+            return np.array(drawn).reshape(len(robots), count)
+        return self._model.scores(features, self.search.goals[robots])
+
+    def _remembered(
+        self, nodes: NDArray[np.float32], goal: NDArray[np.float32]
+    ) -> Destination | None:
+        """The place of a goal that is visible from a node of the graph; None if from no node."""
+        goals = np.repeat(goal[None], len(nodes), axis=0)
+        likely = self._model.same_node(nodes, goals)
+        best = int(likely.argmax())
+        if likely[best] < self._settings.search.visible:
+            return None
+        bearing, metres = self._model.relative(nodes[[best]], goals[[best]])[0]
+        return Destination(best, metres * np.array([np.cos(bearing), np.sin(bearing)]))

@@ -1,0 +1,122 @@
+"""The agents that explore, by their names in tables, with shipped networks or with an oracle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from tutorial_lib.agents.frontier import FrontierAgent
+from tutorial_lib.agents.imitation import ImitationAgent
+from tutorial_lib.agents.nts import NTSAgent, NTSSettings
+from tutorial_lib.agents.oracle_explorer import OracleExplorer
+from tutorial_lib.agents.random_walk import RandomWalkAgent
+from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.other_scores import HistogramScores, ScoresOf
+from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.exploration.true_geometry import TrueGeometry
+from tutorial_lib.interfaces import ExplorationModel, ExplorerAgent
+from tutorial_lib.learning.exploration_model import LearnedExploration
+from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer, LearnedImitation
+from tutorial_lib.learning.weights import FOLDER
+
+AGENTS = {
+    "rgbd": (
+        *("nts", "nts_no_graph", "nts_no_score", "nts_blind"),
+        *("fbe", "ans_like", "il", "random", "oracle"),
+    ),
+    "rgb": ("nts", "nts_blind", "ans_like", "il"),
+}
+"""The agents of Table 1 by sensor. Frontier exploration maps measured depth, so that it has no row
+without; bounds and the ablations of the graph and the score are run with depth only."""
+WITH_GEOMETRY = (
+    *("nts", "nts_2m", "nts_no_graph", "nts_no_score", "nts_histogram"),
+    *("fbe", "random", "oracle"),
+)
+"""The agents that run without a network where an oracle stands in for it."""
+_ABLATIONS = {"nts_no_graph": {"use_graph": False}, "nts_no_score": {"use_score": False}}
+_FINE = {"directions": 24, "radius": 2.0}
+"""Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
+_CLASSES: dict[str, Callable[[str], Any]] = {
+    "nts": LearnedExploration,
+    "nts_blind": LearnedExploration,
+    "ans_like": LearnedFrontierScorer,
+    "il": LearnedImitation,
+}
+"""What puts the weights of each kind behind its interface, by their name."""
+
+
+def make_explorer(
+    name: str, task: ExplorationTask, sensor: str, rng: np.random.Generator, *, geometry: bool
+) -> ExplorerAgent:
+    """An agent for a task.
+
+    Args:
+        name: one of `AGENTS`, or of `WITH_GEOMETRY`.
+        task: of which oracles see more than others.
+        sensor: of its networks.
+        rng: draws what is random in the agent.
+        geometry: the true geometry stands in for the network.
+
+    Raises:
+        InputError: for an unknown name, and where weights are needed that are not there.
+    """
+    if name == "oracle":
+        return OracleExplorer(task)
+    if name == "nts_2m" and geometry:
+        return NTSAgent(TrueGeometry(task, **_FINE), rng, NTSSettings(**_FINE))
+    if name == "il":
+        return ImitationAgent(shipped("il", sensor))
+    model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", sensor)
+    if name == "random":
+        return RandomWalkAgent(model, rng)
+    if name == "fbe":
+        return FrontierAgent(model, rng=rng)
+    if name == "ans_like":
+        return FrontierAgent(model, scorer=shipped("ans_like", sensor), rng=rng)
+    if name == "nts_blind":
+        model = ScoresOf(model, shipped("nts_blind", sensor))
+    elif name == "nts_histogram":
+        model = HistogramScores(model)
+    elif name != "nts" and name not in _ABLATIONS:
+        raise InputError(f"agent: {name!r} is unknown; use one of {', '.join(AGENTS['rgbd'])}")
+    return NTSAgent(model, rng, NTSSettings(**_ABLATIONS.get(name, {})))
+
+
+def check_shipped(agents: tuple[str, ...], sensor: str) -> None:
+    """Check that the weights of all networks that these agents need are there.
+
+    Raises:
+        InputError: naming those that are not, and the command that trains them.
+    """
+    needed = {name for name in agents if name in _CLASSES}
+    needed |= {"nts"} if set(agents) - {"il", "oracle"} else set()
+    for kind in sorted(needed):
+        _check(kind, sensor)
+
+
+@lru_cache(maxsize=8)
+def shipped(kind: str, sensor: str) -> Any:  # noqa: ANN401 - a model, a scorer or a policy
+    """A trained network.
+
+    Args:
+        kind: "nts", "nts_blind", "ans_like" or "il".
+        sensor: "rgbd" or "rgb".
+
+    Raises:
+        InputError: where its weights are not there.
+    """
+    _check(kind, sensor)
+    return _CLASSES[kind](f"{kind}_{sensor}")
+
+
+def _check(kind: str, sensor: str) -> None:
+    file = FOLDER / f"{kind}_{sensor}.safetensors"
+    if not file.exists():
+        command = f"train {kind.removesuffix('_blind')} --sensor {sensor}"
+        command += " --blind" if kind.endswith("_blind") else ""
+        raise InputError(
+            f"{file.stem}: its weights are not there; python -m tutorial_lib {command} makes them"
+        )

@@ -1,0 +1,130 @@
+"""Table 1 of Chaplot et al. 2020: success and SPL of all agents, and of ablations of the first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.explorers import AGENTS, WITH_GEOMETRY, check_shipped
+from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.statistics import difference
+from tutorial_lib.experiments.protocols.exploration import (
+    WORLDS,
+    Key,
+    in_all_worlds,
+    make_world,
+    measures,
+    run_agent,
+)
+from tutorial_lib.exploration.episodes import DIFFICULTIES
+from tutorial_lib.geometry import Array
+from tutorial_lib.learning.estimators import use_threads
+
+PAPER = {
+    ("il", "rgb"): ((0.57, 0.23), (0.14, 0.06), (0.04, 0.02)),
+    ("ans_like", "rgb"): ((0.63, 0.45), (0.31, 0.18), (0.12, 0.07)),
+    ("nts", "rgb"): ((0.80, 0.60), (0.47, 0.31), (0.37, 0.22)),
+    ("il", "rgbd"): ((0.72, 0.32), (0.16, 0.09), (0.05, 0.02)),
+    ("fbe", "rgbd"): ((0.77, 0.56), (0.36, 0.18), (0.13, 0.05)),
+    ("ans_like", "rgbd"): ((0.76, 0.55), (0.40, 0.24), (0.16, 0.09)),
+    ("nts", "rgbd"): ((0.87, 0.65), (0.58, 0.38), (0.43, 0.26)),
+}
+"""Success and SPL in the paper by difficulty; its worlds are scans of homes, seen by a camera."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the table.
+
+    Attributes:
+        episodes: of each difficulty, in each world and with each kind of signs.
+        rgbd: agents with depth.
+        rgb: agents without.
+        geometry: the true geometry stands in for the networks.
+    """
+
+    episodes: int = 15
+    rgbd: tuple[str, ...] = AGENTS["rgbd"]
+    rgb: tuple[str, ...] = AGENTS["rgb"]
+    geometry: bool = False
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Run all agents on the same episodes.
+
+    Raises:
+        InputError: where weights are missing, before anything is run.
+    """
+    agents = {"rgbd": settings.rgbd, "rgb": settings.rgb}
+    for sensor, names in agents.items():
+        if not settings.geometry:
+            check_shipped(names, sensor)
+    results = in_all_worlds(run_world, options, settings, label="nts_table1")
+    rows = [row for key, found in results.items() for row in _rows(key, found)]
+    return rows, _notes(results)
+
+
+def run_world(
+    item: tuple[int, str], options: Options, settings: Settings
+) -> dict[Key, dict[str, Array]]:
+    """Every agent in one world with one kind of signs."""
+    use_threads(1)
+    seed, signs = item
+    world = make_world(seed, signs, settings.episodes, options.seed, options.palette)
+    return {
+        (agent, sensor, signs): run_agent(world, agent, sensor, geometry=settings.geometry)
+        for sensor, agents in (("rgbd", settings.rgbd), ("rgb", settings.rgb))
+        for agent in agents
+    }
+
+
+def _rows(key: Key, found: dict[str, Array]) -> Rows:
+    """A row for each difficulty."""
+    agent, sensor, signs = key
+    rows: Rows = []
+    for number, difficulty in enumerate(DIFFICULTIES):
+        mine = found["difficulty"] == number
+        columns = {name: column[mine] for name, column in found.items()}
+        paper = PAPER.get((agent, sensor), [(None, None)] * len(DIFFICULTIES))[number]
+        row = {"agent": agent, "sensor": sensor, "signs": signs, "difficulty": difficulty}
+        row |= measures(columns, columns["world"])
+        rows.append(row | {"paper_success": paper[0], "paper_spl": paper[1]})
+    return rows
+
+
+def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
+    """Paired differences in SPL between the paper's agent and others on the same episodes."""
+    notes = []
+    for (agent, sensor, signs), other in results.items():
+        mine = results.get(("nts", "rgbd", signs))
+        if mine is None or (agent, sensor) == ("nts", "rgbd") or agent == "oracle":
+            continue
+        for number, difficulty in enumerate(DIFFICULTIES):
+            rows = mine["difficulty"] == number
+            gap = difference(mine["spl"][rows], other["spl"][rows], mine["world"][rows])
+            mean, low, high = (f"{value:+.3f}" for value in gap)
+            what = f"nts - {agent} ({sensor}), {signs}, {difficulty}"
+            notes.append(f"SPL, {what}: {mean} ({low} to {high})")
+    return notes
+
+
+_QUICK = ("nts", "fbe", "ans_like", "random", "oracle")
+_GEOMETRY = Experiment(
+    "nts_table1_geometry",
+    run,
+    WORLDS,
+    WORLDS[:6],
+    Settings(rgbd=WITH_GEOMETRY, rgb=(), geometry=True),
+    quick_settings=Settings(9, WITH_GEOMETRY, (), geometry=True),
+    accepts=frozenset({"palette"}),
+)
+EXPERIMENT = Experiment(
+    "nts_table1",
+    run,
+    WORLDS,
+    WORLDS[:6],
+    Settings(),
+    quick_settings=Settings(9, _QUICK, ()),
+    accepts=frozenset({"palette"}),
+    ablations={"geometry": _GEOMETRY},
+)

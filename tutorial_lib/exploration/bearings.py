@@ -1,0 +1,51 @@
+"""Directions around a panorama: bins of bearings, and the columns of the image."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.geometry import Array, wrap
+
+DIRECTIONS = 12
+"""Directions of a node, n_theta of Chaplot et al. 2020."""
+RADIUS = 3.0
+"""Metres of a node and of its local map, r of the paper."""
+
+
+def bin_of(bearings: ArrayLike, directions: int = DIRECTIONS) -> NDArray[np.intp]:
+    """The bin nearest to each bearing (...), in rad; the last one is followed by 0.
+
+    >>> bin_of(np.deg2rad([0.0, 14.0, 16.0, -30.0, 350.0])).tolist()
+    [0, 0, 1, 11, 0]
+    """
+    bins = np.rint(np.asarray(bearings, dtype=float) * directions / (2 * np.pi))
+    return bins.astype(np.intp) % directions
+
+
+def bearing_of(bins: ArrayLike, directions: int = DIRECTIONS) -> Array:
+    """The bearings (...) in [-pi, pi) on which bins are centred.
+
+    >>> np.rad2deg(bearing_of([0, 1, 11])).round(6).tolist()
+    [0.0, 30.0, -30.0]
+    """
+    return wrap(np.asarray(bins) * (2 * np.pi / directions))
+
+
+def column_bearings(columns: int) -> Array:
+    """Bearings (W,) of a panorama's columns: from nearly pi on the left down to nearly -pi.
+
+    >>> np.rad2deg(column_bearings(4)).tolist()
+    [135.0, 45.0, -45.0, -135.0]
+    """
+    return np.pi - (np.arange(columns) + 0.5) * (2 * np.pi / columns)
+
+
+def column_of(bearings: ArrayLike, columns: int) -> NDArray[np.intp]:
+    """The column of a panorama that covers each bearing (...).
+
+    >>> column_of([0.1, -0.1, np.pi - 0.1, -np.pi + 0.1], 192).tolist()
+    [92, 99, 3, 188]
+    """
+    turns = (np.pi - np.asarray(bearings, dtype=float)) / (2 * np.pi)
+    return np.floor(turns * columns).astype(np.intp) % columns

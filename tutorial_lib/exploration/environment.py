@@ -1,0 +1,151 @@
+"""Image-goal navigation as a Gymnasium environment, so that any agent can be evaluated.
+
+Importing this module registers ``tutorial_lib/ImageGoalNav-v0``:
+
+    import gymnasium, tutorial_lib.exploration.environment
+    environment = gymnasium.make("tutorial_lib/ImageGoalNav-v0", difficulty="hard")
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+from typing import Any, ClassVar
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.episodes import draw_episodes, exploration_world
+from tutorial_lib.exploration.motion import ACTIONS
+from tutorial_lib.exploration.task import SENSORS, STEPS, ExplorationTask
+from tutorial_lib.world.noise import STOP
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import PanoramicCamera
+from tutorial_lib.world.worlds import scene_of
+
+NAME = "tutorial_lib/ImageGoalNav-v0"
+_FARTHEST = 1_000.0  # metres: no world is larger
+
+
+class ImageGoalNavigation(gymnasium.Env):
+    """One episode at a time; actions are stop, forward, left and right, 0 to 3.
+
+    The reward is the episode's SPL, when it ends. `info` has "success", "spl" and "steps".
+    """
+
+    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
+
+    def __init__(
+        self,
+        *,
+        worlds: Sequence[int] = tuple(range(100)),
+        signs: str = "plain",
+        difficulty: str = "medium",
+        sensor: str = "rgbd",
+        noise: bool = True,
+        render_mode: str | None = None,
+    ) -> None:
+        """Choose what episodes are drawn from.
+
+        Args:
+            worlds: seeds; those below 10,000 are for training.
+            signs: of the worlds, "plain" or "wayfinding".
+            difficulty: one of `episodes.DIFFICULTIES`.
+            sensor: "rgbd" or "rgb".
+            noise: of motion and odometry.
+            render_mode: None, or "rgb_array" for the panorama.
+
+        Raises:
+            InputError: for an unknown sensor.
+        """
+        if sensor not in SENSORS:
+            raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
+        self._worlds, self._signs, self._difficulty = tuple(worlds), signs, difficulty
+        self._sensor, self._noise, self.render_mode = sensor, noise, render_mode
+        self._task: ExplorationTask | None = None
+        camera = PanoramicCamera()
+        picture = spaces.Box(0, 255, (camera.rows, camera.columns, 3), np.uint8)
+        parts: dict[str, spaces.Space] = {"image": picture, "goal_image": picture}
+        if sensor == "rgbd":
+            depth = spaces.Box(0.0, _FARTHEST, (camera.columns,), np.float32)
+            parts |= {"depth": depth, "goal_depth": depth}
+        parts["odometry"] = spaces.Box(-_FARTHEST, _FARTHEST, (3,), np.float64)
+        self.observation_space = spaces.Dict(parts)
+        self.action_space = spaces.Discrete(len(ACTIONS))
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[dict[str, NDArray], dict[str, Any]]:
+        """Draw an episode; the same seed draws the same one.
+
+        Raises:
+            InputError: for unknown signs or difficulty.
+        """
+        super().reset(seed=seed, options=options)
+        world = exploration_world(int(self.np_random.choice(self._worlds)), self._signs)
+        scene = _scene(world)
+        episode = draw_episodes(world, scene, {self._difficulty: 1}, self.np_random)
+        self._task = ExplorationTask(
+            {world: scene}, episode, self.np_random, sensor=self._sensor, noise=self._noise
+        )
+        self._goal = self._task.goals()
+        return self._observe(), self._info()
+
+    def step(self, action: int) -> tuple[dict[str, NDArray], float, bool, bool, dict[str, Any]]:
+        """Carry out an action.
+
+        Raises:
+            InputError: for an unknown action, before `reset`, and when the episode is over.
+        """
+        task = self._running()
+        if task.done[0]:
+            raise InputError("step: the episode is over; call reset")
+        task.step(np.array([action]))
+        over = bool(task.done[0])
+        truncated = bool(over and action != STOP and task.steps[0] >= STEPS)
+        reward = float(task.spl[0]) if over else 0.0
+        return self._observe(), reward, over and not truncated, truncated, self._info()
+
+    def render(self) -> NDArray[np.uint8] | None:
+        """The panorama, if `render_mode` asks for it.
+
+        Raises:
+            InputError: before `reset`.
+        """
+        image = self._running().observe().image[0]
+        return image if self.render_mode == "rgb_array" else None
+
+    def _running(self) -> ExplorationTask:
+        if self._task is None:
+            raise InputError("environment: call reset first")
+        return self._task
+
+    def _observe(self) -> dict[str, NDArray]:
+        seen, goal = self._running().observe(), self._goal
+        found = {"image": seen.image[0], "goal_image": goal.image[0].copy()}
+        if seen.depth is not None and goal.depth is not None:
+            found |= {"depth": _metres(seen.depth), "goal_depth": _metres(goal.depth)}
+        return {**found, "odometry": seen.odometry[0]}
+
+    def _info(self) -> dict[str, Any]:
+        task = self._running()
+        return {
+            "success": bool(task.success[0]),
+            "spl": float(task.spl[0]),
+            "steps": int(task.steps[0]),
+        }
+
+
+def _metres(depth: NDArray[np.floating]) -> NDArray[np.float32]:
+    return np.minimum(depth[0], _FARTHEST).astype(np.float32)
+
+
+@lru_cache(maxsize=8)
+def _scene(world: str) -> Scene:
+    return scene_of(world)
+
+
+gymnasium.register(id=NAME, entry_point=f"{__name__}:ImageGoalNavigation")

@@ -1,0 +1,182 @@
+"""Episodes of image-goal navigation: a start, a goal, and how far apart they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
+from tutorial_lib.geometry import Array
+from tutorial_lib.world.bodies import DifferentialDrive
+from tutorial_lib.world.generators import SIGNS
+from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.worlds import world_name
+
+DIFFICULTIES = {"easy": (1.5, 3.0), "medium": (3.0, 5.0), "hard": (5.0, 10.0)}
+"""Geodesic metres from start to goal (Chaplot et al. 2020, 5)."""
+SUCCESS = 1.0
+"""Metres from the goal, in a straight line, within which `stop` succeeds."""
+SEQUENTIAL = (1.5, 5.0)
+"""Metres from each of several goals to the next (section 6.1)."""
+FAMILIES = ("apartment", "office")
+"""Of the worlds, by seed."""
+_GOALS = 12  # drawn for one episode, before giving up
+
+
+@dataclass(frozen=True, eq=False)
+class Episodes:
+    """N episodes, in one world or several.
+
+    Attributes:
+        worlds: (N,) names of the worlds, see `world.worlds`.
+        starts: (N, 3) poses.
+        goals: (N, 3) poses from which the goals' pictures are taken.
+        shortest: (N,) geodesic metres from start to goal.
+        difficulty: (N,) keys of `DIFFICULTIES`, or "" for none of them.
+
+    Raises:
+        InputError: when there is none, or not as many of all.
+    """
+
+    worlds: tuple[str, ...]
+    starts: Array
+    goals: Array
+    shortest: Array
+    difficulty: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        counts = {len(column) for column in vars(self).values()}
+        if len(counts) != 1 or counts == {0}:
+            raise InputError(f"episodes: {sorted(counts)} rows; give as many of all, one at least")
+
+    def __len__(self) -> int:
+        return len(self.worlds)
+
+    def __getitem__(self, index: NDArray[np.intp] | slice) -> Episodes:
+        """The episodes that a slice or indices select."""
+        rows = np.arange(len(self))[index]
+        return Episodes(
+            tuple(self.worlds[row] for row in rows),
+            self.starts[rows],
+            self.goals[rows],
+            self.shortest[rows],
+            tuple(self.difficulty[row] for row in rows),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Episodes]) -> Episodes:
+        """All episodes of the parts, in their order."""
+        return cls(
+            sum((part.worlds for part in parts), ()),
+            np.concatenate([part.starts for part in parts]),
+            np.concatenate([part.goals for part in parts]),
+            np.concatenate([part.shortest for part in parts]),
+            sum((part.difficulty for part in parts), ()),
+        )
+
+
+def exploration_world(seed: int, signs: str = "plain", palette: str = "standard") -> str:
+    """The world of that seed for exploration, with or without signs.
+
+    Raises:
+        InputError: for an unknown kind of signs or palette.
+
+    >>> exploration_world(20_001, "wayfinding")
+    'office/20001/standard/wayfinding'
+    """
+    if signs not in SIGNS:
+        raise InputError(f"signs: {signs!r} is unknown; use one of {', '.join(SIGNS)}")
+    return world_name(FAMILIES[seed % len(FAMILIES)], seed, palette, signs=signs)
+
+
+def draw_episodes(
+    world: str, scene: Scene, counts: dict[str, int], rng: np.random.Generator
+) -> Episodes:
+    """Random episodes of each difficulty in one world.
+
+    Args:
+        world: its name.
+        scene: the world.
+        counts: how many of each of `DIFFICULTIES`.
+        rng: draws them.
+
+    Raises:
+        InputError: when the world is too small for a difficulty.
+    """
+    places = _Places(scene)
+    rows = [places.draw(name, rng) for name, count in counts.items() for _ in range(count)]
+    starts, goals, shortest = (np.array(column) for column in zip(*rows, strict=True))
+    names = tuple(name for name, count in counts.items() for _ in range(count))
+    return Episodes((world,) * len(rows), starts, goals, shortest, names)
+
+
+def draw_sequence(scene: Scene, goals: Array, count: int, rng: np.random.Generator) -> Array:
+    """Sequential goals (count, N, 3): the first are given, each other lies near the one before.
+
+    Args:
+        scene: the world of all.
+        goals: (N, 3) the first ones.
+        count: of goals for each robot, the first included.
+        rng: draws the others, `SEQUENTIAL` geodesic metres away.
+
+    Raises:
+        InputError: when there is no such place.
+    """
+    places, chain = _Places(scene), [goals]
+    for _ in range(count - 1):
+        chain.append(np.array([places.near(goal, SEQUENTIAL, rng) for goal in chain[-1]]))
+    return np.stack(chain)
+
+
+class _Places:
+    """Where a robot can start or find a goal in one world."""
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene, self._body = scene, DifferentialDrive()
+        self._paths = GridPaths(scene.clearance)
+        self._points = self._paths.points[self._paths.largest]
+
+    def draw(self, difficulty: str, rng: np.random.Generator) -> tuple[Array, Array, float]:
+        """Start, goal and the metres between them."""
+        if difficulty not in DIFFICULTIES:
+            raise InputError(
+                f"difficulty: {difficulty!r} is unknown; use one of {', '.join(DIFFICULTIES)}"
+            )
+        for _ in range(_GOALS):
+            goal = self._pose(self._points[rng.integers(len(self._points))], rng)
+            found = self._around(goal, DIFFICULTIES[difficulty], rng)
+            if found is not None:
+                return found[0], goal, found[1]
+        raise InputError(f"episodes: no {difficulty} one fits into this world; take a larger one")
+
+    def near(self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator) -> Array:
+        """A pose so many metres from another one."""
+        found = self._around(goal, bounds, rng)
+        if found is None:
+            raise InputError("goals: no place is that far from the one before; take another world")
+        return found[0]
+
+    def _around(
+        self, goal: Array, bounds: tuple[float, float], rng: np.random.Generator
+    ) -> tuple[Array, float] | None:
+        """A pose so many metres from a goal, and how many; None where there is none."""
+        metres = self._paths.fields(goal[None, :2], shortest=True).distance(self._points)
+        # A path of 1.5 m around a corner may end nearer than `SUCCESS`: stop would succeed at once.
+        apart = np.linalg.norm(self._points - goal[:2], axis=1) >= SUCCESS
+        near = np.flatnonzero(apart & (metres >= bounds[0]) & (metres < bounds[1]))
+        if not len(near):
+            return None
+        chosen = near[rng.integers(len(near))]
+        return self._pose(self._points[chosen], rng), float(metres[chosen])
+
+    def _pose(self, point: Array, rng: np.random.Generator) -> Array:
+        """A pose at a place, with a random heading at which the body fits."""
+        pose = np.array([*point, rng.uniform(-np.pi, np.pi)])
+        while not is_free(self._scene, self._body, pose[None])[0]:
+            pose[2] = rng.uniform(-np.pi, np.pi)
+        return pose

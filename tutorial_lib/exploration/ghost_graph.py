@@ -1,0 +1,249 @@
+"""A graph of places with ghost nodes at its rim (Chaplot et al. 2020, 4.1, Graph Update)."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of, column_of
+from tutorial_lib.geometry import Array, compose, inverse, to_world
+
+BESIDE = 1.5 * RADIUS
+"""Metres within which a node in sight stands in a direction of another one without an edge."""
+SEEN = 0.75 * RADIUS
+"""Metres from which a node sees a ghost of another one so well that it is explored."""
+EXPLORED = 1.0
+"""Metres from a node within which a ghost is explored, in whatever direction."""
+_AT = 0.05  # metres between two nodes that are at one place: neither is in a direction of the other
+
+
+@dataclass(frozen=True)
+class Ghost:
+    """A place not explored yet; its picture is the patch of its node's panorama.
+
+    Attributes:
+        node: on which it hangs, the only one.
+        direction: of the patch, a bin.
+        metres: from the node.
+    """
+
+    node: int
+    direction: int
+    metres: float = RADIUS
+
+
+class GhostGraph:
+    """Nodes, the edges between them, and ghosts.
+
+    In the paper a ghost is removed when a node with an edge to its own stands in its direction.
+    Beyond that, a ghost goes when a node is within `EXPLORED` of it, and when one without an edge
+    stands in its direction within `BESIDE` and in sight. `by_sight` is one more departure, off by
+    default. DEPARTURES
+
+    A node's frame is the robot's pose when the node was made. An edge stores the pose of one node
+    in the frame of the other by odometry; no pose is relative to anything farther away.
+
+    Attributes:
+        edges: for each node its neighbours' poses (3,) in its frame.
+        ghosts: by node and direction.
+        reserve: free directions that are no ghosts, for when these run out.
+        directions: of each node.
+    """
+
+    def __init__(
+        self, directions: int = DIRECTIONS, radius: float = RADIUS, *, by_sight: bool = False
+    ) -> None:
+        """Start with an empty graph.
+
+        Args:
+            directions: of each node.
+            radius: metres from a node to its ghosts.
+            by_sight: ghosts that another node sees well go to the reserve.
+        """
+        self.directions, self._radius, self._by_sight = directions, radius, by_sight
+        self.edges: list[dict[int, Array]] = []
+        self.ghosts: dict[tuple[int, int], Ghost] = {}
+        self.reserve: dict[tuple[int, int], Ghost] = {}
+        self._ranges: list[Array] = []
+        self._paths: dict[int, tuple[Array, NDArray[np.intp], list[int]]] = {}
+        self._poses: dict[int, Array] = {}
+
+    def __len__(self) -> int:
+        return len(self.edges)
+
+    def add_node(
+        self,
+        explorable: ArrayLike,
+        free: ArrayLike | None = None,
+        previous: int | None = None,
+        pose: ArrayLike | None = None,
+        ranges: ArrayLike | None = None,
+    ) -> int:
+        """Add a node with its ghosts, linked to the node before it.
+
+        Args:
+            explorable: (K,) whether each direction leads to explorable area (F_G).
+            free: (K,) metres that each direction is free; those of the reserve have some.
+            previous: the node where the robot was; none for the first one.
+            pose: (3,) of the new node in the frame of `previous`.
+            ranges: (W,) metres in each column of its panorama; without them it sees no other node.
+
+        Returns:
+            The new node.
+
+        Raises:
+            InputError: when there are nodes and `previous` is none of them, or it has no pose.
+        """
+        if len(self) and (previous is None or pose is None):
+            raise InputError("node: link it to the one before; give previous and pose")
+        explorable, node = np.asarray(explorable, dtype=bool), len(self)
+        free = np.zeros(len(explorable)) if free is None else np.asarray(free, dtype=float)
+        self.edges.append({})
+        self._forget_paths()
+        self._ranges.append(np.empty(0) if ranges is None else np.asarray(ranges, dtype=float))
+        for direction in np.flatnonzero(explorable).tolist():
+            self.ghosts[node, direction] = Ghost(node, direction, self._radius)
+        for direction in np.flatnonzero(~explorable & (free > 0)).tolist():
+            self.reserve[node, direction] = Ghost(node, direction, float(free[direction]))
+        if previous is not None:
+            self.connect(previous, node, pose)
+        self._explore(node)
+        return node
+
+    def connect(self, first: int, second: int, pose: ArrayLike) -> None:
+        """Link two nodes; no ghost of either stays in the direction of the other.
+
+        Args:
+            first: a node.
+            second: another one.
+            pose: (3,) of the second in the frame of the first.
+
+        Raises:
+            InputError: when they are one node, or one of them does not exist.
+        """
+        if first == second or not (0 <= first < len(self) and 0 <= second < len(self)):
+            raise InputError(f"edge: {first} to {second}; give two of the {len(self)} nodes")
+        pose = np.asarray(pose, dtype=float)
+        self.edges[first][second], self.edges[second][first] = pose, inverse(pose)
+        self._forget_paths()
+        self._stands(first, pose)
+        self._stands(second, inverse(pose))
+
+    def remove(self, ghost: Ghost) -> None:
+        """Remove a ghost that was explored, or that cannot be reached."""
+        self.ghosts.pop((ghost.node, ghost.direction), None)
+        self.reserve.pop((ghost.node, ghost.direction), None)
+
+    def use_reserve(self) -> None:
+        """Make every direction of the reserve a ghost."""
+        self.ghosts.update(self.reserve)
+        self.reserve.clear()
+
+    def promote(self, ghost: Ghost) -> None:
+        """Make one direction of the reserve a ghost; nothing changes for one that is."""
+        self.reserve.pop((ghost.node, ghost.direction), None)
+        self.ghosts[ghost.node, ghost.direction] = ghost
+
+    def shortest(self, node: int) -> tuple[Array, NDArray[np.intp]]:
+        """Dijkstra's algorithm: metres (V,) to every node, and the node before it, -1 for none.
+
+        Kept until the graph changes. With the few nodes of a robot's graph, scipy's takes several
+        times as long, most of it to make a sparse matrix of the edges.
+        """
+        return self._dijkstra(node)[:2]
+
+    def _dijkstra(self, node: int) -> tuple[Array, NDArray[np.intp], list[int]]:
+        """See `shortest`; and the nodes in the order in which they were reached."""
+        if node in self._paths:
+            return self._paths[node]
+        metres, before = np.full(len(self), np.inf), np.full(len(self), -1)
+        metres[node], waiting, order = 0.0, [(0.0, node)], []
+        while waiting:
+            far, here = heapq.heappop(waiting)
+            if far > metres[here]:
+                continue
+            order.append(here)
+            for other, pose in self.edges[here].items():
+                total = far + float(np.hypot(pose[0], pose[1]))
+                if total < metres[other]:
+                    metres[other], before[other] = total, here
+                    heapq.heappush(waiting, (total, other))
+        self._paths[node] = metres, before, order
+        return self._paths[node]
+
+    def path(self, start: int, end: int) -> list[int]:
+        """The nodes of the shortest path, both ends included."""
+        _, before = self.shortest(end)
+        nodes = [start]
+        while nodes[-1] != end:
+            nodes.append(int(before[nodes[-1]]))
+        return nodes
+
+    def poses_from(self, node: int) -> Array:
+        """(V, 3) poses of all nodes in the frame of one, along shortest paths."""
+        if node not in self._poses:
+            _, before, order = self._dijkstra(node)
+            poses = np.zeros((len(self), 3))
+            for other in order[1:]:
+                last = int(before[other])
+                poses[other] = compose(poses[last], self.edges[last][other])
+            self._poses[node] = poses
+        return self._poses[node]
+
+    def _forget_paths(self) -> None:
+        self._paths.clear()
+        self._poses.clear()
+
+    def place_of(self, ghost: Ghost) -> Array:
+        """(2,) where a ghost is in the frame of its node."""
+        bearing = float(bearing_of(ghost.direction, self.directions))
+        return ghost.metres * np.array([np.cos(bearing), np.sin(bearing)])
+
+    def _stands(self, node: int, pose: Array) -> None:
+        """Another node is at `pose` in the frame of this one: its ghosts there are explored."""
+        direction = int(bin_of(np.arctan2(pose[1], pose[0]), self.directions))
+        apart = np.hypot(pose[0], pose[1]) > _AT
+        for table in (self.ghosts, self.reserve):
+            if apart:
+                table.pop((node, direction), None)
+            for ghost in [g for g in table.values() if g.node == node]:
+                if np.linalg.norm(self.place_of(ghost) - pose[:2]) < EXPLORED:
+                    del table[node, ghost.direction]
+
+    def _explore(self, node: int) -> None:
+        """Remove the ghosts that a new node explores, its own and those of nodes beside it."""
+        poses = self.poses_from(node)
+        beside = np.flatnonzero(np.linalg.norm(poses[:, :2], axis=1) < BESIDE)
+        beside = beside[beside != node].tolist()
+        for other in beside:
+            back = inverse(poses[other])
+            if self._sees(node, poses[other, :2]) or self._sees(other, back[:2]):
+                self._stands(node, poses[other])
+                self._stands(other, back)
+        if self._by_sight:
+            for other in beside:
+                self._keep_seen(node, other, poses[other])
+                self._keep_seen(other, node, inverse(poses[other]))
+
+    def _keep_seen(self, viewer: int, node: int, pose: Array) -> None:
+        """Keep in reserve the ghosts of a node at `pose` that another one sees well."""
+        for ghost in [g for g in self.ghosts.values() if g.node == node]:
+            place = to_world(pose, self.place_of(ghost))
+            if np.linalg.norm(place) < SEEN and self._sees(viewer, place):
+                self.reserve[node, ghost.direction] = self.ghosts.pop((node, ghost.direction))
+
+    def _sees(self, viewer: int, place: Array) -> bool:
+        """Whether a node sees a place (2,) in its frame; one that was made without ranges does not.
+
+        No column on either side may be nearer, since places are by odometry.
+        """
+        count = len(self._ranges[viewer])
+        if not count:
+            return False
+        column = int(column_of(np.arctan2(place[1], place[0]), count))
+        around = self._ranges[viewer][np.arange(column - 1, column + 2) % count]
+        return bool(np.linalg.norm(place) < around.min())

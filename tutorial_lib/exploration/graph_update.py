@@ -1,0 +1,176 @@
+"""Localising robots in their graphs, and adding nodes (Chaplot et al. 2020, 4.1, Graph Update)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, column_bearings
+from tutorial_lib.exploration.ghost_graph import BESIDE, GhostGraph
+from tutorial_lib.geometry import Array, compose, inverse, relative, to_world
+from tutorial_lib.interfaces import ExplorationModel
+
+_TRIED = 4  # nodes besides its own in which a robot is looked for
+_WIDE = 0.22  # metres to either side that a robot needs
+_FREE = 1.0  # metres that a direction is free, at least, to be kept in reserve
+
+
+class Memory:
+    """What one robot remembers.
+
+    Attributes:
+        graph: its nodes and ghosts.
+        features: (D,) of each node's panorama.
+        node: in which it is.
+    """
+
+    def __init__(self, graph: GhostGraph | None = None) -> None:
+        """Begin with a graph, an empty one unless given."""
+        self.graph = GhostGraph() if graph is None else graph
+        self.features: list[NDArray[np.float32]] = []
+        self.node = -1
+        self._odometry, self._origin = np.zeros(3), np.zeros(3)
+
+    @property
+    def offset(self) -> Array:
+        """(3,) the robot's pose in the frame of its node, by odometry."""
+        return relative(self._origin, self._odometry)
+
+    def move(self, odometry: Array) -> None:
+        """The robot is now at `odometry` (3,)."""
+        self._odometry = odometry
+
+    def in_odometry(self, points: Array) -> Array:
+        """Points (..., 2) of the node's frame in the frame of the odometry."""
+        return to_world(self._origin, points)
+
+    def stand(self, node: int, offset: ArrayLike) -> None:
+        """Be in a node from now on, at the pose `offset` (3,) in its frame."""
+        self.node, self._origin = node, compose(self._odometry, inverse(offset))
+
+    def beside(self) -> list[int]:
+        """The nodes near the robot, except its own, the nearest first.
+
+        A departure from the paper, which compares a panorama with all nodes of the graph: at most
+        four that are within `BESIDE` by odometry. Over 500 steps odometry drifts by less than that,
+        and fewer comparisons make fewer mistakes between places that look alike.
+        """
+        gaps = self.graph.poses_from(self.node)[:, :2] - self.offset[:2]
+        far = np.linalg.norm(gaps, axis=1)
+        order = [int(n) for n in np.argsort(far, kind="stable") if far[n] < BESIDE]
+        return [node for node in order if node != self.node][:_TRIED]
+
+    def enter(self, node: int, place: Array | None = None) -> None:
+        """Be in another node from now on.
+
+        Args:
+            node: the node.
+            place: (2,) of the robot in its frame; by odometry unless given.
+        """
+        pose = relative(self.graph.poses_from(self.node)[node], self.offset)
+        pose = pose if place is None else np.array([*place, pose[2]])
+        if node not in self.graph.edges[self.node]:
+            self.graph.connect(self.node, node, compose(self.offset, inverse(pose)))
+        self.stand(node, pose)
+
+
+def free_metres(
+    ranges: NDArray[np.floating], directions: int = DIRECTIONS, radius: float = RADIUS
+) -> Array:
+    """Metres (N, K), `radius` at most, that a robot can drive in each direction.
+
+    Args:
+        ranges: (N, W) metres in each column of the panorama.
+        directions: K.
+        radius: metres.
+    """
+    centres = np.arange(directions) * 2 * np.pi / directions
+    offset = column_bearings(ranges.shape[1]) - centres[:, None]
+    ahead, aside = np.cos(offset) * ranges[:, None], np.sin(offset) * ranges[:, None]
+    in_the_way = (ahead > 0) & (np.abs(aside) < _WIDE)
+    return np.clip(np.where(in_the_way, ahead - _WIDE, radius).min(axis=2), 0.0, radius)
+
+
+class GraphUpdate:
+    """Keeps the graphs of many robots up to date, with few calls of the model for all of them."""
+
+    def __init__(
+        self, model: ExplorationModel, same: float, explorable: float, radius: float = RADIUS
+    ) -> None:
+        """Set when answers of the model count, and what is explored.
+
+        Args:
+            model: F_L and F_G.
+            same: probability of F_L from which a robot is in a node.
+            explorable: probability of F_G from which a direction gets a ghost.
+            radius: metres from a node to its ghosts.
+        """
+        self._model, self._same, self._explorable = model, same, explorable
+        self._radius = radius
+
+    def update(
+        self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
+    ) -> NDArray[np.bool_]:
+        """Localise each robot in its node, or in another one near it, or make a new node.
+
+        Args:
+            memories: of M robots.
+            features: (M, D) of what they see.
+            ranges: (M, W) metres.
+
+        Returns:
+            (M,) whether a node was made.
+        """
+        outside = np.array([not len(memory.graph) for memory in memories], dtype=bool)
+        inside = np.flatnonzero(~outside)
+        if len(inside):
+            own = np.array([memories[m].features[memories[m].node] for m in inside])
+            lost = inside[self._model.same_node(own, features[inside]) < self._same]
+            outside[lost[~self._elsewhere([memories[m] for m in lost], features[lost])]] = True
+        new = np.flatnonzero(outside)
+        self.add_nodes([memories[m] for m in new], features[new], ranges[new])
+        return outside
+
+    def add_nodes(
+        self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
+    ) -> None:
+        """Make a node where each of these robots is; arguments as for `update`."""
+        if not len(memories):
+            return
+        explorable = self._model.explorable(features) >= self._explorable
+        free = free_metres(ranges, explorable.shape[1], self._radius)
+        free[free < _FREE] = 0.0
+        rows = zip(memories, features, explorable, free, ranges, strict=True)
+        for memory, row, likely, metres, seen in rows:
+            previous = memory.node if len(memory.graph) else None
+            node = memory.graph.add_node(likely, metres, previous, memory.offset, seen)
+            memory.stand(node, np.zeros(3))
+            memory.features.append(row)
+
+    def _elsewhere(
+        self, memories: Sequence[Memory], features: NDArray[np.float32]
+    ) -> NDArray[np.bool_]:
+        """(M,) whether a robot is in another node than its own; if so, it enters that."""
+        nodes = [memory.beside() for memory in memories]
+        rows = np.repeat(np.arange(len(memories)), [len(near) for near in nodes])
+        entered = np.zeros(len(memories), bool)
+        if not len(rows):
+            return entered
+        pairs = [
+            (memory, node) for memory, near in zip(memories, nodes, strict=True) for node in near
+        ]
+        sources = np.array([memory.features[node] for memory, node in pairs])
+        likely = self._model.same_node(sources, features[rows])
+        bearing, metres = self._model.relative(sources, features[rows]).T
+        for row in np.unique(rows):
+            mine = np.flatnonzero(rows == row)
+            best = mine[likely[mine].argmax()]
+            if likely[best] >= self._same:
+                place = metres[best] * np.array([np.cos(bearing[best]), np.sin(bearing[best])])
+                memory, node = pairs[best]
+                known = node in memory.graph.edges[memory.node]
+                memory.enter(node, None if known else place)
+                entered[row] = True
+        return entered

@@ -1,0 +1,220 @@
+"""The local policy (Chaplot et al. 2020, 4.1): along the shortest path to a point nearby."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tutorial_lib.exploration.grid_kernels import STRAIGHT, Bytes, costs_of, in_sight, spread
+from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
+from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT
+
+BODY, COMFORT = 2.3, 3.7
+"""Cells from the middle of an occupied one: no path comes nearer than the first, and none nearer
+than the second where it can do otherwise."""
+NEAR, UNSEEN = 3, 2
+"""Times its length that a cell near a wall costs, and one that was not seen."""
+_AHEAD = 15  # cells at which a path is followed, at most
+_LEAST = 4  # cells, at least
+_AIM = np.deg2rad(8.0)  # off which a robot turns; more than half a turn, or it would swing
+_SWING = np.deg2rad(25.0)  # off which a robot that turned too far goes ahead nevertheless
+_EVADE = 3  # turns after a step into a wall
+_KEPT = 4  # steps forward for which a path is followed before it is planned again
+_DONE = 0.2  # metres from the point ahead at which another one is needed
+_MOVED = 0.2  # metres by which a target moves before that
+_BLOCKED = 0.12  # metres that a forward step is long where nothing is in the way, at least
+_AROUND = 8  # cells about a target in which another is taken for it, where it is blocked
+
+
+@dataclass(frozen=True)
+class LocalPaths:
+    """Paths of M robots, in the frames of their odometry.
+
+    Attributes:
+        ahead: (M, 2) a point of each path that can be driven to in a straight line.
+        ends: (M, 2) the last point of each path: the target, or what is nearest to it.
+        metres: (M,) length, counting what is near walls several times.
+    """
+
+    ahead: Array
+    ends: Array
+    metres: Array
+
+
+def find_paths(
+    maps: LocalMaps,
+    robots: NDArray[np.intp],
+    odometry: Array,
+    targets: Array,
+    unseen: int = UNSEEN,
+) -> LocalPaths:
+    """The shortest paths that keep off the walls where they can.
+
+    Args:
+        maps: of N robots.
+        robots: (M,) indices.
+        odometry: (M, 3) their poses.
+        targets: (M, 2) in the frames of their odometry.
+        unseen: times its length that a cell not seen costs; 0 if it is not to be entered.
+    """
+    starts, ends = maps.cells(robots, odometry[:, :2]), maps.cells(robots, targets)
+    ahead, metres = starts.copy(), np.zeros(len(robots))
+    _find(maps.grids, robots, starts, ends, unseen, ahead, metres)
+    last = maps.centres(robots, ends)
+    near = np.linalg.norm(last - targets, axis=1) < RESOLUTION
+    last[near] = targets[near]
+    points = maps.centres(robots, ahead)
+    straight = ahead == ends
+    points[straight] = last[straight]
+    return LocalPaths(points, last, metres)
+
+
+class LocalPolicy:
+    """Drives N robots to points in the frames of their odometry, each over its own map.
+
+    Attributes:
+        maps: of the robots.
+    """
+
+    def __init__(self, maps: LocalMaps, unseen: int = UNSEEN) -> None:
+        """Drive over `maps`; `unseen` as for `find_paths`."""
+        count = len(maps.grids)
+        self.maps, self._unseen = maps, unseen
+        self._targets, self._age = np.full((count, 2), np.nan), np.zeros(count, np.intp)
+        self._ahead, self._ends = np.zeros((count, 2)), np.zeros((count, 2))
+        self._before, self._action = np.zeros((count, 2)), np.zeros(count, np.intp)
+        self._evade = np.zeros(count, np.intp)
+
+    def act(
+        self, robots: NDArray[np.intp], odometry: Array, targets: Array
+    ) -> tuple[NDArray[np.intp], Array]:
+        """The next actions.
+
+        Args:
+            robots: (M,) indices.
+            odometry: (M, 3) their poses.
+            targets: (M, 2) in the frames of their odometry.
+
+        Returns:
+            Actions (M,), of FORWARD, LEFT and RIGHT; and metres (M,) left in a straight line to the
+            path's end, which is the target or what is nearest to it.
+        """
+        here = odometry[:, :2]
+        moved = np.linalg.norm(here - self._before[robots], axis=1)
+        blocked = (self._action[robots] == FORWARD) & (moved < _BLOCKED)
+        self._plan(robots, odometry, targets, blocked)
+        local = to_local(odometry, self._ahead[robots])
+        bearing = np.arctan2(local[:, 1], local[:, 0])
+        turn = np.where(bearing > 0, LEFT, RIGHT)
+        actions = np.where(np.abs(bearing) > _AIM, turn, FORWARD)
+        # A turn slips aside as well, so one back and forth would not end.
+        last = self._action[robots]
+        back = np.isin(last, (LEFT, RIGHT)) & (turn != last) & (np.abs(bearing) < _SWING)
+        actions = np.where(back, FORWARD, actions)
+        # A robot at a wall that its map has elsewhere turns on the way that it turned last.
+        self._evade[robots] = np.where(blocked, _EVADE, np.maximum(self._evade[robots] - 1, 0))
+        evading = self._evade[robots] > 0
+        actions = np.where(evading & (actions == FORWARD), turn, actions)
+        self._before[robots], self._action[robots] = here, actions
+        return actions, np.linalg.norm(self._ends[robots] - here, axis=1)
+
+    def _plan(
+        self,
+        robots: NDArray[np.intp],
+        odometry: Array,
+        targets: Array,
+        blocked: NDArray[np.bool_],
+    ) -> None:
+        """Find new paths where the old one is old, done, or leads elsewhere."""
+        gone = np.linalg.norm(targets - self._targets[robots], axis=1)
+        left = np.linalg.norm(self._ahead[robots] - odometry[:, :2], axis=1)
+        # While it turns, a robot keeps its path, or it would waver between two of one length;
+        # unless it slips past the point ahead.
+        moved = self._action[robots] == FORWARD
+        self._age[robots] += moved
+        done = (left < _DONE) | (moved & (self._age[robots] >= _KEPT))
+        stale = ~(gone < _MOVED) | done | blocked
+        some = np.flatnonzero(stale)
+        if len(some):
+            mine = robots[some]
+            found = find_paths(self.maps, mine, odometry[some], targets[some], self._unseen)
+            self._ahead[mine], self._ends[mine] = found.ahead, found.ends
+            self._targets[mine], self._age[mine] = targets[some], 0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _find(
+    grids: Bytes,
+    robots: NDArray[np.intp],
+    starts: NDArray[np.intp],
+    targets: NDArray[np.intp],
+    unseen: int,
+    ahead: NDArray[np.intp],
+    metres: Array,
+) -> None:
+    """Write a cell ahead on each path, its length, and over `targets` the cell where it ends."""
+    side = grids.shape[1]
+    cost, ends = np.empty((side, side), np.uint8), np.zeros((side, side), np.uint8)
+    length, parent = np.empty(side * side, np.int32), np.empty(side * side, np.int32)
+    for m in range(len(robots)):
+        start = starts[m]
+        costs_of(grids[robots[m]], BODY, COMFORT, NEAR, unseen, start, cost)
+        target = _passable(cost, targets[m])
+        ends[target // side, target % side] = 1
+        if spread(cost, start, ends, length, parent) < 0:
+            ends[target // side, target % side] = 0
+            target = _nearest(length, targets[m], side)
+        ends[target // side, target % side] = 0
+        targets[m], metres[m] = target, length[target] * RESOLUTION / STRAIGHT
+        ahead[m] = _follow(cost, parent, start, target)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _passable(cost: Bytes, target: int) -> int:
+    """The passable cell nearest to a target, where there is one about it."""
+    side = len(cost)
+    row, column = target // side, target % side
+    best, found = 4 * _AROUND * _AROUND, target
+    for i in range(max(row - _AROUND, 0), min(row + _AROUND + 1, side)):
+        for j in range(max(column - _AROUND, 0), min(column + _AROUND + 1, side)):
+            far = (i - row) ** 2 + (j - column) ** 2
+            if cost[i, j] and far < best:
+                best, found = far, i * side + j
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _nearest(length: NDArray[np.int32], target: int, side: int) -> int:
+    """The cell nearest to a target among those that were reached."""
+    row, column = target // side, target % side
+    best, found = 4 * side * side, target
+    for cell in range(len(length)):
+        far = (cell // side - row) ** 2 + (cell % side - column) ** 2
+        if length[cell] >= 0 and far < best:
+            best, found = far, cell
+    return found
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _follow(cost: Bytes, parent: NDArray[np.int32], start: int, target: int) -> int:
+    """The farthest cell of a path, up to `_AHEAD`, to which a straight line costs no more.
+
+    Not nearer than `_LEAST`: the bearing of what is very near changes with every slip.
+    """
+    side = len(cost)
+    path = [target]
+    while path[-1] != start:
+        path.append(parent[path[-1]])
+    path.reverse()
+    chosen, most = path[0], 0
+    for cell in path[1:]:
+        most = max(most, cost.ravel()[cell])
+        far = max(abs(cell // side - start // side), abs(cell % side - start % side))
+        if far > _AHEAD or (far > _LEAST and not in_sight(cost, start, cell, most)):
+            break
+        chosen = cell
+    return chosen

@@ -1,0 +1,101 @@
+"""Motion of round robots among walls: each discrete action in one straight piece, until contact."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from tutorial_lib.geometry import Array, to_local, to_world, wrap
+from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
+
+ACTIONS = (STOP, FORWARD, LEFT, RIGHT)
+"""The discrete actions; their motion with noise is `world.noise.ACTUATION`."""
+FORWARD_METRES = 0.25
+TURN = float(np.deg2rad(10.0))
+"""What the actions do without noise (Chaplot et al. 2020, 5)."""
+EXACT = {
+    STOP: (0.0, 0.0, 0.0),
+    FORWARD: (FORWARD_METRES, 0.0, 0.0),
+    LEFT: (0.0, 0.0, TURN),
+    RIGHT: (0.0, 0.0, -TURN),
+}
+_STEP = 0.01  # metres between the places at which contact is tested
+
+
+def exact_motions(actions: NDArray[np.intp]) -> Array:
+    """Motions (N, 3) of discrete actions (N,) without noise, in the robots' frames."""
+    return np.array([EXACT[action] for action in actions.tolist()]).reshape(-1, 3)
+
+
+def actions_towards(poses: Array, points: Array, aim: float) -> NDArray[np.intp]:
+    """FORWARD, LEFT or RIGHT (N,) of robots at poses (N, 3) on the way to points (N, 2).
+
+    A robot turns while its heading is off by `aim` (rad) or more, which has to be more than half a
+    turn.
+    """
+    bearing = np.arctan2(*np.moveaxis(to_local(poses, points), -1, 0)[::-1])
+    return np.where(np.abs(bearing) < aim, FORWARD, np.where(bearing > 0, LEFT, RIGHT))
+
+
+def move(
+    poses: Array, motions: Array, segments: Array, radius: float
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Move round robots by `motions` in their frames, each until it touches a wall.
+
+    A robot moves in a straight line and then turns; one that touches a wall can move away from it,
+    or along it.
+
+    Args:
+        poses: (N, 3).
+        motions: (N, 3) metres ahead, metres to the left, rad.
+        segments: (S, 4) walls and furniture.
+        radius: of the robots, metres.
+
+    Returns:
+        The poses (N, 3) after it, and whether each robot (N,) was stopped.
+    """
+    wanted = to_world(poses, motions[:, :2])
+    places, stopped = np.empty((len(poses), 2)), np.empty(len(poses), np.bool_)
+    starts = np.ascontiguousarray(poses[:, :2])
+    _slide(starts, wanted, np.ascontiguousarray(segments), radius, places, stopped)
+    return np.column_stack([places, wrap(poses[:, 2] + motions[:, 2])]), stopped
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _slide(
+    starts: Array,
+    wanted: Array,
+    segments: Array,
+    radius: float,
+    places: Array,
+    stopped: NDArray[np.bool_],
+) -> None:
+    """Advance in small steps while no wall comes nearer than `radius`, or none comes nearer."""
+    for n in range(len(starts)):
+        x, y = starts[n, 0], starts[n, 1]
+        dx, dy = wanted[n, 0] - x, wanted[n, 1] - y
+        count = int(np.ceil(np.sqrt(dx * dx + dy * dy) / _STEP))
+        before = _gap(x, y, segments)
+        places[n, 0], places[n, 1], stopped[n] = x, y, False
+        for k in range(1, count + 1):
+            px, py = x + dx * k / count, y + dy * k / count
+            gap = _gap(px, py, segments)
+            if gap < radius and gap < before - 1e-9:
+                stopped[n] = True
+                break
+            places[n, 0], places[n, 1], before = px, py, gap
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _gap(x: float, y: float, segments: Array) -> float:
+    """Metres from a point to the nearest segment."""
+    best = np.inf
+    for s in range(len(segments)):
+        ax, ay = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
+        bx, by = x - segments[s, 0], y - segments[s, 1]
+        share = (ax * bx + ay * by) / (ax * ax + ay * ay)
+        share = min(max(share, 0.0), 1.0)
+        cx, cy = bx - share * ax, by - share * ay
+        best = min(best, cx * cx + cy * cy)
+    return np.sqrt(best)

@@ -1,0 +1,250 @@
+"""Image-goal navigation (Chaplot et al. 2020, 3 and 5): N episodes in lock-step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.driving.metrics import spl
+from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.episodes import SUCCESS, Episodes
+from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
+from tutorial_lib.geometry import Array, compose, relative
+from tutorial_lib.interfaces import ExplorerAgent
+from tutorial_lib.observation import Observation
+from tutorial_lib.world.bodies import DifferentialDrive
+from tutorial_lib.world.noise import STOP, DiscreteNoise
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.sensors import Laser, PanoramicCamera
+
+STEPS = 500
+"""Actions of an episode, at most."""
+SENSORS = ("rgbd", "rgb")
+
+
+class ExplorationTask:
+    """N robots, each with an episode of its own, in one world or several.
+
+    Robots pass through each other. An agent gets what `observe` and `goals` return and nothing
+    else; the attributes here are for those who measure, and for oracles.
+
+    Attributes:
+        episodes: see `Episodes`.
+        scenes: the worlds by name.
+        poses: (N, 3) true poses.
+        odometry: (N, 3) poses by dead reckoning, in the frame of each robot's start.
+        done: (N,) has stopped, or has no steps left.
+        success: (N,) has stopped within `SUCCESS` metres of its goal.
+        steps: (N,) actions taken towards the present goal.
+        travelled: (N,) metres towards the present goal; a robot that slips aside travels, too.
+        collisions: (N,) actions that ended at a wall.
+        path: true poses (N, 3) at the start and after each step.
+    """
+
+    def __init__(
+        self,
+        scenes: Mapping[str, Scene],
+        episodes: Episodes,
+        rng: np.random.Generator,
+        *,
+        sensor: str = "rgbd",
+        noise: bool = True,
+        limit: int = STEPS,
+        stops_itself: bool = False,
+    ) -> None:
+        """Put robots at the starts of episodes.
+
+        Args:
+            scenes: the worlds by name.
+            episodes: N of them.
+            rng: draws actuation and odometry noise, from a stream of its own for each robot.
+            sensor: one of `SENSORS`; with depth or without.
+            noise: of motion and odometry; without it, actions are exact and so is odometry.
+            limit: actions of an episode.
+            stops_itself: episodes end near the goal without `stop` (the paper's Table 2).
+
+        Raises:
+            InputError: when a world is missing, or the sensor is unknown.
+        """
+        missing = sorted(set(episodes.worlds) - scenes.keys())
+        if missing:
+            raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
+        if sensor not in SENSORS:
+            raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
+        self.episodes, self.scenes, count = episodes, scenes, len(episodes)
+        self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
+        self._noise = DiscreteNoise(count, rng) if noise else None
+        self._rows = _rows_by_scene(scenes, episodes.worlds)
+        self._camera = PanoramicCamera()
+        self.poses, self.odometry = episodes.starts.astype(float), np.zeros((count, 3))
+        self._goals, self._shortest = episodes.goals, episodes.shortest
+        self._image = np.zeros((count, self._camera.rows, self._camera.columns, 3), np.uint8)
+        self._ranges = np.zeros((count, self._camera.columns))
+        self._stale = np.ones(count, bool)
+        self.path, self.collisions = [self.poses], np.zeros(count, np.intp)
+        self._begin()
+
+    def __len__(self) -> int:
+        return len(self.episodes)
+
+    def _begin(self) -> None:
+        """Reset the counters of the present goals."""
+        count = len(self)
+        self.done, self.success = np.zeros((2, count), bool)
+        self.steps, self.travelled = np.zeros(count, np.intp), np.zeros(count)
+
+    @property
+    def spl(self) -> Array:
+        """(N,) success weighted by path length, towards the present goals."""
+        return spl(self.success, self._shortest, self.travelled)
+
+    @property
+    def goal_poses(self) -> Array:
+        """(N, 3) where the present goals' pictures are taken."""
+        return self._goals
+
+    def observe(self) -> Observation:
+        """What the robots' sensors measure now; those that are done see what they saw last."""
+        image, ranges = self._look(self.poses, self._stale)
+        self._image[self._stale], self._ranges[self._stale] = image, ranges
+        self._stale[:] = False
+        return self._observation(self._image.copy(), self._ranges.copy(), self.odometry.copy())
+
+    def goals(self) -> Observation:
+        """The pictures (N,) of the goals, with depth where the robots have it."""
+        image, ranges = self._look(self._goals, np.ones(len(self), bool))
+        return self._observation(image, ranges, np.zeros((len(self), 3))).pictures()
+
+    def step(self, actions: ArrayLike) -> None:
+        """Carry out discrete actions; those of robots that are done do nothing.
+
+        Args:
+            actions: (N,) of STOP, FORWARD, LEFT, RIGHT.
+
+        Raises:
+            InputError: when an action is none of these.
+        """
+        actions = np.asarray(actions)
+        if actions.shape != (len(self),) or not np.isin(actions, ACTIONS).all():
+            raise InputError(f"actions: {actions.tolist()}; give (N,) numbers from 0 to 3")
+        running = ~self.done
+        actions = np.where(running, actions, STOP)
+        wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
+        if self._noise is not None:
+            wanted, errors = self._noise.draw(actions)
+        before, self.poses = self.poses, self.poses.copy()
+        for scene, rows in self._rows:
+            self._move(scene, rows[(actions[rows] != STOP)], wanted)
+        motions = relative(before, self.poses)
+        self.odometry = compose(self.odometry, motions + errors)
+        self.travelled = self.travelled + np.linalg.norm(motions[:, :2], axis=1)
+        self.steps[running] += 1
+        self._stale |= actions != STOP
+        self.path.append(self.poses)
+        self._end(running, actions)
+
+    def next_goals(self, goals: Array) -> None:
+        """Give all robots another goal, from where they stand (section 6.1).
+
+        Args:
+            goals: (N, 3) poses.
+
+        Raises:
+            InputError: when there are not as many, or no path leads to one of them.
+        """
+        goals = np.asarray(goals, dtype=float)
+        if goals.shape != (len(self), 3):
+            raise InputError(f"goals: shape {goals.shape}; give ({len(self)}, 3), a pose a robot")
+        shortest = np.empty(len(self))
+        for scene, rows in self._rows:
+            shortest[rows] = _shortest(scene, self.poses[rows, :2], goals[rows, :2])
+        self._goals, self._shortest = goals, shortest
+        self._begin()
+
+    def _move(self, scene: Scene, rows: NDArray[np.intp], motions: Array) -> None:
+        segments, radius = scene.plan.segments, DifferentialDrive.radius
+        self.poses[rows], stopped = move(self.poses[rows], motions[rows], segments, radius)
+        self.collisions[rows] += stopped
+
+    def _end(self, running: NDArray[np.bool_], actions: NDArray[np.intp]) -> None:
+        """Mark finished episodes and successes."""
+        near = np.linalg.norm(self.poses[:, :2] - self._goals[:, :2], axis=1) < SUCCESS
+        stopped = running & ((actions == STOP) | (near & self._stops_itself))
+        self.success |= stopped & near
+        self.done |= stopped | (running & (self.steps >= self._limit))
+
+    def _look(self, poses: Array, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.uint8], Array]:
+        """Images and ranges of the chosen poses, in their order."""
+        image, ranges = np.empty_like(self._image), np.empty_like(self._ranges)
+        for scene, rows in self._rows:
+            mine = rows[chosen[rows]]
+            if len(mine):
+                image[mine], ranges[mine] = self._camera.look(scene, poses[mine])
+        return image[chosen], ranges[chosen]
+
+    def _observation(self, image: NDArray[np.uint8], ranges: Array, odometry: Array) -> Observation:
+        still = np.zeros(len(self))
+        laser = np.full((len(self), Laser.beams), np.nan)
+        return Observation(
+            image, ranges if self._depth else None, laser, odometry, still, still.copy()
+        )
+
+
+def _rows_by_scene(
+    scenes: Mapping[str, Scene], worlds: tuple[str, ...]
+) -> list[tuple[Scene, NDArray[np.intp]]]:
+    """Each world with the rows of its episodes."""
+    names = np.array(worlds)
+    return [(scenes[name], np.flatnonzero(names == name)) for name in dict.fromkeys(worlds)]
+
+
+def _shortest(scene: Scene, starts: Array, goals: Array) -> Array:
+    """Metres (N,) between starts and goals, both (N, 2).
+
+    A robot can stand in a pocket that the grid does not join to the rest: its path then begins at
+    the nearest place of the largest part.
+    """
+    paths = GridPaths(scene.clearance)
+    metres = paths.between(starts, goals)
+    cut = np.flatnonzero(~np.isfinite(metres))
+    if len(cut):
+        points = paths.points[paths.largest]
+        gaps = np.linalg.norm(points[:, None] - starts[cut], axis=2)
+        metres[cut] = gaps.min(axis=0) + paths.between(points[gaps.argmin(axis=0)], goals[cut])
+    if not np.isfinite(metres).all():
+        lost = goals[~np.isfinite(metres)].tolist()
+        raise InputError(f"goals: no path leads to {lost}; choose other places")
+    return metres
+
+
+def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:
+    """Let an agent act until all episodes of a task are over."""
+    agent.start(task.goals())
+    while not task.done.all():
+        task.step(agent.act(task.observe(), ~task.done))
+
+
+def explore_on(
+    task: ExplorationTask, agent: ExplorerAgent, goals: Array
+) -> Iterator[tuple[NDArray[np.bool_], Array]]:
+    """Let an agent look for several goals in a row, and remember between them (section 6.1).
+
+    Args:
+        task: with the first goals.
+        agent: one that can go on, see `ExplorerAgent.look_for`.
+        goals: (K, N, 3) poses, the first ones included.
+
+    Yields:
+        Success (N,) and SPL (N,) for each of the K goals.
+    """
+    agent.start(task.goals())
+    for number, poses in enumerate(goals):
+        if number:
+            task.next_goals(poses)
+            agent.look_for(task.goals())
+        while not task.done.all():
+            task.step(agent.act(task.observe(), ~task.done))
+        yield task.success, task.spl

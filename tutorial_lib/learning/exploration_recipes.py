@@ -1,0 +1,166 @@
+"""How the networks of exploration are trained: their worlds, sizes and settings."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from tutorial_lib.learning.calibration import (
+    Calibration,
+    auc,
+    fit_temperature,
+    reliability,
+    sigmoid,
+)
+from tutorial_lib.learning.exploration_data import (
+    PANORAMAS,
+    panorama_worlds,
+    training_plan,
+    unseen_plan,
+)
+from tutorial_lib.learning.exploration_training import PanoramaObjective, predictions
+from tutorial_lib.learning.panorama_batches import PanoramaBatch, PanoramaSource
+from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
+from tutorial_lib.learning.settings import Settings
+from tutorial_lib.learning.training import train
+from tutorial_lib.learning.weights import Card
+
+FIRST_STOPPING, FIRST_CALIBRATING = 10_000, 10_016
+"""First seeds of the validation worlds for early stopping, and for calibration."""
+
+
+@dataclass(frozen=True)
+class NtsRecipe:
+    """All that a multi-task network comes from.
+
+    Attributes:
+        name: of the weights.
+        command: that trains them.
+        architecture: of the network.
+        settings: of its training; its "targets" are groups of panoramas.
+        worlds: how many training plans, seeds 0 and up.
+        validation_worlds: how many plans for early stopping, and as many for calibration.
+        panoramas: of each plan.
+    """
+
+    name: str
+    command: str
+    architecture: PanoramaArchitecture
+    settings: Settings
+    worlds: int = 160
+    validation_worlds: int = 12
+    panoramas: int = PANORAMAS
+
+    def checkpoints(self, work: Path) -> tuple[Path]:
+        """File of the state of its training."""
+        return (work / f"{self.name}.pt",)
+
+
+STEPS = 6_500
+
+
+def _recipe(sensor: str, *, blind: bool) -> NtsRecipe:
+    name = f"nts_blind_{sensor}" if blind else f"nts_{sensor}"
+    settings = Settings(
+        max_steps=STEPS,
+        targets=16,
+        learning_rate=2e-3,
+        warmup_steps=300,
+        eval_interval=500,
+        patience=STEPS,
+        threads=1,
+    )
+    command = f"train nts --sensor {sensor}" + (" --blind" if blind else "")
+    return NtsRecipe(name, command, PanoramaArchitecture(sensor, blind), settings)
+
+
+NTS = {
+    (sensor, blind): _recipe(sensor, blind=blind)
+    for sensor in ("rgb", "rgbd")
+    for blind in (False, True)
+}
+"""What `train nts` can train, by sensor and whether its scores are blind to the goal."""
+
+
+def train_nts(recipe: NtsRecipe, work: Path, jobs: int = 2) -> tuple[PanoramaNetwork, Card]:
+    """Train a multi-task network, including its data.
+
+    Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
+
+    Args:
+        recipe: what to train.
+        work: folder for recordings and checkpoint.
+        jobs: processes that record and render.
+
+    Returns:
+        The network and its card, which holds the calibration of its connections.
+    """
+    begun = time.monotonic()
+    plans = [training_plan(seed) for seed in range(recipe.worlds)]
+    source = PanoramaSource(panorama_worlds(plans, work, recipe.panoramas, jobs))
+    stopping = _unseen(recipe, FIRST_STOPPING, work, jobs)
+    spent = time.monotonic() - begun
+    network, progress = train(
+        recipe.architecture,
+        source,
+        stopping,
+        recipe.settings,
+        recipe.checkpoints(work)[0],
+        objective=PanoramaObjective(),
+    )
+    begun = time.monotonic()
+    calibrating = _unseen(recipe, FIRST_CALIBRATING, work, jobs)
+    calibration, measured = calibrate_connection(network, calibrating)
+    spent += time.monotonic() - begun
+    card = Card(
+        recipe.name,
+        recipe.command,
+        recipe.architecture,
+        recipe={**asdict(recipe.settings), "worlds": recipe.worlds, **source.recipe},
+        validation={**progress.history[progress.best], **measured},
+        calibration=asdict(calibration),
+        minutes=round((spent + progress.seconds) / 60, 1),
+    )
+    return network, card
+
+
+def _unseen(recipe: NtsRecipe, first: int, work: Path, jobs: int) -> list[PanoramaBatch]:
+    """Batches of validation worlds, both kinds of signs, nothing augmented."""
+    plans = [unseen_plan(first + i) for i in range(recipe.validation_worlds)]
+    worlds = panorama_worlds(plans, work, recipe.panoramas, jobs)
+    count = 2 * len(worlds)
+    source = PanoramaSource(worlds, worlds=count, targets=8, vary=False)
+    return [source.block([first, number]) for number in range(2)]
+
+
+@torch.inference_mode()
+def calibrate_connection(
+    network: PanoramaNetwork, batches: Sequence[PanoramaBatch]
+) -> tuple[Calibration, dict[str, float]]:
+    """Fit temperature and offset of F_L's logits on validation worlds (Guo et al. 2017).
+
+    Returns:
+        The calibration, and what was measured on the same pairs.
+    """
+    logits, label = [], []
+    for batch in batches:
+        found = predictions(network, batch)
+        logits.append(found.compared.connection.numpy().astype(float))
+        label.append(batch.connected.ravel()[found.pairs.numpy()])
+    logits, label = np.concatenate(logits), np.concatenate(label)
+    temperature, offset = fit_temperature(logits, label)
+    raw = (-10.0, 10.0)
+    calibration = Calibration(raw, tuple(round(z / temperature + offset, 6) for z in raw))
+    measured = {
+        "calibration_auc": auc(logits, label),
+        "temperature": temperature,
+        "offset": offset,
+        "ece_raw": reliability(sigmoid(logits), label).ece,
+        "ece_temperature": reliability(calibration(logits), label).ece,
+    }
+    return calibration, {name: round(value, 4) for name, value in measured.items()}

@@ -1,0 +1,132 @@
+"""How the recurrent policy is trained that imitates shortest paths."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import torch
+
+from tutorial_lib.learning.exploration_data import training_plan, unseen_plan
+from tutorial_lib.learning.exploration_recipes import FIRST_STOPPING
+from tutorial_lib.learning.imitation_data import EPISODES, ImitationSource, expert_episodes
+from tutorial_lib.learning.imitation_network import (
+    ImitationArchitecture,
+    ImitationNetwork,
+    ImitationObjective,
+)
+from tutorial_lib.learning.panorama_network import PanoramaNetwork
+from tutorial_lib.learning.settings import Settings
+from tutorial_lib.learning.training import train
+from tutorial_lib.learning.weights import Card, load_card, load_network
+
+
+@dataclass(frozen=True)
+class ImitationRecipe:
+    """All that a recurrent policy comes from.
+
+    Attributes:
+        name: of the weights.
+        command: that trains them.
+        architecture: of the network.
+        settings: of its training; its "targets" are parts of episodes.
+        start: weights of the multi-task network that its encoder starts from; none if empty. That
+            makes the baseline stronger than the paper's, whose encoder knows only ImageNet.
+        worlds: how many training plans, seeds 0 and up.
+        validation_worlds: how many plans for early stopping.
+        episodes: of each plan, by difficulty.
+    """
+
+    name: str
+    command: str
+    architecture: ImitationArchitecture
+    settings: Settings
+    start: str = ""
+    worlds: int = 160
+    validation_worlds: int = 8
+    episodes: dict[str, int] = field(default_factory=lambda: dict(EPISODES))
+
+    def checkpoints(self, work: Path) -> tuple[Path]:
+        """File of the state of its training."""
+        return (work / f"{self.name}.pt",)
+
+
+STEPS = 4_000
+
+
+def _recipe(sensor: str) -> ImitationRecipe:
+    settings = Settings(
+        max_steps=STEPS,
+        targets=8,
+        learning_rate=1e-3,
+        warmup_steps=200,
+        eval_interval=250,
+        patience=STEPS,
+    )
+    command, architecture = f"train il --sensor {sensor}", ImitationArchitecture(sensor)
+    return ImitationRecipe(f"il_{sensor}", command, architecture, settings, f"nts_{sensor}")
+
+
+IMITATION = {sensor: _recipe(sensor) for sensor in ("rgb", "rgbd")}
+"""What `train il` can train, by sensor."""
+
+
+def train_imitation(
+    recipe: ImitationRecipe, work: Path, jobs: int = 2
+) -> tuple[ImitationNetwork, Card]:
+    """Train a policy by behaviour cloning, including its data.
+
+    Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
+
+    Args:
+        recipe: what to train.
+        work: folder for recordings and checkpoint.
+        jobs: processes that record.
+
+    Returns:
+        The network and its card.
+    """
+    begun = time.monotonic()
+    started = _started(recipe)
+    plans = [training_plan(seed) for seed in range(recipe.worlds)]
+    source = ImitationSource(expert_episodes(plans, work, recipe.episodes, jobs))
+    plans = [unseen_plan(FIRST_STOPPING + i) for i in range(recipe.validation_worlds)]
+    unseen = expert_episodes(plans, work, recipe.episodes, jobs)
+    others = replace(source, recorded=unseen, targets=2, vary=False)
+    validation = [others.block([FIRST_STOPPING, i]) for i in range(2)]
+    prepared = time.monotonic() - begun
+    network, progress = train(
+        recipe.architecture,
+        source,
+        validation,
+        recipe.settings,
+        recipe.checkpoints(work)[0],
+        init_from=started,
+        objective=ImitationObjective(),
+    )
+    card = Card(
+        recipe.name,
+        recipe.command,
+        recipe.architecture,
+        recipe={
+            **asdict(recipe.settings),
+            "start": load_card(recipe.start).sha256 if recipe.start else "",
+            "worlds": recipe.worlds,
+            **source.recipe,
+        },
+        validation=progress.history[progress.best],
+        minutes=round((prepared + progress.seconds) / 60, 1),
+    )
+    return network, card
+
+
+def _started(recipe: ImitationRecipe) -> ImitationNetwork | None:
+    """A policy whose comparison with the goal has the weights of a multi-task network."""
+    if not recipe.start:
+        return None
+    torch.manual_seed(recipe.settings.seed)
+    network = ImitationNetwork(recipe.architecture)
+    trained = load_network(recipe.start, wanted=PanoramaNetwork)
+    network.pairs.load_state_dict(trained.state_dict())
+    return network

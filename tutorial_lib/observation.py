@@ -1,0 +1,126 @@
+"""What a robot observes, now, on the way, or in the picture of a goal: all that an agent gets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.errors import InputError
+
+
+@dataclass(frozen=True)
+class Observation:
+    """All that an agent ever observes, for N robots at once.
+
+    Attributes:
+        image: (N, H, W, 3) uint8 RGB, left column = left of view.
+        depth: (N, W) float metres for each image column, or None where there is no depth camera.
+        laser: (N, B) float metres, B beams over the full circle, from -pi counter-clockwise.
+        odometry: (N, 3) pose since the start by wheel odometry; it drifts.
+        speed: (N,) m/s, negative in reverse.
+        steering: (N,) the car's steering angle in rad; for a differential drive its rad/s.
+    """
+
+    image: NDArray[np.uint8]
+    depth: NDArray[np.floating] | None
+    laser: NDArray[np.floating]
+    odometry: NDArray[np.float64]
+    speed: NDArray[np.float64]
+    steering: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.odometry)
+
+    def __getitem__(self, index: Any) -> Observation:  # noqa: ANN401 - any numpy index
+        """The robots that `index` selects (a mask, a slice, indices or one index), as a batch."""
+        index = [index] if isinstance(index, int | np.integer) else index
+        depth = None if self.depth is None else self.depth[index]
+        return Observation(
+            self.image[index],
+            depth,
+            self.laser[index],
+            self.odometry[index],
+            self.speed[index],
+            self.steering[index],
+        )
+
+    def pictures(self) -> Observation:
+        """The images, and depth where there is any, without what else was measured there.
+
+        The laser has no reading (not a number, as ROS REP 117 has it); odometry, speed and steering
+        are zero.
+        """
+        return Observation(
+            self.image,
+            self.depth,
+            np.full(np.shape(self.laser), np.nan),
+            np.zeros_like(self.odometry),
+            np.zeros_like(self.speed),
+            np.zeros_like(self.steering),
+        )
+
+    @classmethod
+    def joined(cls, parts: Sequence[Observation]) -> Observation:
+        """The robots of all parts, as one batch; depth only where all have it."""
+        depths = [part.depth for part in parts]
+        depth = None if any(d is None for d in depths) else np.concatenate(depths)
+        names = ("image", "laser", "odometry", "speed", "steering")
+        whole = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+        return cls(depth=depth, **whole)
+
+
+@dataclass(frozen=True, eq=False)
+class Goals:
+    """Images of where a robot is to go (image-goal navigation); one of several is enough.
+
+    Whatever observations they are made of, only the pictures are kept: the odometry of who took
+    them would lead to the goal. A network that looks at the laser has its scans in the contexts.
+
+    Attributes:
+        observations: (G,) the pictures taken there, see `Observation.pictures`.
+        contexts: (G, 2k+1, ...) images of each in its context, as the network's view has them.
+
+    Raises:
+        InputError: when there is none, or not as many of both.
+    """
+
+    observations: Observation
+    contexts: NDArray
+
+    def __post_init__(self) -> None:
+        if not len(self.contexts) or len(self.contexts) != len(self.observations):
+            raise InputError(
+                f"goals: {len(self.observations)} observations, {len(self.contexts)} contexts; "
+                "give as many of both, one at least"
+            )
+        object.__setattr__(self, "observations", self.observations.pictures())
+
+    def __len__(self) -> int:
+        return len(self.contexts)
+
+
+@dataclass(frozen=True, eq=False)
+class Experience:
+    """What a robot observed on one trajectory at 10 Hz; all that an agent learns from.
+
+    Attributes:
+        observations: (T,) in order.
+        timestamps: (T,) seconds, rising.
+
+    Raises:
+        InputError: when there are fewer than two, or not as many of both.
+    """
+
+    observations: Observation
+    timestamps: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        if not 2 <= len(self.observations) == len(self.timestamps):
+            raise InputError(
+                f"experience: {len(self.observations)} observations, {len(self.timestamps)} "
+                "timestamps; give as many of both, two at least"
+            )
