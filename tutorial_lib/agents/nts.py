@@ -30,6 +30,8 @@ class NTSSettings:
         use_graph: without it, the best direction of the present panorama is taken, and nothing is
             remembered (the paper's ablation, section 6.1).
         use_score: without it, scores are random: a ghost is drawn (the other ablation).
+        explored_by_sight: ghosts that another node sees well go to the reserve; in the paper they
+            stay. It helps where scores are poor, and costs where they are good.
         same_node: probability of F_L from which a robot is in a node.
         explorable: probability of F_G from which a direction gets a ghost.
         choice: how ghosts are compared.
@@ -38,6 +40,7 @@ class NTSSettings:
 
     use_graph: bool = True
     use_score: bool = True
+    explored_by_sight: bool = False
     same_node: float = 0.5
     explorable: float = 0.5
     choice: GhostChoice = field(default_factory=GhostChoice)
@@ -125,7 +128,10 @@ class NTSAgent:
         """Explore with `model`; `rng` draws among equals."""
         self._model, self._rng = model, rng
         self._settings = NTSSettings() if settings is None else settings
-        self._update = GraphUpdate(model, self._settings.same_node, self._settings.explorable)
+        chosen = self._settings
+        self._update = GraphUpdate(
+            model, chosen.same_node, chosen.explorable, by_sight=chosen.explored_by_sight
+        )
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""

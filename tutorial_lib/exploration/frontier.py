@@ -20,8 +20,9 @@ from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.exploration.local_policy import BODY, COMFORT, NEAR
 from tutorial_lib.geometry import Array
 
-SMALLEST = 4
-"""Cells of a frontier about each of its cells, itself included: fewer are gaps between rays."""
+SMALLEST = 9
+"""Cells of a frontier about each of its cells, itself included: through fewer no robot fits."""
+_ABOUT = 4  # cells to either side among which they are counted
 _BLOCK = 10  # cells along a side of the squares of which each gives one frontier, at most
 
 
@@ -112,8 +113,8 @@ def _is_frontier(grid: Bytes, row: int, column: int) -> bool:
     if not _edge(grid, row, column):
         return False
     side, count = len(grid), 0
-    for i in range(max(row - 2, 0), min(row + 3, side)):
-        for j in range(max(column - 2, 0), min(column + 3, side)):
+    for i in range(max(row - _ABOUT, 0), min(row + _ABOUT + 1, side)):
+        for j in range(max(column - _ABOUT, 0), min(column + _ABOUT + 1, side)):
             count += _edge(grid, i, j)
     return count >= SMALLEST
 

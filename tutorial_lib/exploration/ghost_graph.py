@@ -125,6 +125,11 @@ class GhostGraph:
         self.ghosts.update(self.reserve)
         self.reserve.clear()
 
+    def promote(self, ghost: Ghost) -> None:
+        """Make one direction of the reserve a ghost; nothing changes for one that is."""
+        self.reserve.pop((ghost.node, ghost.direction), None)
+        self.ghosts[ghost.node, ghost.direction] = ghost
+
     def shortest(self, node: int) -> tuple[Array, NDArray[np.intp]]:
         """Dijkstra's algorithm: metres (V,) to every node, and the node before it, -1 for none."""
         metres, before = np.full(len(self), np.inf), np.full(len(self), -1)

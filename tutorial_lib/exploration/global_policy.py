@@ -23,10 +23,13 @@ class GhostChoice:
         travel_weight: of the distance to a ghost against its score, both in metres; the paper's
             rule, the highest score, has 0.
         combine_views: ghosts of several nodes at one place share the mean of their scores.
+        reserve_penalty: of score, for directions of the reserve; by default they are not compared
+            with ghosts, and only used when these run out.
     """
 
     travel_weight: float = 0.0
     combine_views: bool = False
+    reserve_penalty: float = np.inf
 
 
 def choose_ghost(
@@ -43,7 +46,8 @@ def choose_ghost(
     graph = memory.graph
     if not graph.ghosts:
         graph.use_reserve()
-    ghosts = list(graph.ghosts.values())
+    reserve = list(graph.reserve.values()) if np.isfinite(settings.reserve_penalty) else []
+    ghosts = [*graph.ghosts.values(), *reserve]
     if not ghosts:
         return None
     places = ghost_places(memory, ghosts)
@@ -51,10 +55,14 @@ def choose_ghost(
     if settings.combine_views:
         together = np.linalg.norm(places[:, None] - places, axis=2) < _ONE_OPENING
         values = together @ values / together.sum(axis=1)
+    if reserve:
+        values[-len(reserve) :] -= settings.reserve_penalty
     metres = travel(memory, ghosts, places)
     values = values - settings.travel_weight * metres / FAR
     best = np.flatnonzero(values == values.max())
-    return ghosts[int(best[rng.integers(len(best))])]
+    chosen = ghosts[int(best[rng.integers(len(best))])]
+    graph.promote(chosen)
+    return chosen
 
 
 def travel(memory: Memory, ghosts: list[Ghost], places: Array) -> Array:

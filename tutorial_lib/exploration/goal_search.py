@@ -16,7 +16,8 @@ from tutorial_lib.world.noise import STOP
 
 _SAME = 1.5  # metres between two estimates of one goal, at most
 _SPREAD = (0.1, 0.15)  # metres of an estimate's error, and the same for each metre to the goal
-_MUTED = 1.5  # metres to travel before a goal that was not where it seemed is looked for again
+_SHIFT = 0.05  # metres from which on a map is drawn anew
+_NEAR = 1.0  # metres from which a goal counts where one was missed before
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ class GoalSearch:
         self.maps = LocalMaps(count) if maps is None else maps
         self.left = np.full(count, np.inf)
         self._policy = LocalPolicy(self.maps)
-        self._looked, self._now = np.full((count, 2), np.nan), np.zeros(count, bool)
+        self._looked, self._mapped = np.full((2, count, 2), np.nan)
         self.look_for(goals)
 
     def look_for(self, goals: Observation) -> None:
@@ -86,7 +87,7 @@ class GoalSearch:
         self.goals = self._model.embed(goals)
         self.found, self.places = np.zeros(count, bool), np.zeros((count, 2))
         self._weight, self._sure = np.zeros(count), np.zeros(count, bool)
-        self._muted = np.full((count, 2), np.inf)
+        self._refused = np.full((count, 2), np.inf)
         self._looked[:] = np.nan
 
     def look_again(self, robots: NDArray[np.intp]) -> None:
@@ -103,7 +104,11 @@ class GoalSearch:
         robots = np.flatnonzero(running)
         here = observations[robots]
         ranges = self._model.ranges(here)
-        self.maps.observe(robots, here.odometry, ranges)
+        # Turning in place shows nothing new.
+        gone = np.linalg.norm(here.odometry[:, :2] - self._mapped[robots], axis=1)
+        new = np.flatnonzero(~(gone < _SHIFT))
+        self.maps.observe(robots[new], here.odometry[new], ranges[new])
+        self._mapped[robots[new]] = here.odometry[new, :2]
         moved = np.linalg.norm(here.odometry[:, :2] - self._looked[robots], axis=1)
         near = self.found[robots] & (self._gap(robots, here.odometry) < self._near)
         looking = np.flatnonzero(~(moved < self._settings.look_every) | (near & (moved > 0.1)))
@@ -135,15 +140,17 @@ class GoalSearch:
         """Where goals are visible, estimate their places, the mean of what is seen of them."""
         goals = self.goals[robots]
         self._sure[robots] = self._model.same_node(features, goals) >= self._settings.visible
-        muted = np.linalg.norm(odometry[:, :2] - self._muted[robots], axis=1) < _MUTED
-        self._sure[robots[muted]] = False
         seen = np.flatnonzero(self._sure[robots])
         if not len(seen):
             return
-        mine = robots[seen]
         bearing, metres = self._model.relative(features[seen], goals[seen]).T
         local = metres[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
         places = to_world(odometry[seen], local)
+        again = np.linalg.norm(places - self._refused[robots[seen]], axis=1) < _SAME
+        refused = again & (metres > _NEAR)
+        self._sure[robots[seen[refused]]] = False
+        seen, places, metres = seen[~refused], places[~refused], metres[~refused]
+        mine = robots[seen]
         weight = 1.0 / (_SPREAD[0] + _SPREAD[1] * metres) ** 2
         apart = np.linalg.norm(places - self.places[mine], axis=1) > _SAME
         known = np.where(self.found[mine] & ~apart, self._weight[mine], 0.0)
@@ -157,7 +164,7 @@ class GoalSearch:
         there = found & (gap < self._settings.stop_within)
         stop = there & self._sure[robots]
         stuck = found & (self.left[robots] < 0.15) & ~stop
-        wrong = (there & ~self._sure[robots] & (self._weight[robots] >= 0)) | stuck
+        wrong = (there & ~self._sure[robots]) | stuck
         lost = robots[wrong]
-        self.found[lost], self._muted[lost] = False, odometry[wrong, :2]
+        self.found[lost], self._refused[lost] = False, self.places[lost]
         return stop

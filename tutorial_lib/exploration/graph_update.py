@@ -82,9 +82,19 @@ def free_metres(ranges: NDArray[np.floating], directions: int = DIRECTIONS) -> A
 class GraphUpdate:
     """Keeps the graphs of many robots up to date, with few calls of the model for all of them."""
 
-    def __init__(self, model: ExplorationModel, same: float, explorable: float) -> None:
-        """Set the model and the probabilities of F_L and F_G from which they count."""
+    def __init__(
+        self, model: ExplorationModel, same: float, explorable: float, *, by_sight: bool = False
+    ) -> None:
+        """Set when answers of the model count, and what is explored.
+
+        Args:
+            model: F_L and F_G.
+            same: probability of F_L from which a robot is in a node.
+            explorable: probability of F_G from which a direction gets a ghost.
+            by_sight: a ghost that another node sees well is explored, too.
+        """
         self._model, self._same, self._explorable = model, same, explorable
+        self._by_sight = by_sight
 
     def update(
         self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
@@ -121,7 +131,8 @@ class GraphUpdate:
         rows = zip(memories, features, explorable, free, ranges, strict=True)
         for memory, row, likely, metres, seen in rows:
             previous = memory.node if len(memory.graph) else None
-            memory.node = memory.graph.add_node(likely, metres, previous, memory.offset, seen)
+            sight = seen if self._by_sight else None
+            memory.node = memory.graph.add_node(likely, metres, previous, memory.offset, sight)
             memory.offset = np.zeros(3)
             memory.features.append(row)
 

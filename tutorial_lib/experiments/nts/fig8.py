@@ -87,7 +87,7 @@ def run_world(
         task = ExplorationTask({name: scene}, episodes, noise)
         explorer = make_explorer(agent, task, "rgbd", own, geometry=settings.geometry)
         columns = list(explore_on(task, explorer, goals))
-        success, spl = (np.array(column) for column in zip(*columns, strict=True))
+        success, spl = (np.array(column, float) for column in zip(*columns, strict=True))
         found[agent] = {"success": success, "spl": spl}
     return found
 
@@ -103,7 +103,7 @@ def _row(
         row[name] = float(values.mean())
         gap = difference(columns["nts"][name][:count].ravel(), values, repeated)
         row |= dict(zip((f"{name}_gap", f"{name}_gap_low", f"{name}_gap_high"), gap, strict=True))
-    reached = columns[agent]["success"][:count].ravel().astype(float)
+    reached = columns[agent]["success"][:count].ravel()
     row |= dict(zip(("low", "high"), over_worlds(reached, repeated)[1:], strict=True))
     return row | {"success_this": float(columns[agent]["success"][count - 1].mean())}
 
