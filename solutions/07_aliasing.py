@@ -39,6 +39,7 @@ use_threads(1)  # the networks are small: a second thread would mostly wait
 from dataclasses import replace
 from itertools import pairwise
 
+import networkx as nx
 from IPython.display import display
 from tqdm.auto import tqdm
 
@@ -69,19 +70,18 @@ from tutorial_lib.viz import (
     chart,
     colours,
     draw_edges,
-    draw_plan,
-    draw_topomap,
-    film_strip,
+    faded,
     from_figure,
     side_by_side,
+    stacked,
     write_beside,
 )
-from tutorial_lib.world import BicycleCar, Camera
+from tutorial_lib.world import BicycleCar, Camera, Laser
 
 # %% [markdown]
 # ## 1 · Twins
 #
-# Here is an office whose rooms were drawn once and copied: the same walls, the same furniture, the same door at the same place. Some rooms at the ends are different. The car knows six places: four in rooms that have a twin, two in rooms that have none. (About 10 s.)
+# Here is an office whose rooms were drawn once and copied: the same walls, the same furniture, the same door at the same place. A few rooms are different: the large ones at the ends, and the one in the middle of the upper row. The car knows six places: four in rooms that have a twin (orange), two in rooms that have none (green). (About 10 s.)
 
 # %% hidden=true
 # An office with look-alike rooms, its places, and what a car sees in two of them
@@ -115,20 +115,18 @@ def room_frame(number):
     return np.array([*corners[0], np.arctan2(ahead[1], ahead[0])])
 
 
+def arriving(place):
+    """The pose of a car on its way to a place, a second before it is there."""
+    number = next(i for i, pair in enumerate(building.pairs) if pair[1] == place)
+    last = building.recorded.first_frames[number] + len(building.recorded.trajectories[number]) - 1
+    return building.recorded.poses[last - 10]
+
+
 first, second = twin_places()
-start = next(
-    building.recorded.poses[f]
-    for f, pair in zip(building.recorded.first_frames, building.pairs, strict=True)
-    if pair[0] == first
-)
-there = compose(room_frame(second), relative(room_frame(first), start))
+here = arriving(first)
+there = compose(room_frame(second), relative(room_frame(first), here))
 other = int(np.flatnonzero(~office.twin)[0])
-elsewhere = next(
-    building.recorded.poses[f]
-    for f, pair in zip(building.recorded.first_frames, building.pairs, strict=True)
-    if pair[0] == other
-)
-poses = np.array([start, there, elsewhere])
+poses = np.array([here, there, arriving(other)])
 images, _ = people_camera.look(building.scene, poses)
 titles = [
     f"in the room of {first}",
@@ -136,19 +134,22 @@ titles = [
     f"in the room of {other}",
 ]
 display(show(with_places(view.base.copy())))
+differ = (images[0] != images[1]).any(axis=-1)
+print(f"pixels in which the first two pictures differ: {differ.sum()} of {differ.size}")
 show(side_by_side([camera_picture(image, 300) for image in images], titles))
 
 # %% [markdown]
-# Orange places are in rooms with a twin, green ones in rooms without. No network can tell the first two pictures apart, since they *are* the same picture. This is **[[perceptual aliasing]]**.
+# A car comes to place 0; the second picture is what it would see from the same spot in the room of place 1. No network can tell the two apart, since they *are* the same picture, pixel by pixel. (Where an open door is in view, a little of the corridor may show, and a few pixels differ.) This is **[[perceptual aliasing]]**.
 #
-# **Predict:** $\mathcal{RE}$ is "the probability that the controller reaches the target". What will it say of the picture of room 2 seen from room 1? Is it *wrong* to say so?
+# **Predict:** $\mathcal{RE}$ is "the probability that the controller reaches the target". What will it say of the picture from the room of place 1, seen from the room of place 0? And of that from the room of place 4? Is it *wrong* to say so?
 
 # %% hidden=true
 # RE between the three pictures
 agent = agents.remedied("all")
 net, lens, k = agent.reachability, agent.predictor.view, agent.predictor.k
 looks = building.recorded.observe(building.recorded.first_frames[:3])
-seen = replace(looks, image=lens.camera.look(building.scene, poses)[0])
+scans = Laser().scan(building.scene, poses).astype(looks.laser.dtype)
+seen = replace(looks, image=lens.camera.look(building.scene, poses)[0], laser=scans)
 contexts = np.repeat(lens.render(building.scene, poses)[:, None], 2 * k + 1, axis=1)
 prepared = net.prepare(contexts)
 rows, columns = np.divmod(np.arange(9), 3)
@@ -158,16 +159,16 @@ table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, stric
 
 # %% [markdown]
 # <details><summary>Answer</summary>
-# From the first room it says of the twin's picture exactly what it says of its own. That is the best that can be said from these two pictures: among all the pairs that look like this, most are in one room. A better network would say the same. What is missing is not in the picture. It is in <i>how the robot came here</i>.
+# From the first room it says of the twin's picture exactly what it says of its own, and the other way round; for the third room, which has no twin, it is low. That is the best that can be said from these two pictures: among all the pairs that look like this, most are in one room. A better network would say the same. What is missing is not in the picture. It is in <i>how the robot came here</i>.
 # </details>
 #
 # ## 2 · One wrong edge ruins a map
 #
-# Notebook 05 joined anchors where $\mathcal{RE}$ was above 0.99, and reused a vertex where it could replace an anchor. With twins both go wrong: an edge leads from one room into its twin, and two places become *one vertex*. Such an edge is a [[wormhole]]: on the map it is a step, in the building a long way.
+# Notebook 05 joined anchors where $\mathcal{RE}$ was above 0.99, and reused a vertex where it could replace an anchor. With twins both go wrong: an edge leads from one room into its twin, and two places become *one vertex*. Such an edge is a [[wormhole]]: on the map it is a step, in the building a long drive.
 #
 # The paper's answer (III-G): "match a sequence of anchors instead of one". Two places that only look alike have neighbours that do not, sooner or later.
 #
-# **Predict:** below, the same thirty trajectories make two maps, one from single views, one from sequences of four anchors on either side. Which map has more vertices? More edges? Which one has the shorter plans? (About 10 s.)
+# **Predict:** below, the same thirty trajectories make two maps, one from single views, one from sequences of four anchors on either side. Which map has more vertices? More edges? On which one is a plan shorter, from where a trajectory begins to where it ends? (About 10 s.)
 
 # %% hidden=true
 # Two maps of the same trajectories: of single views, and of sequences
@@ -186,23 +187,42 @@ def map_of(reach):
     return topomap
 
 
+def edges_of_plans(topomap):
+    """Edges of the most probable path from a trajectory's first vertex to its last, on average."""
+    plans = [
+        nx.dijkstra_path(topomap.graph, path[0], path[-1], weight="weight")
+        for path in topomap.paths
+    ]
+    return np.mean([len(plan) - 1 for plan in plans])
+
+
+def map_picture(topomap, places, holes):
+    """A map on the plan: an arrowhead for each vertex, and edges, the long ones orange."""
+    picture = faded(view.base)
+    draw_edges(view, picture, places, topomap.graph.edges, colours.FAINT)
+    draw_edges(view, picture, places, holes, colours.LASER, 2.0)
+    for vertex in topomap.alive:
+        view.arrow(picture, places[vertex], colours.ROBOT, 4.0)
+    return picture
+
+
 maps = {"single views": map_of(0), "sequences": map_of(4)}
 rows, pictures = [], []
 for name, topomap in maps.items():
-    places, picture = vertex_poses(building, topomap), view.base.copy()
+    places = vertex_poses(building, topomap)
     long = edge_lengths(building, topomap) > WORMHOLE
-    draw_topomap(view, picture, topomap, places)
     holes = [edge for edge, far in zip(topomap.graph.edges, long, strict=True) if far]
-    draw_edges(view, picture, places, holes, colours.LASER, 2.0)
-    rows.append([name, len(topomap), len(long), len(holes), len(holes) / max(len(long), 1)])
-    pictures.append(picture)
+    share, steps = len(holes) / max(len(long), 1), edges_of_plans(topomap)
+    rows.append([name, len(topomap), len(long), len(holes), share, steps])
+    pictures.append(map_picture(topomap, places, holes))
 head = {"map of": "", "vertices": "d", "edges": "d", "longer than 5 m": "d", "share": ".0%"}
+head |= {"edges of a plan": ".1f"}
 display(table(head, rows))
 show(side_by_side(pictures, list(maps)))
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# Orange lines are edges longer than 5 m. The map of single views is small: twins were merged, and the building is <i>folded</i>. On it nearly everything is near everything, so all plans are short, probable, and wrong. The map of sequences has many more vertices. Some wormholes remain: where a trajectory begins in a twin, the sequence has nothing before it, and along equal stretches of a corridor the neighbours are twins as well.
+# Arrowheads are vertices, orange lines edges longer than 5 m. The map of single views is small: twins were merged, and the building is <i>folded</i>. On it a plan takes shortcuts that are not there: the last column is the number of edges on the most probable path from a trajectory's first vertex to its last. Such a plan is short, probable, and often wrong. The map of sequences has many more vertices. Some wormholes remain: where a trajectory begins in a twin, the sequence has nothing before it, and along equal stretches of a corridor the neighbours are twins as well.
 # </details>
 #
 # A planner *looks for* such edges: of all paths it takes the most probable one, and a wormhole is a shortcut that costs nothing. That is the optimizer's curse of notebook 06 again.
@@ -219,19 +239,19 @@ show(side_by_side(pictures, list(maps)))
 #
 # ### Predict
 #
-# Let $b_v$ be the belief in state $v$: one of the vertices, or, as the last one, off the map. The wheels measure that the robot has moved by $d$ metres (turning counts as well). How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, it should be about the share $d/\ell_v$, but never more than all, and moving by $d$ twice must be the same as moving by $2d$. There is one function like that:
+# Let $b_v$ be the belief in state $v$: one of the vertices, or, as the last one, off the map. The wheels measure that the robot has moved by $d$ metres (turning counts as well). How much of the belief leaves $v$? If its edges are $\ell_v$ metres long, it should be about the share $d/\ell_v$ where $d$ is small, but never more than all; and *the share that stays* must be the same after moving by $d$ twice as after moving by $2d$. There is one function like that:
 #
 # $$ \text{leave}_v = 1 - e^{-d/\ell_v}, \qquad \bar b_w = b_w (1 - \text{leave}_w) + \sum_v b_v \, \text{leave}_v \, P(w \mid v) . $$
 #
-# $P(w\mid v)$, the row $v$ of the matrix `onward`, says where the edges of $v$ lead; a little of each row leads off the map, and from there anywhere. $\bar b$ is called the **[[prior]]**: what is believed before the next look. Odometry drifts; it does not matter much, since only the *last* motion is used, and the exponential is generous.
+# $P(w\mid v)$, the row $v$ of the matrix `onward`, says where the edges of $v$ lead; a little of each row leads off the map, and from there anywhere. Off the map is a state like the others: it has a row, and a length, the metres that a robot drives there until it is on the map again. $\bar b$ is called the **[[prior]]**: what is believed before the next look. Odometry drifts; it does not matter much, since only the *last* motion is used.
 #
 # **Predict:** what is the prior when $d = 0$? When $d$ is very large? Does the sum of the belief change?
 #
 # <details><summary>Answer</summary>
-# Nothing leaves: the prior is the belief. With a very large motion all of it leaves, but over one edge only; predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
+# Nothing leaves: the prior is the belief. With a very large motion all of it leaves, but over one edge only, however far the robot has gone: the share that stays is right for any motion, the place to which the rest goes only for a short one. So predict in small steps. The sum stays one, since each row of <code>onward</code> sums to one.
 # </details>
 #
-# ### Exercise 1 · `predict` (medium, 10 minutes)
+# ### Exercise 1 · `predict` (medium, 8 minutes)
 #
 # For N robots at once: each row of `belief` is one robot, with V + 1 columns.
 #
@@ -273,9 +293,9 @@ predict = check_predict.use(predict)
 # Still half and half: the picture says nothing about which twin it is. A likelihood that is the same everywhere changes nothing at all; only its ratios count.
 # </details>
 #
-# ### Exercise 2 · `update` (easy, 8 minutes)
+# ### Exercise 2 · `update` (easy, 5 minutes)
 #
-# It may happen that *no* state is possible: all products are 0. Then the robot is off the map, which is the last state.
+# It may happen that *no* state is possible: all products are 0, not only tiny. Then the robot is off the map, which is the last state.
 #
 # <details><summary>Hint 1: concept</summary>A product, and a division by its sum, for each row by itself.</details>
 # <details><summary>Hint 2: approach</summary>Where a row of products sums to 0, set its last entry to 1 before you divide; then no division by 0 is left.</details>
@@ -287,8 +307,8 @@ def update(prior, likelihood):
     """The belief after a look, by Bayes' rule.
 
     prior: array (N, V + 1), each row sums to 1.
-    likelihood: array (N, V + 1), not negative: of what each robot sees, if it
-    is in each state.
+    likelihood: array (N, V + 1), not negative, perhaps above 1: of what each
+    robot sees, if it is in each state.
     Returns an array (N, V + 1), each row of which sums to 1; where nothing is
     possible, all of it is in the last state.
     """
@@ -335,23 +355,29 @@ def corridor_belief(step):
     axes.axvline(1 + 0.5 * step, color=colours.unit(colours.GOAL), linewidth=2)
     axes.set_xticks(range(9), [*map(str, range(8)), "off"])
     axes.set(ylim=(0, 1), ylabel="belief", xlabel="vertex; the green line is the robot")
-    return from_figure(figure), f"after {step} motions: at most {row_beliefs[step].max():.2f}"
+    return from_figure(
+        figure
+    ), f"after {step} motions: greatest belief {row_beliefs[step].max():.2f}"
 
 
-sliders(corridor_belief, {"step": "step"}, step=(0, STEPS - 1, 1, 2))
+sliders(corridor_belief, {"step": "step"}, step=(0, STEPS - 1, 1, 4))
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# At first two equal bars, at 1 and at 5: the truth. They move on together, past 2 and 6, which are twins as well. Only at 3, which is not 7, one of them dies. The robot was never wrong on the way: it <i>did not know</i>, and said so.
+# At first two equal bars, at 1 and at 5: the truth. They move on together, past 2 and 6, which are twins as well. Only at 3, which does not look like 7, one of them dies: after four steps 0.85 of the belief are at 3, and 0.06 are left at 6. The robot was never wrong on the way: it <i>did not know</i>, and said so.
 # </details>
 #
 # ## 4 · Sequences
 #
-# The filter sums over all ways in which the robot can have come here. Sequence matching (III-G) takes the last few views only, and of all ways the *best* one. It needs no motion model: from one view to the next the robot has stayed at its vertex, or has come to it from the vertex before on the trajectory.
+# The filter sums over all paths on which the robot can have come here. Sequence matching (III-G) takes the last few views only, and of all paths the *best* one. It needs no motion model: from one view to the next the robot has stayed at its vertex, or has come to it from the vertex before on the trajectory.
 #
 # For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$; for more, the same again with the result so far in the place of $p_1$.
 #
-# **Predict:** twins A and B are entered from a corridor that is different. Which of the two has the higher score after one view? After two?
+# **Predict:** the rooms A and B look alike; the corridor before A does not look like that before B. The robot has come from A's corridor into A. Which of the two has the higher score after one view, that of the room? After two, the corridor and the room?
+#
+# <details><summary>Answer</summary>
+# After one view the same: it fits both. After two, A: in the corridor before B the robot would have seen something else, and from inside B as well. How many views it takes depends on how long ago the robot saw something that has no twin.
+# </details>
 #
 # ### Exercise 3 · `match_sequence` (medium, 12 minutes)
 #
@@ -389,7 +415,7 @@ match_sequence = check_match_sequence.use(match_sequence)
 # %% [markdown]
 # ## 5 · The filter on a real drive
 #
-# A car drives through the office, from a place in one twin to the green place; its wheels drift. **Half-way it is kidnapped**: somebody carries it to another room, and no odometer notices. Then it drives on from there. All was recorded: the odometry at each step, and what is seen there.
+# A car drives through the office, from a place in one twin to the green place; its wheels drift. **Half-way it becomes a [[kidnapped robot]]**: it is carried to another room, and no odometer notices. Then it drives on from there. All was recorded: the odometry at each step, and what is seen there.
 #
 # The loop around `predict` and `update` has to answer three more questions.
 #
@@ -404,7 +430,7 @@ rules = FilterSettings()
 print(rules)
 
 # %% [markdown]
-# ### Exercise 4 · `track` (large, 40 minutes)
+# ### Exercise 4 · `track` (large, 35 minutes)
 #
 # At the start nothing is known: the belief is the same for all states, it is also the first prior, the vertex is -1, and the robot looks at step 0. Then for each step:
 #
@@ -414,7 +440,7 @@ print(rules)
 #
 # <details><summary>Hint 1: concept</summary>Five things are remembered from step to step: the belief, the prior, the pose of the last prediction, the steps since the last look, and the vertex.</details>
 # <details><summary>Hint 2: approach</summary>Belief and prior are arrays (1, V + 1), the motion for predict is np.array([metres]). The likelihoods for update: np.maximum(look(step), rules.least), with rules.unknown appended, to the power of rules.sharpness, and as one row: [None]. belief[0, -1] is that of being off the map, so vertex -1 needs no case of its own when you look up its belief.</details>
-# <details><summary>Hint 3: one line</summary>Count waited += 1 at each step, and set it to 0 after a look; which value must it begin with, so that the first step looks?</details>
+# <details><summary>Hint 3: one line</summary>Count waited += 1 at each step before you compare it, also in the step after a look, and set it to 0 when the robot looks; which value must it begin with, so that the first step looks?</details>
 
 
 # %% exercise="track"
@@ -427,7 +453,7 @@ def track(odometry, look, lengths, onward, rules):
     lengths, onward: as for predict.
     rules: rules.stride, .interval, .least, .unknown, .sharpness, .hysteresis.
     Returns the beliefs after each step, an array (T, V + 1), and the vertices,
-    a list of T numbers, -1 for off the map.
+    a list of T whole numbers, -1 for off the map.
     """
     ### BEGIN SOLUTION
     belief = prior = np.full((1, len(lengths)), 1 / len(lengths))
@@ -456,7 +482,7 @@ def track(odometry, look, lengths, onward, rules):
 track = check_track.use(track)
 
 # %% [markdown]
-# Now the drive. The blue discs are the belief, the larger the more; the grey bar at the left edge is the belief of being off the map. The car is drawn where it really is, which it does not know.
+# Now the drive. The purple discs are the belief, the larger the more, and the black ring is around the vertex at which the robot takes itself to be. The blue arrowhead is the car, where it really is, which it does not know. The bar at the left edge is the belief of being off the map: the fuller, the more.
 #
 # **Predict:** the car starts in a room with a twin. When will it know in which one? How long after the kidnapping will it notice, and how long until it knows where it is? (About 8 s.)
 
@@ -512,15 +538,17 @@ def metres_off(step):
 
 def belief_picture(step):
     """The plan with the belief at a step."""
-    picture = view.base.copy()
+    picture = faded(view.base)
     for vertex in np.flatnonzero(beliefs[step, :-1] > 0.01):
         radius = 0.12 + 0.5 * np.sqrt(beliefs[step, vertex])
-        view.disc(picture, track_poses[vertex, :2], radius, colours.TRACK)
+        view.disc(picture, track_poses[vertex, :2], radius, colours.PERSON)
     if vertices[step] >= 0:
-        view.arrow(picture, track_poses[vertices[step]], colours.ROBOT, 8.0)
-    view.robot(picture, drive_poses[step], car.footprint)
-    high = int(beliefs[step, -1] * (len(picture) - 8))
-    picture[len(picture) - 4 - high : len(picture) - 4, 4:12] = colours.FAINT
+        view.ring(picture, track_poses[vertices[step], :2], 0.75, colours.INK)
+    view.arrow(picture, drive_poses[step], colours.ROBOT, 9.0)
+    tall = len(picture) - 60
+    picture[28 : 32 + tall, :14] = colours.INK
+    picture[30 : 30 + tall, 2:12] = colours.PAPER
+    picture[30 + tall - int(beliefs[step, -1] * tall) : 30 + tall, 2:12] = colours.PERSON
     return picture
 
 
@@ -540,7 +568,7 @@ def belief_at(second):
 
 
 print(f"kidnapped after {cut / 10:.1f} s; looked {len(likelihoods)} times in {len(frames)} steps")
-sliders(belief_at, {"second": "time, s"}, second=(0, len(frames) // 10, 1, cut // 10 + 2))
+sliders(belief_at, {"second": "time, s"}, second=(0, len(frames) // 10, 1, cut // 10 + 1))
 
 # %% hidden=true
 # The same drive for argmax, sequences and the filter: metres from the truth
@@ -562,39 +590,59 @@ for name, tone in zip(guesses, (colours.LASER, colours.PATH, colours.ROBOT), str
     there = np.array(guesses[name])
     gap = building.paths.between(drive_poses[looked, :2], track_poses[there, :2])
     gap = np.where(there < 0, np.nan, gap)
-    axes.plot(np.array(looked) / 10, gap, ".-", color=colours.unit(tone), label=name)
+    times = np.array(looked) / 10
+    axes.plot(times, gap, ".-", color=colours.unit(tone), label=name)
     known = np.nan_to_num(gap, nan=np.inf)
     rows.append([name, (known <= 2.5).mean(), int((np.diff(there) != 0).sum())])
+lost = np.array(vertices) < 0  # at the end, `there` is the belief's
+axes.fill_between(
+    np.arange(len(lost)) / 10,
+    axes.get_ylim()[1],
+    where=lost,
+    step="mid",
+    color=colours.unit(colours.FAINT),
+    alpha=0.3,
+    linewidth=0,
+    label="belief: off the map",
+)
 axes.axvline(cut / 10, color=colours.unit(colours.INK), linestyle="--")
-axes.set(xlabel="time, s (dashed: the kidnapping)", ylabel="m off", ylim=(0, None))
-axes.legend(frameon=False, ncols=3, fontsize=10)
+axes.set(xlabel="time, s (dashed: the kidnapping)", ylabel="metres from the truth", ylim=(0, None))
+axes.legend(frameon=False, ncols=4, fontsize=10, loc="lower center", bbox_to_anchor=(0.5, 1.0))
 head = {"by": "", "within 2.5 m": ".0%", "changes of the vertex": "d"}
 display(table(head, rows))
 show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What does the plot show?</summary>
-# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief may begin in the wrong twin, or in several, and once something has told them apart it mostly stays right. Corridors of identical doors are hardest: in ten offices the robot is localized within 2.5 m in 78 % of all steps, but in such corridors in 53 %, and where it says there that it is sure, it is right in 61 % (94 % of all steps): nothing that it sees counts the doors (<code>experiment meng_fig12 --ablation localization</code>). After the kidnapping it is wrong for a moment, since it trusts its prior; then the views contradict it more and more, and it lets go.
+# Argmax jumps from twin to twin. A sequence of four views jumps less, but remembers only the last few metres. The belief begins in all twins at once. As long as the car is in the room no vertex has more than 0.2, and what the ring shows is a guess, right or wrong. After about 3 s it comes out into the corridor, and from then on the belief is mostly right, a few metres off now and then.
+#
+# After the kidnapping the robot trusts its prior for a moment. Then the views contradict it: after about a second it is off the map (the grey stripe, where the blue line has a gap; 16 s in the slider). Then it guesses, up to 4 m off, and from 20 s on, five seconds after the kidnapping, it is right again.
+#
+# Corridors of identical doors are hardest. Over all steps in ten offices the robot is localized within 2.5 m in 78 %, and where it is sure (a belief of 0.9 of being there) in 94 %; over the steps in such corridors in 53 %, and where it is sure in 61 %: nothing that it sees counts the doors (<code>experiment meng_fig12 --ablation localization</code>).
 # </details>
 #
-# **Predict:** what happens with `FilterSettings(least=0.0001)`? With `sharpness=8`? With `unknown=0.9`? Change `rules` in the cell above exercise 4, and run the cells from there.
+# **Predict:** what happens with `FilterSettings(unknown=0.9)`? With `sharpness=0.5`? With `least=0.3`? Change `rules` in the cell above exercise 4, and run the cells from there.
+#
+# <details><summary>Answer</summary>
+# <code>unknown=0.9</code>: hardly any view is as likely at a vertex, so the robot is off the map from the first step to the last. <code>sharpness=0.5</code>: each view counts little, so that the belief stays wide, and the robot is off the map in a fifth of the steps (right in 67 % instead of 75 %). <code>least=0.3</code>: no view contradicts anything any more. It never notices that it was carried away; what it sees in the new place brings it there all the same, at about 20 s. The other settings matter less: with <code>least=0.0001</code> or <code>sharpness=8</code> nearly nothing changes.
+# </details>
 #
 # ## 6 · Round and round
 #
-# A robot in a twin plans, drives, finds the next view missing, and replans. The best plan may lead back to where it came from, and there the best plan leads forward again. A robot that replans needs a memory of where it has been. The paper names it as future work: count the visits, and plan *around* what was visited often.
+# A robot in a twin plans, drives, finds the next view missing, and plans again. The best plan may lead back to where it came from, and there the best plan leads forward again. A robot that replans needs a memory of where it has been. The paper names it as future work: count the visits, and plan *around* what was visited often.
 #
 # **Predict:** why not simply remove the vertices that were visited twice?
 #
 # <details><summary>Answer</summary>
-# They may be the only way out: a dead end is left the way it was entered. So their edges only become less probable: any other way is taken first.
+# They may be the only way out: a dead end is left on the path on which it was entered. So their edges only become less probable: any other path is taken first.
 # </details>
 #
-# ### Exercise 5 · `around_cycles` (easy, 10 minutes)
+# ### Exercise 5 · `around_cycles` (easy, 8 minutes)
 #
-# A *visit* is a coming: a vertex that stands several times in a row in `visited` was visited once.
+# A *visit* is an arrival: a vertex that stands several times in a row in `visited` was visited once.
 #
 # <details><summary>Hint 1: concept</summary>First leave out the repetitions in a row, then count, then build a new graph.</details>
-# <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, an edge to w with its RE times a power of the bias.</details>
+# <details><summary>Hint 2: approach</summary>A vertex counts where it differs from the one before it in the list; the first one has none before it, and counts. Counter counts, and returns 0 for what it has not seen. A comprehension within a comprehension builds the new graph, an edge to w with its RE times a power of the bias.</details>
 # <details><summary>Hint 3: one line</summary>The power is 0 for no visit and for one, 1 for two, 2 for three: max(visits[w] - 1, 0).</details>
 
 
@@ -608,9 +656,10 @@ def around_cycles(graph, visited, cycle, bias):
     empty.
     cycle: so many visits of one vertex, or more, make a cycle.
     bias: a number from 0 to 1.
-    Returns True or False, and a new graph with the same edges: RE of each edge
-    to a vertex that was visited n times, n >= 2, is multiplied by
-    bias ** (n - 1), whether it is a cycle or not.
+    Returns True or False, and a new graph (its inner dictionaries are new,
+    too) with the same vertices and edges: RE of each edge to a vertex that was
+    visited n times, n >= 2, is multiplied by bias ** (n - 1), whether it is a
+    cycle or not.
     """
     ### BEGIN SOLUTION
     came = [v for i, v in enumerate(visited) if i == 0 or v != visited[i - 1]]
@@ -629,12 +678,34 @@ around_cycles = check_around_cycles.use(around_cycles)
 # %% [markdown]
 # ## 7 · Fig. 12: an ambiguous start
 #
-# The paper's Fig. 12 shows a robot that starts in an ambiguous place, takes itself to be elsewhere, notices the discrepancy while it drives, and replans. Here is its twin: the same start and goal, without a remedy and with all of them. The orange path is the plan at that moment. (About 15 s.)
+# The paper's Fig. 12 shows a robot that starts in an ambiguous place, takes itself to be elsewhere, notices the discrepancy while it drives, and replans. Here is its twin: the same start and goal, without a remedy and with all of them. The blue arrowhead is the car, the green ring the goal. The dark line is the plan at that moment, from the car to its next anchor and on; a leg is orange where it is more than 3 m to drive, farther than from one anchor to the next: a wormhole, or an anchor at a twin of the place where the robot is. (About 15 s.)
 #
 # **Predict:** what does the robot without a remedy do when the view that it expects does not come?
 
 # %% hidden=true
 # The same trials without a remedy and with all, and a film strip of one of them
+WORDS = {"gave_up": "gave up", "late": "out of time", "arrived": "arrived", "stuck": "stuck"}
+
+
+def ended(name, i):
+    """How a trial ended, in words."""
+    outcome, plans, _ = ends[name]
+    return f"{name}: {WORDS[outcome.ending[i]]}, {plans[i]} plan{'s' * (plans[i] != 1)}"
+
+
+def plan_picture(places, ahead, pose, goal):
+    """A plan from the car over anchors, its long legs orange."""
+    picture = faded(view.base)
+    stops = np.array([pose, *(places[vertex] for vertex in ahead)])[:, :2]
+    far = building.paths.between(stops[:-1], stops[1:]) > 3.0
+    for leg, is_far in zip(pairwise(stops), far, strict=True):
+        view.polyline(picture, leg, colours.LASER if is_far else colours.INK, 4.0)
+    view.points(picture, stops[1:], colours.INK, 5.0)
+    view.goal(picture, goal[:2])
+    view.arrow(picture, pose, colours.ROBOT, 12.0)
+    return picture
+
+
 FEW = 6
 few = trials.subset(order[:FEW])
 goals = goals_of(few, lens, k)
@@ -661,100 +732,115 @@ for name, kind in (("none", "single views"), ("all", "sequences")):
     outcome, plans, moments = ends[name]
     steps = max(int(outcome.seconds[shown] * 10), 1)
     kept = [moments[i] for i in np.linspace(0, min(steps, len(moments)) - 1, 4).astype(int)]
-    where, frames_of_film = vertex_poses(building, maps[kind]), []
-    for poses_now, plans_now in kept:
-        picture = view.base.copy()
-        ahead = plans_now[shown] or ()
-        draw_plan(view, picture, where, ahead, poses_now[shown], few.goal_poses[shown])
-        view.robot(picture, poses_now[shown], car.footprint)
-        frames_of_film.append(picture)
-    times = np.linspace(0, outcome.seconds[shown], len(kept))
-    print(f"{name}: {outcome.ending[shown].replace('_', ' ')}, {plans[shown]} plans, ", end="")
-    print(f"{outcome.gap[shown]:.1f} m from the goal; of {len(few)}: {outcome.success.sum()} right")
-    display(show(film_strip(frames_of_film, times)))
+    where = vertex_poses(building, maps[kind])
+    film = [
+        plan_picture(where, now[shown] or (), poses_now[shown], few.goal_poses[shown])
+        for poses_now, now in kept
+    ]
+    times = [f"{second:.1f} s" for second in np.linspace(0, outcome.seconds[shown], len(kept))]
+    print(f"{ended(name, shown)}, {outcome.gap[shown]:.1f} m from the goal; ", end="")
+    print(f"{outcome.success.sum()} of {len(few)} trials succeed")
+    halves = [slice(0, 2), slice(2, 4)]
+    display(
+        show(stacked([side_by_side(film[half], times[half], height=300) for half in halves], gap=4))
+    )
 
 # %% [markdown]
+# <details><summary>What does the robot do?</summary>
+# Both begin with the same mistake: the first anchor of the plan is in the corridor before the next room, a twin of the one in which the robot stands (orange). Without a remedy the robot drives out of its room, does not see there what it expects, and gives up: its one plan is all that it has. With all of them the views that do not fit move the belief, the plan is dropped, and the robot makes another one from where it now takes itself to be, as often as it needs to.
+# </details>
+#
 # ## 8 · Which remedy helps?
 #
-# Five choices of remedies cannot be judged by six trials. The command below runs the same trials in ten offices with each remedy alone, each left out, and all together:
+# Four remedies cannot be judged by six trials. The command below runs the same trials in ten offices, 500 in all, with no remedy, each alone, each left out, and all together: the ten rows of the table.
 #
 # `python -m tutorial_lib experiment meng_fig12`
 #
 # - `none`: edges from single views, argmax, no replanning;
-# - `sequence`: edges, reused vertices, and the robot's vertex by sequences; plans lead over turn edges (notebook 05), which no sequence confirms, only where no other path does;
+# - `sequence`: edges, reused vertices, and the robot's vertex by sequences; turn edges (notebook 05) are a last resort in plans, since no sequence confirms them;
 # - `replan`: a robot that is lost plans again, and so does one that is long in dead reckoning;
 # - `cycles`: visits are counted, and plans lead around them;
 # - `filter`: the belief decides where a plan begins, ends a plan that it contradicts, and begins the recovery when the robot is off the map: turn, back up, look for a plausible vertex, and say *lost* when there is none.
 #
-# **Predict, and write it down:** which remedy alone helps most? Which one is missed most when it is left out? Is there one that does *harm* alone?
+# **Predict, and write it down:** which remedy alone helps most? Which one is missed most when it is left out? What do the other three reach without it? Is there one that does *harm*?
 
 # %% hidden=true
 # The stored results
 report = load_result("meng_fig12")
-names = ("remedy", "trials", "success", "low", "high", "wormholes", "edges", "circled")
+names = ("remedy", "trials", "success", "low", "high")
+names += ("late", "gave_up", "circled", "wormholes", "edges")
 head = {"remedy": "", "trials": "d", "success": ".1%", "from": ".1%", "to": ".1%"}
-head |= {"wormholes": ",d", "of edges": ",d", "in circles": ".1%"}
+head |= {"out of time": ".1%", "gave up": ".1%", "in circles": ".1%"}
+head |= {"wormholes": ",d", "of edges": ",d"}
 display(table(head, [[row[name] for name in names] for row in report.rows]))
 print(f"worlds {report.worlds[0]} to {report.worlds[-1]}", *report.notes, sep="\n")
 
 # %% [markdown]
-# Read the table in pairs: what a remedy adds *alone* (less `none`), and what is missing *without* it (less `all`). The two differ where remedies stand in for each other: replanning repairs what a wrong start has done, and the filter avoids the wrong start. They also need each other: a belief is of little use to a robot that may not plan again.
+# Read the table in pairs: what a remedy adds *alone* (less `none`), and what is missing *without* it (less `all`). The two differ where remedies stand in for each other, and where they need each other. (*From* and *to* are 95 % intervals over offices; a trial is out of time after twice the oracle's time and half a minute.)
 #
 # <details><summary>What does the table say?</summary>
-# Alone, only <code>replan</code> helps, and much: from 20 to 76 %. The other three do nothing for a robot that may not plan again. It notices that the view is not the expected one, and all that it can do is give up, which is how four of five trials without replanning end. Left out, replanning is missed most (45 points), then the filter (28), then sequences (12): a robot that replans with neither filter nor sequences starts anew from the same wrong twin. <code>cycles</code> is not missed; without it success is even 2 points higher, with an interval that begins at zero. Where the belief says where plans begin, hardly any robot goes round in circles (1 %, and 7 % with <code>replan</code> alone), and to plan around what was visited makes paths longer: more trials are out of time. It is an insurance: with it no robot circled in 500 trials.
+# <i>Alone</i>, only <code>replan</code> helps, and much: from 20 to 76 %. Alone, the other three do nothing: a robot that notices that the view is not the expected one, and may not plan again, can only give up, and that is how 80 % of the trials of <code>none</code> end. <i>Together</i>, without replanning, the three reach 47 %: a filter needs a map by sequences to tell twins apart, and then more of the first plans begin in the right room. The other 53 % still give up.
+#
+# <i>Left out</i>, replanning is missed most (45 points), then the filter (28), then sequences (12).
+#
+# <i>Harm:</i> alone, none does. But <code>no_filter</code>, which is <code>replan</code> with sequences and cycles, reaches 64 %, less than the 76 % of <code>replan</code> alone, and 36 % of its trials are out of time instead of 24 %. A likely reason: on the map by sequences twins are different places, so that it matters in which one a plan begins, and without a belief it often begins in the wrong one.
+#
+# <code>cycles</code> is not missed; without it success is even 2 points higher, with an interval that begins at zero. Where the belief says where plans begin, hardly any robot goes round in circles (1 %, and 7 % with <code>replan</code> alone), and plans around what was visited are longer: 8 % of the trials are out of time with it, 7 % without. It is an insurance: with it no robot circled in 500 trials.
 # </details>
 # <details><summary>One edge in five is a wormhole even with sequences?</summary>
-# These offices are as bad as can be: most rooms have an exact twin, at the same side of a corridor that looks the same. A sequence of five anchors that lies inside the twins matches as well as a single view. What sequences save are the edges at the doors and in the corridors, where one end of the sequence gives the place away: 36 % wormholes become 20 %. The remainder is why plans must be given up as easily as they are made.
+# These offices are as bad as can be: most rooms have an exact twin, at the same side of a corridor that looks the same. A sequence of nine anchors, four on either side, that lies inside the twins matches as well as a single view. The share of wormholes falls from 36 % to 20 %, but their number hardly does: 1,950 become 1,862. What sequences bring are good edges: a map that is not folded has four times as many vertices, and 9,435 edges instead of 5,376. The wormholes that remain are why plans must be given up as easily as they are made.
 # </details>
 #
 # The paper shows one example (its Fig. 12) and no table, so there is no number of theirs beside ours; their worlds are scans of real buildings, whose rooms look alike less perfectly than these.
 #
 # ## 9 · The failures that remain
 #
-# **Predict:** a robot has a perfect belief and a perfect map. In which of these cases does it fail all the same?
+# **Predict:** a robot has a good map and all remedies. In which of these cases does it fail all the same?
 #
-# 1. It is carried from one room to its twin, to the same spot, while nobody looks.
-# 2. It starts in a twin, and the goal is in sight of neither.
+# 1. It is carried from one room to its twin, to the same spot, while nobody looks; its goal lies outside.
+# 2. It starts in a twin, and the goal can be seen neither from there nor from the other twin.
 # 3. Its map has one wormhole in the only corridor to the goal.
 #
 # <details><summary>Answer</summary>
-# 1: nothing that it will ever see in there tells it; it notices only after it has left. 2: no, it drives off to the likelier one, and learns on the way. 3: yes, if every plan leads through the wormhole. The belief then says that the robot is not where the plan has it, again and again, but no edge learns from that. Edges that do are the subject of lifelong maps.
+# 1: no, but it takes longer. Nothing that it sees in the room contradicts it; outside, the views do, it is off the map for a moment, and plans again. (If its goal were in the room, it would arrive there and not know that it is the wrong one.) 2: no. It drives off from the likelier twin, and learns on the drive which it was. 3: yes, if every plan leads through the wormhole. The belief then says that the robot is not where the plan has it, again and again, but no edge learns from that. Edges that do are the subject of lifelong maps.
 # </details>
 
 # %% hidden=true
 # A gallery: how the trials without success ended
 gallery = []
 for name in ends:
-    outcome, plans, _ = ends[name]
+    outcome, _, _ = ends[name]
     for i in np.flatnonzero(~outcome.success)[:2]:
-        picture = with_places(view.base.copy())
+        picture = faded(view.base)
         steps = max(int(outcome.seconds[i] * 10), 2)
         view.polyline(picture, outcome.poses[:steps, i, :2], colours.TRACK, 3.0)
-        view.robot(picture, few.starts[i], car.footprint)
         view.goal(picture, few.goal_poses[i, :2])
-        gallery.append(
-            (picture, f"{name}: {outcome.ending[i].replace('_', ' ')}, {plans[i]} plans")
-        )
+        view.arrow(picture, few.starts[i], colours.ROBOT, 10.0)
+        for number, place in enumerate(building.places):  # on the far side of the corridor
+            below = place[1] < building.places[:, 1].mean()
+            write_beside(view, picture, str(number), [*place, 0.0], -24 if below else 24)
+        gallery.append((picture, ended(name, i)))
 if gallery:
-    display(
-        show(side_by_side([picture for picture, _ in gallery], [title for _, title in gallery]))
-    )
+    pairs = [gallery[i : i + 2] for i in range(0, len(gallery), 2)]
+    display(show(stacked([side_by_side(*zip(*pair, strict=True), height=300) for pair in pairs])))
 else:
     print("All trials of this cell succeeded; set FEW = 12 above for more.")
 
 # %% [markdown]
-# Each picture: the start (car), the goal (green), and where the robot drove. Ask of each: was the *map* wrong (a wormhole, a merged vertex), the *localization* (a twin), or the *drive*?
+# Each picture: the start (blue arrowhead), the goal (green ring), where the robot drove (light blue), and the numbers of the places. *Out of time* means that it still drove when the trial ended. Ask of each: was the *map* wrong (a wormhole, a merged vertex), the *localization* (a twin), or the *drive*?
 #
 # ## Optional extras
 #
-# - **Extra 1.** Replace the likelihood by $\mathcal{RE}$: let `look` return `topomap.vertices.into(...)` for step `step`. Where does the belief lie now, ahead of the car or behind it? Why?
-# - **Extra 2.** `distance` counts half a metre for each radian. Write one that counts metres only, and use it in `track`: what happens to the belief of a car that turns sharply?
-# - **Extra 3.** A *maximum* filter: replace the sum in `predict` by a maximum. That is Viterbi's algorithm, and nearly `match_sequence`. Compare both on the drive.
+# Make the change of extra 1 in the cell of the drive (section 5); for the others, define the function in a new cell and run that of the drive again. Extras 2 and 3 need *your* `track`: the library's calls the library's `distance` and `predict`, whatever you define. And run no check cell meanwhile: for the exercise your new function is wrong, and the check would put the library's in its place.
+#
+# - **Extra 1.** Replace the likelihood by $\mathcal{RE}$: let `look(step)` return `topomap.vertices.into(drive, np.full(len(alive), step), alive)`. How does the belief differ, and what becomes of being off the map? Why?
+# - **Extra 2.** `distance` counts half a metre for each radian. Write one that counts metres only: what happens to the belief of a car that turns sharply?
+# - **Extra 3.** A *maximum* filter: in `predict`, of all that arrives at a state (what stays is one of it) keep the greatest instead of the sum, and divide each row by its sum. That is Viterbi's algorithm, and nearly `match_sequence`. Compare both on the drive.
 #
 # ## What to remember
 #
 # - Where places look alike, the picture does not hold the answer; how the robot came here does.
-# - A wrong edge is a shortcut, and planners look for shortcuts. Sequences make wrong edges rarer; they do not end them.
+# - A wrong edge is a shortcut, and planners look for shortcuts. Sequences keep twins apart, and so a smaller share of the edges is wrong; the number of wrong edges hardly falls.
 # - A belief says "one of these four", moves with the wheels, and changes with what is seen: predict, update, normalize.
 # - The same evidence counts once. A robot that stands still learns nothing new.
 # - *Lost* is an answer. A robot that knows that it is lost can turn, back up and look; one that does not drives on.

@@ -1,17 +1,25 @@
 """Agents in a corridor of numbers, and in a simulated room."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.agents.line import (
+    Line,
+    LineController,
+    LinePredictor,
+    LineReachability,
+    Plans,
+    goals_at,
+    line_map,
+    navigation_along,
+    navigation_over,
+)
 from tests.made_up_maps import edges_of, numbered, places_in, sensed, table_map
-from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.sptm import SPTMAgent, similarities, window_median
@@ -19,128 +27,11 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import HERE, Agent, Experience, Goals, Navigation, Plan
-from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.simulation import STEP, Simulation
-
-FAR = 2.0
-
-
-class Line:
-    """Robots on a line that know by their odometers where they are, and cannot pass a wall."""
-
-    def __init__(self, starts, wall=np.inf):
-        self.x, self.wall = np.array(starts, dtype=float), wall
-
-    def observe(self, robots=None):
-        x = self.x if robots is None else self.x[robots]
-        return sensed(np.column_stack([x, 0 * x, 0 * x]))
-
-    def go(self, navigation, steps):
-        """Act `steps` times, or until every robot is done."""
-        for _ in range(steps):
-            robots = np.flatnonzero(~(navigation.arrived | navigation.given_up))
-            if not robots.size:
-                break
-            actions = navigation.act(self.observe(robots), robots)
-            assert actions.shape == (len(robots), 2)
-            self.x[robots] = np.minimum(self.x[robots] + 0.1 * actions[:, 0], self.wall)
-
-
-class LinePredictor:
-    """Waypoints at the target, and an overlap that fades over 3 m."""
-
-    view = SimpleNamespace(of=lambda observations: observations.odometry[:, 0])
-    k = 1
-
-    def prepare(self, contexts):
-        return contexts[:, contexts.shape[1] // 2]
-
-    def predict(self, observations, targets):
-        gap = targets - observations.odometry[:, 0]
-        overlap = np.clip(1 - np.abs(gap) / 3, 0, 1)
-        return np.column_stack([gap, 0 * gap]), np.column_stack([overlap, overlap])
-
-
-class LineReachability:
-    """Certain within 2 m, more so the nearer, and not behind a wall."""
-
-    def __init__(self):
-        self.wall = np.inf
-
-    def prepare(self, contexts):
-        return np.asarray(contexts)[:, np.shape(contexts)[1] // 2]
-
-    def probability(self, observations, prepared):
-        here = observations.odometry[:, 0]
-        gap = np.abs(prepared - here)
-        apart = (here <= self.wall) != (prepared <= self.wall)
-        return np.where((gap < FAR) & ~apart, 0.9999 - 0.001 * gap, 0.02)
-
-
-class LineController:
-    """Half a metre a second towards the waypoint."""
-
-    def act(self, observations, waypoints):
-        assert len(waypoints) == len(observations)
-        return np.column_stack([np.clip(5 * waypoints[:, 0], -0.5, 0.5), 0 * waypoints[:, 1]])
-
-
-def at_places(*places):
-    """Observations at places on the line."""
-    x = np.array(places, dtype=float)
-    return sensed(np.column_stack([x, 0 * x, 0 * x]))
-
-
-def goals_at(*places):
-    """Goal images of places on the line."""
-    return Goals(at_places(*places), np.tile(np.array(places, dtype=float)[:, None], (1, 3)))
-
-
-def line_map(places, reachability):
-    topomap, x = TopoMap(reachability), np.array(places, dtype=float)
-    seen, contexts = at_places(*places), np.tile(x[:, None], (1, 3))
-    number = np.arange(len(x))
-    topomap.make_vertices(seen, contexts, number * 1.0, 0 * number, number)
-    topomap.paths = [number.tolist()]
-    return topomap
-
-
-class Plans:
-    """Returns given plans, one after the other; the last one again and again."""
-
-    def __init__(self, *plans):
-        self.plans, self.queries = list(plans), []
-
-    def __call__(self, observation, goals, excluded):
-        assert len(observation) == 1
-        self.queries.append((float(observation.odometry[0, 0]), goals, set(excluded)))
-        return self.plans[min(len(self.queries), len(self.plans)) - 1]
-
-
-def navigation_along(find_path, goals, places=range(-4, 9), replan_time=60.0, wall=np.inf):
-    """Navigation over a map of those places."""
-    reachability = LineReachability()
-    reachability.wall = wall
-    topomap = line_map(places, reachability)
-    return navigation_over(topomap, find_path, goals, replan_time)
-
-
-def navigation_over(topomap, find_path, goals, replan_time=60.0):
-    reachability = topomap.vertices.reachability
-    parts = LinePredictor(), LineController(), reachability
-    targets = MapTargets(topomap, parts[0], reachability)
-    return MapNavigation(
-        find_path,
-        lambda paths, starts: Follower(paths, *parts, starts=starts),
-        targets,
-        goals,
-        replan_time,
-    )
-
 
 SURE = (0.99,)
 

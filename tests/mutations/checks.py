@@ -51,4 +51,32 @@ MUTATIONS = [
         "isclose(got[1], want[1], abs_tol=1e-2)",
         f"{TESTS} -k 'message_of_its_own or little_off'",
     ),
+    (
+        "vertices that are no whole numbers pass, and the cells below stop",
+        "checks/nb07/track_answers.py",
+        "isinstance(vertex, bool) or not isinstance(vertex, int | np.integer)",
+        "False",
+        "checks/test_nb07.py",
+    ),
+    (
+        "what look gave may be changed",
+        "checks/nb07/track_stories.py",
+        "if not np.array_equal(given, self._story.likelihoods[step]):",
+        "if False:",
+        "checks/test_nb07.py",
+    ),
+    (
+        "an answer that changes its arguments spoils the cases of the next one",
+        "checks/framework/answers.py",
+        "copy.deepcopy(a) if isinstance(a, _COPIED) else a",
+        "a",
+        "checks/test_nb07.py",
+    ),
+    (
+        "the biased graph may share dictionaries with the map",
+        "checks/nb07/around_cycles.py",
+        "if _shared(got, given[0]):",
+        "if False:",
+        f"{TESTS} -k 'wrong_answers_fail and around_cycles'",
+    ),
 ]

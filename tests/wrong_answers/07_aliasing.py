@@ -4,7 +4,7 @@ The check must say the docstring; answers called right must pass.
 """
 
 from collections import Counter
-from itertools import groupby
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -99,6 +99,76 @@ def predict__changes_the_belief(belief, motion, lengths, onward):
     return belief
 
 
+def _moves(belief, leave, onward):
+    return belief * (1 - leave) + (belief * leave) @ onward
+
+
+def predict__right_each_robot_by_itself(belief, motion, lengths, onward):
+    prior = belief.copy()
+    for robot in np.flatnonzero(motion):
+        leave = 1 - np.exp(-motion[robot] / lengths)
+        prior[robot] = _moves(belief[robot], leave, onward)
+    return prior
+
+
+def predict__off_the_map_stays(belief, motion, lengths, onward):
+    """a share of it leaves as well"""
+    leave = 1 - np.exp(-motion[:, None] / lengths)
+    leave[:, -1] = 0
+    return _moves(belief, leave, onward)
+
+
+def predict__off_the_map_left_out(belief, motion, lengths, onward):
+    """what leads there arrives there"""
+    out = belief * (1 - np.exp(-motion[:, None] / lengths))
+    prior = belief - out
+    prior[:, :-1] += (out @ onward)[:, :-1]
+    return prior
+
+
+def predict__nobody_moves_if_one_rests(belief, motion, lengths, onward):
+    """one may stand still while another moves"""
+    if (motion == 0).any():
+        return belief
+    return _moves(belief, 1 - np.exp(-motion[:, None] / lengths), onward)
+
+
+def predict__greatest_that_arrives(belief, motion, lengths, onward):
+    """not the greatest of them"""
+    out = belief * (1 - np.exp(-motion[:, None] / lengths))
+    return belief - out + (out[:, :, None] * onward).max(axis=1)
+
+
+def predict__length_by_motion(belief, motion, lengths, onward):
+    """not length / motion"""
+    return _moves(belief, 1 - np.exp(-lengths / motion[:, None]), onward)
+
+
+def predict__without_minus(belief, motion, lengths, onward):
+    """with a minus in the power"""
+    return _moves(belief, 1 - np.exp(motion[:, None] / lengths), onward)
+
+
+def predict__float32(belief, motion, lengths, onward):
+    """float32 keeps seven digits only"""
+    out = (belief * (1 - np.exp(-motion[:, None] / lengths))).astype(np.float32)
+    return (belief - out + out @ onward).astype(np.float32)
+
+
+def predict__never_by_zero(belief, motion, lengths, onward):
+    """or a small number added"""
+    return _moves(belief, 1 - np.exp(-motion[:, None] / (lengths + 1e-6)), onward)
+
+
+_SEEN = {}
+
+
+def predict__remembers_the_first_motion(belief, motion, lengths, onward):
+    """is right"""
+    stays = _SEEN.setdefault(belief.shape, np.exp(-motion[:, None] / lengths))
+    return _moves(belief, 1 - stays, onward)
+
+
 # update
 
 
@@ -187,6 +257,69 @@ def update__nothing_returned(prior, likelihood):
     weights /= weights.sum()
 
 
+def update__right_by_the_greatest_first(prior, likelihood):
+    weights = prior * likelihood
+    weights[~weights.any(axis=1), -1] = 1
+    weights = weights / weights.max(axis=1, keepdims=True)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def update__right_repaired_afterwards(prior, likelihood):
+    weights = prior * likelihood
+    belief = weights / weights.sum(axis=1, keepdims=True)
+    nowhere = np.isnan(belief).any(axis=1)
+    belief[nowhere] = np.eye(belief.shape[1])[-1]
+    return belief
+
+
+def _over(weights):
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def update__threshold(prior, likelihood):
+    """compare with 0 itself"""
+    weights = prior * likelihood
+    weights[weights.sum(axis=1) < 1e-6, -1] = 1
+    return _over(weights)
+
+
+def update__adds_a_little(prior, likelihood):
+    """add nothing to the products"""
+    weights = prior * likelihood
+    weights[:, -1] += 1e-12
+    return _over(weights)
+
+
+def update__clipped(prior, likelihood):
+    """a likelihood may be above 1"""
+    weights = prior * np.clip(likelihood, 0, 1)
+    weights[weights.sum(axis=1) == 0, -1] = 1
+    return _over(weights)
+
+
+def update__one_for_all(prior, likelihood):
+    """in yours in all rows"""
+    weights = prior * likelihood
+    if (weights.sum(axis=1) == 0).any():
+        weights[:, -1] = 1
+    return _over(weights)
+
+
+def update__any_zero(prior, likelihood):
+    """one possible state is enough"""
+    weights = prior * likelihood
+    some = (weights == 0).any(axis=1)
+    weights[some] = np.eye(weights.shape[1])[-1]
+    return _over(weights)
+
+
+def update__float32(prior, likelihood):
+    """float32 keeps seven digits only"""
+    weights = (prior * likelihood).astype(np.float32)
+    weights[weights.sum(axis=1) == 0, -1] = 1
+    return _over(weights)
+
+
 # match_sequence
 
 
@@ -270,6 +403,60 @@ def match_sequence__no_vertex_0(likelihoods, before):
     return total ** (1 / len(likelihoods))
 
 
+def _matched(likelihoods, before, none=0.0, root=None):
+    total = likelihoods[0]
+    for look in likelihoods[1:]:
+        total = look * np.maximum(total, np.where(before >= 0, total[before], none))
+    return total ** (1 / (root or len(likelihoods)))
+
+
+def match_sequence__right_padded(likelihoods, before):
+    total = likelihoods[0]
+    for look in likelihoods[1:]:
+        total = look * np.maximum(total, np.append(total, 0)[before])
+    return total ** (1 / len(likelihoods))
+
+
+def match_sequence__right_staying_where_none_is_before(likelihoods, before):
+    before = np.where(before < 0, np.arange(len(before)), before)
+    total = np.ones(len(before))
+    for look in likelihoods:
+        total = look * np.maximum(total, total[before])
+    return total ** (1 / len(likelihoods))
+
+
+def match_sequence__root_of_one_less(likelihoods, before):
+    """not that of T - 1"""
+    return _matched(likelihoods, before, root=max(len(likelihoods) - 1, 1))
+
+
+def match_sequence__square_root(likelihoods, before):
+    """not always the square root"""
+    return _matched(likelihoods, before, root=2)
+
+
+def match_sequence__one_where_there_is_none(likelihoods, before):
+    """has the likelihood 0, not 1"""
+    return _matched(likelihoods, before, none=1.0)
+
+
+def match_sequence__stays_only_where_none_is_before(likelihoods, before):
+    """also where there is a vertex before"""
+    total = likelihoods[0]
+    for look in likelihoods[1:]:
+        total = look * np.where(before < 0, total, total[before])
+    return total ** (1 / len(likelihoods))
+
+
+def match_sequence__a_little_added(likelihoods, before):
+    """or a small number added"""
+    logs = np.log(likelihoods + 1e-7)
+    total = logs[0]
+    for look in logs[1:]:
+        total = look + np.maximum(total, np.where(before >= 0, total[before], -np.inf))
+    return np.exp(total / len(logs))
+
+
 # around_cycles
 
 
@@ -343,7 +530,7 @@ def around_cycles__only_in_a_cycle(graph, visited, cycle, bias):
 
 
 def around_cycles__removes(graph, visited, cycle, bias):
-    """there may be no other way"""
+    """there may be no other path"""
     n = _counts(visited)
     left = {v: {w: p for w, p in out.items() if n[w] < 2} for v, out in graph.items()}
     return max(n.values(), default=0) >= cycle, left
@@ -362,6 +549,99 @@ def around_cycles__max_of_nothing(graph, visited, cycle, bias):
     """max() of nothing needs default=0"""
     n = _counts(visited)
     return max(n.values()) >= cycle, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
+
+
+def _reference(graph, visited, cycle, bias):
+    n = _counts(visited)
+    return max(n.values(), default=0) >= cycle, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
+
+
+def around_cycles__right_with_copies(graph, visited, cycle, bias):
+    n, new = _counts(visited), {v: dict(out) for v, out in graph.items()}
+    for out in new.values():
+        for w in out:
+            out[w] *= bias ** max(n[w] - 1, 0)
+    return np.any([count >= cycle for count in n.values()]), new
+
+
+def around_cycles__the_map_itself(graph, visited, cycle, bias):
+    """is the map itself"""
+    n = _counts(visited)
+    if max(n.values(), default=0) < 2:
+        return 1 <= cycle <= max(n.values(), default=0), graph
+    return _reference(graph, visited, cycle, bias)
+
+
+def around_cycles__shared_inner(graph, visited, cycle, bias):
+    """round and round: the graph that came back is the map itself, or shares"""
+    n = _counts(visited)
+    found, biased = _reference(graph, visited, cycle, bias)
+    new = dict(graph)
+    for v, out in graph.items():
+        if any(n[w] > 1 for w in out):
+            new[v] = biased[v]
+    return found, new
+
+
+def around_cycles__first_compared_with_last(graph, visited, cycle, bias):
+    """where i is 0, visited[i - 1] is the last of the list"""
+    n = Counter(v for i, v in enumerate(visited) if v != visited[i - 1])
+    found = max(n.values(), default=0) >= cycle
+    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
+
+
+def around_cycles__from_the_second_on(graph, visited, cycle, bias):
+    """yours counts from the second on"""
+    n = Counter(w for v, w in pairwise(visited) if v != w)
+    found = max(n.values(), default=0) >= cycle
+    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
+
+
+def around_cycles__begins_with_vertex_0(graph, visited, cycle, bias):
+    """a list may begin with a visit of it"""
+    n, last = Counter(), 0
+    for v in visited:
+        n[v] += v != last
+        last = v
+    found = max(n.values(), default=0) >= cycle
+    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
+
+
+def around_cycles__not_last(graph, visited, cycle, bias):
+    """`not last` is True for it as well"""
+    n, last = Counter(), None
+    for v in visited:
+        if not last or v != last:
+            n[v] += 1
+        last = v
+    found = max(n.values(), default=0) >= cycle
+    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
+
+
+def around_cycles__not_one_less(graph, visited, cycle, bias):
+    """once for two visits, twice for three"""
+    n = _counts(visited)
+    found = max(n.values(), default=0) >= cycle
+    return found, _biased(graph, lambda v, w: n[w] if n[w] >= 2 else 0, bias)
+
+
+def around_cycles__waits_for_a_cycle(graph, visited, cycle, bias):
+    """yours waits until there are `cycle` visits"""
+    n = _counts(visited)
+    found = max(n.values(), default=0) >= cycle
+    return found, _biased(graph, lambda v, w: n[w] - 1 if n[w] >= cycle else 0, bias)
+
+
+def around_cycles__drops_vertices_without_edges(graph, visited, cycle, bias):
+    """lacks 4, from which no edge leads"""
+    found, biased = _reference(graph, visited, cycle, bias)
+    return found, {v: out for v, out in biased.items() if out}
+
+
+def around_cycles__other_vertices(graph, visited, cycle, bias):
+    """has vertices that the map has not: [99]"""
+    found, biased = _reference(graph, visited, cycle, bias)
+    return found, {**biased, 99: {}}
 
 
 # track
@@ -384,26 +664,36 @@ def _tracked(
     sticky=True,
     off=True,
     waits=True,
+    leaves_off=False,
+    begins=-1,
+    more=0,
+    measure=lambda odometry, since, step: distance(odometry[since], odometry[step]),
+    likelihood=None,
 ):
     count = len(lengths)
     belief = prior = np.full((1, count), 1 / count)
-    last, waited, vertex = odometry[0], rules.interval if start is None else start, -1
+    last, since, vertex = odometry[0], 0, begins
+    waited = rules.interval + max(more, 0) if start is None else start
     beliefs, vertices = [], []
     for step in range(len(odometry)):
-        gone = distance(last, odometry[step])
+        gone = distance(last, odometry[step]) if keeps_pose else measure(odometry, since, step)
         waited += step > 0
         far = gone >= rules.stride
         if far:
             prior = moved_on(belief, np.array([gone]), lengths, onward)
-            last = last if keeps_pose else odometry[step]
-        if far or always or (waits and waited >= rules.interval):
+            since = step
+        if far or always or ((waits or not step) and waited >= rules.interval + more):
             waited = 0
-            seen = np.append(np.maximum(look(step), rules.least if floor else 0), rules.unknown)
+            view = look(step)
+            seen = np.append(np.maximum(view, rules.least if floor else 0), rules.unknown)
+            if likelihood:
+                seen, power = likelihood(view, rules), False
             base = np.full((1, count), 1 / count) if forgets else (belief if twice else prior)
             belief = looked(base, seen[None] ** (rules.sharpness if power else 1))
         states = belief[0] if off else belief[0, :-1]
         best = int(np.argmax(states))
-        if not sticky or belief[0, vertex] < rules.hysteresis * states[best]:
+        stays = sticky and not (leaves_off and vertex == -1)
+        if not stays or belief[0, vertex] < rules.hysteresis * states[best]:
             vertex = -1 if best == count - 1 else best
         beliefs.append(belief[0])
         vertices.append(vertex)
@@ -456,7 +746,7 @@ def track__never_off_the_map(odometry, look, lengths, onward, rules):
 
 def track__does_not_wait(odometry, look, lengths, onward, rules):
     """looks all the same after rules.interval steps"""
-    return _tracked(odometry, look, lengths, onward, rules, waits=False, start=0, always=False)
+    return _tracked(odometry, look, lengths, onward, rules, waits=False)
 
 
 def track__no_first_look(odometry, look, lengths, onward, rules):
@@ -467,3 +757,226 @@ def track__no_first_look(odometry, look, lengths, onward, rules):
 def track__vertices_only(odometry, look, lengths, onward, rules):
     """return the beliefs and the vertices"""
     return _tracked(odometry, look, lengths, onward, rules)[1]
+
+
+def track__right_with_arrays(odometry, look, lengths, onward, rules):
+    beliefs, vertices = _tracked(odometry, look, lengths, onward, rules)
+    whole = np.zeros(len(vertices), dtype=int)
+    whole[:] = vertices
+    return [beliefs, whole]
+
+
+def track__right_by_hand(odometry, look, lengths, onward, rules):
+    prior = belief = np.full(len(lengths), 1 / len(lengths))
+    at, looked_at, state, rows = 0, None, len(lengths) - 1, []
+    for step in range(len(odometry)):
+        gone = distance(odometry[step], odometry[at])
+        if far := gone >= rules.stride:
+            leave = -np.expm1(-gone / lengths)
+            prior, at = belief - belief * leave + (belief * leave) @ onward, step
+        if far or looked_at is None or step - looked_at >= rules.interval:
+            seen = np.append(np.clip(look(step), rules.least, None), rules.unknown)
+            weights = prior * (seen / seen.max()) ** rules.sharpness
+            belief, looked_at = weights / weights.sum(), step
+        if belief[state] < rules.hysteresis * belief.max():
+            state = int(belief.argmax())
+        rows.append((belief, state if state < len(lengths) - 1 else -1))
+    return np.stack([row for row, _ in rows]), tuple(vertex for _, vertex in rows)
+
+
+def track__vertices_as_floats(odometry, look, lengths, onward, rules):
+    """np.zeros(T) makes floats"""
+    beliefs, vertices = _tracked(odometry, look, lengths, onward, rules)
+    numbers = np.zeros(len(odometry))
+    numbers[:] = vertices
+    return beliefs, numbers
+
+
+def track__vertices_as_a_column(odometry, look, lengths, onward, rules):
+    """vertices of shape (20, 1), but (20,) is right"""
+    beliefs, vertices = _tracked(odometry, look, lengths, onward, rules)
+    return beliefs, np.array(vertices)[:, None]
+
+
+def track__one_vertex(odometry, look, lengths, onward, rules):
+    """the vertices are a int; return a list"""
+    beliefs, vertices = _tracked(odometry, look, lengths, onward, rules)
+    return beliefs, vertices[-1]
+
+
+def track__list_of_beliefs(odometry, look, lengths, onward, rules):
+    """the beliefs are a list; return an array"""
+    beliefs, vertices = _tracked(odometry, look, lengths, onward, rules)
+    return list(beliefs), vertices
+
+
+def track__not_numbers(odometry, look, lengths, onward, rules):
+    """from step 0 on beliefs are not numbers (nan)"""
+    seen = lambda view, rules: np.append(view * np.nan, rules.unknown)  # noqa: E731
+    return _tracked(odometry, look, lengths, onward, rules, likelihood=seen)
+
+
+def track__leaves_off_the_map_at_once(odometry, look, lengths, onward, rules):
+    """the robot stays there, too"""
+    return _tracked(odometry, look, lengths, onward, rules, leaves_off=True)
+
+
+def track__changes_the_odometry(odometry, look, lengths, onward, rules):
+    """your function changes its argument odometry"""
+    odometry[:, 2] += 1
+    return _tracked(odometry, look, lengths, onward, rules)
+
+
+def track__changes_the_lengths(odometry, look, lengths, onward, rules):
+    """your function changes its argument lengths"""
+    got = _tracked(odometry, look, lengths, onward, rules)
+    lengths *= 2
+    return got
+
+
+def track__changes_onward(odometry, look, lengths, onward, rules):
+    """your function changes its argument onward"""
+    got = _tracked(odometry, look, lengths, onward, rules)
+    onward *= 2
+    return got
+
+
+def track__changes_what_is_seen(odometry, look, lengths, onward, rules):
+    """changes the array that look gave it"""
+
+    def seen(step):
+        view = look(step)
+        return np.maximum(view, rules.least, out=view)
+
+    return _tracked(odometry, seen, lengths, onward, rules)
+
+
+def track__counts_only_without_a_look(odometry, look, lengths, onward, rules):
+    """not one more: count in every step"""
+    count = len(lengths)
+    belief = prior = np.full((1, count), 1 / count)
+    last, waited, vertex, beliefs, vertices = odometry[0], 0, -1, [], []
+    for step, pose in enumerate(odometry):
+        metres = distance(last, pose)
+        far = metres >= rules.stride
+        if far:
+            prior, last = moved_on(belief, np.array([metres]), lengths, onward), pose
+        if far or step == 0 or waited >= rules.interval:
+            seen = np.append(np.maximum(look(step), rules.least), rules.unknown)
+            belief, waited = looked(prior, seen[None] ** rules.sharpness), 0
+        else:
+            waited += 1
+        if belief[0, vertex] < rules.hysteresis * belief[0].max():
+            vertex = int(belief[0].argmax())
+            vertex = -1 if vertex == count - 1 else vertex
+        beliefs.append(belief[0])
+        vertices.append(vertex)
+    return np.array(beliefs), vertices
+
+
+def track__one_step_early(odometry, look, lengths, onward, rules):
+    """not one less"""
+    return _tracked(odometry, look, lengths, onward, rules, more=-1)
+
+
+def track__number_for_the_motion(odometry, look, lengths, onward, rules):
+    """an array of one, np.array([metres])"""
+    belief = np.full((1, len(lengths)), 1 / len(lengths))
+    return moved_on(belief, distance(odometry[0], odometry[1]), lengths, onward), [-1]
+
+
+def track__none_for_the_vertex(odometry, look, lengths, onward, rules):
+    """Is the vertex always a number?"""
+    return _tracked(odometry, look, lengths, onward, rules, begins=None)
+
+
+def track__belief_of_one_dimension(odometry, look, lengths, onward, rules):
+    """belief[0] is that of the robot"""
+    belief = np.full(len(lengths), 1 / len(lengths))
+    return belief[0, -1], [-1]
+
+
+def track__unknown_first(odometry, look, lengths, onward, rules):
+    """not before them"""
+
+    def seen(view, rules):
+        return np.append(rules.unknown, np.maximum(view, rules.least)) ** rules.sharpness
+
+    return _tracked(odometry, look, lengths, onward, rules, likelihood=seen)
+
+
+def track__least_after_the_power(odometry, look, lengths, onward, rules):
+    """yours has it the other way round"""
+
+    def seen(view, rules):
+        powers = np.maximum(view**rules.sharpness, rules.least)
+        return np.append(powers, rules.unknown**rules.sharpness)
+
+    return _tracked(odometry, look, lengths, onward, rules, likelihood=seen)
+
+
+def track__adds_up_the_steps(odometry, look, lengths, onward, rules):
+    """yours adds up the steps between"""
+
+    def length(odometry, since, step):
+        steps = range(since, step)
+        return sum(distance(odometry[i], odometry[i + 1]) for i in steps)
+
+    return _tracked(odometry, look, lengths, onward, rules, measure=length)
+
+
+def track__does_not_count_turns(odometry, look, lengths, onward, rules):
+    """turning counts as well"""
+
+    def length(odometry, since, step):
+        return np.hypot(*(odometry[step] - odometry[since])[:2])
+
+    return _tracked(odometry, look, lengths, onward, rules, measure=length)
+
+
+def track__begins_at_vertex_0(odometry, look, lengths, onward, rules):
+    """the vertex begins at -1"""
+    return _tracked(odometry, look, lengths, onward, rules, begins=0)
+
+
+def _with_base(
+    odometry, look, lengths, onward, rules, *, still=False, resets=True, all_states=True
+):
+    count = len(lengths)
+    belief = prior = np.full((1, count), 1 / count)
+    last, looked_at, vertex, beliefs, vertices = odometry[0], 0, -1, [], []
+    for step, pose in enumerate(odometry):
+        metres = distance(last, pose)
+        far = metres >= rules.stride
+        if far:
+            prior, last = moved_on(belief, np.array([metres]), lengths, onward), pose
+        if far or step == 0 or step - looked_at >= rules.interval:
+            seen = np.append(np.maximum(look(step), rules.least), rules.unknown)
+            belief = looked(prior, seen[None] ** rules.sharpness)
+            prior = belief if still else prior
+            looked_at = step if resets or not far else looked_at
+        if belief[0, vertex] < rules.hysteresis * belief[0].max():
+            vertex = int(belief[0].argmax() if all_states else belief[0, :-1].argmax())
+            vertex = -1 if vertex == count - 1 else vertex
+        beliefs.append(belief[0])
+        vertices.append(vertex)
+    return np.array(beliefs), vertices
+
+
+def track__right_by_the_number_of_the_look(odometry, look, lengths, onward, rules):
+    return _with_base(odometry, look, lengths, onward, rules)
+
+
+def track__prior_after_the_look(odometry, look, lengths, onward, rules):
+    """at rest a look begins again with the prior"""
+    return _with_base(odometry, look, lengths, onward, rules, still=True)
+
+
+def track__waits_from_the_last_look_at_rest(odometry, look, lengths, onward, rules):
+    """also after one because of a motion"""
+    return _with_base(odometry, look, lengths, onward, rules, resets=False)
+
+
+def track__greatest_of_the_vertices(odometry, look, lengths, onward, rules):
+    """look for it among all states"""
+    return _with_base(odometry, look, lengths, onward, rules, all_states=False)

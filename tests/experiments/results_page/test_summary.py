@@ -3,6 +3,7 @@ from tutorial_lib.experiments.results_page.summary import (
     cover_rate,
     local_control,
     local_control_on_maps,
+    lookalikes,
     navigation,
     navigation_on_maps,
     plan_probability,
@@ -57,6 +58,14 @@ def test_navigation_stands_between_random_and_the_oracle():
     assert what.endswith("depot / hall")
     assert here == "90.0% / 90.0%"
     assert beside.startswith("SPTM 95.0% / 95.0%, random 10.0% / 10.0%, oracle 100.0%")
+
+
+def test_remedies_stand_beside_none_and_the_strongest_of_them():
+    shares = {"none": 0.2, "replan": 0.76, "filter": 0.3, "all": 0.92}
+    rows = [{"remedy": name, "success": share} for name, share in shares.items()]
+    what, here, beside, _ = lookalikes(rows, 10)
+    assert what == "a start that looks like other rooms, 10 offices: all remedies"
+    assert (here, beside) == ("92.0%", "none 20.0%, replanning alone 76.0%")
 
 
 def test_unfavourable_results_are_among_them():

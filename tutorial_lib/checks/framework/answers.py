@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,16 +14,21 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.geometry import Array
 
+_COPIED = (np.ndarray, list, nx.Graph)
+
 
 def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return
     """Call a student's function, and demand that it leaves its arguments alone.
 
+    It gets copies of arrays, lists and graphs: what it changes does not spoil the next case.
+
     Raises:
         WrongAnswer: when an argument was changed.
     """
+    given = [copy.deepcopy(a) if isinstance(a, _COPIED) else a for a in arguments]
     before = [np.array(argument, copy=True) for argument in arguments]
-    answer = student(*arguments)
-    for number, (old, new) in enumerate(zip(before, arguments, strict=True), 1):
+    answer = student(*given)
+    for number, (old, new) in enumerate(zip(before, given, strict=True), 1):
         if not np.array_equal(old, new, equal_nan=old.dtype.kind == "f"):
             raise WrongAnswer(f"your function changes its argument {number}; make a new array")
     return answer

@@ -31,8 +31,15 @@ def _around(
 ) -> tuple[bool, Graph]:
     """The rule, with a `fault` if one is named."""
     came = visited if fault == "steps" else [vertex for vertex, _ in groupby(visited)]
-    if fault == "set":
-        came = list(dict.fromkeys(visited))
+    came = {
+        "set": list(dict.fromkeys(visited)),
+        "wraps": [v for i, v in enumerate(visited) if v != visited[i - 1]],
+        "0 is none": [
+            v for u, v in zip([None, *visited], visited, strict=False) if not u or u != v
+        ],
+        "second on": came[1:],
+        "from 0": came[1:] if came[:1] == [0] else came,
+    }.get(fault, came)
     visits = Counter(came)
     most = max(visits.values(), default=0)
     limit = cycle + (fault == "more than") - (fault == "one too few")
@@ -44,9 +51,13 @@ def _around(
 
     def factor(v: int, w: int) -> float:
         n = visits[v if fault == "leaving" else w]
-        more = {"each visit": n, "once": min(max(n - 1, 0), 1)}.get(fault, max(n - 1, 0))
-        if fault == "from the limit":
-            more = max(n - cycle + 1, 0)
+        more = {
+            "each visit": n,
+            "once": min(max(n - 1, 0), 1),
+            "from the limit": max(n - cycle + 1, 0),
+            "at the limit": n - 1 if n >= max(cycle, 1) else 0,
+            "not one less": n if n >= 2 else 0,
+        }.get(fault, max(n - 1, 0))
         if fault == "times":
             return 1.0 if n < 2 else bias / n
         return bias**more
@@ -78,8 +89,18 @@ _FAULTS = {
     "the first visit is free: bias ** (n - 1) for n visits": "each visit",
     "each visit but the first counts: bias ** (n - 1); yours biases once": "once",
     "the bias begins with the second visit, not with the one that makes a cycle": "from the limit",
+    "edges are biased from two visits on; yours waits until there are `cycle` visits": (
+        "at the limit"
+    ),
+    "bias ** (n - 1) for n visits: once for two visits, twice for three": "not one less",
+    "where i is 0, visited[i - 1] is the last of the list; the first one is always a visit": (
+        "wraps"
+    ),
+    "vertex 0 is a vertex: `not last` is True for it as well; compare with None": "0 is none",
+    "the first of the list is a visit, too; yours counts from the second on": "second on",
+    "vertex 0 is a vertex like the others: a list may begin with a visit of it": "from 0",
     "multiply by bias for each further visit: bias ** (n - 1), not bias / n": "times",
-    "edges to vertices that were visited stay, with less probability; there may be no other way": (
+    "edges to vertices that were visited stay, with less probability; there may be no other path": (
         "removes"
     ),
     "multiply RE by the bias; a difference may be negative": "subtracts",
@@ -111,7 +132,7 @@ _CASES: dict[str, tuple[Graph, list[int], int, float]] = {
 
 @check(around_cycles, (_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5))
 def check_around_cycles(student: Callable[..., Any]) -> None:
-    """Cycles, straight ways, and long stays at a vertex."""
+    """Cycles, straight paths, and long stays at a vertex."""
     compare(
         "around_cycles",
         student,
@@ -140,7 +161,21 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa:
     if given != case:
         words = "the map is needed again; make a new one, with new inner dictionaries"
         raise WrongAnswer(f"{what}: your function changes its arguments; {words}")
+    if _shared(got, given[0]):
+        words = "also where nothing changes: the robot may go on to change what it got"
+        raise WrongAnswer(
+            f"{what}: the graph that came back is the map itself, or shares inner dictionaries "
+            f"with it; make new ones, {words}"
+        )
     return returned(what, got)
+
+
+def _shared(got: object, graph: Graph) -> bool:
+    """Whether the graph of an answer is the given one, at least in part."""
+    if not (isinstance(got, tuple | list) and len(got) == 2 and isinstance(got[1], dict)):
+        return False
+    own = {id(graph), *map(id, graph.values())}
+    return not own.isdisjoint({id(got[1]), *map(id, got[1].values())})
 
 
 def _formed(what: str, got: object, graph: Graph, *_: object) -> tuple[bool, Graph]:
@@ -150,8 +185,18 @@ def _formed(what: str, got: object, graph: Graph, *_: object) -> tuple[bool, Gra
     if not isinstance(biased, dict) or not all(isinstance(out, dict) for out in biased.values()):
         raise WrongAnswer(f"{what}: return the graph as a dictionary of dictionaries")
     if biased.keys() != graph.keys():
-        raise WrongAnswer(f"{what}: the graph that came back has other vertices; keep all of them")
+        raise WrongAnswer(f"{what}: the graph that came back {_vertices(biased, graph)}")
     return bool(found), biased
+
+
+def _vertices(mine: Graph, graph: Graph) -> str:
+    """Which vertices it lacks, or has and should not."""
+    missing = [v for v in graph if v not in mine]
+    if not missing:
+        return f"has vertices that the map has not: {[v for v in mine if v not in graph]}"
+    names = ", ".join(map(str, missing))
+    bare = "" if any(graph[v] for v in missing) else ", from which no edge leads"
+    return f"lacks {names}{bare}; keep all vertices, also as empty dictionaries"
 
 
 def _same(got: tuple[bool, Graph], want: tuple[bool, Graph], *_: object) -> bool:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
+from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.checks.nb07.small_differences import farthest
 from tutorial_lib.geometry import Array
 
 
@@ -37,6 +38,8 @@ def _matched(likelihoods: Array, before: NDArray[np.intp], fault: str = "") -> A
                     come[w] = max(come[w], total[v])
         if fault == "no 0":
             come = np.where(before > 0, total[before], 0.0)
+        if fault == "one":
+            come = np.where(before >= 0, total[before], 1.0)
         if fault == "by number":
             come = np.concatenate([[0.0], total[:-1]])
         best = np.maximum(total, come)
@@ -45,13 +48,16 @@ def _matched(likelihoods: Array, before: NDArray[np.intp], fault: str = "") -> A
             "comes": come,
             "both": total + come,
             "mean": (total + come) / 2,
+            "comes or stays": np.where(before >= 0, come, total),
         }.get(fault, best)
         total = look + best if fault == "adds" else look * best
         if fault == "least":
             total = np.minimum(look, best)
     if fault in ("no root", "least"):
         return total
-    return total / len(looks) if fault in ("divides", "adds") else total ** (1.0 / len(looks))
+    if fault in ("divides", "adds"):
+        return total / len(looks)
+    return total ** (1.0 / {"one less": max(len(looks) - 1, 1), "square": 2}.get(fault, len(looks)))
 
 
 _FAULTS = {
@@ -68,6 +74,12 @@ _FAULTS = {
     "-1 means that there is none; to numpy it is the last vertex": "wraps",
     "vertex 0 exists; only -1 is none": "no 0",
     "the vertex before v is before[v], not v - 1": "by number",
+    "where there is no vertex before, coming has the likelihood 0, not 1": "one",
+    "also where there is a vertex before, the robot may have stayed: take the better one": (
+        "comes or stays"
+    ),
+    "T views make a product of T likelihoods: the T-th root, not that of T - 1": "one less",
+    "the T-th root of T likelihoods, ** (1 / T), not always the square root": "square",
     "take the T-th root, ** (1 / T), so that long sequences compare with short ones": "no root",
     "the geometric mean is the T-th root of the product, not the product divided by T": "divides",
 }

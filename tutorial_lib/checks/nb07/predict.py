@@ -11,6 +11,7 @@ import numpy as np
 from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.checks.nb07.small_differences import both, of_rounding
 from tutorial_lib.checks.nb07.small_models import random_beliefs, random_model
 from tutorial_lib.geometry import Array
 
@@ -29,15 +30,26 @@ def _predicted(
         ratio = np.tile(ratio[:1], (len(belief), 1))
     if fault == "times":
         ratio = motion[:, None] * lengths
-    leave = 1.0 - np.exp(-ratio)
+    if fault == "inverted":
+        with np.errstate(divide="ignore"):
+            ratio = lengths / motion[:, None]
+    leave = 1.0 - np.exp(ratio if fault == "sign" else -ratio)
     leave = {
         "linear": np.minimum(ratio, 1.0),
         "unclipped": ratio,
         "stays": np.exp(-ratio),
         "all": np.ones_like(ratio),
     }.get(fault, leave)
+    if fault == "off stays":
+        leave[:, -1] = 0.0
+    if fault == "one rests" and (motion == 0).any():
+        return belief
     ways = onward.T if fault == "transposed" else onward
     arrives = (belief * leave) @ ways
+    if fault == "greatest":
+        arrives = ((belief * leave)[:, :, None] * ways).max(axis=1)
+    if fault == "off never reached":
+        arrives[:, -1] = 0.0
     if fault == "leave after":
         arrives = (belief @ ways) * leave
     if fault == "all arrives":
@@ -50,6 +62,15 @@ def _predicted(
 
 
 _FAULTS = {
+    "off the map is a state like the others: it has a length and a row of onward, and a share of "
+    "it leaves as well": "off stays",
+    "off the map is a state like the others: what leads there arrives there, in the last column": (
+        "off never reached"
+    ),
+    "each robot has moved on its own: one may stand still while another moves": "one rests",
+    "what arrives is the sum over all states that lead there, not the greatest of them": "greatest",
+    "motion / length, not length / motion: the further it went, the more leaves": "inverted",
+    "1 - exp(-motion / length), with a minus in the power": "sign",
     "the share that leaves is 1 - exp(-motion / length), not motion / length": "linear",
     "the share that leaves is 1 - exp(-motion / length); motion / length may be more than 1": (
         "unclipped"
@@ -86,6 +107,11 @@ _CASES = {
         np.eye(3)[[1, 2, 0]],
     ),
     "three robots, each with its own motion": _case(3, 4, 1, 1.0),
+    "one robot moves, two stand still": (
+        random_beliefs(3, 4, 7),
+        np.array([0.0, 0.7, 0.0]),
+        *random_model(4, 7),
+    ),
     "robots that moved far": _case(3, 5, 2, 9.0),
     "a robot that did not move": (random_beliefs(1, 4, 3), np.zeros(1), *random_model(4, 3)),
     "one vertex": _case(2, 1, 4, 2.0),
@@ -95,7 +121,7 @@ _CASES = {
 
 @check(predict, _case(4, 60, 6, 1.0), calls=300)
 def check_predict(student: Callable[..., Any]) -> None:
-    """One robot and several, near and far, and one that stands still."""
+    """One robot and several, near and far, at rest and not."""
     shapes = "motion[:, None] / lengths has the shape (N, V + 1) of belief"
     compare(
         "predict",
@@ -114,7 +140,11 @@ def _why(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
     """Where a prior is wrong."""
     sums = got.sum(axis=1)
     row = int(np.abs(got - want).max(axis=1).argmax())
-    if not np.isclose(sums[row], 1.0, atol=1e-9):
-        return f"the prior of robot {row} sums to {sums[row]:.3f}, not to 1"
+    if np.isnan(got).any():
+        return "some of it is not a number; is something divided by zero?"
+    if not np.isclose(sums[row], 1.0, atol=1e-4):
+        return f"the prior of robot {row} sums to {both(sums[row], 1.0)[0]}, not to 1"
     place = int(np.abs(got - want)[row].argmax())
-    return f"robot {row}, state {place}: {got[row, place]:.4f}, but {want[row, place]:.4f} is right"
+    mine, right = both(got[row, place], want[row, place])
+    name = "off the map" if place == want.shape[1] - 1 else f"vertex {place}"
+    return f"robot {row}, {name}: {mine}, but {right} is right{of_rounding(got, want)}"

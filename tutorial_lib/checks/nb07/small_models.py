@@ -1,10 +1,13 @@
-"""Small motion models and beliefs at random, for the checks of notebook 07."""
+"""Small motion models, motions, and beliefs at random, for the checks of notebook 07."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from tutorial_lib.geometry import Array
+from tutorial_lib.topology.motion_model import TURN
 
 
 def random_model(vertices: int, seed: int) -> tuple[Array, Array]:
@@ -30,3 +33,9 @@ def row_of(vertices: int, length: float = 1.0) -> tuple[Array, Array]:
     onward[:vertices, vertices] = 1.0 - onward[:vertices].sum(axis=1)
     onward[vertices, :vertices] = 1.0 / vertices
     return np.full(vertices + 1, length), onward
+
+
+def distance(first: Array, second: Array) -> float:
+    """How far a robot has moved from one pose (3,) to another, metres; turning counts as well."""
+    turn = (second[2] - first[2] + math.pi) % (2.0 * math.pi) - math.pi
+    return math.hypot(second[0] - first[0], second[1] - first[1]) + TURN * abs(turn)

@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.answers import parts, returned
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.nb07.predict import predict
+from tutorial_lib.checks.nb07.small_models import distance
+from tutorial_lib.checks.nb07.track_answers import difference, formed, same
 from tutorial_lib.checks.nb07.track_stories import STORIES, Drive, Story
 from tutorial_lib.checks.nb07.track_words import FAULTS
 from tutorial_lib.checks.nb07.update import update
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.localization import FilterSettings
-from tutorial_lib.topology.motion_model import TURN
 
 Tracked = tuple[Array, list[int]]
 """Beliefs (T, V + 1), and the vertex at each step, -1 off the map."""
@@ -47,12 +47,6 @@ def track(
     return _tracked(odometry, look, lengths, onward, rules, steps=steps)
 
 
-def distance(first: Array, second: Array) -> float:
-    """How far a robot has moved from one pose (3,) to another, metres; turning counts as well."""
-    turn = (second[2] - first[2] + math.pi) % (2.0 * math.pi) - math.pi
-    return math.hypot(second[0] - first[0], second[1] - first[1]) + TURN * abs(turn)
-
-
 def _tracked(
     odometry: Array,
     look: Callable[[int], Array],
@@ -65,50 +59,64 @@ def _tracked(
     """The loop, with a `fault` if one is named."""
     count = len(lengths)
     belief = prior = np.full((1, count), 1.0 / count)
-    last, waited, vertex = odometry[0], rules.interval, -1
-    beliefs, vertices = [], []
+    limit = rules.interval + {"late": 1, "early": -1}.get(fault, 0)
+    last, waited, vertex = odometry[0], limit, 0 if fault == "at 0" else -1
+    driven, beliefs, vertices = 0.0, list[Array](), list[int]()
     if fault == "no first look":
         waited = 0
     for step, pose in enumerate(odometry):
-        motion = distance(last, pose)
+        driven += distance(odometry[max(step - 1, 0)], pose)
+        motion = {"adds up": driven, "no turns": math.dist(last[:2], pose[:2])}.get(
+            fault, distance(last, pose)
+        )
         far = motion > rules.stride if fault == "greater" else motion >= rules.stride
         if fault == "each step":
             far = motion > 0
         if far:
             source = prior if fault == "from the prior" else belief
             far_motion = rules.stride if fault == "stride" else motion
-            prior = steps[0](source, np.array([far_motion]), lengths, onward)
+            prior, driven = steps[0](source, np.array([far_motion]), lengths, onward), 0.0
         if (far and fault != "from the start") or fault == "step by step":
             last = pose
         waited += step > 0
-        due = waited >= rules.interval + (fault == "late")
-        if fault == "always looks" or far or (due and fault != "never waits"):
-            seen = np.maximum(look(step), 0.0 if fault == "no least" else rules.least)
-            unknown = 0.0 if fault == "no unknown" else rules.unknown
-            power = 1.0 if fault == "no power" else rules.sharpness
-            likelihood = np.append(seen, unknown) ** power
-            if fault == "unknown as it is":
-                likelihood[-1] = unknown
-            source = belief if fault == "twice" else prior
+        due = waited >= limit and (fault != "never waits" or not step)
+        if fault == "always looks" or far or due:
+            source = belief if fault == "twice" or (fault == "at rest" and not far) else prior
             source = np.full((1, count), 1.0 / count) if fault == "no memory" else source
-            belief = steps[1](source, likelihood[None])
-            waited = waited if fault == "always due" else 0
+            belief = steps[1](source, _likelihood(look(step), rules, fault)[None])
+            waited = waited if fault == "always due" or (far and fault == "due at rest") else 0
         vertex = _chosen(belief[0], vertex, rules, fault)
         beliefs.append((prior if fault == "prior" else belief)[0])
         vertices.append(vertex)
     return np.array(beliefs), vertices
 
 
+def _likelihood(seen: Array, rules: FilterSettings, fault: str) -> Array:
+    """The likelihoods (V + 1,) of all states."""
+    power = 1.0 if fault == "no power" else rules.sharpness
+    unknown = 0.0 if fault == "no unknown" else rules.unknown
+    if fault == "unknown as it is":
+        return np.append(np.maximum(seen, rules.least) ** power, unknown)
+    if fault == "power before least":
+        return np.append(np.maximum(seen**power, rules.least), unknown**power)
+    seen = np.maximum(seen, 0.0 if fault == "no least" else rules.least)
+    return (
+        np.append(unknown, seen) if fault == "unknown first" else np.append(seen, unknown)
+    ) ** power
+
+
 def _chosen(belief: Array, before: int, rules: FilterSettings, fault: str) -> int:
     """The vertex at which the robot is localized."""
     best = int(belief.argmax())
-    if fault == "never lost":
+    greatest = belief[best]
+    if fault in ("never lost", "never off"):
         best = int(belief[:-1].argmax())
+        greatest = belief[best] if fault == "never lost" else greatest
     share = {"no hysteresis": 2.0, "for ever": 0.0}.get(fault, rules.hysteresis)
-    stays = belief[before] >= share * belief[best]
+    stays = belief[before] >= share * greatest
     if fault == "half":
         stays = belief[before] >= share
-    if stays:
+    if stays and not (fault == "off at once" and before == -1):
         return before
     return -1 if best == len(belief) - 1 and fault != "last number" else best
 
@@ -117,7 +125,25 @@ def _play(tracks: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
     """What comes back, and at which steps the function looked."""
     drive = Drive(story)
     arguments = story.odometry.copy(), drive.look, story.lengths.copy(), story.onward.copy()
-    return tracks(*arguments, story.rules), drive.log
+    got = tracks(*arguments, story.rules)
+    for name in ("odometry", "lengths", "onward"):
+        changed = arguments[("odometry", "", "lengths", "onward").index(name)]
+        if not np.array_equal(changed, getattr(story, name)):
+            raise WrongAnswer(f"your function changes its argument {name}; make a new array")
+    drive.demand_untouched()
+    return got, drive.log
+
+
+_SAID = {
+    "invalid index to scalar": "is a number where an array is needed? predict takes the motion as "
+    "an array of one, np.array([metres])",
+    "is not subscriptable": "is a number where an array is needed? predict takes the motion as an "
+    "array of one, np.array([metres])",
+    "array is 0-dimensional": "predict takes the motion as an array of one, np.array([metres])",
+    "truth value of an array": "an array stands where one number is needed. Is the vertex always a "
+    "number? It is -1 off the map and at first; belief[0, None] is a whole array",
+    "NoneType": "is something None? The vertex is always a number, -1 off the map and at first",
+}
 
 
 def _invoke(what: str, student: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
@@ -134,7 +160,7 @@ def _invoke(what: str, student: Callable[..., Any], story: Story) -> tuple[Any, 
     except NotImplementedError:
         raise
     except Exception as error:
-        raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
+        raise WrongAnswer(f"{what}: {explained(error, hints, _SAID)}") from error
 
 
 @check(
@@ -152,66 +178,7 @@ def check_track(student: Callable[..., Any]) -> None:
         partial(_play, track),
         {words: partial(_play, rule) for words, rule in faults.items()},
         invoke=_invoke,
-        form=_form,
-        same=_same,
-        difference=_differ,
+        form=formed,
+        same=same,
+        difference=difference,
     )
-
-
-def _form(
-    what: str, got: tuple[Any, list[int]], story: Story
-) -> tuple[Array, list[int], list[int]]:
-    """Beliefs, vertices and looks in the right form."""
-    words = "return the beliefs and the vertices, one of each for every step"
-    beliefs, vertices = parts(what, returned(what, got[0]), 2, words)
-    try:
-        beliefs = np.asarray(beliefs, dtype=float)
-    except (TypeError, ValueError):
-        raise WrongAnswer(f"{what}: the beliefs are no array of numbers") from None
-    shape = len(story.odometry), len(story.lengths)
-    if beliefs.shape != shape:
-        words = "append belief[0], a row, at each step" if beliefs.ndim == 3 else "one row a step"
-        raise WrongAnswer(
-            f"{what}: beliefs of shape {beliefs.shape}, but {shape} is right; {words}"
-        )
-    if len(vertices) != len(story.odometry):
-        raise WrongAnswer(f"{what}: {len(vertices)} vertices for {len(story.odometry)} steps")
-    return beliefs, [int(vertex) for vertex in vertices], got[1]
-
-
-def _same(
-    got: tuple[Array, list[int], list[int]], want: tuple[Array, list[int], list[int]], *_: object
-) -> bool:
-    return bool(np.allclose(got[0], want[0], atol=1e-7)) and got[1:] == want[1:]
-
-
-def _differ(
-    got: tuple[Array, list[int], list[int]],
-    want: tuple[Array, list[int], list[int]],
-    story: Story,
-) -> str:
-    """The first step at which something is wrong."""
-    if got[2] != want[2]:
-        wrong = sorted(set(got[2]) ^ set(want[2]))
-        step = wrong[0] if wrong else 0
-        words = "must look there" if step in want[2] else "looks without need"
-        return f"at step {step} yours {words} ({_about(story, step)})"
-    apart = np.abs(got[0] - want[0]).max(axis=1)
-    if (apart > 1e-7).any():
-        step = int((apart > 1e-7).argmax())
-        state = int(np.abs(got[0] - want[0])[step].argmax())
-        name = "off the map" if state == len(story.lengths) - 1 else f"vertex {state}"
-        return (
-            f"at step {step} the belief in {name} is {want[0][step, state]:.3f}, yours "
-            f"{got[0][step, state]:.3f} ({_about(story, step)})"
-        )
-    step = next(i for i, pair in enumerate(zip(got[1], want[1], strict=True)) if pair[0] != pair[1])
-    return f"at step {step} the robot is at {want[1][step]}, in yours at {got[1][step]}"
-
-
-def _about(story: Story, step: int) -> str:
-    """What happened at a step."""
-    if not step:
-        return "the first one: nothing is known yet, so look"
-    gone = distance(story.odometry[step - 1], story.odometry[step])
-    return f"the robot has moved {gone:.2f} m since the step before"

@@ -41,7 +41,7 @@ class Drive:
 
     def __init__(self, story: Story) -> None:
         """Nobody has looked yet."""
-        self._story, self.log = story, list[int]()
+        self._story, self.log, self._given = story, list[int](), list[Array]()
 
     def look(self, step: int) -> Array:
         """The likelihoods (V,) at a step."""
@@ -56,7 +56,21 @@ class Drive:
                 f"look got {step} after {self.log[-1]}; look once at a step, in order"
             )
         self.log.append(int(step))
-        return self._story.likelihoods[step].copy()
+        self._given.append(self._story.likelihoods[step].copy())
+        return self._given[-1]
+
+    def demand_untouched(self) -> None:
+        """Demand that nobody has changed what `look` returned.
+
+        Raises:
+            WrongAnswer: when somebody has.
+        """
+        for step, given in zip(self.log, self._given, strict=True):
+            if not np.array_equal(given, self._story.likelihoods[step]):
+                raise WrongAnswer(
+                    "your function changes the array that look gave it; look may keep it for "
+                    "others, so make a new one: np.maximum(seen, ...) does, without out="
+                )
 
 
 _RULES = FilterSettings(stride=0.3, interval=6)
@@ -96,6 +110,7 @@ def _random(seed: int) -> Story:
 
 
 _EXACT = FilterSettings(stride=0.25, interval=6)
+_AT_REST = FilterSettings(interval=3)
 _ON = np.arange(0.0, 2.0, 0.1)
 _AWAY = np.full(12, -2.0)
 
@@ -109,6 +124,9 @@ STORIES: dict[str, Story] = {
     ),
     "kidnapped to a place that is not on the map": _along(
         [*np.arange(0.0, 1.2, 0.1), *_AWAY], np.arange(24) * 0.1
+    ),
+    "off the map, then at vertex 0, but not clearly": _along(
+        [*np.full(7, -2.0), *np.full(7, -0.8), *np.zeros(7)], np.zeros(21), rules=_AT_REST
     ),
     "at rest, a little nearer to vertex 1 than to vertex 0": _along(np.full(3, 0.55)),
     "at rest, a little nearer to vertex 2 than to vertex 1": _along(np.full(3, 1.55)),

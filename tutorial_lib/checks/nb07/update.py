@@ -10,7 +10,8 @@ import numpy as np
 
 from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, compare, farthest, with_faults
+from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.checks.nb07.small_differences import farthest
 from tutorial_lib.checks.nb07.small_models import random_beliefs
 from tutorial_lib.geometry import Array
 
@@ -22,6 +23,8 @@ def update(prior: Array, likelihood: Array) -> Array:
 
 def _updated(prior: Array, likelihood: Array, fault: str = "") -> Array:
     """The update, with a `fault` if one is named."""
+    if fault == "clipped":
+        likelihood = np.minimum(likelihood, 1.0)
     weights = np.array(prior * likelihood, dtype=float)
     if fault == "sum":
         weights = prior + likelihood
@@ -31,7 +34,14 @@ def _updated(prior: Array, likelihood: Array, fault: str = "") -> Array:
         weights = prior**2 * likelihood
     if fault == "unnormalized":
         return weights
-    nowhere = weights.sum(axis=1) <= 0
+    nowhere = weights.sum(axis=1) <= (1e-6 if fault == "threshold" else 0.0)
+    if fault == "some zero":
+        nowhere = (weights == 0).any(axis=1)
+    weights[nowhere] = 0.0
+    if fault == "a little":
+        weights[:, -1] += 1e-12
+    if fault == "any":
+        nowhere[:] = nowhere.any()
     if fault == "uniform":
         weights[nowhere] = 1.0
     elif fault == "prior kept":
@@ -66,6 +76,15 @@ _FAULTS = {
     "where nothing is possible the robot is off the map; yours keeps the prior": "prior kept",
     "off the map is the last state, column -1, not the first": "first vertex",
     "where nothing is possible the robot is off the map; yours returns zeros": "zeros",
+    "a sum may be tiny and not 0: something is possible then; compare with 0 itself": "threshold",
+    "add nothing to the products: where all of them are tiny, it would count more than they do": (
+        "a little"
+    ),
+    "one possible state is enough; the robot is off the map only where all products are 0": (
+        "some zero"
+    ),
+    "the last state gets 1 only in the rows where nothing is possible; in yours in all rows": "any",
+    "a likelihood may be above 1, only its ratios count; do not cut it off": "clipped",
     "where nothing is possible yours divides by 0; set the last state to 1 before": "divides",
 }
 
@@ -84,6 +103,15 @@ _CASES = {
         np.array([[0.6, 0.4, 0.0], [0.2, 0.2, 0.6]]),
         np.array([[0.0, 0.0, 0.5], [0.5, 0.1, 0.1]]),
     ),
+    "states that are not possible beside others that are": (
+        np.array([[0.5, 0.3, 0.2], [0.0, 0.9, 0.1]]),
+        np.array([[0.0, 0.4, 0.2], [0.5, 0.3, 0.0]]),
+    ),
+    "a view that is hardly possible anywhere": (
+        np.array([[0.6, 0.4, 0.0], [0.2, 0.2, 0.6]]),
+        np.array([[3e-20, 1e-20, 0.5], [0.5, 0.1, 0.1]]),
+    ),
+    "likelihoods above 1": (random_beliefs(2, 4, 5), _case(2, 4, 5)[1] * 6.0),
     "many vertices": _case(4, 12, 3),
     "several for which nothing is possible": _case(6, 4, 4, 0.5),
 }

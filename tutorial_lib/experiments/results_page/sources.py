@@ -19,7 +19,9 @@ OTHER_FAMILIES = ("hall", "scanned")
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
 DRIVES = ("0.2", "0.4", "tour")
-"""Of Table II: what agents learn, beside all drives."""
+"""Of Table II: what agents learn, beside all drives, with thresholds of its own."""
+LEARNED = (*DRIVES, "continuous")
+"""All that agents learn there; one continuous drive has the thresholds of the tour."""
 
 
 def stored_as(drives: str, ablation: str = "") -> str:
@@ -31,13 +33,17 @@ def stored_as(drives: str, ablation: str = "") -> str:
     return f"meng_table2_{ablation or 'drives'}_{drives.replace('.', '')}"
 
 
-def _with_drives(drives: str) -> dict[str, str]:
+def _with_drives() -> dict[str, str]:
     """The commands of Table II and of its thresholds with `--drives`."""
-    return {
-        stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}",
+    tables = {
+        stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}"
+        for drives in LEARNED
+    }
+    return tables | {
         stored_as(drives, "thresholds"): (
             f"experiment meng_table2 --ablation thresholds --drives {drives}"
-        ),
+        )
+        for drives in DRIVES
     }
 
 
@@ -60,7 +66,7 @@ COMMANDS = {
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
-    **{name: line for drives in DRIVES for name, line in _with_drives(drives).items()},
+    **_with_drives(),
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "meng_fig12": "experiment meng_fig12",
     "meng_fig12_localization": "experiment meng_fig12 --ablation localization",

@@ -9,6 +9,7 @@ from tutorial_lib.experiments.results_page.navigation import total
 from tutorial_lib.experiments.results_page.sources import MAPS, Results, one, stored_as
 
 HEAD = ("measured", "here", "beside it", "Meng 2020")
+_BESIDE = {"none": "none", "replan": "replanning alone"}  # remedies, and their words
 
 
 def results_in_short(results: Results) -> str:
@@ -23,6 +24,7 @@ def results_in_short(results: Results) -> str:
         navigation(results.rows("meng_table2"), results.worlds("meng_table2")),
         composed_navigation(results, stored_as("tour")),
         navigation_on_maps(places),
+        lookalikes(results.rows("meng_fig12"), results.worlds("meng_fig12")),
         plan_probability(results.rows("meng_fig9")),
         blocked_paths(results.rows("faults")),
     ]
@@ -114,6 +116,17 @@ def navigation_on_maps(maps: dict[str, Rows]) -> list[str]:
     )
     what = f"the same on Nav2's maps {' / '.join(maps)}"
     return [what, meng, f"SPTM {sptm}, random {random}, oracle {oracle}", ""]
+
+
+def lookalikes(rows: Rows, worlds: int) -> list[str]:
+    """Success from starts that look alike, with all remedies and without."""
+    shares = {name: percent(one(rows, remedy=name)["success"]) for name in ("all", *_BESIDE)}
+    return [
+        f"a start that looks like other rooms, {worlds} offices: all remedies",
+        shares["all"],
+        ", ".join(f"{words} {shares[name]}" for name, words in _BESIDE.items()),
+        "",
+    ]
 
 
 def plan_probability(rows: Rows) -> list[str]:
