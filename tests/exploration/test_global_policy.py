@@ -130,7 +130,7 @@ def test_entering_other_nodes_does_not_move_the_robot(motions):
         assert np.allclose(memory.in_odometry(memory.offset[:2]), odometry[:2], atol=1e-6)
 
 
-class Judge:
+class NearbyFeatures:
     """Says that a robot is in a node of features near its own."""
 
     def same_node(self, sources, goals):
@@ -144,7 +144,7 @@ class Judge:
 
 
 def test_a_robot_stays_in_its_node_enters_another_or_makes_one():
-    update, memory = GraphUpdate(Judge(), 0.5, 0.5), Memory()
+    update, memory = GraphUpdate(NearbyFeatures(), 0.5, 0.5), Memory()
     ranges = np.full((1, 192), 5.0)
 
     def see(feature):

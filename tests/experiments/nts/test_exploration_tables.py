@@ -123,7 +123,7 @@ def test_every_agent_that_needs_no_network_can_be_made_and_no_other_name():
 
 
 def test_the_benchmark_counts_the_steps_of_robots_under_way():
-    settings = explore.Settings(episodes=6, steps=4, warm_up=1, threads=1)
+    settings = explore.Settings(episodes=6, steps=4, warmup_steps=1, threads=1)
     rows, _ = explore.run(replace(OPTIONS, worlds=(10_100,)), settings)
     assert [row["agent"] for row in rows[:4]] == ["nts", "fbe", "random", "oracle"]
     for row in rows:

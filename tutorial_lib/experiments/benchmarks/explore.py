@@ -25,13 +25,13 @@ class Settings:
     Attributes:
         episodes: in lock-step.
         steps: of each, that are timed.
-        warm_up: steps before that, in which kernels are compiled.
+        warmup_steps: steps before that, in which kernels are compiled.
         threads: of the network.
     """
 
     episodes: int = 64
     steps: int = 150
-    warm_up: int = 10
+    warmup_steps: int = 10
     threads: int = 2
 
 
@@ -56,8 +56,8 @@ def _row(
     task = ExplorationTask(world.scenes, world.episodes, rng, sensor=sensor)
     explorer = make_explorer(agent, task, sensor, rng, geometry=model == "geometry")
     explorer.start(task.goals())
-    for step in range(settings.warm_up + settings.steps):
-        if step == settings.warm_up:
+    for step in range(settings.warmup_steps + settings.steps):
+        if step == settings.warmup_steps:
             begun, before = time.perf_counter(), task.steps.sum()
         task.step(explorer.act(task.observe(), ~task.done))
     took, done = time.perf_counter() - begun, task.steps.sum() - before
