@@ -72,6 +72,15 @@ def test_a_drive_ends_where_it_is_sent(scene, episodes):
     assert np.linalg.norm(robot.beside()[0][:2]) < 0.6
 
 
+def test_the_node_before_is_always_beside(scene, episodes):
+    robot = robot_of(scene, episodes[[6]])
+    assert robot.beside() == {}
+    robot.remember(0)
+    robot.nodes[0] = np.array([30.0, 0.0, 0.0])
+    assert np.allclose(robot.beside()[0], [30.0, 0.0, 0.0])
+    assert robot.node() is None
+
+
 def test_without_steps_nothing_moves(scene, episodes):
     robot = robot_of(scene, episodes[[6]])
     robot.remember(0)

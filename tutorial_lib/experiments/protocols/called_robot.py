@@ -43,6 +43,7 @@ class CalledRobot:
         self.nodes: dict[int, Array] = {}
         self._features: dict[int, NDArray[np.float32]] = {}
         self._last = -1
+        self._embedded: NDArray[np.float32] | None = None
         self._look()
 
     @property
@@ -67,8 +68,9 @@ class CalledRobot:
         """Poses, in the robot's frame, of the last node and of those from which it is visible."""
         near = self._near()
         likely = self._likely(near)
-        chosen = [n for n, p in zip(near, likely, strict=True) if p >= _SAME or n == self._last]
-        return {node: relative(self._here, self.nodes[node]) for node in chosen}
+        chosen = [n for n, p in zip(near, likely, strict=True) if p >= _SAME and n != self._last]
+        chosen += [self._last] if self.nodes else []  # however far: the graph stays connected
+        return {node: relative(self._here, self.nodes[node]) for node in sorted(chosen)}
 
     def explorable(self) -> NDArray[np.bool_]:
         """F_G: (12,) whether each direction leads to explorable area."""
@@ -131,12 +133,14 @@ class CalledRobot:
         self._here = seen.odometry[0]
         if self.steps:
             self._sensed: Sensed = self._search.sense(seen, ~self.task.done)
-        self._picture = seen
+        self._picture, self._embedded = seen, None
 
     @property
     def _seen(self) -> NDArray[np.float32]:
-        """(1, D) features of what is seen here."""
-        return self._model.embed(self._picture)
+        """(1, D) features of what is seen here; a robot asks several times where it stands."""
+        if self._embedded is None:
+            self._embedded = self._model.embed(self._picture)
+        return self._embedded
 
     def _near(self) -> list[int]:
         """The nodes near the robot, by odometry."""
