@@ -201,7 +201,7 @@ show(stacked(panels, ["at the start", "near the goal"]))
 # **Predict:** $\mathcal F_S$ need not be right about metres. What must it get right, so that the robot goes the best way?
 #
 # <details><summary>Answer</summary>
-# The <i>order</i> of the directions, and of those only the best one counts: the robot goes where the score is highest. A score that is 0.1 too high everywhere does no harm. That is why training punishes a wrong order as well as a wrong number, and why section 8 counts how often the best direction is found.
+# The <i>order</i> of the directions, and of those only the best one counts: the robot goes where the score is highest. A score that is 0.1 too high everywhere does no harm. That is why the loss has a term for the order beside the one for the numbers, and why section 8 counts how often the best direction is found.
 # </details>
 #
 # ## 3 · An episode, step by step
@@ -280,6 +280,9 @@ sliders(
     step=(0, last, 1, last // 2),
     truth=["hidden", "shown"],
 )
+
+# %% [markdown]
+# Decide where the goal is before you run the next cell: it shows the truth half-way and at the end.
 
 # %% hidden=true
 # The truth about this episode
@@ -470,7 +473,7 @@ print(f"the two nodes of an edge are turned by {np.rad2deg(np.mean(turned)):.0f}
 #
 # Then Dijkstra's algorithm finds the shortest path over the graph, and the next node on it is where the local policy drives. At the end of the path, from the node on which the ghost hangs, it drives to the ghost itself.
 #
-# The best score alone does not count what it costs to get there: a ghost at the other end of the building with 0.71 wins against one ahead with 0.70. A later version, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), adds the cost of the path. With $\ell$ the metres along the graph to the node of the ghost,
+# The best score alone does not count what it costs to get there: a ghost at the other end of the building with 0.71 wins against one ahead with 0.70. Later work, [*No RL, No Simulation*](https://arxiv.org/abs/2110.09470) (M. Hahn et al., NeurIPS 2021), adds the cost of the path. With $\ell$ the metres along the graph to the node of the ghost,
 #
 # $$ \arg\max_{x \in X}\; s(x) - w\, \frac{\ell(x)}{20\ \text{m}} , $$
 #
@@ -694,7 +697,7 @@ show(picture)
 #
 # ## 8 · What is a semantic score worth?
 #
-# $\mathcal F_S$ is the heart of the paper: it makes the choice among ghosts depend on the goal. But can it know? Here is a test without any network. In every building, at many places, a *decision*: several directions, of which one is nearest to the goal. Two models of the same kind (trees with gradient boosting) rank the directions. **Blind** gets of each direction how far it is free, and the kind of room and the space to the walls, here and at its end. **Goal** gets the kind of room of the goal as well. Nobody has to perceive anything: all these are true. What *goal* gains over *blind* is what it is worth to know that much of the goal.
+# $\mathcal F_S$ is the heart of the paper: it makes the choice among ghosts depend on the goal. But can it know? Here is a test without any network. In every building, at many places, a *decision*: several directions, of which one is nearest to the goal. Two models of the same kind (trees with gradient boosting), fitted in other buildings, rank the directions. **Blind** gets of each direction how far it is free, and the kind of room and the space to the walls, here and at its end. **Goal** gets the kind of room of the goal as well. Nobody has to perceive anything: all these are true. What *goal* gains over *blind* is what it is worth to know that much of the goal.
 #
 # And two kinds of buildings: **plain** ones, where rooms have colours by what they are for; and **wayfinding** ones, as hospitals and car parks have them: accents on the walls change their hue with the distance from one end of the building. There both models read how far along the scale each direction leads, and *goal* reads it in the goal's picture, too. (For a network the hues are different in every building, so that it cannot learn a palette: it has to compare.)
 #
