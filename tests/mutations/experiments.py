@@ -209,8 +209,8 @@ MUTATIONS = [
     (
         "the node before is forgotten where it is far",
         "experiments/protocols/called_robot.py",
-        "chosen += [self._last] if self.nodes else []",
-        "chosen += [self._last] if self._last in near else []",
+        "chosen += [self._from] if self._from >= 0 else []",
+        "chosen += []",
         "experiments/protocols/test_exploring_by_calls.py -k always_beside",
     ),
     (

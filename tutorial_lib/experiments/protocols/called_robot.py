@@ -42,7 +42,7 @@ class CalledRobot:
         self._search = GoalSearch(model, task.goals(), SearchSettings())
         self.nodes: dict[int, Array] = {}
         self._features: dict[int, NDArray[np.float32]] = {}
-        self._last = -1
+        self._last = self._from = self._new = -1  # its node; that of the last drive; a new one
         self._embedded: NDArray[np.float32] | None = None
         self._look()
 
@@ -66,10 +66,10 @@ class CalledRobot:
 
     def beside(self) -> dict[int, Array]:
         """Poses, in the robot's frame, of the last node and of those from which it is visible."""
-        near = self._near()
+        near = [node for node in self._near() if node not in (self._from, self._new)]
         likely = self._likely(near)
-        chosen = [n for n, p in zip(near, likely, strict=True) if p >= _SAME and n != self._last]
-        chosen += [self._last] if self.nodes else []  # however far: the graph stays connected
+        chosen = [node for node, p in zip(near, likely, strict=True) if p >= _SAME]
+        chosen += [self._from] if self._from >= 0 else []  # however far: the graph stays connected
         return {node: relative(self._here, self.nodes[node]) for node in sorted(chosen)}
 
     def explorable(self) -> NDArray[np.bool_]:
@@ -83,12 +83,12 @@ class CalledRobot:
     def remember(self, node: int) -> None:
         """Keep what is seen here as a node."""
         self.nodes[node], self._features[node] = self._here.copy(), self._seen[0]
-        self._last = node
+        self._last = self._new = node
 
     def to_node(self, node: int) -> None:
         """Drive to a node; a drive also ends where the goal is seen, or no steps are left."""
         self._drive(self.nodes[node][:2])
-        self._last = node
+        self._last = self._from = node
 
     def to_ghost(self, ghost: tuple[int, int]) -> bool:
         """Drive to a ghost; whether it was reached, as far as walls permit."""
@@ -107,6 +107,7 @@ class CalledRobot:
 
     def _drive(self, place: Array) -> None:
         """Drive to a place (2,) in the frame of the start, while it comes nearer."""
+        self._from, self._new = self._last, -1
         nearest, waited = np.inf, 0
         while self.steps and not self._search.found[0]:
             self._act(place)
