@@ -79,4 +79,25 @@ MUTATIONS = [
         "if False:",
         f"{TESTS} -k 'wrong_answers_fail and around_cycles'",
     ),
+    (
+        "a set that was changed is not noticed",
+        "checks/nb09/calls.py",
+        "if _plain(old) != _plain(new):",
+        "if False:",
+        "checks/test_nb09.py -k stay_as_it_is",
+    ),
+    (
+        "cells that are not reached have a negative length",
+        "checks/nb09/small_maps.py",
+        "np.where(metres >= 0, metres, np.inf)",
+        "metres",
+        "checks/test_nb09.py -k lengths_of_paths",
+    ),
+    (
+        "the small robot may make a node where one is",
+        "checks/nb09/small_places.py",
+        "if self._place in self._nodes.values():",
+        "if False:",
+        "checks/test_nb09.py -k wrong_with_a_call",
+    ),
 ]

@@ -206,4 +206,18 @@ MUTATIONS = [
         "Depth(scene.plan)",
         "experiments/protocols/test_directions.py -k depth",
     ),
+    (
+        "the node before is forgotten where it is far",
+        "experiments/protocols/called_robot.py",
+        "chosen += [self._from] if self._from >= 0 else []",
+        "chosen += []",
+        "experiments/protocols/test_exploring_by_calls.py -k always_beside",
+    ),
+    (
+        "nodes of a watched robot are drawn about its start",
+        "experiments/protocols/watching.py",
+        "compose(compose(believed, inverse(memory.offset)), graph.poses_from(memory.node))",
+        "compose(believed, graph.poses_from(memory.node))",
+        "experiments/protocols/test_exploring_by_calls.py -k where_it_believes",
+    ),
 ]

@@ -92,4 +92,25 @@ MUTATIONS = [
         "sorted({control.min, control.max})",
         "viz/notebook/test_widgets.py",
     ),
+    (
+        "directions under a panorama go the other way round",
+        "viz/figures/directions.py",
+        "round(width * (0.5 - direction / count))",
+        "round(width * (0.5 + direction / count))",
+        "viz/figures/test_directions.py -k middle_of_its_patch",
+    ),
+    (
+        "a local map is drawn upside down",
+        "viz/figures/directions.py",
+        "free[::-1, :, None]",
+        "free[:, :, None]",
+        "viz/figures/test_directions.py -k y_up",
+    ),
+    (
+        "the ghost with the lowest score is the darkest",
+        "viz/canvas/ghosts.py",
+        "share = (values - low) / span",
+        "share = 1 - (values - low) / span",
+        "viz/canvas/test_ghosts.py",
+    ),
 ]

@@ -33,7 +33,7 @@ SEPARATE = {
 
 LOOP = {"geodesics", "metrics", "rollouts"}
 STUDIES = ("meng2020", "nts", "robustness", "benchmarks", "demos")
-NOTEBOOKS = [f"nb{number:02}" for number in range(8)]
+NOTEBOOKS = [f"nb{number:02}" for number in (*range(8), 9)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
     "topology": {

@@ -1,0 +1,47 @@
+"""What notebook 09 says of the worth of a score is what was measured."""
+
+from pathlib import Path
+
+import pytest
+
+from tutorial_lib.experiments import load_result
+from tutorial_lib.experiments.nts.table1 import PAPER
+
+PROJECT = Path(__file__).resolve().parents[3]
+TEXT = (PROJECT / "solutions" / "09_ghost_nodes.py").read_text(encoding="utf-8")
+ROWS = {
+    (row["signs"], row["difficulty"], row["model"]): row
+    for row in load_result("nts_wayfinding").rows
+}
+
+
+def gain(signs, difficulty):
+    return f"{100 * ROWS[signs, difficulty, 'goal']['gain']:.0f}"
+
+
+def top(signs):
+    return f"{100 * ROWS[signs, 'hard', 'goal']['top1']:.0f}"
+
+
+SENTENCES = [
+    f"knowing the goal gains {gain('plain', 'easy')} points on easy, {gain('plain', 'medium')} on "
+    f"medium, and {gain('plain', 'hard')} on hard decisions",
+    f"the gain is {gain('wayfinding', 'easy')} points, {gain('wayfinding', 'medium')} and "
+    f"{gain('wayfinding', 'hard')}:",
+    f"finds the best direction in {top('wayfinding')} % of all decisions, and in {top('plain')} % "
+    "in plain buildings",
+]
+
+
+@pytest.mark.parametrize("sentence", SENTENCES)
+def test_the_notebook_says_what_was_measured(sentence):
+    assert sentence in TEXT
+
+
+def test_what_is_said_without_numbers_holds():
+    plain = ROWS["plain", "hard", "goal"]
+    assert plain["gain_high"] < 0.03  # next to nothing
+    assert ROWS["wayfinding", "hard", "goal"]["gain_low"] > plain["gain_high"]
+    nts, next_best = PAPER["nts", "rgbd"], PAPER["ans_like", "rgbd"]
+    ahead = [mine[0] - other[0] for mine, other in zip(nts, next_best, strict=True)]
+    assert ahead == sorted(ahead)  # the advantage is largest on hard episodes

@@ -1,0 +1,654 @@
+"""Answers to the exercises of notebook 09: wrong ones, with words of their message, and right ones.
+
+The check must say the docstring; answers called right must pass.
+"""
+
+import heapq
+import math
+
+import networkx as nx
+import numpy as np
+
+from tutorial_lib.checks.nb09 import CELL, path_lengths
+from tutorial_lib.checks.nb09.add_ghosts import add_ghosts as added
+from tutorial_lib.checks.nb09.global_policy import global_policy as chosen
+from tutorial_lib.geometry import inverse, to_local
+
+# explorable
+
+
+def explorable__right_in_a_loop(free, radius):
+    lengths, middle, found = path_lengths(free), len(free) // 2, []
+    for k in range(12):
+        row = middle + round(radius / CELL * math.sin(math.radians(30 * k)))
+        column = middle + round(radius / CELL * math.cos(math.radians(30 * k)))
+        found.append(lengths[row, column] <= 1.05 * radius)
+    return np.array(found)
+
+
+def explorable__right_with_complex_numbers(free, radius):
+    points = radius / CELL * np.exp(2j * np.pi * np.arange(12) / 12) + (1 + 1j) * (len(free) // 2)
+    cells = np.rint(points.imag).astype(int), np.rint(points.real).astype(int)
+    return path_lengths(free)[cells] / radius <= 1.05
+
+
+def _lengths_at(free, radius, bearings=None, middle=None, reach=None, rounding=np.rint):
+    bearings = np.arange(12) * np.pi / 6 if bearings is None else bearings
+    middle = len(free) // 2 if middle is None else middle
+    reach = radius / CELL if reach is None else reach
+    columns = middle + rounding(reach * np.cos(bearings)).astype(int)
+    rows = middle + rounding(reach * np.sin(bearings)).astype(int)
+    return path_lengths(free)[rows, columns], rows, columns
+
+
+def explorable__only_the_point(free, radius):
+    """it may be free and lie behind a wall"""
+    _, rows, columns = _lengths_at(free, radius)
+    return free[rows, columns]
+
+
+def explorable__any_path(free, radius):
+    """a path that exists may be too long"""
+    return np.isfinite(_lengths_at(free, radius)[0])
+
+
+def explorable__straight_only(free, radius):
+    """yours allows no detour"""
+    return _lengths_at(free, radius)[0] <= radius
+
+
+def explorable__half_as_much_again(free, radius):
+    """not 1.5 times"""
+    return _lengths_at(free, radius)[0] <= 1.5 * radius
+
+
+def explorable__too_long(free, radius):
+    """yours is the other way round"""
+    return _lengths_at(free, radius)[0] > 1.05 * radius
+
+
+def explorable__clockwise(free, radius):
+    """directions go counter-clockwise"""
+    return _lengths_at(free, radius, -np.arange(12) * np.pi / 6)[0] <= 1.05 * radius
+
+
+def explorable__x_along_rows(free, radius):
+    """rows go with y (sine)"""
+    _, rows, columns = _lengths_at(free, radius)
+    return path_lengths(free)[columns, rows] <= 1.05 * radius
+
+
+def explorable__degrees(free, radius):
+    """take radians"""
+    return _lengths_at(free, radius, 30 * np.arange(12))[0] <= 1.05 * radius
+
+
+def explorable__metres_as_cells(free, radius):
+    """divide metres by CELL"""
+    return _lengths_at(free, radius, reach=radius)[0] <= 1.05 * radius
+
+
+def explorable__at_the_edge(free, radius):
+    """not at the edge of the map"""
+    return _lengths_at(free, radius, reach=len(free) // 2)[0] <= 1.05 * radius
+
+
+def explorable__from_the_corner(free, radius):
+    """not in its corner"""
+    return _lengths_at(free, radius, middle=0)[0] <= 1.05 * radius
+
+
+def explorable__cut_off(free, radius):
+    """astype(int) alone cuts off"""
+    return _lengths_at(free, radius, rounding=np.trunc)[0] <= 1.05 * radius
+
+
+def explorable__half_a_bin_on(free, radius):
+    """yours begins half a bin later"""
+    return _lengths_at(free, radius, (np.arange(12) + 0.5) * np.pi / 6)[0] <= 1.05 * radius
+
+
+def explorable__from_behind(free, radius):
+    """yours begins behind the robot"""
+    return _lengths_at(free, radius, np.arange(12) * np.pi / 6 + np.pi)[0] <= 1.05 * radius
+
+
+def explorable__lengths(free, radius):
+    """return True or False for each"""
+    return _lengths_at(free, radius)[0]
+
+
+def explorable__not_whole(free, radius):
+    """an index is a whole number"""
+    return path_lengths(free)[len(free) // 2 + np.cos(np.arange(12)), 0] <= radius
+
+
+# add_ghosts
+
+
+def add_ghosts__right_with_bins_in_degrees(ghosts, node, explorable, beside):
+    gone = set()
+    for other, pose in beside.items():
+        back = to_local(pose, np.zeros(2))
+        there = np.degrees(math.atan2(pose[1], pose[0]))
+        gone.add((node, int((there % 360 + 15) // 30) % 12))
+        gone.add((other, int((np.degrees(math.atan2(back[1], back[0])) % 360 + 15) // 30) % 12))
+    return (ghosts | {(node, int(k)) for k in np.flatnonzero(explorable)}) - gone
+
+
+def add_ghosts__right_by_the_nearest_direction(ghosts, node, explorable, beside):
+    centres = np.exp(1j * np.pi / 6 * np.arange(12))
+
+    def nearest(pose):
+        return int((centres.conj() * complex(*pose[:2])).real.argmax())
+
+    closed = {(node, nearest(pose)) for pose in beside.values()}
+    closed |= {(other, nearest(inverse(pose))) for other, pose in beside.items()}
+    own = {(node, k) for k, good in enumerate(explorable) if good}
+    return {ghost for ghost in {*ghosts, *own} if ghost not in closed}
+
+
+def _grown(ghosts, node, explorable, beside, bin_of, back_of=None, sides=(True, True)):
+    grown = set(ghosts) | {(node, k) for k in range(12) if explorable[k]}
+    for other, pose in beside.items():
+        there = bin_of(*pose)
+        back = bin_of(*inverse(pose)) if back_of is None else back_of(there)
+        grown -= {(node, there)} if sides[0] else set()
+        grown -= {(other, back)} if sides[1] else set()
+    return grown
+
+
+def _bin(x, y, _):
+    return round(np.arctan2(y, x) * 6 / np.pi) % 12
+
+
+def add_ghosts__opposite(*case):
+    """half a turn more is right only where both look the same way"""
+    return _grown(*case, _bin, lambda there: (there + 6) % 12)
+
+
+def add_ghosts__negative_bins(*case):
+    """bearings from arctan2 may be negative"""
+    return _grown(*case, lambda x, y, _: round(np.arctan2(y, x) * 6 / np.pi))
+
+
+def add_ghosts__bin_12(*case):
+    """take % 12 after rounding"""
+    return _grown(*case, lambda x, y, _: round(np.arctan2(y, x) * 6 / np.pi % 12))
+
+
+def add_ghosts__cut_off(*case):
+    """round, do not cut off"""
+    return _grown(*case, lambda x, y, _: int(np.arctan2(y, x) * 6 / np.pi // 1) % 12)
+
+
+def add_ghosts__heading(*case):
+    """not its heading"""
+    return _grown(*case, lambda x, y, heading: round(heading * 6 / np.pi) % 12)
+
+
+def add_ghosts__x_first(*case):
+    """np.arctan2 takes y first"""
+    return _grown(*case, lambda x, y, _: round(np.arctan2(x, y) * 6 / np.pi) % 12)
+
+
+def add_ghosts__one_side(*case):
+    """a node also stands in a direction of the other one"""
+    return _grown(*case, _bin, sides=(True, False))
+
+
+def add_ghosts__the_other_side(*case):
+    """add the new ghosts first, then remove"""
+    return _grown(*case, _bin, sides=(False, True))
+
+
+def add_ghosts__same_bin_for_both(*case):
+    """the other node has a frame of its own"""
+    return _grown(*case, _bin, lambda there: there)
+
+
+def add_ghosts__only_its_own(ghosts, node, explorable, beside):
+    """the ghosts that were there before stay"""
+    return _grown(set(), node, explorable, beside, _bin)
+
+
+def add_ghosts__no_new_ones(ghosts, node, explorable, beside):
+    """the new node has ghosts of its own"""
+    return _grown(ghosts, node, np.zeros(12, bool), beside, _bin)
+
+
+def add_ghosts__all_directions(ghosts, node, explorable, beside):
+    """yours has all twelve"""
+    return _grown(ghosts, node, np.ones(12, bool), beside, _bin)
+
+
+def add_ghosts__in_place(ghosts, node, explorable, beside):
+    """your function changes its argument 1"""
+    ghosts |= {(node, k) for k in range(12) if explorable[k]}
+    return added(ghosts, node, explorable, beside)
+
+
+def add_ghosts__remove(ghosts, node, explorable, beside):
+    """.discard does not"""
+    grown = set(ghosts) | {(node, k) for k in range(12) if explorable[k]}
+    for other, pose in beside.items():
+        grown.remove((other, _bin(*inverse(pose))))
+        grown.discard((node, _bin(*pose)))
+    return grown
+
+
+def add_ghosts__list(*case):
+    """a list came back"""
+    return list(added(*case))
+
+
+def add_ghosts__floats(ghosts, node, explorable, beside):
+    """node and direction are whole numbers"""
+    return {(node, float(k)) for k in range(12)}
+
+
+# global_policy
+
+
+def global_policy__right_by_hand(graph, here, ghosts, scores, goal=None, weight=0.0):
+    metres, before, waiting = {}, {here: here}, [(0.0, here, here)]
+    while waiting:
+        far, node, last = heapq.heappop(waiting)
+        if node not in metres:
+            metres[node], before[node] = far, last
+            for other, edge in graph[node].items():
+                heapq.heappush(waiting, (far + edge["metres"], other, node))
+    ghost, end = None, goal
+    if end is None:
+        values = {g: scores[g] - weight * metres[g[0]] / 20 for g in ghosts}
+        if not values:
+            return here, None
+        ghost = sorted(values, key=values.get)[-1]
+        end = ghost[0]
+    while before[end] != here and end != here:
+        end = before[end]
+    return end, ghost
+
+
+def global_policy__right_by_all_paths(graph, here, ghosts, scores, goal=None, weight=0.0):
+    metres, paths = nx.single_source_dijkstra(graph, here, weight="metres")
+    if goal is not None:
+        return (*paths[goal], goal)[min(1, len(paths[goal]) - 1)], None
+    ranked = sorted((weight * metres[g[0]] / 20 - scores[g], g) for g in ghosts)
+    if not ranked:
+        return (here, None)
+    path = paths[ranked[0][1][0]]
+    return (path[1] if len(path) > 1 else here), ranked[0][1]
+
+
+def _policy(graph, here, ghosts, scores, goal, weight, value=None, by="metres", known=None):
+    known = goal is not None if known is None else known
+    if not known and not ghosts:
+        return [here], None
+    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+    value = value or (lambda g: scores[g] - weight * metres[g[0]] / 20)
+    ghost = None if known else max(sorted(ghosts), key=value)
+    return nx.shortest_path(graph, here, goal if known else ghost[0], weight=by), ghost
+
+
+def global_policy__never_to_the_goal(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """yours goes on exploring"""
+    path, ghost = _policy(graph, here, ghosts, scores, None, weight)
+    return path[:2][-1], ghost
+
+
+def global_policy__zero_is_no_node(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """`if goal:` is False for it"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight, known=bool(goal))
+    return path[:2][-1], ghost
+
+
+def global_policy__fewest_edges(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """not the one of the fewest edges"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight, by=None)
+    return path[:2][-1], ghost
+
+
+def global_policy__end_of_the_path(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """not its end"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
+    return path[-1], ghost
+
+
+def global_policy__begin_of_the_path(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """the first one is the robot's own"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
+    return path[0], ghost
+
+
+def global_policy__last_but_one(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """not the last but one"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
+    return path[-2:][0], ghost
+
+
+def global_policy__lowest_score(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """yours takes the lowest"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight, lambda g: -scores[g])
+    return path[:2][-1], ghost
+
+
+def global_policy__any_direction(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """scores also has directions that were explored"""
+    path, ghost = _policy(graph, here, set(scores), scores, goal, weight)
+    return path[:2][-1], ghost
+
+
+def global_policy__no_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """yours never looks at it"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, 0.0)
+    return path[:2][-1], ghost
+
+
+def global_policy__adds_the_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """yours adds it"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, -weight)
+    return path[:2][-1], ghost
+
+
+def global_policy__metres_not_divided(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """the distance in metres is divided by 20"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, 20 * weight)
+    return path[:2][-1], ghost
+
+
+def global_policy__ghost_at_the_goal(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """return None for the ghost"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
+    return path[:2][-1], ghost or (max(ghosts, key=scores.get) if ghosts else None)
+
+
+def global_policy__of_nothing(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """there may be no ghost left"""
+    ghost = None if goal is not None else max(ghosts, key=lambda g: scores[g])
+    return chosen(graph, here, ghosts, scores, goal, weight)[0], ghost
+
+
+def global_policy__next_index(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """the path has one node"""
+    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
+    return path[1], ghost
+
+
+def global_policy__changes_the_graph(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """your function changes its argument 1"""
+    graph.add_node(99)
+    return chosen(graph, here, ghosts, scores, goal, weight)
+
+
+def global_policy__node_only(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """return the next node, and the ghost or None"""
+    return chosen(graph, here, ghosts, scores, goal, weight)[0]
+
+
+# spl
+
+
+def spl__right_in_a_loop(success, shortest, travelled):
+    total = 0.0
+    for done, least, metres in zip(success, shortest, travelled, strict=True):
+        if done:
+            total += least / max(least, metres)
+    return total / len(success)
+
+
+def spl__right_with_a_minimum(success, shortest, travelled):
+    with np.errstate(divide="ignore"):
+        return float(np.where(success, np.minimum(shortest / travelled, 1), 0).mean())
+
+
+def spl__above_one(success, shortest, travelled):
+    """divide by the greater of both"""
+    return np.mean(np.where(success, shortest / np.maximum(travelled, 1e-9), 0))
+
+
+def spl__upside_down(success, shortest, travelled):
+    """a detour must lower it"""
+    return np.mean(success * np.maximum(shortest, travelled) / shortest)
+
+
+def spl__failures_count(success, shortest, travelled):
+    """an episode that failed counts 0"""
+    return np.mean(shortest / np.maximum(shortest, travelled))
+
+
+def spl__only_successes(success, shortest, travelled):
+    """they are not left out"""
+    share = (shortest / np.maximum(shortest, travelled))[success]
+    return share.mean() if len(share) else 0.0
+
+
+def spl__success_rate(success, shortest, travelled):
+    """yours is the success rate"""
+    return np.mean(success)
+
+
+def spl__product_of_means(success, shortest, travelled):
+    """the mean of products, not the product of means"""
+    return np.mean(success) * np.mean(shortest / np.maximum(shortest, travelled))
+
+
+def spl__ratio_of_sums(success, shortest, travelled):
+    """not the ratio of sums"""
+    return np.sum(success * shortest) / np.sum(np.maximum(shortest, travelled))
+
+
+def spl__sum(success, shortest, travelled):
+    """not the sum"""
+    return np.sum(success * shortest / np.maximum(shortest, travelled))
+
+
+def spl__each_episode(success, shortest, travelled):
+    """shape (1,), but () is needed"""
+    return success * shortest / np.maximum(shortest, travelled)
+
+
+def spl__python_s_max(success, shortest, travelled):
+    """np.maximum, not max"""
+    return np.mean(success * shortest / max(shortest, travelled))
+
+
+# explore
+
+
+def explore__right_with_a_queue_of_what_is_known(robot):
+    graph, ghosts, scores = nx.Graph(), set(), {}
+    reached, fresh = False, True
+    while robot.steps > 0 and not reached:
+        reached = robot.sees_goal() and robot.to_goal()
+        if reached:
+            break
+        known = robot.node()
+        if known is None or fresh:
+            known = graph.number_of_nodes()
+            near = robot.beside()
+            graph.add_node(known)
+            graph.add_edges_from(
+                (known, node, {"metres": float(np.linalg.norm(pose[:2]))})
+                for node, pose in near.items()
+            )
+            ghosts = added(ghosts, known, robot.explorable(), near)
+            scores.update({(known, k): s for k, s in enumerate(robot.scores())})
+            robot.remember(known)
+        step, ghost = chosen(graph, known, ghosts, scores)
+        fresh = False
+        if ghost is None:
+            return False, graph, ghosts
+        if step == known:
+            ghosts = {other for other in ghosts if other != ghost}
+            fresh = bool(robot.to_ghost(ghost))
+        else:
+            robot.to_node(step)
+    return reached, graph, ghosts
+
+
+def explore__right_that_drives_the_whole_path(robot):
+    graph, ghosts, scores, arrived = nx.Graph(), set(), {}, True
+    while robot.steps:
+        if robot.sees_goal() and robot.to_goal():
+            return True, graph, ghosts
+        here = robot.node()
+        if arrived or here is None:
+            here = len(graph)
+            beside = robot.beside()
+            graph.add_node(here)
+            for node in beside:
+                graph.add_edge(here, node, metres=math.dist((0, 0), beside[node][:2]))
+            ghosts = added(ghosts, here, robot.explorable(), beside)
+            scores |= dict(zip([(here, k) for k in range(12)], robot.scores(), strict=True))
+            robot.remember(here)
+        arrived = False
+        if not ghosts:
+            break
+        best = max(ghosts, key=scores.__getitem__)
+        path = nx.dijkstra_path(graph, here, best[0], weight="metres")
+        if len(path) > 1:
+            robot.to_node(path[1])
+            continue
+        arrived = robot.to_ghost(best)
+        ghosts = ghosts - {best}
+    return False, graph, ghosts
+
+
+def _loop(robot, **faults):
+    """The loop with switches for mistakes."""
+    graph, ghosts, scores, arrived, last, rounds = nx.Graph(), set(), {}, False, -1, 0
+    while faults.get("endless") or robot.steps > 0:
+        rounds += 1
+        if faults.get("looks", lambda n: True)(rounds) and robot.sees_goal():
+            if robot.to_goal():
+                return True, graph, ghosts
+            if faults.get("gives_up"):
+                return False, graph, ghosts
+        here = robot.node()
+        new = here is None or (arrived and not faults.get("lost_only"))
+        if new or faults.get("always_new"):
+            here, beside = len(graph), robot.beside()
+            graph.add_node(here)
+            for other, pose in beside.items():
+                if not faults.get("last_edge") or other == last:
+                    metres = 1.0 if faults.get("no_metres") else np.hypot(*pose[:2])
+                    graph.add_edge(here, other, metres=metres)
+            if faults.get("no_edges"):
+                graph.remove_edges_from(list(graph.edges))
+            before = set() if faults.get("forgets") else ghosts
+            near = {} if faults.get("alone") else beside
+            ghosts = added(before, here, robot.explorable(), near)
+            for k, score in enumerate(robot.scores()):
+                scores[here, k] = score
+            if not faults.get("never_remembers"):
+                robot.remember(here)
+        last = here
+        node, ghost = chosen(graph, here, ghosts, scores)
+        if ghost is None:
+            break
+        if node != here and not faults.get("straight"):
+            robot.to_node(ghost[0] if faults.get("to_the_end") else node)
+            arrived = False
+            continue
+        there = robot.to_ghost(ghost)
+        arrived = there or faults.get("never_asks", False)
+        if not faults.get("keeps") and (there or not faults.get("keeps_blocked")):
+            ghosts = ghosts - {ghost}
+    return False, graph, ghosts
+
+
+def explore__looks_once(robot):
+    """a robot that looks only at the start passes it"""
+    return _loop(robot, looks=lambda rounds: rounds == 1)
+
+
+def explore__never_looks(robot):
+    """call sees_goal(), and to_goal() where it is seen"""
+    return _loop(robot, looks=lambda rounds: False)
+
+
+def explore__gives_up(robot):
+    """where something was mistaken for the goal"""
+    return _loop(robot, gives_up=True)
+
+
+def explore__does_not_end(robot):
+    """no steps are left"""
+    return _loop(robot, endless=True)
+
+
+def explore__a_node_only_where_lost(robot):
+    """also where F_L still has the robot in the old one"""
+    return _loop(robot, lost_only=True)
+
+
+def explore__a_node_each_round(robot):
+    """make one only where node() returns None"""
+    return _loop(robot, always_new=True)
+
+
+def explore__an_edge_to_the_last_only(robot):
+    """not only to the last one"""
+    return _loop(robot, last_edge=True)
+
+
+def explore__edges_of_one_metre(robot):
+    """an edge has the metres between its nodes"""
+    return _loop(robot, no_metres=True)
+
+
+def explore__no_edges(robot):
+    """None: no such edge"""
+    return _loop(robot, no_edges=True)
+
+
+def explore__forgets_ghosts(robot):
+    """the ghosts of earlier nodes stay"""
+    return _loop(robot, forgets=True)
+
+
+def explore__ghosts_where_nodes_stand(robot):
+    """where they stand there is no ghost"""
+    return _loop(robot, alone=True)
+
+
+def explore__never_remembers(robot):
+    """`remember` makes one"""
+    return _loop(robot, never_remembers=True)
+
+
+def explore__straight_to_the_ghost(robot):
+    """drive to that node first"""
+    return _loop(robot, straight=True)
+
+
+def explore__to_the_end_of_the_path(robot):
+    """drive from node to node"""
+    return _loop(robot, to_the_end=True)
+
+
+def explore__does_not_ask_whether_it_arrived(robot):
+    """to_ghost() returned False, so it has not arrived"""
+    return _loop(robot, never_asks=True)
+
+
+def explore__keeps_the_ghost(robot):
+    """remove the ghost after the drive"""
+    return _loop(robot, keeps=True)
+
+
+def explore__keeps_what_is_blocked(robot):
+    """it cannot be reached"""
+    return _loop(robot, keeps_blocked=True)
+
+
+def explore__one_answer(robot):
+    """return whether the goal was reached, the graph, and the set of ghosts"""
+    return _loop(robot)[0]
+
+
+def explore__ghosts_as_a_list(robot):
+    """a list came back; return the set of ghosts"""
+    reached, graph, ghosts = _loop(robot)
+    return reached, graph, list(ghosts)

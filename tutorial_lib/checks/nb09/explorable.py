@@ -1,0 +1,135 @@
+"""The check of explorable directions, in notebook 09."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import calling, mask
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.nb09.small_maps import CELL, path_lengths, small_map
+from tutorial_lib.viz.figures.directions import map_picture
+from tutorial_lib.viz.figures.panels import side_by_side
+
+_DIRECTIONS = 12
+_DETOUR = 1.05
+
+
+def explorable(free: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
+    """Whether each direction (12,) of a local map leads to explorable area; see the exercise."""
+    return _explorable(free, radius)
+
+
+def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDArray[np.bool_]:
+    """The rule, with a `fault` if one is named."""
+    lengths, middle = path_lengths(free), len(free) // 2
+    middle = {"corner": 0}.get(fault, middle)
+    bearings = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
+    bearings += {"half a bin": np.pi / _DIRECTIONS, "behind": np.pi, "aside": np.pi / 2}.get(
+        fault, 0.0
+    )
+    bearings = {"clockwise": -bearings, "degrees": np.rad2deg(bearings)}.get(fault, bearings)
+    reach = {"edge": middle, "cells": radius}.get(fault, radius / CELL)
+    ahead, left = reach * np.cos(bearings), reach * np.sin(bearings)
+    turn = np.trunc if fault == "cut off" else np.rint
+    rows, columns = (middle + turn(part).astype(int) for part in (left, ahead))
+    if fault == "swapped":
+        rows, columns = columns, rows
+    if fault == "only the point":
+        return free[rows, columns]
+    found = lengths[rows, columns]
+    if fault == "any path":
+        return np.isfinite(found)
+    if fault == "longer":
+        return found > _DETOUR * radius
+    return found <= {"no detour": 1.0, "half as much": 1.5}.get(fault, _DETOUR) * radius
+
+
+_FAULTS = {
+    "the path decides, not the point alone: it may be free and lie behind a wall": "only the point",
+    "a path that exists may be too long: compare it with 1.05 * radius": "any path",
+    "the path may be 1.05 times the radius long; yours allows no detour": "no detour",
+    "the path may be 1.05 times the radius long, not 1.5 times": "half as much",
+    "True is for paths that are short enough; yours is the other way round": "longer",
+    "directions go counter-clockwise, and rows grow with y: row 0 is on the robot's right": (
+        "clockwise"
+    ),
+    "rows go with y (sine), columns with x (cosine)": "swapped",
+    "bin 0 is centred on straight ahead; yours begins half a bin later": "half a bin",
+    "bin 0 is straight ahead, along the columns; yours begins behind the robot": "behind",
+    "bin 0 is straight ahead, along the columns; yours begins on the robot's left": "aside",
+    "np.cos and np.sin take radians; yours gives them degrees": "degrees",
+    "a cell is CELL metres wide: divide metres by CELL": "cells",
+    "the point is at `radius` metres, not at the edge of the map": "edge",
+    "the robot is in the middle of the map, cell (S // 2, S // 2), not in its corner": "corner",
+    "take the nearest cell, np.rint; astype(int) alone cuts off, towards zero": "cut off",
+}
+
+
+def _random(seed: int, radius: float) -> tuple[NDArray[np.bool_], float]:
+    """Walls at random, none of them at the robot."""
+    rng = np.random.default_rng([seed, 9])
+    walls = []
+    for _ in range(7):
+        x, y = rng.uniform(-radius, radius, 2)
+        wide, high = rng.permuted([rng.uniform(0.4, 2.0), 0.2])
+        if np.hypot(x + wide / 2, y + high / 2) > 1.2:
+            walls.append((x, y, x + wide, y + high))
+    return small_map(*walls, radius=radius), radius
+
+
+_ROOM = ((2.0, -3.5, 2.2, -0.5), (2.0, 0.6, 2.2, 3.5), (-3.5, 2.2, 3.5, 2.4), (-1.2, -3, -1, 1))
+_CASES = {
+    "a room with a door ahead": (small_map(*_ROOM), 3.0),
+    "nothing in the way": (small_map(), 3.0),
+    "walls all around": (
+        small_map((-1, -1, 1, -0.8), (-1, 0.8, 1, 1), (-1, -1, -0.8, 1), (0.8, -1, 1, 1)),
+        3.0,
+    ),
+    "a wall on the left": (small_map((-3.5, 1.0, 3.5, 1.2)), 3.0),
+    "a wall behind, and one on the right": (
+        small_map((-1.2, -1.5, -1.0, 1.5), (-0.4, -1.4, 2.0, -1.2)),
+        3.0,
+    ),
+    "a pillar to go around": (small_map((1.5, -0.3, 1.7, 0.3), (-1.7, -0.9, -1.5, 0.9)), 3.0),
+    "points that lie in walls": (small_map((2.7, -1.0, 3.2, 1.0), (-0.4, 2.8, 0.4, 3.2)), 3.0),
+    "two metres": (small_map((0.8, -1.5, 1.0, 0.5), radius=2.0), 2.0),
+    "two metres on a large map": (small_map((2.5, -3.0, 2.7, 3.0), (-1, -3, -0.8, 0.5)), 2.0),
+    **{f"at random ({seed})": _random(seed, 3.0 - 0.5 * (seed % 2)) for seed in range(8)},
+}
+
+
+@check(explorable, (small_map(*_ROOM), 3.0), calls=300)
+def check_explorable(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
+    """Open places, walls, doors, detours, and another radius."""
+    far = "is `radius` in metres? The map has len(free) cells along a side, each of CELL metres"
+    whole = "an index is a whole number: np.rint(...).astype(int)"
+    return compare(
+        "explorable",
+        student,
+        _CASES,
+        explorable,
+        with_faults(_explorable, _FAULTS),
+        invoke=calling({IndexError: f"{whole}, and {far}"}),
+        form=lambda what, got, *_: mask(what, got, (_DIRECTIONS,)),
+        difference=_why,
+        draw=_draw,
+    )
+
+
+def _draw(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    free, radius = next(iter(_CASES.values()))
+    pictures = [map_picture(free, chosen, radius / CELL) for chosen in (want, got)]
+    return side_by_side(pictures, ["target", "yours"])
+
+
+def _why(
+    got: NDArray[np.bool_], want: NDArray[np.bool_], free: NDArray[np.bool_], radius: float
+) -> str:
+    """Which direction is wrong."""
+    first = int((got != want).argmax())
+    return f"direction {first}: {got[first]}, but {want[first]} is right; radius {radius:g} m"

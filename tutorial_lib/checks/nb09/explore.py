@@ -1,0 +1,171 @@
+"""The check of the exploration loop, in notebook 09."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
+from tutorial_lib.checks.nb09.explore_words import FAULTS
+from tutorial_lib.checks.nb09.global_policy import global_policy
+from tutorial_lib.checks.nb09.small_buildings import BUILDINGS, Building
+from tutorial_lib.checks.nb09.small_places import Ghost, PlacesRobot
+
+Explored = tuple[bool, nx.Graph, set[Ghost]]
+"""Whether the goal was reached, the graph, and the ghosts that are left."""
+
+
+def explore(robot: Any) -> Explored:  # noqa: ANN401
+    """Explore until the goal is found, nothing is left, or no steps are; see the exercise.
+
+    Args:
+        robot: a `PlacesRobot`, or one of the real task.
+    """
+    return _explored(robot)
+
+
+def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
+    """The loop, with a `fault` if one is named."""
+    graph, ghosts, scores = nx.Graph(), set[Ghost](), dict[Ghost, float]()
+    arrived, last, there, first = False, 0, -1, True
+    while robot.steps > 0 or fault == "no end":
+        looks = first if fault == "looks once" else arrived if fault == "looks at ghosts" else True
+        looks = False if fault == "never looks" else looks
+        first = False
+        if looks and robot.sees_goal():
+            if robot.to_goal():
+                return True, graph, ghosts
+            if fault == "gives up":
+                return False, graph, ghosts
+        here = robot.node()
+        new = here is None or (arrived and fault != "only where lost")
+        if new:
+            here = len(graph)
+            beside = robot.beside()
+            graph.add_node(here)
+            for other, pose in beside.items():
+                if fault != "last edge" or other == last:
+                    metres = 1.0 if fault == "no metres" else float(np.hypot(pose[0], pose[1]))
+                    graph.add_edge(here, other, metres=metres)
+            known = set[Ghost]() if fault == "forgets" else ghosts
+            near = {} if fault == "stale" else beside
+            ghosts = add_ghosts(known, here, robot.explorable(), near)
+            if fault == "forgets scores":
+                scores = dict.fromkeys(ghosts, 0.0)
+            scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}
+            robot.remember(here)
+        last = here
+        node, ghost = global_policy(graph, here, ghosts, scores)
+        if ghost is None:
+            break
+        there = ghost[0]
+        if fault == "best of this node" and (mine := [g for g in ghosts if g[0] == here]):
+            node, ghost, there = here, max(mine, key=scores.__getitem__), here
+        if node != here:
+            robot.to_node(node)
+            arrived = False
+            continue
+        if fault != "straight to it" or there == here:
+            arrived = robot.to_ghost(ghost)
+        if fault != "keeps it" and not (fault == "keeps what is blocked" and not arrived):
+            ghosts = ghosts - {ghost}
+    return False, graph, ghosts
+
+
+def _play(explores: Callable[..., Any], building: Building) -> tuple[Any, list[tuple[object, ...]]]:
+    """What comes back, and where the robot was driven."""
+    robot = PlacesRobot(building)
+    return explores(robot), robot.log
+
+
+def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any:  # noqa: ANN401
+    hints = {
+        KeyError: "scores needs an entry (node, direction) for every ghost, from robot.scores()",
+        TypeError: "node() may return None; a ghost is a pair (node, direction)",
+        nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first",
+        nx.NetworkXNoPath: "no path leads there; each new node gets edges to those beside it",
+    }
+    try:
+        return _play(student, building)
+    except WrongAnswer as wrong:
+        raise WrongAnswer(f"{what}: {wrong}") from None
+    except NotImplementedError:
+        raise
+    except Exception as error:
+        raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
+
+
+@check(
+    explore,
+    (PlacesRobot(BUILDINGS["a loop"]),),
+    calls=10,
+    endless="explore: your loop has not ended after {seconds:g} seconds. It ends when the goal is "
+    "reached, when no ghost is left, and when robot.steps is 0",
+)
+def check_explore(student: Callable[..., Any]) -> None:
+    """Corridors, dead ends, loops, mistakes, ghosts out of reach, and too few steps."""
+    faults = with_faults(_explored, FAULTS)
+    compare(
+        "explore",
+        student,
+        {name: (building,) for name, building in BUILDINGS.items()},
+        partial(_play, explore),
+        {words: partial(_play, rule) for words, rule in faults.items()},
+        invoke=_invoke,
+        form=_formed,
+        same=_same,
+        difference=_why,
+    )
+
+
+def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
+    words = "return whether the goal was reached, the graph, and the set of ghosts"
+    reached, graph, ghosts = parts(what, got[0], 3, words)
+    if not isinstance(reached, bool | np.bool_):
+        raise WrongAnswer(f"{what}: {reached!r} came back; return True if the goal was reached")
+    if not isinstance(graph, nx.Graph):
+        raise WrongAnswer(
+            f"{what}: a {type(graph).__name__} came back; return the graph, nx.Graph()"
+        )
+    if not isinstance(ghosts, set | frozenset):
+        raise WrongAnswer(f"{what}: a {type(ghosts).__name__} came back; return the set of ghosts")
+    edges = {
+        (min(v, w), max(v, w)): round(float(metres or 0.0), 6)
+        for v, w, metres in graph.edges(data="metres")
+    }
+    return bool(reached), sorted(graph.nodes), edges, set(ghosts), got[1]
+
+
+def _same(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> bool:
+    return got == want
+
+
+def _why(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
+    """Where an exploration first goes another way."""
+    for number, (mine, right) in enumerate(zip(got[4], want[4], strict=False), 1):
+        if mine != right:
+            return f"drive {number} of yours is {_spoken(mine)}, but {_spoken(right)} is right"
+    if len(got[4]) != len(want[4]):
+        return f"yours drives {len(got[4])} times, but {len(want[4])} is right"
+    if got[0] != want[0]:
+        return f"it returns {got[0]}, but {want[0]} is right"
+    if got[1] != want[1]:
+        return f"the nodes are {got[1]}, but {want[1]} is right"
+    if got[2] != want[2]:
+        edge = sorted(set(got[2].items()) ^ set(want[2].items()))[0][0]
+        mine, right = got[2].get(edge), want[2].get(edge)
+        return f"edge {edge} has {mine} metres, but {right} is right; None: no such edge"
+    return f"the ghosts left are {sorted(got[3])}, but {sorted(want[3])} is right"
+
+
+def _spoken(drive: tuple[object, ...]) -> str:
+    name, argument = drive
+    return f"{name}({'' if argument is None else argument})"

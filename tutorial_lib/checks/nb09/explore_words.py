@@ -1,0 +1,34 @@
+"""What to say of known mistakes in the exploration loop, for the check of notebook 09."""
+
+FAULTS = {
+    "look for the goal in every round: a robot that looks only at the start passes it": (
+        "looks once"
+    ),
+    "the goal may also be seen on the way, at a node: call sees_goal() in every round": (
+        "looks at ghosts"
+    ),
+    "call sees_goal(), and to_goal() where it is seen": "never looks",
+    "to_goal() returns False where something was mistaken for the goal; then go on exploring": (
+        "gives up"
+    ),
+    "the loop ends when robot.steps is 0": "no end",
+    "a ghost that was reached becomes a node also where F_L still has the robot in the old one": (
+        "only where lost"
+    ),
+    "the ghosts of earlier nodes stay: give add_ghosts the ghosts so far": "forgets",
+    "the scores of earlier nodes stay: add the new ones to them": "forgets scores",
+    "give add_ghosts the nodes beside the new one, robot.beside(); where they stand there is no "
+    "ghost": "stale",
+    "the new node gets an edge to every node beside it, not only to the last one": "last edge",
+    "an edge has the metres between its nodes, np.hypot of x and y": "no metres",
+    "take the best ghost of the whole graph, not that of the node where the robot is": (
+        "best of this node"
+    ),
+    "remove the ghost after the drive, reached or not, or the robot will want to go there again": (
+        "keeps it"
+    ),
+    "remove the ghost also where to_ghost returned False: it cannot be reached": (
+        "keeps what is blocked"
+    ),
+}
+"""For each mistake, what to say and the name of the fault."""

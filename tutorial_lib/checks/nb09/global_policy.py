@@ -1,0 +1,212 @@
+"""The check of the global policy, in notebook 09."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from tutorial_lib.checks.framework.answers import parts
+from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.nb09.calls import keeping
+
+Ghost = tuple[int, int]
+Choice = tuple[int, Ghost | None]
+"""The next node, and the ghost to which the robot is going."""
+_FAR = 20.0  # metres at which a score is 0
+
+
+def global_policy(
+    graph: nx.Graph,
+    here: int,
+    ghosts: set[Ghost],
+    scores: dict[Ghost, float],
+    goal: int | None = None,
+    weight: float = 0.0,
+) -> Choice:
+    """Where a robot goes next; see the exercise."""
+    return _chosen(graph, here, ghosts, scores, goal, weight)
+
+
+def _chosen(
+    graph: nx.Graph,
+    here: int,
+    ghosts: set[Ghost],
+    scores: dict[Ghost, float],
+    goal: int | None = None,
+    weight: float = 0.0,
+    fault: str = "",
+) -> Choice:
+    """The policy, with a `fault` if one is named."""
+    by = None if fault == "edges" else "metres"
+    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+    far = {"not over 20": 1.0}.get(fault, _FAR)
+    weight = {"adds": -weight, "no travel": 0.0, "always": 1.0}.get(fault, weight)
+
+    def value(ghost: Ghost) -> float:
+        score = {"worst": -scores[ghost], "nearest": -metres[ghost[0]]}.get(fault, scores[ghost])
+        return score - weight * metres[ghost[0]] / far
+
+    known = goal is not None and fault != "no goal" and not (fault == "goal 0" and goal == 0)
+    if not known and not (ghosts or fault == "all scores"):
+        return here, None
+    open_to = scores if fault == "all scores" else sorted(ghosts)
+    if fault == "own first":
+        open_to = [ghost for ghost in open_to if ghost[0] == here] or open_to
+    ghost = max(open_to, key=value) if not known or (fault == "ghost too" and ghosts) else None
+    end = goal if known else ghost[0] if ghost is not None else here
+    path = nx.shortest_path(graph, here, end, weight=by)
+    step = {"end": len(path) - 1, "start": 0, "one before": max(len(path) - 2, 0)}.get(fault, 1)
+    return path[min(step, len(path) - 1)], ghost
+
+
+_FAULTS = {
+    "once the goal is localised in a node the robot goes there; yours goes on exploring": "no goal",
+    "node 0 is a node: `if goal:` is False for it; compare with None": "goal 0",
+    "return None for the ghost where the goal is localised": "ghost too",
+    "the highest score is the best; yours takes the lowest": "worst",
+    "the score decides, not the distance to the ghost alone": "nearest",
+    "only what is in `ghosts` can be chosen: scores also has directions that were explored, or "
+    "never were ghosts": "all scores",
+    "all ghosts of the graph count, not only those of the node where the robot is": "own first",
+    "the path is the shortest in metres, not the one of the fewest edges: weight='metres'": "edges",
+    "return the next node on the path, not its end": "end",
+    "return the next node on the path: the first one is the robot's own": "start",
+    "return the second node of the path, not the last but one": "one before",
+    "the cost of travelling is taken away from the score; yours adds it": "adds",
+    "the distance in metres is divided by 20, as in the score itself": "not over 20",
+    "`weight` says how much travelling counts; yours never looks at it": "no travel",
+    "`weight` says how much travelling counts; yours always counts it": "always",
+}
+
+
+def _graph(*edges: tuple[int, int, float]) -> nx.Graph:
+    graph = nx.Graph()
+    graph.add_node(0)
+    graph.add_weighted_edges_from(edges, weight="metres")
+    return graph
+
+
+def _random(seed: int) -> tuple[Any, ...]:
+    rng = np.random.default_rng([seed, 39])
+    count = int(rng.integers(4, 9))
+    edges = [(v, int(rng.integers(v)), float(rng.uniform(1, 4))) for v in range(1, count)]
+    edges += [
+        (int(v), int(w), float(rng.uniform(1, 6))) for v, w in rng.integers(count, size=(4, 2))
+    ]
+    graph = _graph(*[edge for edge in edges if edge[0] != edge[1]])
+    scores = {(v, k): float(rng.uniform(0.3, 0.95)) for v in range(count) for k in range(12)}
+    ghosts = {ghost for ghost in scores if rng.random() < 0.2}
+    goal = int(rng.integers(count)) if seed % 3 == 0 else None
+    return graph, int(rng.integers(count)), ghosts, scores, goal, float(rng.choice([0.0, 1.0, 3.0]))
+
+
+_ROW = _graph((0, 1, 3.0), (1, 2, 3.0), (2, 3, 3.0))
+_ROUND = _graph((0, 1, 2.0), (1, 2, 2.0), (2, 3, 2.0), (0, 3, 9.0))
+_SCORES = {
+    (v, k): round(0.3 + 0.01 * ((7 * v + 5 * k) % 23), 2) for v in range(4) for k in range(12)
+}
+_CASES = {
+    "one node": (_graph(), 0, {(0, 1), (0, 2)}, {(0, 1): 0.6, (0, 2): 0.8, (0, 3): 0.9}, None, 0.0),
+    "ghosts along a row": (_ROW, 3, {(0, 4), (3, 1)}, _SCORES | {(0, 4): 0.9}, None, 0.0),
+    "the best ghost is that of the robot's node": (
+        _ROW,
+        2,
+        {(2, 5), (0, 1)},
+        _SCORES | {(2, 5): 0.8},
+        None,
+        0.0,
+    ),
+    "the best score is that of no ghost": (
+        _ROW,
+        1,
+        {(0, 0), (3, 3)},
+        _SCORES | {(2, 2): 0.99},
+        None,
+        0.0,
+    ),
+    "a long edge, and three short ones": (_ROUND, 0, {(3, 0)}, _SCORES, None, 0.0),
+    "the goal is in another node": (_ROW, 0, {(0, 4)}, _SCORES, 3, 0.0),
+    "the goal is in node 0": (_ROW, 2, {(3, 4)}, _SCORES, 0, 0.0),
+    "the goal is in the robot's node": (_ROW, 2, {(0, 4)}, _SCORES, 2, 0.0),
+    "no ghost is left": (_ROW, 1, set(), _SCORES, None, 0.0),
+    "no ghost is left, but the goal is localised": (_ROW, 3, set(), _SCORES, 0, 0.0),
+    "travelling costs": (_ROW, 0, {(0, 1), (3, 1)}, {(0, 1): 0.7, (3, 1): 0.9}, None, 1.0),
+    "travelling costs too little to matter": (
+        _ROW,
+        0,
+        {(0, 1), (3, 1)},
+        {(0, 1): 0.7, (3, 1): 0.9},
+        None,
+        0.2,
+    ),
+    "travelling costs a little more than the better score gains": (
+        _ROW,
+        0,
+        {(0, 1), (3, 1)},
+        {(0, 1): 0.4, (3, 1): 0.84},
+        None,
+        1.0,
+    ),
+    "travelling costs a little less than the better score gains": (
+        _ROW,
+        0,
+        {(0, 1), (3, 1)},
+        {(0, 1): 0.4, (3, 1): 0.86},
+        None,
+        1.0,
+    ),
+    "travelling costs, by edges the other one is nearer": (
+        _graph((0, 1, 9.0), (0, 2, 2.0), (2, 3, 2.0)),
+        0,
+        {(1, 1), (3, 1)},
+        {(1, 1): 0.8, (3, 1): 0.75},
+        None,
+        1.0,
+    ),
+    **{f"at random ({seed})": _random(seed) for seed in range(9)},
+}
+
+
+@check(global_policy, _random(4), calls=300)
+def check_global_policy(student: Callable[..., Any]) -> None:
+    """Goals and ghosts near and far, none of either, and costs of travelling."""
+    hints = {
+        KeyError: "scores[ghost] is the score of a ghost, a pair (node, direction)",
+        ValueError: "max() of nothing: there may be no ghost left",
+        TypeError: "a ghost is a pair (node, direction), and goal may be None",
+        IndexError: "where the robot is at the end of the path already, the path has one node",
+    }
+    compare(
+        "global_policy",
+        student,
+        _CASES,
+        global_policy,
+        with_faults(_chosen, _FAULTS),
+        invoke=keeping("it is needed again in the next step", hints),
+        form=_formed,
+        difference=_why,
+    )
+
+
+def _formed(what: str, got: object, graph: nx.Graph, *_: object) -> Choice:
+    node, ghost = parts(what, got, 2, "return the next node, and the ghost or None")
+    if isinstance(node, bool) or not isinstance(node, int | np.integer) or node not in graph:
+        raise WrongAnswer(f"{what}: {node!r} is no node of the graph; return a node and a ghost")
+    if ghost is not None and not (isinstance(ghost, tuple) and len(ghost) == 2):
+        raise WrongAnswer(f"{what}: {ghost!r} is no ghost; return (node, direction), or None")
+    return int(node), ghost
+
+
+def _why(got: Choice, want: Choice, graph: nx.Graph, here: int, *_: object) -> str:
+    """Which part is wrong."""
+    if got[1] != want[1]:
+        return f"from node {here} the robot goes to {_name(want[1])}; yours to {_name(got[1])}"
+    return f"from node {here} the next node is {want[0]}, yours {got[0]}"
+
+
+def _name(ghost: Ghost | None) -> str:
+    return "no ghost" if ghost is None else f"ghost {ghost}"

@@ -1,0 +1,101 @@
+"""Small buildings of places and links, for the check of the exploration loop in notebook 09."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tutorial_lib.geometry import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Building:
+    """Places, and what is special about some of them.
+
+    Attributes:
+        places: (P, 2) metres; the robot starts at the first.
+        links: pairs of places between which one can drive.
+        goal: the place of the goal.
+        seen_from: places from which it is seen.
+        deceptive: places at which the robot takes something else for the goal, once.
+        blocked: pairs (from, to) of places: the drive ends where it began.
+        short: places whose ghosts are so near that F_L still has the robot in the old node.
+        misleading: for (from, to), what is added to the score.
+        steps: actions that the robot may take.
+    """
+
+    places: Array
+    links: tuple[tuple[int, int], ...]
+    goal: int
+    seen_from: tuple[int, ...]
+    deceptive: tuple[int, ...] = ()
+    blocked: tuple[tuple[int, int], ...] = ()
+    short: tuple[int, ...] = ()
+    misleading: dict[tuple[int, int], float] = field(default_factory=dict)
+    steps: int = 500
+
+    def beside(self, place: int) -> list[int]:
+        """The places to which one can drive from a place."""
+        pairs = [*self.links, *((second, first) for first, second in self.links)]
+        return sorted(second for first, second in pairs if first == place)
+
+
+def _grid(rows: list[str]) -> Array:
+    """Places three metres apart, a little off the grid: one for each letter, by the alphabet."""
+    found = {}
+    for row, line in enumerate(rows):
+        for column, letter in enumerate(line):
+            if letter != ".":
+                wobble = 0.13 * ((ord(letter) * 7) % 5 - 2)
+                found[letter] = (3.0 * column + wobble, -3.0 * row - 0.7 * wobble)
+    return np.array([found[letter] for letter in sorted(found)])
+
+
+_ROW = _grid(["abcd"])
+_CROSS = _grid([".b..", "cade", ".f.."])
+_ROOMS = _grid(["cb.gh", ".adef", ".i..j"])
+_ROOM_LINKS = ((0, 1), (1, 2), (0, 3), (3, 4), (4, 5), (4, 6), (6, 7), (0, 8), (5, 9))
+_LOOP = _grid(["abc", "h.d", "gfe"])
+_SPUR = _grid(["abci", "h.d.", "gfe."])
+_AROUND = tuple((v, (v + 1) % 8) for v in range(8))
+
+BUILDINGS: dict[str, Building] = {
+    "the goal is seen at once": Building(_ROW, ((0, 1),), 1, (0, 1)),
+    "along a corridor": Building(_ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3)),
+    "a crossing with dead ends": Building(
+        _CROSS,
+        ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)),
+        4,
+        (4,),
+        misleading={(0, 1): 0.3, (0, 2): 0.2},
+    ),
+    "rooms, the wrong ones first": Building(
+        _ROOMS,
+        _ROOM_LINKS,
+        7,
+        (6, 7),
+        misleading={(0, 1): 0.4, (0, 8): 0.35, (1, 2): 0.5, (4, 5): 0.2},
+    ),
+    "a loop": Building(_LOOP, _AROUND, 4, (4,), misleading={(0, 7): 0.1, (6, 5): -0.5}),
+    "a loop that closes": Building(
+        _SPUR, (*_AROUND, (2, 8)), 8, (8,), misleading={(0, 7): 0.1, (2, 8): -0.6, (2, 1): 0.05}
+    ),
+    "something is mistaken for the goal": Building(
+        _ROOMS, _ROOM_LINKS, 7, (7,), deceptive=(0, 4), misleading={(0, 8): 0.3}
+    ),
+    "a ghost that cannot be reached": Building(
+        _CROSS,
+        ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)),
+        4,
+        (4,),
+        blocked=((0, 1), (0, 5)),
+        misleading={(0, 1): 0.3, (0, 5): 0.25},
+    ),
+    "a ghost that is near its node": Building(
+        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), short=(1, 2)
+    ),
+    "too few steps": Building(_ROOMS, _ROOM_LINKS, 7, (7,), steps=40, misleading={(0, 1): 0.4}),
+    "a goal that is nowhere": Building(_CROSS, ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)), 4, ()),
+}
+"""What the loop is tried in."""

@@ -1,0 +1,185 @@
+"""A robot among a few places, for the check of the exploration loop in notebook 09."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.nb09.small_buildings import Building
+from tutorial_lib.geometry import Array, compose, relative
+
+_DIRECTIONS = 12
+_ASKED = 2_000  # questions without a drive in between
+_STEP = 0.25  # metres of an action
+Ghost = tuple[int, int]
+
+
+class PlacesRobot:
+    """The robot of the exercise, in a `Building`.
+
+    Attributes:
+        steps: actions left.
+        log: the drives so far.
+    """
+
+    def __init__(self, building: Building) -> None:
+        """Start at the first place."""
+        self._building, self.steps = building, building.steps
+        self.log: list[tuple[object, ...]] = []
+        self._place, self._nodes, self._last = 0, dict[int, int](), -1
+        self._poses = self._headings()
+        self._false = set(building.deceptive)
+        self._questions, self._arrived_short = Counter[str](), False
+        self._arrived = False
+
+    def sees_goal(self) -> bool:
+        """F_L of what is seen here and the goal's picture."""
+        self._ask("sees_goal")
+        return self._place in self._building.seen_from or self._place in self._false
+
+    def node(self) -> int | None:
+        """The node in which the robot is, by F_L; None if it is in none."""
+        self._ask("node")
+        if self._arrived_short:
+            return self._last
+        found = [node for node, place in self._nodes.items() if place == self._place]
+        return found[0] if found else None
+
+    def explorable(self) -> NDArray[np.bool_]:
+        """F_G (12,)."""
+        self._ask("explorable")
+        found = np.zeros(_DIRECTIONS, bool)
+        for other in self._building.beside(self._place):
+            found[self._direction(self._place, other)] = True
+        return found
+
+    def scores(self) -> Array:
+        """F_S (12,)."""
+        self._ask("scores")
+        building, found = self._building, np.full(_DIRECTIONS, 0.1)
+        for other in building.beside(self._place):
+            metres = np.linalg.norm(building.places[other] - building.places[building.goal])
+            more = building.misleading.get((self._place, other), 0.0)
+            found[self._direction(self._place, other)] = 0.95 - metres / 20 + more
+        return found
+
+    def beside(self) -> dict[int, Array]:
+        """Poses, in the robot's frame, of nodes to which it can drive straight from here."""
+        self._ask("beside")
+        near = set(self._building.beside(self._place))
+        here = self._poses[self._place]
+        return {
+            node: relative(here, self._poses[place])
+            for node, place in self._nodes.items()
+            if place in near
+        }
+
+    def remember(self, node: int) -> None:
+        """Keep what is seen here as a node."""
+        if isinstance(node, bool) or not isinstance(node, int | np.integer):
+            raise WrongAnswer(f"remember got {node!r}; give it the number of the new node")
+        if node in self._nodes:
+            raise WrongAnswer(
+                f"remember({node}): there is a node {node} already; number them 0, 1, 2, ..."
+            )
+        if node != len(self._nodes):
+            raise WrongAnswer(f"remember({node}): the next number is {len(self._nodes)}")
+        if self._place in self._nodes.values():
+            known = next(n for n, place in self._nodes.items() if place == self._place)
+            raise WrongAnswer(f"remember({node}): the robot is in node {known}; {self._why()}")
+        self._nodes[int(node)] = self._place
+        self._last, self._arrived_short = int(node), False
+
+    def to_node(self, node: int) -> None:
+        """Drive to a node beside the one where the robot is."""
+        self._drives("to_node", node)
+        place = self._nodes.get(node) if isinstance(node, int | np.integer) else None
+        if place is None:
+            raise WrongAnswer(f"to_node({node!r}): there is no such node; `remember` makes one")
+        if place not in self._building.beside(self._place):
+            words = "drive from node to node, as global_policy returns them"
+            raise WrongAnswer(f"to_node({node}): no edge leads there from where it is; {words}")
+        self._go(place)
+        self._last = int(node)
+
+    def to_ghost(self, ghost: Ghost) -> bool:
+        """Drive to a ghost of the node where the robot is; whether it has arrived."""
+        self._drives("to_ghost", ghost)
+        if not (isinstance(ghost, tuple) and len(ghost) == 2):
+            raise WrongAnswer(f"to_ghost({ghost!r}): a ghost is a pair, (node, direction)")
+        if self._nodes.get(ghost[0]) != self._place:
+            words = "drive to that node first, with to_node"
+            if ghost[0] not in self._nodes:
+                words = "no node has this number; `remember` makes one"
+            raise WrongAnswer(
+                f"to_ghost({ghost}): it does not hang on the node of the robot; {words}"
+            )
+        there = {self._direction(self._place, o): o for o in self._building.beside(self._place)}
+        if ghost[1] not in there:
+            raise WrongAnswer(f"to_ghost({ghost}): there was never a ghost in this direction")
+        place = there[ghost[1]]
+        if (self._place, place) in self._building.blocked:
+            self.steps, self._arrived = max(self.steps - 20, 0), False
+            return False
+        self._arrived_short = place in self._building.short and place not in self._nodes.values()
+        arrived = self._go(place)
+        self._arrived_short &= arrived
+        self._arrived = arrived
+        return arrived
+
+    def to_goal(self) -> bool:
+        """Drive to the goal and stop there; False where it was something else."""
+        self._drives("to_goal", None)
+        if self._place in self._building.seen_from:
+            return self._go(self._building.goal)
+        if self._place in self._false:
+            self._false.discard(self._place)
+            self.steps = max(self.steps - 5, 0)
+            return False
+        raise WrongAnswer("to_goal(): the goal is not seen from here; look first, with sees_goal")
+
+    def _go(self, place: int) -> bool:
+        """Drive to a place; False where the steps do not suffice, and the robot stays."""
+        gap = self._building.places[place] - self._building.places[self._place]
+        needed = round(float(np.linalg.norm(gap)) / _STEP)
+        if needed > self.steps:
+            self.steps = 0
+            return False
+        self._place, self.steps = place, self.steps - needed
+        return True
+
+    def _why(self) -> str:
+        """Why no new node is due."""
+        if self.log and self.log[-1][0] == "to_ghost" and not self._arrived:
+            return "to_ghost() returned False, so it has not arrived, and stands where it was"
+        if self.log and self.log[-1][0] == "to_node" and self.log[-1][1] in self._nodes:
+            return (
+                "to_node() led to a node that is known: make one only where node() returns None, "
+                "or where a ghost was just reached"
+            )
+        return "make one only where node() returns None, or where a ghost was just reached"
+
+    def _drives(self, name: str, argument: object) -> None:
+        if self.steps <= 0:
+            raise WrongAnswer(f"{name}: no steps are left; the loop ends when robot.steps is 0")
+        self.log.append((name, argument))
+        self._questions.clear()
+
+    def _ask(self, name: str) -> None:
+        self._questions[name] += 1
+        if self._questions[name] > _ASKED:
+            words = "does the loop never end, or not drive?"
+            raise WrongAnswer(f"robot.{name}() was called {_ASKED} times without a drive; {words}")
+
+    def _headings(self) -> Array:
+        """(P, 3) a pose of each place, with a heading of its own."""
+        places = self._building.places
+        turned = np.deg2rad([(97 * number) % 360 for number in range(len(places))])
+        return compose(np.zeros(3), np.column_stack([places, turned]))
+
+    def _direction(self, place: int, other: int) -> int:
+        x, y, _ = relative(self._poses[place], self._poses[other])
+        return round(np.arctan2(y, x) * _DIRECTIONS / (2 * np.pi)) % _DIRECTIONS

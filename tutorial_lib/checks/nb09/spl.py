@@ -1,0 +1,130 @@
+"""The check of success weighted by path length, in notebook 09."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.framework.answers import calling, numbers
+from tutorial_lib.checks.framework.check import check
+from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.geometry import Array
+
+
+def spl(success: NDArray[np.bool_], shortest: Array, travelled: Array) -> float:
+    """Mean success weighted by path length (Anderson et al. 2018); see the exercise."""
+    return _weighted(success, shortest, travelled)
+
+
+def _weighted(
+    success: NDArray[np.bool_], shortest: Array, travelled: Array, fault: str = ""
+) -> float:
+    """The measure, with a `fault` if one is named."""
+    longer = np.maximum(shortest, travelled)
+    with np.errstate(all="ignore"):
+        share = {
+            "above one": shortest / np.maximum(travelled, 1e-9),
+            "inverted": longer / shortest,
+            "least": shortest / np.minimum(shortest, travelled),
+            "difference": 1 - (longer - shortest),
+            "clipped travel": np.minimum(travelled, shortest) / longer,
+        }.get(fault, shortest / longer)
+        if fault == "failures too":
+            return float(share.mean())
+        if fault == "successes only":
+            return float(share[success].mean()) if success.any() else 0.0
+        if fault == "success alone":
+            return float(success.mean())
+        if fault == "product of means":
+            return float(success.mean() * share.mean())
+        if fault == "of sums":
+            return float((success * shortest).sum() / longer.sum())
+        if fault == "sum":
+            return float((success * share).sum())
+        if fault == "root":
+            return float((success * np.sqrt(share)).mean())
+        return float((success * share).mean())
+
+
+_FAULTS = {
+    "an odometer may read a little less than the shortest path; divide by the greater of both, or "
+    "one episode counts more than 1": "above one",
+    "shortest / travelled, not travelled / shortest: a detour must lower it": "inverted",
+    "divide by the greater of the two, not by the smaller": "least",
+    "weight by the ratio of lengths, not by their difference": "difference",
+    "an episode that travelled less than the shortest path and succeeded counts fully; yours "
+    "counts it less": "clipped travel",
+    "an episode that failed counts 0, however short its path": "failures too",
+    "the mean is over all episodes; those that failed count 0, they are not left out": (
+        "successes only"
+    ),
+    "the length of the path matters as well: yours is the success rate": "success alone",
+    "the mean of products, not the product of means: weight each episode by itself": (
+        "product of means"
+    ),
+    "the mean of ratios, not the ratio of sums: each episode counts the same": "of sums",
+    "take the mean over the episodes, not the sum": "sum",
+    "the ratio itself, not its square root": "root",
+}
+
+
+def _random(seed: int) -> tuple[NDArray[np.bool_], Array, Array]:
+    rng = np.random.default_rng([seed, 29])
+    count = int(rng.integers(3, 12))
+    shortest = rng.uniform(1.5, 10.0, count)
+    travelled = shortest * rng.uniform(0.95, 3.0, count)
+    return rng.random(count) < 0.6, shortest, travelled
+
+
+_CASES = {
+    "one episode along the shortest path": (np.array([True]), np.array([4.0]), np.array([4.0])),
+    "one with a detour": (np.array([True]), np.array([4.0]), np.array([5.0])),
+    "one that failed": (np.array([False]), np.array([4.0]), np.array([4.0])),
+    "two episodes, one of which failed": (
+        np.array([True, False]),
+        np.array([2.0, 8.0]),
+        np.array([4.0, 8.0]),
+    ),
+    "a stop within a metre of the goal, before the path's end": (
+        np.array([True, True]),
+        np.array([5.0, 3.0]),
+        np.array([4.2, 6.0]),
+    ),
+    "a robot that does not move and fails": (
+        np.array([False, True]),
+        np.array([3.0, 2.0]),
+        np.array([0.0, 2.5]),
+    ),
+    "a short episode and a long one": (
+        np.array([True, True]),
+        np.array([1.5, 10.0]),
+        np.array([6.0, 11.0]),
+    ),
+    **{f"at random ({seed})": _random(seed) for seed in range(4)},
+}
+
+
+@check(spl, _random(5))
+def check_spl(student: Callable[..., Any]) -> None:
+    """Episodes with and without success, detours, and stops before the path's end."""
+    compare(
+        "spl",
+        student,
+        _CASES,
+        spl,
+        with_faults(_weighted, _FAULTS),
+        invoke=calling(
+            {ValueError: "the arguments are arrays, a number for each episode; np.maximum, not max"}
+        ),
+        form=_formed,
+        same=partial(close, tolerance=1e-9),
+        difference=lambda got, want, *_: f"{float(got):.4g}, but {float(want):.4g} is right",
+    )
+
+
+def _formed(what: str, got: object, *_: object) -> Array:
+    return numbers(what, got, ())
