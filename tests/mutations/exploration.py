@@ -3,14 +3,14 @@
 MUTATIONS = [
     (
         "a wall just beyond the radius is overlooked",
-        "exploration/labels.py",
+        "exploration/explorable.py",
         "ranges[n, ray] >= radius + CLEARANCE",
         "ranges[n, ray] >= radius",
         "exploration/test_labels.py -k no_robot_can_stand",
     ),
     (
         "a detour counts as easy",
-        "exploration/labels.py",
+        "exploration/explorable.py",
         "DETOUR * _unobstructed",
         "1.3 * _unobstructed",
         "exploration/test_labels.py -k explorable",

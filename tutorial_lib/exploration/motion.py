@@ -58,12 +58,12 @@ def move(
     wanted = to_world(poses, motions[:, :2])
     places, stopped = np.empty((len(poses), 2)), np.empty(len(poses), np.bool_)
     starts = np.ascontiguousarray(poses[:, :2])
-    _slide(starts, wanted, np.ascontiguousarray(segments), radius, places, stopped)
+    _advance_until_contact(starts, wanted, np.ascontiguousarray(segments), radius, places, stopped)
     return np.column_stack([places, wrap(poses[:, 2] + motions[:, 2])]), stopped
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _slide(
+def _advance_until_contact(
     starts: Array,
     wanted: Array,
     segments: Array,
