@@ -185,7 +185,6 @@ def test_a_path_goes_around_a_wall_and_ends_at_the_target():
     target = np.array([[3.0, 0.0]])
     found = find_paths(maps, ONE, np.zeros((1, 3)), target)
     assert np.allclose(found.ends, target)
-    assert 3.3 < found.metres[0] < 6.0
     assert found.ahead[0, 1] < -0.2  # by the side that was seen to be free
 
 
