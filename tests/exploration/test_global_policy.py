@@ -60,6 +60,16 @@ def test_travel_is_along_the_graph_and_straight_at_the_robot_s_node():
     assert np.allclose(travel(memory, ghosts, places), [9.0, 6.0, 2.0])
 
 
+def test_a_new_edge_makes_paths_shorter():
+    graph = corridor().graph
+    assert graph.path(0, 2) == [0, 1, 2]
+    assert np.allclose(graph.poses_from(0)[2], [6.0, 0.0, 0.0])
+    graph.connect(0, 2, [5.0, 0.5, 0.0])
+    assert graph.path(0, 2) == [0, 2]
+    assert np.allclose(graph.poses_from(0)[2], [5.0, 0.5, 0.0])
+    assert graph.shortest(2)[0][0] == pytest.approx(np.hypot(5.0, 0.5))
+
+
 def test_several_views_of_one_opening_share_their_scores():
     memory = Memory()
     memory.node = memory.graph.add_node(only(1, 5))

@@ -1,5 +1,7 @@
 """Noticing a goal, going there, stopping, and giving up what was a mistake."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -76,6 +78,25 @@ def test_a_goal_out_of_sight_leaves_the_robot_to_its_target():
     task, found = drive(Model((2.0, 5.0), visible=1.0), (2.0, 5.0), steps=14)
     assert not any(found)
     assert task.poses[0, 0] > 7.5
+
+
+def test_an_estimate_from_far_away_hardly_moves_a_better_one():
+    estimates = iter([[0.0, 1.0], [0.0, 1.7], [0.0, 2.9]])
+    model = Model((9.0, 9.0))
+    model.same_node = lambda sources, goals: np.ones(len(sources))
+    model.relative = lambda sources, goals: np.array([next(estimates)])
+    episodes = Episodes(("box",), np.full((1, 3), 5.0), np.full((1, 3), 9.0), np.ones(1), ("",))
+    task = ExplorationTask({"box": Scene(make_box())}, episodes, np.random.default_rng(1))
+    search, places = GoalSearch(model, task.goals(), SearchSettings()), []
+    # Twice from one place, then from 2 m behind it: the goal seems to be 1 m, 1.7 m, 0.9 m ahead.
+    for x in (0.0, 0.0, -2.0):
+        seen = replace(task.observe(), odometry=np.array([[x, 0.0, 0.0]]))
+        search.look_again(np.zeros(1, int))
+        search.sense(seen, np.ones(1, bool))
+        places.append(search.places[0, 0])
+    assert places[0] == 1.0
+    assert 1.2 < places[1] < 1.35
+    assert places[1] - 0.06 < places[2] < places[1]
 
 
 def test_a_goal_that_is_not_there_is_given_up_without_stopping():

@@ -100,4 +100,25 @@ MUTATIONS = [
         "float(belief[:OFF_MAP][near].sum())",
         "agents/test_remedies.py",
     ),
+    (
+        "a goal that the graph remembers is looked for anew",
+        "agents/nts.py",
+        "robot.go_to(self._remembered(nodes, self.search.goals[number]))",
+        "robot.go_to(None)",
+        "agents/test_explorers.py -k remembered",
+    ),
+    (
+        "the worst frontier is chosen",
+        "agents/frontier.py",
+        "np.lexsort((-scores, found.robots))",
+        "np.lexsort((scores, found.robots))",
+        "agents/test_explorers.py -k highest",
+    ),
+    (
+        "a robot that imitates goes on after its end",
+        "agents/imitation.py",
+        "return np.where(running, actions, STOP)",
+        "return np.where(actions >= 0, actions, STOP)",
+        "agents/test_explorers.py -k imitating",
+    ),
 ]

@@ -195,8 +195,8 @@ MUTATIONS = [
     (
         "the lowest score chooses a direction",
         "experiments/protocols/directions.py",
-        "np.lexsort((-scores, found.number))",
-        "np.lexsort((scores, found.number))",
+        "np.where(np.isfinite(metres), scores, -np.inf)",
+        "np.where(np.isfinite(metres), -scores, -np.inf)",
         "experiments/protocols/test_directions.py",
     ),
     (

@@ -107,7 +107,7 @@ MUTATIONS = [
     (
         "a demo that misses its goal ends well",
         "commands/demo.py",
-        "return 0 if outcome.reached else MISSED",
+        "return 0 if reached else MISSED",
         "return 0",
         "test_cli.py -k missed",
     ),

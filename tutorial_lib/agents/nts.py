@@ -32,6 +32,8 @@ class NTSSettings:
             stay. It helps where scores are poor, and costs where they are good.
         same_node: probability of F_L from which a robot is in a node.
         explorable: probability of F_G from which a direction gets a ghost.
+        directions: of each node, as many as the model has; 12 in the paper.
+        radius: metres from a node to its ghosts, as of the model's; 3 in the paper.
         choice: how ghosts are compared.
         search: how the goal is noticed.
     """
@@ -41,6 +43,8 @@ class NTSSettings:
     explored_by_sight: bool = False
     same_node: float = 0.5
     explorable: float = 0.5
+    directions: int = DIRECTIONS
+    radius: float = RADIUS
     choice: GhostChoice = field(default_factory=GhostChoice)
     search: SearchSettings = field(default_factory=SearchSettings)
 
@@ -63,13 +67,14 @@ class NTSAgent:
         self._model, self._rng = model, rng
         self._settings = NTSSettings() if settings is None else settings
         chosen = self._settings
-        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable)
+        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable, chosen.radius)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
-        by_sight, count = self._settings.explored_by_sight, len(goals)
+        chosen, count = self._settings, len(goals)
+        shape = (chosen.directions, chosen.radius)
         self.robots = [
-            ExploringRobot(rng, Memory(GhostGraph(by_sight=by_sight)))
+            ExploringRobot(rng, Memory(GhostGraph(*shape, by_sight=chosen.explored_by_sight)))
             for rng in self._rng.spawn(count)
         ]
         self.search = GoalSearch(self._model, goals, self._settings.search)
@@ -159,11 +164,12 @@ class NTSAgent:
             return
         numbers, ranges = numbers[due], sensed.ranges[looking[due]]
         explorable = self._model.explorable(sensed.features[due]) >= self._settings.explorable
-        free = free_metres(ranges, explorable.shape[1])
+        radius, directions = self._settings.radius, self._settings.directions
+        free = free_metres(ranges, directions, radius)
         scores = self._scores(sensed.features[due], numbers) + explorable * 2.0 + (free > _APART)
         best = scores.argmax(axis=1)
-        bearing = bearing_of(best, explorable.shape[1])
-        ahead = RADIUS * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
+        bearing = bearing_of(best, directions)
+        ahead = radius * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
         self._targets[numbers] = to_world(sensed.odometry[looking[due]], ahead)
         self._last[numbers] = True
         self._reacting[numbers] = True
@@ -185,8 +191,9 @@ class NTSAgent:
     def _scores(self, features: NDArray[np.float32], robots: NDArray[np.intp]) -> Array:
         """F_S (M, K) towards the goals of these robots, or random scores."""
         if not self._settings.use_score:
-            drawn = [self.robots[number].rng.random(DIRECTIONS) for number in robots]
-            return np.array(drawn).reshape(len(robots), DIRECTIONS)
+            count = self._settings.directions
+            drawn = [self.robots[number].rng.random(count) for number in robots]
+            return np.array(drawn).reshape(len(robots), count)
         return self._model.scores(features, self.search.goals[robots])
 
     def _remembered(

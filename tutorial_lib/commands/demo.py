@@ -1,4 +1,4 @@
-"""Navigates once by sight, on film. What it needs is imported after its first word."""
+"""Navigates or explores once, on film. What it needs is imported after its first word."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tutorial_lib.commands.constants import MISSED
 from tutorial_lib.commands.narrator import Narrator
+from tutorial_lib.errors import InputError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,10 +27,50 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--learn", action="store_true", help="learn the map again, and keep it for later demos"
     )
+    parser.add_argument(
+        "--explore",
+        action="store_true",
+        help="look for the goal in a place never seen, without a map; generated plans have seeds "
+        "from 10000 on, in which no network learned",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
+    reached = _explore(options) if options.explore else _navigate(options)
+    return 0 if reached else MISSED
+
+
+def _explore(options: argparse.Namespace) -> bool:
+    """Explore; whether the goal was found."""
+    for name in ("oracle", "learn"):
+        if getattr(options, name):
+            raise InputError(f"--{name}: the demo cannot use it with --explore; leave it out")
+    with Narrator() as say:
+        say("importing the library: the demo takes about 30 s on two idle cores")
+        from tutorial_lib.experiments.demos.exploration_demo import run_exploration_demo
+        from tutorial_lib.world.generators import generate
+        from tutorial_lib.world.importers import import_map
+        from tutorial_lib.world.worlds import TRAINING_SEEDS
+
+        if options.map is not None:
+            plan = import_map(options.map, seed=options.seed)
+        else:
+            # What is wrong with the seed is said of the seed that was given.
+            number = options.seed + (TRAINING_SEEDS.stop if options.seed >= 0 else 0)
+            plan = generate(options.family, number, signs="wayfinding")
+        outcome = run_exploration_demo(plan, options.seed, Path.cwd(), say=say)
+    verdict = "found the goal" if outcome.reached else "MISSED the goal"
+    print(
+        f"{outcome.plan}, never seen before: {verdict} after {outcome.steps} actions and "
+        f"{outcome.travelled} m (geodesic {outcome.geodesic} m, SPL {outcome.spl})."
+    )
+    print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
+    return outcome.reached
+
+
+def _navigate(options: argparse.Namespace) -> bool:
+    """Navigate over a map; whether the goal was reached."""
     takes = 30 if options.oracle else 20
     with Narrator() as say:
         say(f"importing the library: the demo takes about {takes} s on two idle cores")
@@ -51,4 +92,4 @@ def run(options: argparse.Namespace) -> int:
         words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
         print(f"  {name}: {verdict} {words}")
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
-    return 0 if outcome.reached else MISSED
+    return outcome.reached

@@ -25,6 +25,7 @@ from tutorial_lib.experiments.meng2020 import (
     table2,
 )
 from tutorial_lib.experiments.nts import fig8 as nts_fig8
+from tutorial_lib.experiments.nts import figs as nts_figs
 from tutorial_lib.experiments.nts import scores as nts_scores
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.nts import table2 as nts_table2
@@ -53,6 +54,7 @@ _EXPERIMENTS = (
     nts_table1,
     nts_table2,
     nts_fig8,
+    nts_figs,
 )
 _BENCHMARKS = (raycast, fleet, control, reachability, map_building, explore)
 

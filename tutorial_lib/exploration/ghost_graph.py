@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.bearings import RADIUS, bearing_of, bin_of, column_of
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of, column_of
 from tutorial_lib.geometry import Array, compose, inverse, to_world
 
 BESIDE = 1.5 * RADIUS
@@ -57,14 +57,17 @@ class GhostGraph:
         directions: of each node.
     """
 
-    def __init__(self, directions: int = 12, *, by_sight: bool = False) -> None:
+    def __init__(
+        self, directions: int = DIRECTIONS, radius: float = RADIUS, *, by_sight: bool = False
+    ) -> None:
         """Start with an empty graph.
 
         Args:
             directions: of each node.
+            radius: metres from a node to its ghosts.
             by_sight: ghosts that another node sees well go to the reserve.
         """
-        self.directions, self._by_sight = directions, by_sight
+        self.directions, self._radius, self._by_sight = directions, radius, by_sight
         self.edges: list[dict[int, Array]] = []
         self.ghosts: dict[tuple[int, int], Ghost] = {}
         self.reserve: dict[tuple[int, int], Ghost] = {}
@@ -101,12 +104,12 @@ class GhostGraph:
         if len(self) and (previous is None or pose is None):
             raise InputError("node: link it to the one before; give previous and pose")
         explorable, node = np.asarray(explorable, dtype=bool), len(self)
-        free = np.where(explorable, RADIUS, 0.0) if free is None else np.asarray(free, dtype=float)
+        free = np.zeros(len(explorable)) if free is None else np.asarray(free, dtype=float)
         self.edges.append({})
         self._forget_paths()
         self._ranges.append(np.empty(0) if ranges is None else np.asarray(ranges, dtype=float))
         for direction in np.flatnonzero(explorable).tolist():
-            self.ghosts[node, direction] = Ghost(node, direction)
+            self.ghosts[node, direction] = Ghost(node, direction, self._radius)
         for direction in np.flatnonzero(~explorable & (free > 0)).tolist():
             self.reserve[node, direction] = Ghost(node, direction, float(free[direction]))
         if previous is not None:

@@ -76,32 +76,39 @@ class Memory:
         self.stand(node, pose)
 
 
-def free_metres(ranges: NDArray[np.floating], directions: int = DIRECTIONS) -> Array:
-    """Metres (N, K), `RADIUS` at most, that a robot can drive in each direction.
+def free_metres(
+    ranges: NDArray[np.floating], directions: int = DIRECTIONS, radius: float = RADIUS
+) -> Array:
+    """Metres (N, K), `radius` at most, that a robot can drive in each direction.
 
     Args:
         ranges: (N, W) metres in each column of the panorama.
         directions: K.
+        radius: metres.
     """
     centres = np.arange(directions) * 2 * np.pi / directions
     offset = column_bearings(ranges.shape[1]) - centres[:, None]
     ahead, aside = np.cos(offset) * ranges[:, None], np.sin(offset) * ranges[:, None]
     in_the_way = (ahead > 0) & (np.abs(aside) < _WIDE)
-    return np.clip(np.where(in_the_way, ahead - _WIDE, RADIUS).min(axis=2), 0.0, RADIUS)
+    return np.clip(np.where(in_the_way, ahead - _WIDE, radius).min(axis=2), 0.0, radius)
 
 
 class GraphUpdate:
     """Keeps the graphs of many robots up to date, with few calls of the model for all of them."""
 
-    def __init__(self, model: ExplorationModel, same: float, explorable: float) -> None:
+    def __init__(
+        self, model: ExplorationModel, same: float, explorable: float, radius: float = RADIUS
+    ) -> None:
         """Set when answers of the model count, and what is explored.
 
         Args:
             model: F_L and F_G.
             same: probability of F_L from which a robot is in a node.
             explorable: probability of F_G from which a direction gets a ghost.
+            radius: metres from a node to its ghosts.
         """
         self._model, self._same, self._explorable = model, same, explorable
+        self._radius = radius
 
     def update(
         self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
@@ -133,7 +140,7 @@ class GraphUpdate:
         if not len(memories):
             return
         explorable = self._model.explorable(features) >= self._explorable
-        free = free_metres(ranges, explorable.shape[1])
+        free = free_metres(ranges, explorable.shape[1], self._radius)
         free[free < _FREE] = 0.0
         rows = zip(memories, features, explorable, free, ranges, strict=True)
         for memory, row, likely, metres, seen in rows:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.bearings import DIRECTIONS
+from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS
 from tutorial_lib.exploration.labels import (
     MAX_DISTANCE,
     connected,
@@ -29,9 +29,17 @@ class TrueGeometry:
     number of the world, and the pose.
     """
 
-    def __init__(self, task: ExplorationTask) -> None:
-        """Read poses and walls from `task`."""
-        self._task = task
+    def __init__(
+        self, task: ExplorationTask, directions: int = DIRECTIONS, radius: float = RADIUS
+    ) -> None:
+        """Read poses and walls from `task`.
+
+        Args:
+            task: of which it knows all.
+            directions: K of each panorama; 12 in the paper.
+            radius: metres of a node; 3 in the paper.
+        """
+        self._task, self._directions, self._radius = task, directions, radius
         self._names = list(dict.fromkeys(task.episodes.worlds))
         self._number = np.array([self._names.index(name) for name in task.episodes.worlds])
         self._paths = {name: GridPaths(task.scenes[name].clearance) for name in self._names}
@@ -63,24 +71,27 @@ class TrueGeometry:
         return {image.tobytes(): row for image, row in zip(seen.image, rows, strict=True)}
 
     def explorable(self, features: NDArray[np.float32]) -> Array:
-        """The labels of F_G (N, 12)."""
-        return explorable(self._ranges(features)).astype(float)
+        """The labels of F_G (N, K)."""
+        likely = explorable(self._ranges(features), self._directions, self._radius)
+        return likely.astype(float)
 
     def same_node(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
         """The labels of F_L (P,)."""
         bearing, metres = self.relative(sources, goals).T
-        return connected(self._ranges(sources), bearing, metres).astype(float)
+        ranges = self._ranges(sources)
+        return connected(ranges, bearing, metres, self._radius).astype(float)
 
     def relative(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
         """True bearings and metres (P, 2)."""
         return relative_polar(sources[:, 1:].astype(float), goals[:, 1:3].astype(float))
 
     def scores(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
-        """The labels of F_S (P, 12)."""
-        found = np.zeros((len(sources), DIRECTIONS))
+        """The labels of F_S (P, K)."""
+        found = np.zeros((len(sources), self._directions))
         for row, (source, goal) in enumerate(zip(sources, goals, strict=True)):
             scene = self._task.scenes[self._names[int(source[0])]]
-            ends, _ = direction_ends(scene, source[None, 1:].astype(float))
+            pose = source[None, 1:].astype(float)
+            ends, _ = direction_ends(scene, pose, self._directions, self._radius)
             found[row] = 1 - self._field(goal).distance(ends[0]) / MAX_DISTANCE
         return np.maximum(found, 0.0)
 

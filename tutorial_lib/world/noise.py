@@ -139,7 +139,7 @@ class Mixture:
         return self.motions(rng.random(count), rng.normal(size=(count, 3)))
 
     def motions(self, luck: Array, noise: Array) -> Array:
-        """Motions (N, 3) from `luck` (N,), in [0, 1), and standard normal `noise` (N, 3)."""
+        """Motions (N, 3) from `luck` (N,) in [0, 1), uniform, and `noise` (N, 3), normal."""
         mode = np.searchsorted(np.cumsum(self.weights)[:-1], luck, side="right")
         return np.take(self.means, mode, axis=0) + np.take(self.deviations, mode, axis=0) * noise
 

@@ -11,6 +11,7 @@ from tutorial_lib.experiments.benchmarks import explore
 from tutorial_lib.experiments.common import explorers
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.nts import fig8, table1, table2
+from tutorial_lib.experiments.protocols import exploration
 from tutorial_lib.experiments.protocols.exploration import make_world, measures, run_agent
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.exploration.task import ExplorationTask
@@ -22,7 +23,7 @@ KEYS = ("agent", "sensor", "signs", "difficulty")
 
 @pytest.fixture(autouse=True)
 def _alone(monkeypatch):
-    for module in (table1, table2, fig8):
+    for module in (exploration, fig8):
         monkeypatch.setattr(module, "for_each", in_turn)
 
 

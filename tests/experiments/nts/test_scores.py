@@ -7,14 +7,13 @@ from tests.conftest import in_turn
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.nts import scores
-from tutorial_lib.experiments.nts.scores import SCORES, Settings, choices, regret_of
+from tutorial_lib.experiments.nts.scores import SCORES, Settings, choices
 from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.learning.exploration_data import random_poses
 from tutorial_lib.world.worlds import scene_of
 
 WORLD = "office/1/standard"
 SMALL = Settings(places=20, goals=6, sensors=("rgbd",))
-INF = np.inf
 
 
 class Perfect:
@@ -38,12 +37,6 @@ class Perfect:
 def perfect(monkeypatch):
     """Nothing is loaded: F_S knows all distances, and the blind network none."""
     monkeypatch.setattr(scores, "LearnedExploration", lambda name: Perfect("blind" in name))
-
-
-def test_regret_is_what_the_choice_is_longer_by():
-    metres = np.array([[3.0, 1.0, INF], [2.0, 5.0, 4.0]])
-    assert regret_of(np.array([[0.9, 0.1, 1.0], [0.2, 0.9, 0.3]]), metres).tolist() == [2.0, 3.0]
-    assert regret_of(-metres, metres).tolist() == [0.0, 0.0]
 
 
 def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):

@@ -8,8 +8,9 @@ from tutorial_lib.experiments.protocols.directions import (
     DIFFICULTIES,
     SHORTEST,
     Decisions,
-    best_chosen,
     decisions,
+    regret_in,
+    regret_of,
 )
 from tutorial_lib.exploration.bearings import DIRECTIONS
 from tutorial_lib.exploration.bearings import RADIUS as REACH
@@ -69,14 +70,20 @@ def test_the_highest_score_chooses_as_by_hand():
     metres, scores = rng.uniform(0, 9, len(number)), rng.random(len(number))
     level = np.repeat(rng.integers(3, size=40), np.bincount(number))
     nothing = np.zeros((len(number), 1))
-    difficulty, ok = best_chosen(Decisions(number, level, metres, nothing, nothing), scores, 0.5)
+    found = Decisions(number, level, metres, nothing, nothing)
+    difficulty, regret = regret_in(found, scores)
     for i in range(40):
         rows = np.flatnonzero(number == i)
         chosen = rows[scores[rows].argmax()]
-        assert ok[i] == (metres[chosen] <= metres[rows].min() + 0.5)
+        assert regret[i] == metres[chosen] - metres[rows].min()
         assert difficulty[i] == level[rows[0]]
-    perfect = best_chosen(Decisions(number, level, metres, nothing, nothing), -metres, 0.0)[1]
-    assert perfect.all()
+    assert not regret_in(found, -metres)[1].any()
+
+
+def test_regret_is_what_the_choice_is_longer_by():
+    metres = np.array([[3.0, 1.0, np.inf], [2.0, 5.0, 4.0]])
+    assert regret_of(np.array([[0.9, 0.1, 1.0], [0.2, 0.9, 0.3]]), metres).tolist() == [2.0, 3.0]
+    assert regret_of(-metres, metres).tolist() == [0.0, 0.0]
 
 
 def test_metres_are_geodesics_from_the_end(scene):

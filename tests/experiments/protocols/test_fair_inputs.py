@@ -15,7 +15,7 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
-from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common import agents, explorers
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import (
     fig7,
@@ -28,7 +28,7 @@ from tutorial_lib.experiments.meng2020 import (
     table2,
     table2_thresholds,
 )
-from tutorial_lib.experiments.protocols import following, navigation
+from tutorial_lib.experiments.protocols import exploration, following, navigation
 from tutorial_lib.experiments.protocols.navigation import attempt, experiences, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
@@ -38,13 +38,16 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 )
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, RECORDING, Odometry
 from tutorial_lib.experiments.robustness import disturbances, faults
+from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.exploration.task import ExplorationTask
+from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.geometry import relative, to_local
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.fleet import Fleet
 from tutorial_lib.world.floorplan import FloorPlan
-from tutorial_lib.world.noise import DriftingOdometry, NoNoise
+from tutorial_lib.world.noise import FORWARD, LEFT, DriftingOdometry, NoNoise
 from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
@@ -63,6 +66,9 @@ FORBIDDEN = (
     Trajectory,
     Building,
     Trials,
+    ExplorationTask,
+    Episodes,
+    TrueGeometry,
 )
 use_threads(1)
 networks = needs("waypoint_k5", "reach_k5", "sptm")
@@ -319,6 +325,83 @@ def test_odometry_alone_leads_to_the_goal_no_more_often_than_chance(building, mo
     monkeypatch.setattr(navigation, "goals_of", of_the_photographer)
     # As it would be, were the odometry of who took the goal image handed over.
     assert attempt(building, trials, ByOdometry()).outcome.success.mean() > 0.2
+
+
+class Uninformed:
+    """In place of the networks of exploration: it knows of no goal, and keeps what it is given."""
+
+    def __init__(self):
+        self.given = []
+
+    def embed(self, observations):
+        self.given.append(observations)
+        return np.zeros((len(observations), 5), np.float32)
+
+    def ranges(self, observations):
+        return observations.depth
+
+    def explorable(self, features):
+        return np.ones((len(features), 12))
+
+    def same_node(self, sources, goals):
+        return np.zeros(len(sources))
+
+    def relative(self, sources, goals):
+        return np.ones((len(sources), 2))
+
+    def scores(self, sources, goals):
+        return np.tile(np.arange(12) / 12, (len(sources), 1))
+
+    def score(self, crops, here, goals, frontiers, robots):
+        self.given.append((crops, here, goals, frontiers, robots))
+        return np.linspace(0.0, 1.0, len(frontiers))
+
+    def start(self, goals):
+        self.given.append(goals)
+        return np.zeros(len(goals), int)
+
+    def act(self, observations, state):
+        self.given.append(observations)
+        return np.where(state % 3, FORWARD, LEFT), state + 1
+
+
+@pytest.fixture(scope="module")
+def explored_world():
+    return exploration.make_world(10_100, "wayfinding", 1, 0)
+
+
+@pytest.mark.parametrize("name", [one for one in explorers.AGENTS["rgbd"] if one != "oracle"])
+def test_no_explorer_is_given_or_keeps_what_leads_to_a_pose_or_to_the_world(
+    name, explored_world, monkeypatch
+):
+    models = {}
+    monkeypatch.setattr(
+        explorers, "shipped", lambda kind, sensor: models.setdefault(kind, Uninformed())
+    )
+    task = ExplorationTask(
+        explored_world.scenes, explored_world.episodes, np.random.default_rng(1), limit=40
+    )
+    agent = explorers.make_explorer(name, task, "rgbd", np.random.default_rng(2), geometry=False)
+    agent.start(task.goals())
+    while not task.done.all():
+        task.step(agent.act(task.observe(), ~task.done))
+    assert task.travelled.max() > 1.0
+    found = reachable(agent, models)
+    assert any(isinstance(one, np.ndarray) for one in found)
+    assert [one for one in found if isinstance(one, FORBIDDEN)] == []
+    poses = TruePoses(*np.array(task.path).swapaxes(0, 1), *task.goal_poses[:, None])
+    assert poses.among(found) == []
+
+
+def test_an_explorer_that_is_an_oracle_is_found(explored_world):
+    task = ExplorationTask(explored_world.scenes, explored_world.episodes, np.random.default_rng(1))
+    for name in ("oracle", "nts"):
+        agent = explorers.make_explorer(name, task, "rgbd", np.random.default_rng(2), geometry=True)
+        agent.start(task.goals())
+        found = {type(one) for one in reachable(agent)}
+        assert {Scene, ExplorationTask, Episodes, FloorPlan} <= found
+        poses = TruePoses(*task.goal_poses[:, None], np.cumsum(np.ones((9, 3)), axis=0))
+        assert poses.among(reachable(agent))
 
 
 class Caught(Exception):  # noqa: N818 - what was asked for

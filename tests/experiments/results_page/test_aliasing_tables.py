@@ -121,4 +121,4 @@ def test_elsewhere_the_remedies_are_compared_world_by_world(results):
     assert [line[0] for line in lines] == list(aliasing.ELSEWHERE)
     found = dict(zip(head, lines[0], strict=True))
     assert (found["without"], found["with all"], found["worlds"]) == ("85.0%", "82.5%", "2")
-    assert (found["points"], found["by world"]) == ("-2.5", "-10.0 to +5.0")
+    assert (found["points"], found["by world"]) == ("-2.5 (-10.0 to +5.0)", "-10.0 to +5.0")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
-from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from tutorial_lib.exploration.other_scores import HistogramScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.interfaces import ExplorationModel, ExplorerAgent
+from tutorial_lib.learning.exploration_model import LearnedExploration
+from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer, LearnedImitation
 from tutorial_lib.learning.weights import FOLDER
 
 AGENTS = {
@@ -27,17 +29,23 @@ AGENTS = {
     ),
     "rgb": ("nts", "nts_blind", "ans_like", "il"),
 }
-"""The rows of Table 1 for each sensor; a metric map by a frontier needs depth, others need none."""
-WITH_GEOMETRY = ("nts", "nts_no_graph", "nts_no_score", "nts_histogram", "fbe", "random", "oracle")
+"""The agents of Table 1 by sensor. Frontier exploration maps measured depth, so that it has no row
+without; bounds and the ablations of the graph and the score are run with depth only."""
+WITH_GEOMETRY = (
+    *("nts", "nts_2m", "nts_no_graph", "nts_no_score", "nts_histogram"),
+    *("fbe", "random", "oracle"),
+)
 """The agents that run without a network where an oracle stands in for it."""
 _ABLATIONS = {"nts_no_graph": {"use_graph": False}, "nts_no_score": {"use_score": False}}
-_CLASSES = {
-    "nts": ("exploration_model", "LearnedExploration"),
-    "nts_blind": ("exploration_model", "LearnedExploration"),
-    "ans_like": ("exploration_policies", "LearnedFrontierScorer"),
-    "il": ("exploration_policies", "LearnedImitation"),
+_FINE = {"directions": 24, "radius": 2.0}
+"""Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
+_CLASSES: dict[str, Callable[[str], Any]] = {
+    "nts": LearnedExploration,
+    "nts_blind": LearnedExploration,
+    "ans_like": LearnedFrontierScorer,
+    "il": LearnedImitation,
 }
-"""Module of `learning` and class of each kind of network; a class takes the name of its weights."""
+"""What puts the weights of each kind behind its interface, by their name."""
 
 
 def make_explorer(
@@ -57,15 +65,17 @@ def make_explorer(
     """
     if name == "oracle":
         return OracleExplorer(task)
+    if name == "nts_2m" and geometry:
+        return NTSAgent(TrueGeometry(task, **_FINE), rng, NTSSettings(**_FINE))
     if name == "il":
         return ImitationAgent(shipped("il", sensor))
     model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", sensor)
     if name == "random":
         return RandomWalkAgent(model, rng)
     if name == "fbe":
-        return FrontierAgent(model)
+        return FrontierAgent(model, rng=rng)
     if name == "ans_like":
-        return FrontierAgent(model, scorer=shipped("ans_like", sensor))
+        return FrontierAgent(model, scorer=shipped("ans_like", sensor), rng=rng)
     if name == "nts_blind":
         model = ScoresOf(model, shipped("nts_blind", sensor))
     elif name == "nts_histogram":
@@ -99,9 +109,7 @@ def shipped(kind: str, sensor: str) -> Any:  # noqa: ANN401 - a model, a scorer 
         InputError: where its weights are not there.
     """
     _check(kind, sensor)
-    module, name = _CLASSES[kind]
-    found = getattr(import_module(f"tutorial_lib.learning.{module}"), name)
-    return found(f"{kind}_{sensor}")
+    return _CLASSES[kind](f"{kind}_{sensor}")
 
 
 def _check(kind: str, sensor: str) -> None:

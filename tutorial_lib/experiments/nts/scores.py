@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
+from tutorial_lib.experiments.protocols.directions import regret_of
 from tutorial_lib.exploration.episodes import DIFFICULTIES, exploration_world
 from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.exploration.other_scores import HistogramScores, RandomScores
@@ -78,9 +79,9 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
             for number, difficulty in enumerate(DIFFICULTIES):
                 mine = levels == number
                 if mine.any():
-                    some = {score: metres[mine] for score, metres in regret.items()}
+                    subset = {score: metres[mine] for score, metres in regret.items()}
                     key = {"sensor": sensor, "signs": signs, "difficulty": difficulty}
-                    rows += _rows(key, some, worlds[mine])
+                    rows += _rows(key, subset, worlds[mine])
     notes = [
         f"top1: the chosen direction's end is within {WITHIN} m of the best one's",
         "gain: of semantic over this score on the same decisions, 95 % intervals over worlds",
@@ -143,17 +144,6 @@ def models_of(sensor: str, rng: np.random.Generator) -> dict[str, ExplorationMod
         "histogram": HistogramScores(learned),
         "random": RandomScores(learned, rng),
     }
-
-
-def regret_of(scores: Array, metres: Array) -> Array:
-    """Metres (D,) by which the direction of the highest score is longer than the best.
-
-    Args:
-        scores: (D, 12).
-        metres: (D, 12) to the goal, infinite for a direction that is none.
-    """
-    chosen = np.where(np.isfinite(metres), scores, -np.inf).argmax(axis=1)
-    return metres[np.arange(len(metres)), chosen] - metres.min(axis=1)
 
 
 EXPERIMENT = Experiment(

@@ -4,23 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import AGENTS, WITH_GEOMETRY, check_shipped
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
     WORLDS,
-    joined,
+    Key,
+    in_all_worlds,
     make_world,
     measures,
     run_agent,
 )
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.geometry import Array
-from tutorial_lib.parallel import for_each
-from tutorial_lib.world.generators import SIGNS
+from tutorial_lib.learning.estimators import use_threads
 
 PAPER = {
     ("il", "rgb"): ((0.57, 0.23), (0.14, 0.06), (0.04, 0.02)),
@@ -32,9 +30,6 @@ PAPER = {
     ("nts", "rgbd"): ((0.87, 0.65), (0.58, 0.38), (0.43, 0.26)),
 }
 """Success and SPL in the paper by difficulty; its worlds are scans of homes, seen by a camera."""
-
-Key = tuple[str, str, str]
-"""Agent, sensor and signs."""
 
 
 @dataclass(frozen=True)
@@ -64,15 +59,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     for sensor, names in agents.items():
         if not settings.geometry:
             check_shipped(names, sensor)
-    items = [(world, signs) for signs in SIGNS for world in options.worlds]
-    found = for_each(run_world, items, options, settings, label="nts_table1")
-    rows: Rows = []
-    results: dict[Key, dict[str, Array]] = {}
-    for key in dict.fromkeys(key for part in found for key in part):
-        mine = [part[key] for part in found if key in part]
-        sizes = [len(part["success"]) for part in mine]
-        results[key] = joined(mine) | {"world": np.repeat(options.worlds, sizes)}
-        rows += _rows(key, results[key])
+    results = in_all_worlds(run_world, options, settings, label="nts_table1")
+    rows = [row for key, found in results.items() for row in _rows(key, found)]
     return rows, _notes(results)
 
 
@@ -80,6 +68,7 @@ def run_world(
     item: tuple[int, str], options: Options, settings: Settings
 ) -> dict[Key, dict[str, Array]]:
     """Every agent in one world with one kind of signs."""
+    use_threads(1)
     seed, signs = item
     world = make_world(seed, signs, settings.episodes, options.seed, options.palette)
     return {

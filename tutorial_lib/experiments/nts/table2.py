@@ -5,23 +5,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import check_shipped
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points
 from tutorial_lib.experiments.protocols.exploration import (
     WORLDS,
-    joined,
+    Key,
+    in_all_worlds,
     make_world,
     measures,
     run_agent,
 )
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.geometry import Array
-from tutorial_lib.parallel import for_each
-from tutorial_lib.world.generators import SIGNS
+from tutorial_lib.learning.estimators import use_threads
 
 CONDITIONS: dict[str, dict[str, Any]] = {
     "standard": {},
@@ -41,9 +39,6 @@ PAPER = {
 }
 """Success in the paper: easy, medium, hard, overall."""
 _LEVELS = (*DIFFICULTIES, "overall")
-
-Key = tuple[str, str, str]
-"""Agent, signs and condition."""
 
 
 @dataclass(frozen=True)
@@ -69,15 +64,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """
     if not settings.geometry:
         check_shipped(settings.agents, "rgbd")
-    items = [(world, signs) for signs in SIGNS for world in options.worlds]
-    found = for_each(run_world, items, options, settings, label="nts_table2")
-    rows: Rows = []
-    results: dict[Key, dict[str, Array]] = {}
-    for key in dict.fromkeys(key for part in found for key in part):
-        mine = [part[key] for part in found if key in part]
-        sizes = [len(part["success"]) for part in mine]
-        results[key] = joined(mine) | {"world": np.repeat(options.worlds, sizes)}
-        rows += _rows(key, results[key])
+    results = in_all_worlds(run_world, options, settings, label="nts_table2")
+    rows = [row for key, found in results.items() for row in _rows(key, found)]
     return rows, _notes(results)
 
 
@@ -85,6 +73,7 @@ def run_world(
     item: tuple[int, str], options: Options, settings: Settings
 ) -> dict[Key, dict[str, Array]]:
     """Every agent under every condition in one world with one kind of signs."""
+    use_threads(1)
     seed, signs = item
     world = make_world(seed, signs, settings.episodes, options.seed, options.palette)
     return {

@@ -18,18 +18,15 @@ from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.directions import (
     DIFFICULTIES,
     Decisions,
-    best_chosen,
     decisions,
+    regret_in,
 )
+from tutorial_lib.exploration.episodes import exploration_world
 from tutorial_lib.geometry import Array
+from tutorial_lib.learning.exploration_training import WITHIN
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.generators import SIGNS
-from tutorial_lib.world.worlds import scene_of, world_name
-
-FAMILIES = ("apartment", "office")
-"""Of the worlds, by seed."""
-WITHIN = 0.5
-"""Metres by which a choice may be longer than the best."""
+from tutorial_lib.world.worlds import scene_of
 
 
 @dataclass(frozen=True)
@@ -53,8 +50,9 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         right = {}
         for model in ("blind", "goal"):
             scores = _scores(model, training, test)
-            chosen = [best_chosen(f, s, WITHIN) for f, s in zip(test, scores, strict=True)]
-            right[model] = np.concatenate([ok for _, ok in chosen]).astype(float)
+            chosen = [regret_in(world, row) for world, row in zip(test, scores, strict=True)]
+            regret = np.concatenate([metres for _, metres in chosen])
+            right[model] = (regret <= WITHIN).astype(float)
         levels = np.concatenate([level for level, _ in chosen])  # the same for both
         worlds = np.repeat(options.worlds, [len(level) for level, _ in chosen])
         for number, difficulty in enumerate(DIFFICULTIES):
@@ -80,7 +78,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def _decisions(seed: int, signs: str, drawn: int) -> Decisions:
     """The decisions of one world."""
-    scene = scene_of(world_name(FAMILIES[seed % len(FAMILIES)], seed, signs=signs))
+    scene = scene_of(exploration_world(seed, signs))
     return decisions(scene, np.random.default_rng([drawn, seed]), signs=signs == "wayfinding")
 
 

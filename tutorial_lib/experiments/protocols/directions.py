@@ -11,11 +11,10 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.exploration.labels import NO_ROOM, direction_ends, room_kinds
 from tutorial_lib.geometry import Array
+from tutorial_lib.learning.exploration_data import SHORTEST
 from tutorial_lib.world.generators.wayfinding import Depth
 from tutorial_lib.world.scene import Scene
 
-SHORTEST = 1.0
-"""Metres that a direction must be traversable to be chosen."""
 _PLACES, _GOALS = 150, 24
 
 
@@ -87,20 +86,31 @@ def _known(here: Array, ends: Array, goal: Array) -> tuple[Array, Array]:
     return np.column_stack([here, ends, ends - here]), np.column_stack(added)
 
 
-def best_chosen(
-    found: Decisions, scores: Array, within: float
-) -> tuple[NDArray, NDArray[np.bool_]]:
-    """For each decision its difficulty, and whether the highest score is about the best choice.
+def regret_of(scores: Array, metres: Array) -> Array:
+    """Metres (N,) by which the direction of the highest score is longer than the best.
+
+    Args:
+        scores: (N, K) of K directions.
+        metres: (N, K) to the goal, infinite for a direction that is none.
+    """
+    chosen = np.where(np.isfinite(metres), scores, -np.inf).argmax(axis=1)
+    return metres[np.arange(len(metres)), chosen] - metres.min(axis=1)
+
+
+def regret_in(found: Decisions, scores: Array) -> tuple[NDArray[np.intp], Array]:
+    """For each decision its difficulty, and its regret in metres, see `regret_of`.
 
     Args:
         found: the decisions.
         scores: (D,) of every direction.
-        within: metres by which the chosen direction may be longer than the shortest.
     """
-    first = np.flatnonzero(np.diff(found.number, prepend=-1))
-    order = np.lexsort((-scores, found.number))
-    chosen = found.metres[order[first]]
-    return found.difficulty[first], chosen <= np.minimum.reduceat(found.metres, first) + within
+    first, counts = np.unique(found.number, return_index=True, return_counts=True)[1:]
+    row = np.repeat(np.arange(len(first)), counts)
+    column = np.arange(len(row)) - first[row]
+    shape = (len(first), counts.max(initial=1))
+    likings, metres = np.full(shape, -np.inf), np.full(shape, np.inf)
+    likings[row, column], metres[row, column] = scores, found.metres
+    return found.difficulty[first], regret_of(likings, metres)
 
 
 class _Reading:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from tutorial_lib.experiments.common.explorers import make_explorer
+from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.exploration.episodes import (
     DIFFICULTIES,
@@ -17,9 +19,13 @@ from tutorial_lib.exploration.episodes import (
 )
 from tutorial_lib.exploration.task import ExplorationTask, explore
 from tutorial_lib.geometry import Array
+from tutorial_lib.parallel import for_each
+from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of
 
+Key = tuple[str, str, str]
+"""What sets the rows of an agent apart: its name, the signs, and the sensor or the condition."""
 WORLDS = tuple(range(20_000, 20_020))
 """Seeds of the test worlds."""
 AT_STEPS = (125, 250)
@@ -69,7 +75,7 @@ def run_agent(
 ) -> dict[str, Array]:
     """Run an agent on all episodes of a world, in lock-step.
 
-    Motion and odometry draw from the same stream for every agent.
+    The noise of motion and odometry comes from the same seeds for every agent.
 
     Args:
         world: its episodes.
@@ -93,9 +99,14 @@ def run_agent(
     )
     rng = np.random.default_rng([*world.seed, 2])
     explore(task, make_explorer(name, task, sensor, rng, geometry=geometry))
+    return _columns(task)
+
+
+def _columns(task: ExplorationTask) -> dict[str, Array]:
+    """How the episodes of a task went, see `run_agent`."""
     names = list(DIFFICULTIES)
     return {
-        "difficulty": np.array([names.index(one) for one in world.episodes.difficulty], float),
+        "difficulty": np.array([names.index(one) for one in task.episodes.difficulty], float),
         "success": task.success.astype(float),
         "spl": task.spl,
         "steps": task.steps.astype(float),
@@ -129,6 +140,30 @@ def _interval(values: Array, worlds: Array) -> tuple[float | None, ...]:
     return float(values.mean()), None, None
 
 
-def joined(parts: list[dict[str, Array]]) -> dict[str, Array]:
-    """The episodes of several worlds, one after the other."""
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+def in_all_worlds(
+    run_world: Callable[..., dict[Key, dict[str, Array]]],
+    options: Options,
+    settings: object,
+    label: str,
+) -> dict[Key, dict[str, Array]]:
+    """Run agents in every world, with and without signs, and join what they did.
+
+    Args:
+        run_world: is given a world's seed and signs, `options` and `settings`; returns columns (N,)
+            of episodes by a key in which the signs stand.
+        options: with the worlds.
+        settings: of the experiment.
+        label: of the progress bar.
+
+    Returns:
+        The columns of all worlds by the same keys, and the "world" of each episode.
+    """
+    items = [(world, signs) for signs in SIGNS for world in options.worlds]
+    found = for_each(run_world, items, options, settings, label=label)
+    results = {}
+    for key in dict.fromkeys(key for part in found for key in part):
+        mine = [part[key] for part in found if key in part]
+        sizes = [len(part["success"]) for part in mine]
+        columns = {name: np.concatenate([part[name] for part in mine]) for name in mine[0]}
+        results[key] = columns | {"world": np.repeat(options.worlds, sizes)}
+    return results

@@ -131,8 +131,8 @@ def block_of(results: Results) -> str:
         results_in_short(results),
         "",
         f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
-        f"it. The world is easier than the paper's. Plans, and navigation on Nav2's maps, were "
-        f"measured with earlier networks and exact odometry.",
+        f"it. The world is easier than the paper's. Plans were measured with earlier networks and "
+        f"exact odometry.",
         END,
     ]
     return "\n".join(lines)

@@ -1,0 +1,233 @@
+"""The demo of exploration: image-goal navigation in a place never seen, on film."""
+
+from __future__ import annotations
+
+import json
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tutorial_lib.agents.nts import NTSAgent
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.explorers import check_shipped, shipped
+from tutorial_lib.experiments.demos.exploration_film import (
+    SHARP,
+    ExplorationFilm,
+    ExplorationMoment,
+)
+from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_folder
+from tutorial_lib.experiments.demos.recorder import FILM_RATE
+from tutorial_lib.experiments.demos.task import Say, silent
+from tutorial_lib.experiments.protocols.ghost_moments import ghost_moment
+from tutorial_lib.exploration.episodes import DIFFICULTIES, Episodes, draw_episodes
+from tutorial_lib.exploration.local_map import LocalMaps
+from tutorial_lib.exploration.task import STEPS, ExplorationTask
+from tutorial_lib.exploration.true_geometry import TrueGeometry
+from tutorial_lib.files import atomic_paths
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import ExplorationModel
+from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.observation import Observation
+from tutorial_lib.viz.figures.film import exact_png, film_encoder
+from tutorial_lib.viz.figures.panels import evenly, stacked
+from tutorial_lib.world.floorplan import FloorPlan
+from tutorial_lib.world.scene import Scene
+
+EVERY = 2
+"""Actions for each frame of the film."""
+_SIDE = 60.0  # metres of the map of all that was seen
+_QUIET = 3.0  # seconds after which a word is said
+
+
+@dataclass(frozen=True)
+class Explored:
+    """What `demo.json` holds of an exploration; lengths in metres.
+
+    Attributes:
+        reached: stopped within 1 m of the goal.
+        steps: actions, of 500 at most.
+        travelled: by the robot.
+        geodesic: of the shortest path.
+        spl: success weighted by path length.
+        collisions: actions that ended at a wall.
+        nodes: of the graph.
+        ghosts: that are left.
+    """
+
+    reached: bool
+    name: str
+    plan: str
+    seed: int
+    difficulty: str
+    steps: int
+    travelled: float
+    geodesic: float
+    spl: float
+    collisions: int
+    nodes: int
+    ghosts: int
+    film: str = FILM
+    strip: str = STRIP
+
+
+class ExplorationRecorder:
+    """Keeps a moment of every `EVERY`-th step of one robot.
+
+    Attributes:
+        moments: for the film.
+    """
+
+    def __init__(self, task: ExplorationTask, agent: NTSAgent, model: ExplorationModel) -> None:
+        """Look at the only robot of `task`, which `agent` drives and `model` serves."""
+        self.moments: list[ExplorationMoment] = []
+        self._task, self._agent, self._model = task, agent, model
+        self._seen = LocalMaps(1, _SIDE)
+
+    def look(self, observation: Observation, *, last: bool = False) -> None:
+        """Note what is seen, and keep the moment if it is due, or the last one."""
+        robots, task = np.zeros(1, np.intp), self._task
+        self._seen.observe(robots, observation.odometry, self._model.ranges(observation))
+        if int(task.steps[0]) % EVERY and not last:
+            return
+        here = self._model.embed(observation)
+        search = self._agent.search
+        self.moments.append(
+            ExplorationMoment(
+                pose=task.poses[0],
+                odometry=observation.odometry[0],
+                image=SHARP.look(next(iter(task.scenes.values())), task.poses)[0][0],
+                scores=self._model.scores(here, search.goals)[0],
+                explorable=self._model.explorable(here)[0] >= 0.5,
+                graph=ghost_moment(self._agent.robots[0], observation.odometry[0]),
+                grid=self._seen.grids[0].copy(),
+                corner=self._seen.corners[0].copy(),
+                track=np.array(task.path)[:, 0, :2],
+                goal_seen=search.places[0].copy() if search.found[0] else None,
+                lines=self._lines(last),
+            )
+        )
+
+    def _lines(self, last: bool) -> tuple[tuple[str, str], ...]:
+        """What the robot does, in words."""
+        robot, search = self._agent.robots[0], self._agent.search
+        graph, going = robot.memory.graph, robot.destination
+        gap = float(np.linalg.norm(self._task.poses[0, :2] - self._task.goal_poses[0, :2]))
+        if last:
+            ended = "stopped" if self._task.steps[0] < STEPS else "no steps left"
+            doing = f"{ended}, {gap:.2f} m from the goal"
+        elif search.found[0]:
+            doing = "sees the goal, and goes there"
+        elif going is None or going.ghost is None:
+            doing = "looks around at a node"
+        else:
+            score = robot.scores[going.node][going.ghost.direction]
+            doing = f"goes to a ghost, score {score:.2f}"
+        return (
+            ("action", f"{int(self._task.steps[0])} of {STEPS}"),
+            ("the robot", doing),
+            ("graph", f"nodes {len(graph)}, ghosts {len(graph.ghosts)}"),
+        )
+
+
+def run_exploration_demo(
+    plan: FloorPlan,
+    seed: int,
+    folder: Path,
+    *,
+    geometry: bool = False,
+    say: Say = silent,
+) -> Explored:
+    """Explore until a goal's picture is found; leave demo.webm, demo.png and demo.json.
+
+    Args:
+        plan: of the world.
+        seed: of everything else that is random.
+        folder: for the files.
+        geometry: the true geometry stands in for the network.
+        say: is called with what is being done.
+
+    Raises:
+        InputError: when the network's weights are not there, or the plan is too small.
+    """
+    check_folder(folder)
+    if not geometry:
+        check_shipped(("nts",), "rgbd")
+    use_threads(1)
+    say("drawing an episode")
+    scene, name = Scene(plan), f"{plan.family} {plan.seed}"
+    episode = draw_episode(name, scene, seed)
+    task = ExplorationTask({name: scene}, episode, np.random.default_rng([seed, 1]))
+    say("loading the network")
+    model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", "rgbd")
+    agent = NTSAgent(model, np.random.default_rng([seed, 2]))
+    recorder = ExplorationRecorder(task, agent, model)
+    say("exploring")
+    explore_recorded(task, agent, recorder, say)
+    title = f"{name}, never seen before: find where this picture was taken"
+    shown = ExplorationFilm(scene, recorder.moments, episode.starts[0], episode.goals[0], title)
+    outcome = _outcome(name, seed, task, agent)
+    say("writing the film")
+    with atomic_paths(*(folder / one for one in (FILM, STRIP, FIGURES))) as (film, *others):
+        with film_encoder(folder / FILM, film, FILM_RATE) as write:
+            for picture in shown:
+                write(picture)
+        strip = [shown[i] for i in evenly(len(shown), 3)]
+        others[0].write_bytes(exact_png(stacked(strip)))
+        others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
+    return outcome
+
+
+def explore_recorded(
+    task: ExplorationTask, agent: NTSAgent, recorder: ExplorationRecorder, say: Say = silent
+) -> None:
+    """Let an agent act until the only episode is over, and record it."""
+    said = time.monotonic()
+    agent.start(task.goals())
+    while not task.done.all():
+        observation = task.observe()
+        actions = agent.act(observation, ~task.done)
+        recorder.look(observation)
+        task.step(actions)
+        if time.monotonic() - said > _QUIET:
+            said = time.monotonic()
+            say("exploring: " + ", ".join(" ".join(line) for line in recorder.moments[-1].lines))
+    recorder.look(task.observe(), last=True)
+    recorder.moments += recorder.moments[-1:] * round(FILM_RATE)  # stays on screen for a second
+
+
+def draw_episode(name: str, scene: Scene, seed: int) -> Episodes:
+    """One episode, as difficult as the world allows.
+
+    Raises:
+        InputError: when not even an easy one fits.
+    """
+    for difficulty in reversed(DIFFICULTIES):
+        try:
+            return draw_episodes(name, scene, {difficulty: 1}, np.random.default_rng(seed))
+        except InputError:
+            continue
+    raise InputError(f"demo: {name} has no two places 1.5 m apart; give a larger map")
+
+
+def _outcome(name: str, seed: int, task: ExplorationTask, agent: NTSAgent) -> Explored:
+    graph = agent.robots[0].memory.graph
+    return Explored(
+        reached=bool(task.success[0]),
+        name="demo --explore",
+        plan=name,
+        seed=seed,
+        difficulty=task.episodes.difficulty[0],
+        steps=int(task.steps[0]),
+        travelled=_rounded(task.travelled),
+        geodesic=_rounded(task.episodes.shortest),
+        spl=_rounded(task.spl),
+        collisions=int(task.collisions[0]),
+        nodes=len(graph),
+        ghosts=len(graph.ghosts),
+    )
+
+
+def _rounded(values: Array) -> float:
+    return round(float(values[0]), 2)

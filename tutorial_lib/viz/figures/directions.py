@@ -1,0 +1,113 @@
+"""Directions of a panorama: over its picture, and around the robot on a local map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.labels import label, text_size
+from tutorial_lib.viz.canvas.plan_view import Picture
+
+_TALL = 46
+"""Pixels of the bars of scores under a panorama."""
+_NAMES = 22
+"""Pixels of the line with the directions' numbers."""
+_CELL = 5
+"""Pixels of a local map's cell."""
+
+
+def panorama_picture(image: NDArray[np.uint8], width: int = 768, height: int = 96) -> Picture:
+    """A panorama (H, W, 3) enlarged for people; behind the robot is at both ends."""
+    return cv2.resize(np.asarray(image), (width, height), interpolation=cv2.INTER_NEAREST)
+
+
+def scored_panorama(
+    image: NDArray[np.uint8],
+    scores: ArrayLike,
+    explorable: ArrayLike | None = None,
+    chosen: int | None = None,
+    truth: ArrayLike | None = None,
+    width: int = 768,
+) -> Picture:
+    """A panorama with its directions under it: number and score, ghosts filled, the rest pale.
+
+    Args:
+        image: (H, W, 3) of a panorama.
+        scores: (K,) from 0 to 1, drawn as bars from the lowest to the highest.
+        explorable: (K,) which of them have a ghost; all unless given.
+        chosen: the direction that the robot takes, if any.
+        truth: (K,) scores to mark on the bars by a line.
+        width: pixels.
+    """
+    scores = np.asarray(scores, dtype=float)
+    count = len(scores)
+    filled = np.ones(count, bool) if explorable is None else np.asarray(explorable, dtype=bool)
+    both = scores if truth is None else np.concatenate([scores, np.asarray(truth, dtype=float)])
+    low, high = float(both.min()), max(float(both.max()), float(both.min()) + 1e-6)
+    under = np.full((_TALL + _NAMES, width, 3), colours.PAPER, np.uint8)
+
+    def tall(score: float) -> int:
+        return 4 + round((_TALL - 8) * (score - low) / (high - low))
+
+    for k in range(count):
+        middle = _column(k, count, width)
+        tone = colours.GOAL if k == chosen else colours.ROBOT if filled[k] else (200, 205, 210)
+        bar = slice(_TALL - tall(scores[k]), _TALL)
+        for left, right in _wrapped(middle, width // (3 * count), width):
+            under[bar, left:right] = tone
+            if truth is not None:
+                line = _TALL - tall(float(np.asarray(truth)[k]))
+                under[max(line - 1, 0) : line + 2, left:right] = colours.LASER
+        text = f"{k}"
+        wide, _ = text_size(text, 0.5)
+        place = min(max(middle - wide // 2, 0), width - wide)
+        label(under, text, place, _TALL + _NAMES - 6, 0.5)
+    return np.concatenate([panorama_picture(image, width), under])
+
+
+def map_picture(
+    free: NDArray[np.bool_], chosen: Sequence[bool] | NDArray[np.bool_], reach: float
+) -> Picture:
+    """A local map with a dot in each direction: green where it is chosen, orange elsewhere.
+
+    Args:
+        free: (S, S) cells where a robot can be; rows run along y, and y is up in the picture.
+        chosen: (K,) of the directions.
+        reach: cells from the middle to the dots.
+    """
+    rows = np.where(free[::-1, :, None], colours.PAPER, colours.SOLID).astype(np.uint8)
+    picture = rows.repeat(_CELL, axis=0).repeat(_CELL, axis=1)
+    middle, count = (len(free) // 2 + 0.5) * _CELL, len(chosen)
+    for k, good in enumerate(chosen):
+        angle = 2 * np.pi * k / count
+        far = reach * _CELL
+        end = (round(middle + far * np.cos(angle)), round(middle - far * np.sin(angle)))
+        cv2.circle(picture, end, 7, colours.GOAL if good else colours.LASER, -1, cv2.LINE_AA)
+        inner = far - 20
+        wide, high = text_size(str(k), 0.5)
+        x = round(middle + inner * np.cos(angle) - wide / 2)
+        y = round(middle - inner * np.sin(angle) + high / 2)
+        label(picture, str(k), x, y, 0.5)
+    nose = np.array([[12, 0], [-8, 7], [-8, -7]]) + round(middle)
+    cv2.fillPoly(picture, [nose.astype(np.int32)], colours.ROBOT, cv2.LINE_AA)
+    return picture
+
+
+def _column(direction: int, count: int, width: int) -> int:
+    """The pixel column on which a direction is centred; 0 is in the middle, 1 to its left."""
+    return round(width * (0.5 - direction / count)) % width
+
+
+def _wrapped(middle: int, half: int, width: int) -> list[tuple[int, int]]:
+    """Columns about a middle one, which may reach around the picture's ends."""
+    left, right = middle - half, middle + half
+    parts = [(max(left, 0), min(right, width))]
+    if left < 0:
+        parts.append((width + left, width))
+    if right > width:
+        parts.append((0, right - width))
+    return parts
