@@ -195,16 +195,21 @@ class ExplorationModel(Protocol):
 
 @runtime_checkable
 class ExplorerAgent(Protocol):
-    """N robots in lock-step in places that they have never seen, each with a goal's picture.
-
-    One that can go on to other goals also has `look_for(goals)`: it keeps what it remembers.
-    """
+    """N robots in lock-step in places that they have never seen, each with a goal's picture."""
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,), see `Observation.pictures`; forget all before."""
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Discrete actions (N,) of all robots; those of robots not `running` (N,) do nothing."""
+
+
+@runtime_checkable
+class SequentialExplorer(ExplorerAgent, Protocol):
+    """An `ExplorerAgent` that can go on to other goals, and keeps what it remembers."""
+
+    def look_for(self, goals: Observation) -> None:
+        """Go on from where the robots are to other goals (N,)."""
 
 
 @runtime_checkable

@@ -20,6 +20,7 @@ from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.other_scores import HistogramScores, RandomScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
 from tutorial_lib.exploration.true_geometry import TrueGeometry
+from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import ExplorationModel, ExplorerAgent
 from tutorial_lib.world.noise import FORWARD, STOP
 from tutorial_lib.world.scene import Scene
@@ -182,6 +183,40 @@ def test_what_is_remembered_pays_with_more_goals(scenes):
         assert len(found) == 4
         later[kind] = np.mean([success.mean() for success, _ in found[2:]])
     assert later["no score"] > 0.7
+
+
+def test_a_goal_that_was_passed_is_remembered(scenes, episodes):
+    task = ExplorationTask(scenes, episodes[:1], np.random.default_rng(1), noise=False)
+    agent = make("nts", task)
+    agent.start(task.goals())
+    for _ in range(30):
+        task.step(agent.act(task.observe(), ~task.done))
+    back = task.path[0] + [0.0, 0.0, 1.0]  # the place of the first node, seen another way round
+    task.next_goals(back)
+    agent.look_for(task.goals())
+    going = agent.robots[0].destination
+    assert going.ghost is None
+    place = to_world(agent.robots[0].memory.graph.poses_from(0)[going.node], going.place)
+    assert np.linalg.norm(place) < 0.1
+
+
+def test_the_frontier_of_the_highest_score_is_chosen(scenes, episodes):
+    asked = []
+
+    class Eastward:
+        def score(self, crops, here, goals, frontiers, robots):
+            asked.append((frontiers, robots))
+            return frontiers[:, 0]
+
+    task = ExplorationTask(scenes, episodes[:6], np.random.default_rng(1), noise=False)
+    agent = FrontierAgent(Stranger(), scorer=Eastward())
+    agent.start(task.goals())
+    agent.act(task.observe(), ~task.done)
+    ((frontiers, robots),) = asked
+    assert np.bincount(robots).max() > 1
+    for robot in np.unique(robots):
+        mine = frontiers[robots == robot]
+        assert np.allclose(agent._targets[robot], mine[mine[:, 0].argmax(), :2])
 
 
 def test_an_imitating_agent_does_what_its_policy_says():

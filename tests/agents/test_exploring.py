@@ -105,6 +105,21 @@ def test_a_missed_goal_removes_no_ghost():
     assert ghosts
 
 
+def test_time_spent_on_a_goal_is_not_spent_on_a_ghost():
+    agent, task = NTSAgent(Hall(), np.random.default_rng(0)), in_a_hall(14.0)
+    list(steps(task, agent, 5))
+    robot = agent.robots[0]
+    assert robot._waited > 0
+    agent.search.found[0], agent.search.places[0] = True, (-4.0, 0.0)
+    for _ in range(12):
+        task.step(agent.act(task.observe(), ~task.done))
+        assert agent.search.found[0]
+        assert robot._waited == 0
+    agent.search.found[0] = False
+    task.step(agent.act(task.observe(), ~task.done))
+    assert robot._waited == 1
+
+
 def test_a_robot_that_pursues_its_goal_closes_no_frontier():
     agent, task = FrontierAgent(Hall()), in_a_hall(12.0)
     list(steps(task, agent, 3))

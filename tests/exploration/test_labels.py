@@ -8,14 +8,12 @@ from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.exploration.bearings import bearing_of, column_bearings
 from tutorial_lib.exploration.episodes import exploration_world
+from tutorial_lib.exploration.explorable import CLEARANCE, DETOUR, explorable
 from tutorial_lib.exploration.labels import (
-    CLEARANCE,
-    DETOUR,
     MAX_DISTANCE,
     PanoramaLabels,
     connected,
     direction_ends,
-    explorable,
     panorama_ranges,
 )
 from tutorial_lib.geometry import to_world
@@ -62,17 +60,11 @@ def test_connected_takes_the_largest_depth_about_the_direction():
     assert not connected(np.full((1, 192), 9.0), np.zeros(1), np.array([3.01])).any()
 
 
-def test_intra_node_labels_are_the_paper_s(labels, pairs):
+def test_relative_places_lead_to_the_goals(labels, pairs):
     sources, goals = pairs
-    bins, scores = labels.intra_node(sources, goals)
     bearing, metres = labels.relative(sources, goals).T
-    here = to_world(
-        labels.poses[sources],
-        metres[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1),
-    )
-    assert np.allclose(here, labels.poses[goals, :2])
-    assert (bins == np.rint(np.rad2deg(bearing) / 30).astype(int) % 12).all()
-    assert np.allclose(scores, np.maximum(1 - metres / 3, 0))
+    ahead = metres[:, None] * np.stack([np.cos(bearing), np.sin(bearing)], axis=1)
+    assert np.allclose(to_world(labels.poses[sources], ahead), labels.poses[goals, :2])
 
 
 def test_scores_are_geodesics_from_the_ends(scene, labels, pairs):

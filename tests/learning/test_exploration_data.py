@@ -157,8 +157,8 @@ def test_labels_of_a_batch_belong_to_its_pairs(world):
     batch = batch_of(world, "plain", groups)
     seen = relative(world.poses[groups][:, :, None], world.poses[groups][:, None])
     bearing = np.arctan2(seen[..., 1], seen[..., 0])
-    told = (batch.direction + 0.5 * batch.offset) * np.deg2rad(30.0)
-    turn = np.cos(told - bearing)
+    bearings = (batch.direction + 0.5 * batch.offset) * np.deg2rad(30.0)
+    turn = np.cos(bearings - bearing)
     assert turn == pytest.approx(np.ones_like(turn), abs=1e-6)
     assert (np.abs(batch.offset) <= 1.0).all()
     distance = np.linalg.norm(seen[..., :2], axis=-1)
@@ -193,8 +193,8 @@ def test_a_mirror_exchanges_left_and_right(world):
     # Labels that follow from depth are those of the mirrored depth.
     depth = seen.depth[0].astype(float)
     assert (explorable(depth) == seen.explorable[0]).mean() > 0.99
-    told, was = ((b.direction + 0.5 * b.offset)[which] * 30.0 for b in (seen, batch))
-    assert np.cos(np.deg2rad(told + was)) == pytest.approx(np.ones(told.shape), abs=1e-6)
+    bearings, was = ((b.direction + 0.5 * b.offset)[which] * 30.0 for b in (seen, batch))
+    assert np.cos(np.deg2rad(bearings + was)) == pytest.approx(np.ones(bearings.shape), abs=1e-6)
 
 
 def test_other_colours_keep_the_differences_of_hues():

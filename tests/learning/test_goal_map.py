@@ -12,6 +12,7 @@ from tutorial_lib.exploration.frontier import CROP
 from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import FrontierScorer
 from tutorial_lib.learning import exploration_policies, goal_map_data, goal_map_recipes
+from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer
 from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMapSource
 from tutorial_lib.learning.goal_map_data import goal_maps
@@ -20,7 +21,7 @@ from tutorial_lib.learning.goal_map_network import (
     GoalMapNetwork,
     GoalMapObjective,
 )
-from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS, GoalMapRecipe, train_goal_map
+from tutorial_lib.learning.goal_map_recipes import GOAL_MAPS, train_goal_map
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
@@ -165,7 +166,7 @@ def test_it_trains_on_shipped_features_and_refuses_others(seeing, tmp_path, monk
             )
     settings = Settings(max_steps=2, targets=4, warmup_steps=2, eval_interval=1)
     architecture = GoalMapArchitecture("rgbd")
-    recipe = GoalMapRecipe(
+    recipe = BaselineRecipe(
         "tiny", "train ans_like --sensor rgbd", architecture, settings, "nts_rgbd", 1, 1, COUNTS
     )
     with joblib.parallel_config(backend="threading"):

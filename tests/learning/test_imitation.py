@@ -12,6 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.motion import exact_motions, move
 from tutorial_lib.interfaces import RecurrentPolicy
 from tutorial_lib.learning import imitation_data, recipes
+from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedImitation
 from tutorial_lib.learning.imitation_data import (
     ARRIVED,
@@ -27,7 +28,7 @@ from tutorial_lib.learning.imitation_network import (
     ImitationNetwork,
     ImitationObjective,
 )
-from tutorial_lib.learning.imitation_recipes import IMITATION, ImitationRecipe
+from tutorial_lib.learning.imitation_recipes import IMITATION
 from tutorial_lib.learning.panorama_encoder import FEATURES
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
 from tutorial_lib.learning.settings import Settings
@@ -183,7 +184,7 @@ def tiny(tmp_path, monkeypatch):
     begun = PanoramaNetwork(PanoramaArchitecture("rgb"))
     save_network(begun, Card("start", "train nts --sensor rgb", begun.architecture), folder)
     settings = Settings(max_steps=2, targets=2, warmup_steps=2, eval_interval=1)
-    recipe = ImitationRecipe(
+    recipe = BaselineRecipe(
         "tiny", "train il --sensor rgb", ImitationArchitecture("rgb"), settings, "start", 1, 1,
         {"easy": 2},
     )  # fmt: skip

@@ -11,7 +11,7 @@ from tutorial_lib.world.noise import STOP
 
 
 class ImitationAgent:
-    """An `ExplorerAgent` that does what a policy says, `stop` included."""
+    """An `ExplorerAgent` that follows a policy, `stop` included."""
 
     def __init__(self, policy: RecurrentPolicy) -> None:
         """Act by `policy`."""

@@ -11,9 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.generators import SIGNS
-from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import world_name
 
@@ -137,7 +135,6 @@ class _Places:
     """Where a robot can start or find a goal in one world."""
 
     def __init__(self, scene: Scene) -> None:
-        self._scene, self._body = scene, DifferentialDrive()
         self._paths = GridPaths(scene.clearance)
         self._points = self._paths.points[self._paths.largest]
 
@@ -175,8 +172,5 @@ class _Places:
         return self._pose(self._points[chosen], rng), float(metres[chosen])
 
     def _pose(self, point: Array, rng: np.random.Generator) -> Array:
-        """A pose at a place, with a random heading at which the body fits."""
-        pose = np.array([*point, rng.uniform(-np.pi, np.pi)])
-        while not is_free(self._scene, self._body, pose[None])[0]:
-            pose[2] = rng.uniform(-np.pi, np.pi)
-        return pose
+        """A pose at a place, with a random heading: a round body fits with any."""
+        return np.array([*point, rng.uniform(-np.pi, np.pi)])

@@ -40,9 +40,12 @@ class GhostGraph:
     """Nodes, the edges between them, and ghosts.
 
     In the paper a ghost is removed when a node with an edge to its own stands in its direction.
-    Beyond that, a ghost goes when a node is within `EXPLORED` of it, and when one without an edge
-    stands in its direction within `BESIDE` and in sight. `by_sight` is one more departure, off by
-    default. DEPARTURES
+    Departures, each measured with true geometry, noise and signs in 108 episodes of validation
+    worlds 10,100 to 10,103: a ghost also goes when a node is within `EXPLORED` of it, and when one
+    without an edge stands in its direction within `BESIDE` and in sight. These two change SPL by at
+    most 0.02, with scores and without.
+    `by_sight`, off by default, raises SPL on hard episodes from 0.37 to 0.44 for ghosts that are
+    drawn, and lowers it from 0.88 to 0.85 for the best ones.
 
     A node's frame is the robot's pose when the node was made. An edge stores the pose of one node
     in the frame of the other by odometry; no pose is relative to anything farther away.

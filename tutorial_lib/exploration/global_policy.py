@@ -37,11 +37,14 @@ def choose_ghost(
 ) -> Ghost | None:
     """The best ghost; where there is none, the best of the reserve; None where there is neither.
 
+    Changes the graph: a chosen direction of the reserve becomes a ghost, and all of them do once
+    there is no ghost left.
+
     Args:
         memory: of the robot.
         scores: (V, K) of each node's directions, see `ExplorationModel.scores`.
         settings: how ghosts are compared.
-        rng: draws among equals.
+        rng: breaks ties.
     """
     graph = memory.graph
     if not graph.ghosts:

@@ -15,7 +15,10 @@ DEAREST = 8
 """The most that a cell may cost, times its length."""
 
 BEHIND = 0.02
-"""Metres beyond the end of a ray at which a wall is entered: within it, whichever side is seen."""
+"""Metres beyond the end of a ray at which its wall is entered.
+
+A wall often lies on the border of two cells. Without this, rounding would decide which of the two
+is occupied; with it, it is the one that does not face the robot."""
 
 Bytes = NDArray[np.uint8]
 Ints = NDArray[np.int32]

@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.exploration.grid_kernels import STRAIGHT, Bytes, costs_of, in_sight, spread
+from tutorial_lib.exploration.grid_kernels import Bytes, costs_of, in_sight, spread
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT
@@ -37,12 +37,10 @@ class LocalPaths:
     Attributes:
         ahead: (M, 2) a point of each path that can be driven to in a straight line.
         ends: (M, 2) the last point of each path: the target, or what is nearest to it.
-        metres: (M,) length, counting what is near walls several times.
     """
 
     ahead: Array
     ends: Array
-    metres: Array
 
 
 def find_paths(
@@ -62,15 +60,15 @@ def find_paths(
         unseen: times its length that a cell not seen costs; 0 if it is not to be entered.
     """
     starts, ends = maps.cells(robots, odometry[:, :2]), maps.cells(robots, targets)
-    ahead, metres = starts.copy(), np.zeros(len(robots))
-    _find(maps.grids, robots, starts, ends, unseen, ahead, metres)
+    ahead = starts.copy()
+    _find(maps.grids, robots, starts, ends, unseen, ahead)
     last = maps.centres(robots, ends)
     near = np.linalg.norm(last - targets, axis=1) < RESOLUTION
     last[near] = targets[near]
     points = maps.centres(robots, ahead)
     straight = ahead == ends
     points[straight] = last[straight]
-    return LocalPaths(points, last, metres)
+    return LocalPaths(points, last)
 
 
 class LocalPolicy:
@@ -115,7 +113,7 @@ class LocalPolicy:
         last = self._action[robots]
         back = np.isin(last, (LEFT, RIGHT)) & (turn != last) & (np.abs(bearing) < _SWING)
         actions = np.where(back, FORWARD, actions)
-        # A robot at a wall that its map has elsewhere turns on the way that it turned last.
+        # A robot at a wall that its map has elsewhere turns towards its path before it tries again.
         self._evade[robots] = np.where(blocked, _EVADE, np.maximum(self._evade[robots] - 1, 0))
         evading = self._evade[robots] > 0
         actions = np.where(evading & (actions == FORWARD), turn, actions)
@@ -138,12 +136,12 @@ class LocalPolicy:
         self._age[robots] += moved
         done = (left < _DONE) | (moved & (self._age[robots] >= _KEPT))
         stale = ~(gone < _MOVED) | done | blocked
-        some = np.flatnonzero(stale)
-        if len(some):
-            mine = robots[some]
-            found = find_paths(self.maps, mine, odometry[some], targets[some], self._unseen)
+        rows = np.flatnonzero(stale)
+        if len(rows):
+            mine = robots[rows]
+            found = find_paths(self.maps, mine, odometry[rows], targets[rows], self._unseen)
             self._ahead[mine], self._ends[mine] = found.ahead, found.ends
-            self._targets[mine], self._age[mine] = targets[some], 0
+            self._targets[mine], self._age[mine] = targets[rows], 0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -154,9 +152,8 @@ def _find(
     targets: NDArray[np.intp],
     unseen: int,
     ahead: NDArray[np.intp],
-    metres: Array,
 ) -> None:
-    """Write a cell ahead on each path, its length, and over `targets` the cell where it ends."""
+    """Write a cell ahead on each path, and over `targets` the cell where it ends."""
     side = grids.shape[1]
     cost, ends = np.empty((side, side), np.uint8), np.zeros((side, side), np.uint8)
     length, parent = np.empty(side * side, np.int32), np.empty(side * side, np.int32)
@@ -169,8 +166,7 @@ def _find(
             ends[target // side, target % side] = 0
             target = _nearest(length, targets[m], side)
         ends[target // side, target % side] = 0
-        targets[m], metres[m] = target, length[target] * RESOLUTION / STRAIGHT
-        ahead[m] = _follow(cost, parent, start, target)
+        targets[m], ahead[m] = target, _follow(cost, parent, start, target)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

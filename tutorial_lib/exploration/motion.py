@@ -58,12 +58,12 @@ def move(
     wanted = to_world(poses, motions[:, :2])
     places, stopped = np.empty((len(poses), 2)), np.empty(len(poses), np.bool_)
     starts = np.ascontiguousarray(poses[:, :2])
-    _slide(starts, wanted, np.ascontiguousarray(segments), radius, places, stopped)
+    _advance_until_contact(starts, wanted, np.ascontiguousarray(segments), radius, places, stopped)
     return np.column_stack([places, wrap(poses[:, 2] + motions[:, 2])]), stopped
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _slide(
+def _advance_until_contact(
     starts: Array,
     wanted: Array,
     segments: Array,
@@ -72,15 +72,22 @@ def _slide(
     stopped: NDArray[np.bool_],
 ) -> None:
     """Advance in small steps while no wall comes nearer than `radius`, or none comes nearer."""
+    near = np.empty_like(segments)
     for n in range(len(starts)):
         x, y = starts[n, 0], starts[n, 1]
         dx, dy = wanted[n, 0] - x, wanted[n, 1] - y
-        count = int(np.ceil(np.sqrt(dx * dx + dy * dy) / _STEP))
-        before = _gap(x, y, segments)
+        metres = np.sqrt(dx * dx + dy * dy)
+        count = int(np.ceil(metres / _STEP))
+        found = 0  # walls that are in reach
+        for s in range(len(segments)):
+            if _gap(x, y, segments[s : s + 1]) < radius + metres + 2 * _STEP:
+                near[found] = segments[s]
+                found += 1
+        before = _gap(x, y, near[:found])
         places[n, 0], places[n, 1], stopped[n] = x, y, False
         for k in range(1, count + 1):
             px, py = x + dx * k / count, y + dy * k / count
-            gap = _gap(px, py, segments)
+            gap = _gap(px, py, near[:found])
             if gap < radius and gap < before - 1e-9:
                 stopped[n] = True
                 break

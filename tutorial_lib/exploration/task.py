@@ -13,7 +13,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import SUCCESS, Episodes
 from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
 from tutorial_lib.geometry import Array, compose, relative
-from tutorial_lib.interfaces import ExplorerAgent
+from tutorial_lib.interfaces import ExplorerAgent, SequentialExplorer
 from tutorial_lib.observation import Observation
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.noise import STOP, DiscreteNoise
@@ -228,13 +228,13 @@ def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:
 
 
 def explore_on(
-    task: ExplorationTask, agent: ExplorerAgent, goals: Array
+    task: ExplorationTask, agent: SequentialExplorer, goals: Array
 ) -> Iterator[tuple[NDArray[np.bool_], Array]]:
     """Let an agent look for several goals in a row, and remember between them (section 6.1).
 
     Args:
         task: with the first goals.
-        agent: one that can go on, see `ExplorerAgent.look_for`.
+        agent: one that can go on.
         goals: (K, N, 3) poses, the first ones included.
 
     Yields:

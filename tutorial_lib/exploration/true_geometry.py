@@ -43,6 +43,8 @@ class TrueGeometry:
         self._names = list(dict.fromkeys(task.episodes.worlds))
         self._number = np.array([self._names.index(name) for name in task.episodes.worlds])
         self._paths = {name: GridPaths(task.scenes[name].clearance) for name in self._names}
+        self._goals: Array | None = None
+        self._seen: dict[bytes, Array] = {}
         self._fields: dict[tuple[int, float, float], DistanceFields] = {}
 
     def embed(self, observations: Observation) -> NDArray[np.float32]:
@@ -51,11 +53,10 @@ class TrueGeometry:
         Raises:
             InputError: when a picture was taken elsewhere, or earlier.
         """
-        known: dict[bytes, Array] = {}
         task = self._task
-        for seen, poses in ((task.goals(), task.goal_poses), (task.observe(), task.poses)):
-            rows = np.column_stack([self._number, poses])
-            known |= {image.tobytes(): row for image, row in zip(seen.image, rows, strict=True)}
+        if self._goals is not task.goal_poses:
+            self._goals, self._seen = task.goal_poses, self._rows(task.goals(), task.goal_poses)
+        known = self._seen | self._rows(task.observe(), task.poses)
         try:
             found = [known[image.tobytes()] for image in observations.image]
         except KeyError:
@@ -63,6 +64,11 @@ class TrueGeometry:
                 "true geometry: knows pictures of this moment and goals only"
             ) from None
         return np.array(found, np.float32).reshape(len(observations), 4)
+
+    def _rows(self, seen: Observation, poses: Array) -> dict[bytes, Array]:
+        """Features by picture."""
+        rows = np.column_stack([self._number, poses])
+        return {image.tobytes(): row for image, row in zip(seen.image, rows, strict=True)}
 
     def explorable(self, features: NDArray[np.float32]) -> Array:
         """The labels of F_G (N, K)."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 
 import torch
 
+from tutorial_lib.learning.baseline_recipes import BaselineRecipe, baseline_card
 from tutorial_lib.learning.exploration_data import training_plan, unseen_plan
 from tutorial_lib.learning.exploration_recipes import FIRST_STOPPING
-from tutorial_lib.learning.imitation_data import EPISODES, ImitationSource, expert_episodes
+from tutorial_lib.learning.imitation_data import ImitationSource, expert_episodes
 from tutorial_lib.learning.imitation_network import (
     ImitationArchitecture,
     ImitationNetwork,
@@ -21,41 +22,12 @@ from tutorial_lib.learning.settings import Settings
 from tutorial_lib.learning.training import train
 from tutorial_lib.learning.weights import Card, load_card, load_network
 
-
-@dataclass(frozen=True)
-class ImitationRecipe:
-    """All that a recurrent policy comes from.
-
-    Attributes:
-        name: of the weights.
-        command: that trains them.
-        architecture: of the network.
-        settings: of its training; its "targets" are parts of episodes.
-        start: weights of the multi-task network that its encoder starts from; none if empty. That
-            makes the baseline stronger than the paper's, whose encoder knows only ImageNet.
-        worlds: how many training plans, seeds 0 and up.
-        validation_worlds: how many plans for early stopping.
-        episodes: of each plan, by difficulty.
-    """
-
-    name: str
-    command: str
-    architecture: ImitationArchitecture
-    settings: Settings
-    start: str = ""
-    worlds: int = 160
-    validation_worlds: int = 8
-    episodes: dict[str, int] = field(default_factory=lambda: dict(EPISODES))
-
-    def checkpoints(self, work: Path) -> tuple[Path]:
-        """File of the state of its training."""
-        return (work / f"{self.name}.pt",)
-
-
 STEPS = 4_000
 
 
-def _recipe(sensor: str) -> ImitationRecipe:
+def _recipe(sensor: str) -> BaselineRecipe:
+    # Its encoder starts from the multi-task network's: a stronger baseline than the paper's, whose
+    # encoder knows only ImageNet.
     settings = Settings(
         max_steps=STEPS,
         targets=8,
@@ -65,7 +37,7 @@ def _recipe(sensor: str) -> ImitationRecipe:
         patience=STEPS,
     )
     command, architecture = f"train il --sensor {sensor}", ImitationArchitecture(sensor)
-    return ImitationRecipe(f"il_{sensor}", command, architecture, settings, f"nts_{sensor}")
+    return BaselineRecipe(f"il_{sensor}", command, architecture, settings, f"nts_{sensor}")
 
 
 IMITATION = {sensor: _recipe(sensor) for sensor in ("rgb", "rgbd")}
@@ -73,7 +45,7 @@ IMITATION = {sensor: _recipe(sensor) for sensor in ("rgb", "rgbd")}
 
 
 def train_imitation(
-    recipe: ImitationRecipe, work: Path, jobs: int = 2
+    recipe: BaselineRecipe, work: Path, jobs: int = 2
 ) -> tuple[ImitationNetwork, Card]:
     """Train a policy by behaviour cloning, including its data.
 
@@ -105,23 +77,11 @@ def train_imitation(
         init_from=started,
         objective=ImitationObjective(),
     )
-    card = Card(
-        recipe.name,
-        recipe.command,
-        recipe.architecture,
-        recipe={
-            **asdict(recipe.settings),
-            "start": load_card(recipe.start).sha256 if recipe.start else "",
-            "worlds": recipe.worlds,
-            **source.recipe,
-        },
-        validation=progress.history[progress.best],
-        minutes=round((prepared + progress.seconds) / 60, 1),
-    )
-    return network, card
+    start = load_card(recipe.start).sha256 if recipe.start else ""
+    return network, baseline_card(recipe, source, progress, prepared, start)
 
 
-def _started(recipe: ImitationRecipe) -> ImitationNetwork | None:
+def _started(recipe: BaselineRecipe) -> ImitationNetwork | None:
     """A policy whose comparison with the goal has the weights of a multi-task network."""
     if not recipe.start:
         return None

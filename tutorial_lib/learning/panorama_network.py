@@ -260,8 +260,3 @@ def _times_conjugate(a: Tensor, b: Tensor) -> Tensor:
     """The product of complex numbers (..., 2) with conjugates of others."""
     real = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1]
     return torch.stack([real, a[..., 1] * b[..., 0] - a[..., 0] * b[..., 1]], dim=-1)
-
-
-def parameters_of(network: nn.Module) -> int:
-    """Number of a network's parameters."""
-    return sum(value.numel() for value in network.parameters())

@@ -27,6 +27,7 @@ SHARP = PanoramicCamera(rows=64, columns=768)
 _WIDE, _HIGH, _MARGIN, _PLAN = 1260, 1000, 20, 600
 _GOAL = (760, 80)  # pixels of the goal's picture
 _CAPTION = 24
+_PATH = 8  # pixels, so that it is seen under the graph's edges
 _BEYOND = 4.5  # metres shown beyond where the robot was
 _HALO = 0.5  # metres around the robot at which a ring shows where it is
 _LEGEND = (
@@ -91,8 +92,9 @@ class ExplorationFilm(Sequence[Picture]):
             goal: (3,) where the goal's picture was taken.
             title: of all frames.
         """
-        tracks = [moments[-1].track, goal[None, :2]]
-        self._view = PlanView(scene, _PLAN, _PLAN, bounds=_around(np.concatenate(tracks), scene))
+        believed = to_world(start, np.array([moment.odometry[:2] for moment in moments]))
+        shown = np.concatenate([moments[-1].track, believed, goal[None, :2]])
+        self._view = PlanView(scene, _PLAN, _PLAN, bounds=_around(shown, scene))
         self._moments = moments
         self._start, self._goal, self._title = start, goal, title
         self._picture = panorama_picture(SHARP.look(scene, goal[None])[0][0], *_GOAL)
@@ -145,10 +147,10 @@ class ExplorationFilm(Sequence[Picture]):
         picture = draw_seen(view, moment.grid, moment.corner, RESOLUTION, self._start)
         if moment.goal_seen is not None:
             path = np.stack([moment.odometry[:2], moment.goal_seen])
-            view.polyline(picture, to_world(self._start, path), colours.PATH, 4)
+            view.polyline(picture, to_world(self._start, path), colours.PATH, _PATH)
             view.goal(picture, to_world(self._start, moment.goal_seen))
         elif len(graph.path):
-            view.polyline(picture, to_world(self._start, graph.path), colours.PATH, 4)
+            view.polyline(picture, to_world(self._start, graph.path), colours.PATH, _PATH)
         nodes, ghosts = (to_world(self._start, one) for one in (graph.nodes, graph.ghosts))
         draw_ghost_graph(view, picture, nodes, graph.edges, ghosts, graph.hosts, graph.scores)
         self._draw_robot(picture, compose(self._start, moment.odometry))

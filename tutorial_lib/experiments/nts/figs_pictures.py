@@ -106,7 +106,7 @@ def _choices(rows: Rows) -> Picture:
 
 def _draw_moment(view: PlanView, base: Picture, row: Row, moment: Row) -> Picture:
     plan = base.copy()
-    view.polyline(plan, moment["path"], colours.PATH, 4)
+    view.polyline(plan, moment["path"], colours.PATH, 8)  # wider than the edges on it
     draw_ghost_graph(
         view,
         plan,
