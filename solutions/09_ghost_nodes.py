@@ -57,7 +57,7 @@ from tutorial_lib.exploration.task import explore as run_agent
 from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.learning.exploration_model import LearnedExploration
 from tutorial_lib.viz import PlanView, chart, colours, faded, from_figure, side_by_side, stacked
-from tutorial_lib.viz.canvas.ghosts import draw_ghost_graph
+from tutorial_lib.viz.canvas.ghost_graphs import draw_ghost_graph
 from tutorial_lib.viz.figures.directions import map_picture, panorama_picture, scored_panorama
 from tutorial_lib.world import PanoramicCamera, scene_of
 

@@ -108,9 +108,9 @@ MUTATIONS = [
     ),
     (
         "the ghost with the lowest score is the darkest",
-        "viz/canvas/ghosts.py",
+        "viz/canvas/ghost_graphs.py",
         "share = (values - low) / span",
         "share = 1 - (values - low) / span",
-        "viz/canvas/test_ghosts.py",
+        "viz/canvas/test_ghost_graphs.py",
     ),
 ]

@@ -152,7 +152,8 @@ class ExplorationFilm(Sequence[Picture]):
         elif len(graph.path):
             view.polyline(picture, to_world(self._start, graph.path), colours.PATH, _PATH)
         nodes, ghosts = (to_world(self._start, one) for one in (graph.nodes, graph.ghosts))
-        draw_ghost_graph(view, picture, nodes, graph.edges, ghosts, graph.hosts, graph.scores)
+        hung = list(zip(graph.hosts, ghosts, graph.scores, strict=True))
+        draw_ghost_graph(view, picture, nodes, graph.edges, hung, written=True)
         self._draw_robot(picture, compose(self._start, moment.odometry))
         return picture
 

@@ -107,15 +107,8 @@ def _choices(rows: Rows) -> Picture:
 def _draw_moment(view: PlanView, base: Picture, row: Row, moment: Row) -> Picture:
     plan = base.copy()
     view.polyline(plan, moment["path"], colours.PATH, 8)  # wider than the edges on it
-    draw_ghost_graph(
-        view,
-        plan,
-        moment["nodes"],
-        moment["edges"],
-        moment["ghosts"],
-        moment["hosts"],
-        moment["scores"],
-    )
+    hung = list(zip(moment["hosts"], moment["ghosts"], moment["scores"], strict=True))
+    draw_ghost_graph(view, plan, moment["nodes"], moment["edges"], hung, written=True)
     _draw_ends(view, plan, row)
     return plan
 

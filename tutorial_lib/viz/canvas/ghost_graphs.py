@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,50 +12,81 @@ from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
-GHOST = colours.PERSON
-"""Of ghost nodes, in all pictures."""
 UNSEEN = (206, 209, 214)
 """Of what no ray has reached yet."""
 _TINTS = np.array([UNSEEN, colours.PAPER, colours.SOLID], np.uint8)  # unknown, free, occupied
-_NODE, _RING = 6.0, (7.0, 4.5)  # pixels
+_NODE, _GHOST = 0.22, 0.26
+"""Metres of the discs of nodes, and of the rings of ghosts."""
+GHOST = colours.ROBOT
+"""Of the ghost with the highest score."""
+_LOW = (222, 232, 240)
+"""Of that with the lowest."""
 
 
 def draw_ghost_graph(
     view: PlanView,
     picture: Picture,
-    nodes: ArrayLike,
-    edges: Sequence[tuple[int, int]],
-    ghosts: ArrayLike,
-    hosts: Sequence[int],
-    scores: Sequence[float] = (),
+    nodes: Sequence[ArrayLike] | Array,
+    edges: Iterable[tuple[int, int]],
+    ghosts: Sequence[tuple[int, ArrayLike, float]] = (),
+    chosen: ArrayLike | None = None,
+    written: bool = False,
 ) -> None:
-    """Draw nodes as dots, and ghosts as rings that hang on them, with their scores.
+    """Draw nodes with their numbers, edges, and ghosts, the darker the higher their score.
 
     Args:
         view: of the plan.
-        picture: to draw on.
-        nodes: (V, 2).
-        edges: between nodes.
-        ghosts: (G, 2).
-        hosts: (G,) the node on which each ghost hangs.
-        scores: (G,) written beside the ghosts; none unless given.
+        picture: is drawn on.
+        nodes: (V, 2) places, or (V, 3) poses.
+        edges: pairs of nodes.
+        ghosts: for each the node on which it hangs, its place (2,) and its score.
+        chosen: (2,) the place to which the robot is going; a green ring.
+        written: whether the scores stand beside their ghosts.
     """
-    nodes = np.asarray(nodes, dtype=float).reshape(-1, 2)
-    ghosts = np.asarray(ghosts, dtype=float).reshape(-1, 2)
-    for ghost, host in zip(ghosts, hosts, strict=True):
-        view.polyline(picture, np.stack([nodes[host], ghost]), GHOST, 1)
+    places = np.asarray(nodes, dtype=float).reshape(len(nodes), -1)[:, :2]
     for first, second in edges:
-        view.polyline(picture, nodes[[first, second]], colours.INK, 2)
-    view.points(picture, nodes, colours.INK, _NODE)
-    for radius, colour in zip(_RING, (GHOST, colours.PAPER), strict=True):
-        view.points(picture, ghosts, colour, radius)
-    for ghost, score in zip(ghosts, scores, strict=False):
-        column, row = np.round(view.pixels(ghost)).astype(int).tolist()
-        text = f"{score:.2f}".removeprefix("0")
-        wide, high = text_size(text, 0.45)
-        left, top = max(column + 9, 0), max(row + 4 - high, 0)
-        picture[top : top + high + 2, left : left + wide + 1] = colours.PAPER
-        label(picture, text, left, top + high, 0.45)
+        view.polyline(picture, places[[first, second]], colours.INK, 3.0)
+    for (_, place, _), tone in zip(ghosts, score_colours([g[2] for g in ghosts]), strict=True):
+        view.disc(picture, place, _GHOST + 0.05, colours.FAINT)
+        view.disc(picture, place, _GHOST, tone)
+    for node, place, score in ghosts:
+        gap = np.asarray(place, dtype=float) - places[node]
+        far = float(np.linalg.norm(gap))
+        if far > _NODE + _GHOST:
+            ends = places[node] + gap * np.array([[_NODE], [far - _GHOST]]) / far
+            view.polyline(picture, ends, colours.FAINT, 1.0)
+        if written:
+            _write_score(view, picture, place, score)
+    if chosen is not None:
+        for radius in (0.42, 0.5):
+            view.ring(picture, chosen, radius, colours.GOAL)
+    for number, place in enumerate(places):
+        view.disc(picture, place, _NODE + 0.04, colours.PAPER)
+        view.disc(picture, place, _NODE, colours.INK)
+        wide, high = text_size(str(number), 0.5)
+        corner = view.pixels(place) + np.array([-wide / 2, high / 2])
+        label(picture, str(number), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
+
+
+def _write_score(view: PlanView, picture: Picture, place: ArrayLike, score: float) -> None:
+    """Write the score of a ghost to the right of it."""
+    column, row = np.round(view.pixels(place)).astype(int).tolist()
+    text = f"{score:.2f}".removeprefix("0")
+    wide, high = text_size(text, 0.45)
+    left, top = max(column + round(1.5 * _GHOST * view.scale), 0), max(row + 4 - high, 0)
+    picture[top : top + high + 2, left : left + wide + 1] = colours.PAPER
+    label(picture, text, left, top + high, 0.45)
+
+
+def score_colours(scores: Sequence[float]) -> list[tuple[int, int, int]]:
+    """A colour for each score, from pale for the lowest to blue for the highest of them."""
+    values = np.asarray(scores, dtype=float)
+    if not len(values):
+        return []
+    low, span = float(values.min()), float(np.ptp(values))
+    share = (values - low) / span if span > 0 else np.ones(len(values))
+    mixed = np.array(_LOW) + share[:, None] * (np.array(GHOST) - np.array(_LOW))
+    return [(int(red), int(green), int(blue)) for red, green, blue in mixed.round()]
 
 
 def draw_seen(
