@@ -6,6 +6,7 @@ import pytest
 from tutorial_lib.geometry import to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.ghost_graphs import (
+    GHOST,
     UNSEEN,
     draw_ghost_graph,
     draw_seen,
@@ -41,7 +42,7 @@ def test_the_ghost_with_the_higher_score_is_darker_and_hangs_on_its_node(box):
     ghosts = [(0, [2.0, 5.0], 0.4), (1, [5.0, 5.0], 0.9)]
     view, picture = drawn(box, ghosts)
     low, high = at(view, picture, [2.0, 5.0]), at(view, picture, [5.0, 5.0])
-    assert high == colours.ROBOT
+    assert high == GHOST
     assert sum(low) > sum(high) + 200
     assert at(view, picture, [5.0, 3.5]) != colours.PAPER  # the line from its node
     assert at(view, picture, [3.5, 5.0]) == colours.PAPER
@@ -56,7 +57,7 @@ def test_where_the_robot_goes_has_a_green_ring(box):
 
 def test_scores_that_are_all_alike_have_one_colour():
     assert score_colours([]) == []
-    assert score_colours([0.5, 0.5]) == [colours.ROBOT] * 2
+    assert score_colours([0.5, 0.5]) == [GHOST] * 2
     low, middle, high = score_colours([0.2, 0.3, 0.4])
     assert sum(low) > sum(middle) > sum(high)
 

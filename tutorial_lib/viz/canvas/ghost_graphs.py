@@ -17,9 +17,9 @@ UNSEEN = (206, 209, 214)
 _TINTS = np.array([UNSEEN, colours.PAPER, colours.SOLID], np.uint8)  # unknown, free, occupied
 _NODE, _GHOST = 0.22, 0.26
 """Metres of the discs of nodes, and of the rings of ghosts."""
-GHOST = colours.ROBOT
+GHOST = colours.PERSON
 """Of the ghost with the highest score."""
-_LOW = (222, 232, 240)
+_LOW = (236, 226, 238)
 """Of that with the lowest."""
 
 
@@ -43,7 +43,7 @@ def draw_ghost_graph(
         chosen: (2,) the place to which the robot is going; a green ring.
         written: whether the scores stand beside their ghosts.
     """
-    places = np.asarray(nodes, dtype=float).reshape(len(nodes), -1)[:, :2]
+    places = np.array([node[:2] for node in np.asarray(nodes, dtype=float)]).reshape(-1, 2)
     for first, second in edges:
         view.polyline(picture, places[[first, second]], colours.INK, 3.0)
     for (_, place, _), tone in zip(ghosts, score_colours([g[2] for g in ghosts]), strict=True):
