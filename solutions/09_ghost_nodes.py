@@ -206,7 +206,7 @@ show(stacked(panels, ["at the start", "near the goal"]))
 #
 # ## 3 · An episode, step by step
 #
-# Here is the agent of the library on a hard episode. On white is **what it remembers**: nodes (dark, numbered), the edges between them, and [[ghost node]]s at the rim (purple, the darker the higher their score). The green ring is where it is going, the blue arrowhead where it believes to be. Below: the goal's picture, what it sees now, and the panorama of its node with scores; the direction of the ghost that it goes to is green, if it hangs on this node.
+# Here is the agent of the library on a hard episode. On white is **what it remembers**: nodes (dark, numbered), the edges between them, and [[ghost node]]s at the rim (purple, the darker the higher their score). The green ring is where it is going, the blue arrowhead where it takes itself to be. Below: the goal's picture, what it sees now, and the panorama of its node with scores; the direction of the ghost that it goes to is green, if it hangs on this node.
 #
 # **Predict, before you ask for the truth:** at the first step, which direction would *you* take? Where in the building is the goal? Then move the slider, and at last choose *shown*: the plan, the goal (green ring with a dot), the true path, and the true scores (orange lines).
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.agents.test_agents import (
+from tests.agents.line import (
     Line,
     LineController,
     LinePredictor,

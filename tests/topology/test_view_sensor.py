@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tests.agents.test_agents import LinePredictor, LineReachability, at_places, line_map
+from tests.agents.line import LinePredictor, LineReachability, at_places, line_map
 from tutorial_lib.topology.view_sensor import ViewSensor
 
 

@@ -791,14 +791,6 @@ def edge_weights__and(reach, driven, p_edge):
     return np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
 
 
-def edge_weights__diag_zero(reach, driven, p_edge):
-    """no vertex is joined to itself; the diagonal is inf"""
-    kept = (reach > p_edge) | driven
-    w = np.where(kept, -np.log(np.maximum(reach, 1e-12)), np.inf)
-    np.fill_diagonal(w, 0)
-    return w
-
-
 def edge_weights__diag_one(reach, driven, p_edge):
     """yours joins vertex 0 to itself with 1; the diagonal is np.inf"""
     kept = (reach > p_edge) | driven
