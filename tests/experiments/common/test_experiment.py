@@ -153,4 +153,5 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_table1 geometry",
         "nts_table2 geometry",
         "nts_fig8 geometry",
+        "nts_figs geometry",
     }
