@@ -64,6 +64,7 @@ COMMANDS = {
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "meng_fig12": "experiment meng_fig12",
     "meng_fig12_localization": "experiment meng_fig12 --ablation localization",
+    "meng_table2_remedies": "experiment meng_table2 --remedies all",
     "meng_table2_remedies_02": (
         "experiment meng_table2 --worlds 20000:20010 --drives 0.2 --remedies all"
     ),
