@@ -154,8 +154,8 @@ class GhostGraph:
     def shortest(self, node: int) -> tuple[Array, NDArray[np.intp]]:
         """Dijkstra's algorithm: metres (V,) to every node, and the node before it, -1 for none.
 
-        Kept until the graph changes. With the few nodes of a robot's graph, scipy's takes several
-        times as long, most of it to make a sparse matrix of the edges.
+        Kept until the graph changes. scipy's takes a sparse matrix, which has no place for an edge
+        of no length, and with it twice as long for fifteen nodes (1.3 times for forty).
         """
         return self._dijkstra(node)[:2]
 

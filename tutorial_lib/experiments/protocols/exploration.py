@@ -55,7 +55,8 @@ def make_world(seed: int, signs: str, each: int, drawn: int, palette: str = "sta
         signs: "plain" or "wayfinding".
         each: episodes of each difficulty.
         drawn: seed of the episodes.
-        palette: of the world.
+        palette: of the world. The network that explores is trained with every hue, so that those
+            of a shifted palette are not new to it.
     """
     name = exploration_world(seed, signs, palette)
     scene = scene_of(name)
