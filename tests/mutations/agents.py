@@ -121,4 +121,25 @@ MUTATIONS = [
         "return np.where(actions >= 0, actions, STOP)",
         "agents/test_explorers.py -k imitating",
     ),
+    (
+        "a robot remembers no way back",
+        "agents/returning.py",
+        "turned(there[::-1], np.pi)",
+        "turned(there[::-1], 0.0)",
+        "agents/test_returning.py -k shows_the_path",
+    ),
+    (
+        "a robot without a path never explores",
+        "agents/returning.py",
+        "actions = self._explorer.act(observations, running)",
+        "actions = 0 * self._explorer.act(observations, running)",
+        "agents/test_returning.py -k takes_over",
+    ),
+    (
+        "a path is followed whatever way the robot looks",
+        "agents/returning.py",
+        "facing = ~(np.abs(aside) > _FACES)",
+        "facing = ~(np.abs(aside) > 9.0)",
+        "agents/test_returning.py -k memory_leads",
+    ),
 ]

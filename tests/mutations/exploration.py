@@ -344,4 +344,25 @@ MUTATIONS = [
         ".sum(axis=-1).mean(axis=-1)",
         "agents/test_explorers.py -k other_scores",
     ),
+    (
+        "a view is turned the other way",
+        "exploration/turned_views.py",
+        "(np.pi - borders - headings[:, None])",
+        "(np.pi - borders + headings[:, None])",
+        "exploration/test_turned_views.py",
+    ),
+    (
+        "a panorama's rows are taken for the camera's",
+        "exploration/turned_views.py",
+        "(1.0 - flatten * slopes)",
+        "(1.0 - slopes + 0 * flatten)",
+        "exploration/test_turned_views.py",
+    ),
+    (
+        "a scan is not turned with the robot",
+        "exploration/turned_views.py",
+        "full_circle(laser.beams) + headings[:, None]",
+        "full_circle(laser.beams) + 0 * headings[:, None]",
+        "exploration/test_turned_views.py",
+    ),
 ]

@@ -10,6 +10,7 @@ from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.agents.remedies import REMEDIES, Remedies
 from tutorial_lib.agents.remedy_agent import RemedyAgent
+from tutorial_lib.agents.returning import ReturningAgent
 from tutorial_lib.agents.sptm import SPTMAgent
 
 __all__ = [
@@ -25,5 +26,6 @@ __all__ = [
     "RandomWalkAgent",
     "Remedies",
     "RemedyAgent",
+    "ReturningAgent",
     "SPTMAgent",
 ]

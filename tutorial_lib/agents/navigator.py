@@ -12,7 +12,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,7 +154,7 @@ class MapNavigation:
         if not plan.refusal or (plan.probability > 0 and np.isfinite(self._lost_at[robot])):
             self._searched[robot], self.plans[robot] = 0, plan
             path = [*plan.vertices, int(self._first[robot]) + plan.goal]
-            self.follower.assign(robot, path, self._turns(plan))
+            self.follower.assign(robot, path, self._topomap.turns_on(plan.vertices))
         elif plan.probability > 0:
             # The best path is refused; to search elsewhere will not help.
             self.plans[robot], self.given_up[robot] = plan, True
@@ -171,12 +170,6 @@ class MapNavigation:
         if self._searched[robot] < LOOK_TIME / STEP:
             excluded |= self._whereabouts.excluded(robot, odometry)
         return excluded
-
-    def _turns(self, plan: Plan) -> dict[int, float]:
-        """The places of a plan before which the robot turns, and by how many rad."""
-        steps = enumerate(pairwise(plan.vertices), start=1)
-        edges = {place: self._topomap.graph.get_edge_data(*step, {}) for place, step in steps}
-        return {place: edge["turn"] for place, edge in edges.items() if "turn" in edge}
 
     def _lose(self, robot: int, odometry: Array) -> None:
         """Replan in the next step; what could not be passed is excluded for a time."""

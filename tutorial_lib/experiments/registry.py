@@ -27,9 +27,9 @@ from tutorial_lib.experiments.meng2020 import (
 from tutorial_lib.experiments.nts import fig8 as nts_fig8
 from tutorial_lib.experiments.nts import figs as nts_figs
 from tutorial_lib.experiments.nts import scores as nts_scores
+from tutorial_lib.experiments.nts import second_visit, wayfinding
 from tutorial_lib.experiments.nts import table1 as nts_table1
 from tutorial_lib.experiments.nts import table2 as nts_table2
-from tutorial_lib.experiments.nts import wayfinding
 from tutorial_lib.experiments.robustness import disturbances, faults, plans
 
 _EXPERIMENTS = (
@@ -55,6 +55,7 @@ _EXPERIMENTS = (
     nts_table2,
     nts_fig8,
     nts_figs,
+    second_visit,
 )
 _BENCHMARKS = (raycast, fleet, control, reachability, map_building, explore)
 

@@ -27,10 +27,10 @@ AGENTS = {
         *("nts", "nts_no_graph", "nts_no_score", "nts_blind"),
         *("fbe", "ans_like", "il", "random", "oracle"),
     ),
-    "rgb": ("nts", "nts_blind", "ans_like", "il"),
+    "rgb": ("nts", "ans_like", "il"),
 }
 """The agents of Table 1 by sensor. Frontier exploration maps measured depth, so that it has no row
-without; bounds and the ablations of the graph and the score are run with depth only."""
+without; bounds and the ablations of graph, score and goal are run with depth only."""
 WITH_GEOMETRY = (
     *("nts", "nts_2m", "nts_no_graph", "nts_no_score", "nts_histogram"),
     *("fbe", "random", "oracle"),

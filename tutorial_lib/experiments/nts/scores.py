@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.explorers import check_shipped, shipped
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.directions import regret_of
@@ -22,7 +23,6 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.exploration_data import SHORTEST, random_poses
-from tutorial_lib.learning.exploration_model import LearnedExploration
 from tutorial_lib.learning.exploration_training import WITHIN
 from tutorial_lib.observation import Observation
 from tutorial_lib.parallel import for_each
@@ -32,7 +32,8 @@ from tutorial_lib.world.worlds import scene_of
 
 SCORES = ("semantic", "blind", "histogram", "random")
 """F_S; the same network with scores that see the source alone; how much a direction's patch has the
-colours of some patch of the goal; and no knowledge at all."""
+colours of some patch of the goal; and no knowledge at all. The blind one is compared with depth
+only."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,13 @@ class Chosen:
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
-    """Let all scores choose at the same places, with and without signs."""
+    """Let all scores choose at the same places, with and without signs.
+
+    Raises:
+        InputError: where weights are missing, before anything is run.
+    """
+    for sensor in settings.sensors:
+        check_shipped(("nts",) if sensor == "rgb" else ("nts", "nts_blind"), sensor)
     rows: Rows = []
     for signs in SIGNS:
         names = [exploration_world(seed, signs) for seed in options.worlds]
@@ -74,7 +81,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         for sensor in settings.sensors:
             regret = {
                 score: np.concatenate([chosen.regret[sensor, score] for chosen in found])
-                for score in SCORES
+                for score in scores_of(sensor)
             }
             for number, difficulty in enumerate(DIFFICULTIES):
                 mine = levels == number
@@ -135,15 +142,20 @@ def choices(name: str, seed: int, settings: Settings) -> Chosen:
     return Chosen(level.argmax(axis=1), regret)
 
 
+def scores_of(sensor: str) -> tuple[str, ...]:
+    """Those of `SCORES` that are compared with a sensor."""
+    return tuple(score for score in SCORES if score != "blind" or sensor == "rgbd")
+
+
 def models_of(sensor: str, rng: np.random.Generator) -> dict[str, ExplorationModel]:
-    """What scores directions, by the names of `SCORES`; `rng` draws random ones."""
-    learned = LearnedExploration(f"nts_{sensor}")
-    return {
+    """What scores directions, by the names of `scores_of`; `rng` draws random ones."""
+    learned = shipped("nts", sensor)
+    models = {
         "semantic": learned,
-        "blind": LearnedExploration(f"nts_blind_{sensor}"),
         "histogram": HistogramScores(learned),
         "random": RandomScores(learned, rng),
     }
+    return models if sensor == "rgb" else models | {"blind": shipped("nts_blind", sensor)}
 
 
 EXPERIMENT = Experiment(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import networkx as nx
@@ -93,6 +94,12 @@ class TopoMap:
             weight=float(weight(probability)),
             driven=old["driven"] + driven,
         )
+
+    def turns_on(self, vertices: Sequence[int]) -> dict[int, float]:
+        """The places of a path before which a robot turns in place, and by how many rad."""
+        steps = enumerate(pairwise(vertices), start=1)
+        edges = {place: self.graph.get_edge_data(*step, {}) for place, step in steps}
+        return {place: edge["turn"] for place, edge in edges.items() if "turn" in edge}
 
     def connect_by_turn(self, source: int, target: int, probability: float, angle: float) -> bool:
         """Add an edge on which the robot turns by so many rad, unless there is one already."""

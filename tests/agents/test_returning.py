@@ -1,0 +1,135 @@
+"""The second visit, with a map of the first one and with an explorer behind it."""
+
+import numpy as np
+import pytest
+
+from tests.conftest import in_turn
+from tutorial_lib.agents.returning import ReturningAgent, ReturnSettings, visit
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.explorers import make_explorer
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.nts import second_visit
+from tutorial_lib.experiments.protocols.visits import PASSED, Recorder, draw_return
+from tutorial_lib.exploration.episodes import (
+    Episodes,
+    draw_episodes,
+    draw_sequence,
+    exploration_world,
+)
+from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
+from tutorial_lib.geometry import wrap
+from tutorial_lib.world.worlds import scene_of
+
+WORLD = exploration_world(10_100)
+COUNTS = {"passed": 3, "elsewhere": 1}
+FEW = ReturnSettings(headings=4, losses=2)
+
+
+@pytest.fixture(scope="module")
+def explored():
+    """A world, the run of a robot in it, and its true path."""
+    name, scene = WORLD, scene_of(WORLD)
+    rng = np.random.default_rng(2)
+    first = draw_episodes(name, scene, {"medium": 1}, rng)
+    goals = draw_sequence(scene, first.goals, 3, rng)
+    task = ExplorationTask({name: scene}, first, rng)
+    recorder = Recorder(make_explorer("nts", task, "rgbd", rng, geometry=True))
+    assert all(reached.all() for reached, _ in explore_on(task, recorder, goals))
+    return name, scene, recorder.run, np.concatenate(task.path)
+
+
+@pytest.fixture(scope="module")
+def memory(explored):
+    """What the agent of Meng 2020 learns of it."""
+    return second_visit.learned_from(explored[2])
+
+
+@pytest.fixture(scope="module")
+def trials(explored):
+    """Episodes of the second visit."""
+    name, scene, _, path = explored
+    return draw_return(name, scene, path, COUNTS, np.random.default_rng(1))
+
+
+def task_of(explored, episodes):
+    name, scene, *_ = explored
+    return ExplorationTask({name: scene}, episodes, np.random.default_rng(7))
+
+
+def test_a_visit_shows_the_path_there_and_the_path_back(explored):
+    there, back = visit(explored[2], 0)
+    assert len(there.observations) == len(back.observations) < len(explored[2])
+    places, reverse = (one.observations.odometry for one in (there, back))
+    assert np.array_equal(places[:, :2], reverse[::-1, :2])
+    assert np.allclose(np.abs(wrap(places[:, 2] - reverse[::-1, 2])), np.pi)
+    assert (np.linalg.norm(np.diff(places[:, :2], axis=0), axis=1) > 0.1).all()
+    assert back.timestamps[0] > there.timestamps[-1]
+    assert visit(explored[2][:1], 0) == []
+
+
+def test_trials_start_where_the_robot_passed_and_goals_are_there_or_nowhere_near(explored, trials):
+    episodes, kinds = trials
+    path = explored[3][:, None, :2]
+    for places, passed in ((episodes.starts, kinds != ""), (episodes.goals, kinds == "passed")):
+        gaps = np.linalg.norm(path - places[:, :2], axis=2).min(axis=0)
+        assert (gaps[passed] <= PASSED).all()
+        assert (gaps[~passed] >= 2.0).all()
+    assert (episodes.shortest >= 3.0).all()
+    nothing = explored[3][:1]
+    with pytest.raises(InputError, match=r"passed no place 3\.0 m from a goal"):
+        draw_return(*explored[:2], nothing, COUNTS, np.random.default_rng(1))
+
+
+def test_memory_leads_to_places_that_the_robot_passed(explored, memory, trials):
+    episodes, kinds = trials
+    task = task_of(explored, episodes[np.flatnonzero(kinds == "passed")])
+    agent = ReturningAgent(memory, settings=FEW)
+    explore(task, agent)
+    assert task.success.mean() > 0.6
+    assert (agent.recalled > 0).all()
+    assert task.spl.mean() > 0.5
+
+
+def test_the_explorer_takes_over_where_nothing_is_remembered(explored, memory, trials):
+    episodes, kinds = trials
+    task = task_of(explored, episodes)
+    rng = np.random.default_rng(3)
+    agent = second_visit.make_method("both", memory, task, rng, geometry=True)
+    explore(task, agent)
+    assert task.success.all()
+    assert (agent.recalled[kinds == "passed"] > 0).any()
+    away = kinds == "elsewhere"
+    assert agent.recalled[away].mean() < agent.recalled[~away].mean()
+
+
+def test_a_robot_that_neither_remembers_nor_explores_stops(explored, memory, trials):
+    episodes, kinds = trials
+    task = task_of(explored, episodes[np.flatnonzero(kinds == "elsewhere")])
+    explore(task, ReturningAgent(memory, settings=FEW))
+    assert task.done.all()
+    assert not task.success.any()
+    assert (task.steps < 300).all()
+
+
+def test_a_robot_that_is_done_is_left_alone(explored, memory, trials):
+    episodes: Episodes = trials[0]
+    task = task_of(explored, episodes)
+    agent = ReturningAgent(memory, settings=FEW)
+    agent.start(task.goals())
+    running = np.arange(len(episodes)) % 2 == 0
+    actions = agent.act(task.observe(), running)
+    assert (actions[~running] == 0).all()
+    assert all(agent.plans[i] is None for i in np.flatnonzero(~running))
+
+
+def test_the_experiment_compares_three_methods_on_the_same_trials(monkeypatch):
+    monkeypatch.setattr(second_visit, "for_each", in_turn)
+    settings = second_visit.Settings(3, 1, geometry=True)
+    rows, notes = second_visit.run(Options(worlds=(10_100,)), settings)
+    keys = [(row["method"], row["signs"], row["goals"]) for row in rows]
+    assert len(set(keys)) == len(keys) == 3 * 2 * 3
+    for row in rows:
+        assert row["trials"] == (2 if row["goals"] == "all" else 1)
+        assert (row["gain"] is None) == (row["method"] == "both")
+        assert (row["recalled"] is None) == (row["method"] == "explorer")
+    assert "actions" in notes[0]

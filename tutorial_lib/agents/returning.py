@@ -1,0 +1,246 @@
+"""The second visit: what an exploration saw becomes a map, on which paths are planned.
+
+The agent of Meng 2020 cannot go where it never was, and that of Neural Topological SLAM forgets
+what it explored. Here the first calls the second where no path is probable enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.agents.map_targets import MapTargets
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.nts import NTSAgent
+from tutorial_lib.exploration.bearings import bearing_of
+from tutorial_lib.exploration.local_map import LocalMaps
+from tutorial_lib.exploration.local_policy import LocalPolicy
+from tutorial_lib.exploration.turned_views import turned
+from tutorial_lib.geometry import Array, wrap
+from tutorial_lib.interfaces import Edges, Plan
+from tutorial_lib.observation import Experience, Goals, Observation
+from tutorial_lib.topology.following.anchor_paths import AnchorPaths
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.world.noise import LEFT, RIGHT, STOP
+
+DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1)
+"""For actions of 0.25 m, each of which counts as a step of 0.1 s; the heading does not matter."""
+_ACTION = 0.5  # seconds that an action takes, about
+_LEAST = 0.15  # metres that a frame is from the next, at least
+_FACES = np.deg2rad(10.0)  # off which a robot turns before it follows a path: a turn
+
+
+@dataclass(frozen=True)
+class ReturnSettings:
+    """When a robot plans.
+
+    Attributes:
+        headings: evenly spaced, in which it looks for vertices, and in which goals may be met.
+        losses: of its path, after which a robot does not plan again.
+        pause: actions of exploring between two plans.
+    """
+
+    headings: int = 6
+    losses: int = 6
+    pause: int = 25
+
+
+class StandStill:
+    """A `Controller` that leaves the driving to the local policy."""
+
+    def act(self, observations: Observation, waypoints: Array) -> Array:
+        """Actions (N, 2): none."""
+        del observations
+        return np.zeros_like(waypoints)
+
+
+def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
+    """What one robot saw on its run: on the way there, and on the way back over its shoulder.
+
+    Only where it moved on is a frame kept; a panorama shows what is ahead and what is behind.
+
+    Args:
+        run: panoramas with depth of N robots, before each action.
+        robot: which of them.
+
+    Returns:
+        Two trajectories, neither where the robot hardly moved.
+    """
+    seen = Observation.joined([observations[robot] for observations in run])
+    moved = np.linalg.norm(np.diff(seen.odometry[:, :2], axis=0), axis=1)
+    kept = np.flatnonzero(np.append(moved, 1.0) > _LEAST)
+    if len(kept) < 2:
+        return []
+    there = seen[kept]
+    seconds = _ACTION * np.arange(len(kept))
+    return [
+        Experience(turned(there, 0.0), seconds),
+        Experience(turned(there[::-1], np.pi), seconds + seconds[-1] + 60.0),
+    ]
+
+
+class ReturningAgent:
+    """An `ExplorerAgent` that plans over a map, and explores where no path is probable enough.
+
+    Attributes:
+        plans: the last plan of each robot; None where it has none.
+        follower: follows the plans.
+        recalled: (N,) actions that each robot took along plans.
+    """
+
+    def __init__(
+        self,
+        memory: MengAgent,
+        explorer: NTSAgent | None = None,
+        settings: ReturnSettings | None = None,
+    ) -> None:
+        """Navigate with what `memory` learned.
+
+        Args:
+            memory: has learned from trajectories such as those of `visit`.
+            explorer: acts where there is no path; without it, such a robot stops.
+            settings: when to plan.
+        """
+        self._memory, self._explorer = memory, explorer
+        self._settings = ReturnSettings() if settings is None else settings
+        self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)
+        self._targets = MapTargets(memory.topomap, memory.predictor, memory.reachability)
+
+    def start(self, goals: Observation) -> None:
+        """Begin on the way to `goals` (N,), panoramas; see `ExplorerAgent`."""
+        count = len(goals)
+        self._goals = [self._looked_for(self._all_around(goals[n])) for n in range(count)]
+        first = len(self._memory.topomap.vertices)
+        self._first = first + self._settings.headings * np.arange(count)
+        contexts = np.concatenate([goal.contexts for goal in self._goals])
+        encoded = self._targets.followed_by(contexts)
+        paths = AnchorPaths(*encoded, [[goal] for goal in self._first])
+        follower = self._memory.make_follower()
+        self.follower = follower(paths, starts=np.zeros(count, dtype=int))
+        self.plans: list[Plan | None] = [None] * count
+        self.recalled = np.zeros(count, np.intp)
+        self._aims = np.full(count, np.nan)  # heading at which a path begins, until it is faced
+        self._due, self._lost = np.zeros((2, count), np.intp)
+        self._excluded: list[Edges] = [set() for _ in range(count)]
+        self._turns: list[dict[int, float]] = [{} for _ in range(count)]
+        self._maps = LocalMaps(count)
+        self._policy = LocalPolicy(self._maps)
+        if self._explorer is not None:
+            self._explorer.start(goals)
+
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Actions (N,) of all robots; those not `running` (N,) stop."""
+        robots = np.flatnonzero(running)
+        actions = self._explore(observations, running)
+        here = observations[robots]
+        self._maps.observe(robots, here.odometry, here.depth)
+        for row, robot in enumerate(robots):
+            if self.plans[robot] is None and self._is_due(robot):
+                self._plan(here[row], robot)
+        planned = [row for row, robot in enumerate(robots) if self.plans[robot] is not None]
+        rows = np.array(planned, dtype=np.intp)
+        actions[robots[rows]] = self._follow(turned(here[rows], 0.0), robots[rows])
+        return actions
+
+    def _explore(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """What the explorer does; it goes on for robots that see their goal."""
+        if self._explorer is None:
+            return np.full(len(running), STOP)
+        for robot in np.flatnonzero(running):
+            if self.plans[robot] is not None:
+                self._explorer.robots[robot].interrupt()
+        actions = self._explorer.act(observations, running)
+        for robot in np.flatnonzero(running & self._explorer.search.found):
+            self.plans[robot], self._due[robot] = None, self._settings.pause
+        return actions
+
+    def _is_due(self, robot: int) -> bool:
+        """Whether to plan now."""
+        if self._explorer is not None and self._explorer.search.found[robot]:
+            return False
+        self._due[robot] -= 1
+        return bool(self._due[robot] < 0 and self._lost[robot] <= self._settings.losses)
+
+    def _plan(self, observation: Observation, robot: int) -> None:
+        """Take the most probable path, whatever direction it begins in; or none."""
+        views = self._all_around(observation)
+        best, plan = self._best_path(views, robot)
+        if plan.refusal and self._excluded[robot]:
+            self._excluded[robot].clear()
+            best, plan = self._best_path(views, robot)
+        self._due[robot] = self._settings.pause
+        # A robot that cannot explore takes an improbable path rather than none.
+        if plan.refusal and (self._explorer is not None or not plan.probability):
+            return
+        self.plans[robot], self._aims[robot] = plan, views.odometry[best, 2]
+        path = [*plan.vertices, int(self._first[robot]) + plan.goal]
+        self.follower.assign(robot, path)
+        self._turns[robot] = self._memory.topomap.turns_on(plan.vertices)
+
+    def _best_path(self, views: Observation, robot: int) -> tuple[int, Plan]:
+        """The view from which the most probable path begins, and that path."""
+        around = self._goals[robot], self._excluded[robot]
+        plans = [self._memory.find_path(views[i], *around) for i in range(len(views))]
+        best = max(range(len(plans)), key=lambda i: (not plans[i].refusal, plans[i].probability))
+        return best, plans[best]
+
+    def _follow(self, seen: Observation, robots: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Actions (M,) along the plans of robots (M,)."""
+        actions = np.full(len(robots), STOP)
+        aside = wrap(self._aims[robots] - seen.odometry[:, 2])
+        facing = ~(np.abs(aside) > _FACES)
+        self._aims[robots[facing]] = np.nan
+        actions[~facing] = np.where(aside[~facing] > 0, LEFT, RIGHT)
+        rows = np.flatnonzero(facing)
+        if not len(rows):
+            return actions
+        mine, memory, headings = robots[rows], self.follower.memory, seen.odometry[rows, 2]
+        before = memory.active[mine]
+        self.follower.act(seen[rows], mine)
+        self.recalled[mine] += 1
+        for robot, heading, place in zip(mine, headings, before, strict=True):
+            if memory.active[robot] > place:
+                angle = self._turns[robot].get(int(memory.active[robot]), 0.0)
+                self._aims[robot] = heading + angle if angle else np.nan
+        driving = np.flatnonzero(~memory.over[mine] & (memory.state[mine] != State.TURN))
+        if len(driving):
+            ahead, odometry = mine[driving], seen.odometry[rows[driving]]
+            actions[rows[driving]] = self._policy.act(ahead, odometry, memory.waypoints[ahead])[0]
+        actions[rows[memory.state[mine] == State.TURN]] = LEFT
+        actions[rows[memory.lost[mine]]] = LEFT
+        for robot in mine[memory.lost[mine]]:
+            self._lose(robot)
+        # Where there is an explorer, both have to believe that the goal is there: that one looks
+        # at the whole panorama.
+        done = rows[memory.done[mine]]
+        if self._explorer is not None and len(done):
+            actions[done] = LEFT
+            self._explorer.search.look_again(robots[done])
+            for robot in robots[done]:
+                self.plans[robot] = None
+        return actions
+
+    def _lose(self, robot: int) -> None:
+        """Plan anew in the next step, not over what could not be passed."""
+        plan, memory = self.plans[robot], self.follower.memory
+        path = [-1, *plan.vertices]
+        ahead = int(memory.active[robot])
+        if ahead < len(plan.vertices):
+            self._excluded[robot].add((path[ahead], path[ahead + 1]))
+        self.plans[robot] = None
+        self._lost[robot] += 1
+        self._due[robot] = 0
+
+    def _all_around(self, observation: Observation) -> Observation:
+        """Views (K,) of one panorama in all directions."""
+        count = len(self._headings)
+        one = np.zeros(count, dtype=np.intp)
+        return turned(observation[one], self._headings)
+
+    def _looked_for(self, views: Observation) -> Goals:
+        """A goal from views (K,) of it; each is its own context, since nobody drove by."""
+        images = self._memory.predictor.view.of(views)
+        return Goals(views, np.repeat(images[:, None], 2 * self._memory.predictor.k + 1, axis=1))

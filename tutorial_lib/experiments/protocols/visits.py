@@ -1,0 +1,93 @@
+"""A first visit, on which a robot explores a building, and trials of a second one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import KDTree
+
+from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.episodes import Episodes
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import SequentialExplorer
+from tutorial_lib.observation import Observation
+from tutorial_lib.world.scene import Scene
+
+GOALS = ("passed", "elsewhere")
+"""Where the goals of the second visit are: the first one passed there, or nowhere near."""
+PASSED, MISSED = 0.5, 2.0
+"""Metres from a run up to which a place was passed, and from which on it was not."""
+FAR = 3.0
+"""Metres from a start to its goal, at least."""
+_AROUND = 1.5  # times as long may the path to a place be that was passed: no wall is between
+_DRAWN = 2_000  # places among which starts and goals are
+
+
+class Recorder:
+    """An explorer that keeps what it observes.
+
+    Attributes:
+        run: observations (N,) before each action.
+    """
+
+    def __init__(self, explorer: SequentialExplorer) -> None:
+        """Record what `explorer` sees."""
+        self._explorer = explorer
+        self.run: list[Observation] = []
+
+    def start(self, goals: Observation) -> None:
+        """Begin; see `ExplorerAgent`."""
+        self._explorer.start(goals)
+
+    def look_for(self, goals: Observation) -> None:
+        """Go on to other goals; see `SequentialExplorer`."""
+        self._explorer.look_for(goals)
+
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
+        """Actions (N,)."""
+        self.run.append(observations)
+        return self._explorer.act(observations, running)
+
+
+def draw_return(
+    name: str, scene: Scene, path: Array, counts: dict[str, int], rng: np.random.Generator
+) -> tuple[Episodes, NDArray[np.str_]]:
+    """Episodes of a second visit: all start at places that the first one passed.
+
+    Args:
+        name: of the world.
+        scene: the world.
+        path: (T, 3) true poses of the first visit.
+        counts: how many of each of `GOALS`; fewer where the first visit went nearly everywhere.
+        rng: draws them.
+
+    Returns:
+        The episodes, and (N,) which of `GOALS` each has.
+
+    Raises:
+        InputError: where the first visit passed too little.
+    """
+    paths, seen = GridPaths(scene.clearance), KDTree(path[:, :2])
+    free = paths.points[paths.largest]
+    points = free[rng.permutation(len(free))[:_DRAWN]]
+    gaps, nearest = seen.query(points)
+    near = np.flatnonzero(gaps <= PASSED)
+    there = paths.between(points[near], path[nearest[near], :2]) <= _AROUND * PASSED
+    known = {"passed": near[there], "elsewhere": np.flatnonzero(gaps >= MISSED)}
+    kinds = [kind for kind in GOALS for _ in range(counts[kind]) if len(known[kind])]
+    rows = []
+    for kind in kinds:
+        goal = points[rng.choice(known[kind])]
+        metres = paths.fields(goal[None], shortest=True).distance(points[known["passed"]])
+        starts = np.flatnonzero(np.isfinite(metres) & (metres >= FAR))
+        if not len(starts):
+            raise InputError(f"{name}: the first visit passed no place {FAR} m from a goal")
+        start = rng.choice(starts)
+        rows.append((points[known["passed"][start]], goal, float(metres[start])))
+    starts, goals, shortest = (np.array(column) for column in zip(*rows, strict=True))
+    headings = rng.uniform(-np.pi, np.pi, (2, len(rows), 1))
+    starts = np.concatenate([starts, headings[0]], axis=1)
+    goals = np.concatenate([goals, headings[1]], axis=1)
+    blank = ("",) * len(rows)
+    return Episodes((name,) * len(rows), starts, goals, shortest, blank), np.array(kinds)
