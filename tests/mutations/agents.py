@@ -135,11 +135,4 @@ MUTATIONS = [
         "actions = 0 * self._explorer.act(observations, running)",
         "agents/test_returning.py -k takes_over",
     ),
-    (
-        "a path is followed whatever way the robot looks",
-        "agents/returning.py",
-        "facing = ~(np.abs(aside) > _FACES)",
-        "facing = ~(np.abs(aside) > 9.0)",
-        "agents/test_returning.py -k memory_leads",
-    ),
 ]
