@@ -328,6 +328,24 @@ def test_it_is_the_same_map_however_it_is_learned():
     assert len(one.topomap.paths) == 3
 
 
+def test_every_trajectory_is_joined_by_turning_unless_that_is_off(monkeypatch):
+    joined = []
+    monkeypatch.setattr(
+        "tutorial_lib.agents.meng.add_turns",
+        lambda topomap, anchors, path, settings: joined.append((len(anchors), path, settings)),
+    )
+    drives = [driven_along(0, 6), driven_along(4, 12, 50.0)]
+    agent = meng()
+    agent.learn(drives)
+    paths = [list(path) for _, path, _ in joined]
+    assert paths == [list(path) for path in agent.topomap.paths]
+    assert all(count == len(path) for count, path, _ in joined)
+    assert all(used is agent.turns for *_, used in joined)
+    joined.clear()
+    meng(turns=None).learn(drives)
+    assert not joined
+
+
 def test_it_navigates_over_several_trajectories():
     agent = meng()
     agent.learn([driven_along(0, 6), driven_along(5, 12, 50.0)])

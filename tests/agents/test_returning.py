@@ -1,15 +1,18 @@
 """The second visit, with a map of the first one and with an explorer behind it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from tests.conftest import in_turn
 from tutorial_lib.agents.returning import ReturningAgent, ReturnSettings, visit
+from tutorial_lib.agents.votes import supports
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.explorers import make_explorer
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.nts import second_visit
-from tutorial_lib.experiments.protocols.visits import PASSED, Recorder, draw_return
+from tutorial_lib.experiments.protocols.visits import PASSED, Recorder, draw_return, learned_from
 from tutorial_lib.exploration.episodes import (
     Episodes,
     draw_episodes,
@@ -18,6 +21,9 @@ from tutorial_lib.exploration.episodes import (
 )
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
 from tutorial_lib.geometry import wrap
+from tutorial_lib.interfaces import HERE, Plan
+from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 from tutorial_lib.world.worlds import scene_of
 
 WORLD = exploration_world(10_100)
@@ -41,7 +47,7 @@ def explored():
 @pytest.fixture(scope="module")
 def memory(explored):
     """What the agent of Meng 2020 learns of it."""
-    return second_visit.learned_from(explored[2])
+    return learned_from(explored[2])
 
 
 @pytest.fixture(scope="module")
@@ -120,6 +126,112 @@ def test_a_robot_that_is_done_is_left_alone(explored, memory, trials):
     actions = agent.act(task.observe(), running)
     assert (actions[~running] == 0).all()
     assert all(agent.plans[i] is None for i in np.flatnonzero(~running))
+
+
+class Plans:
+    """Plans as given, one for each call; then none."""
+
+    def __init__(self, *plans):
+        self.plans, self.asked = list(plans), []
+
+    def plan(self, observation, goals, topomap, excluded=()):
+        self.asked.append(set(excluded))
+        return self.plans.pop(0) if self.plans else Plan(refusal="none left")
+
+
+def begun(explored, memory, trials, *plans, explorer=None):
+    """An agent on one trial whose planner returns `plans`, after its first action."""
+    task = task_of(explored, trials[0][np.array([0])])
+    planner = Plans(*plans)
+    agent = ReturningAgent(
+        replace(memory, planner=planner), explorer, ReturnSettings(headings=1, losses=2, pause=5)
+    )
+    agent._memory.topomap = memory.topomap
+    agent.start(task.goals())
+    return task, agent, planner, agent.act(task.observe(), ~task.done)
+
+
+def some_path(memory):
+    return tuple(int(v) for v in memory.topomap.alive[:3])
+
+
+@pytest.mark.parametrize(
+    ("active", "edge"), [(0, (HERE, 0)), (1, (0, 1)), (2, (1, 2)), (3, (1, 2))]
+)
+def test_what_could_not_be_passed_is_excluded_from_the_next_plan(
+    explored, memory, trials, active, edge
+):
+    path = some_path(memory)
+    plan = Plan(path, 0, (0.9,) * 4)
+    task, agent, planner, _ = begun(explored, memory, trials, plan, plan)
+    assert agent.plans[0] is plan
+    agent._aims[:] = np.nan
+    agent.follower.memory.active[0] = active
+    agent.follower.memory.state[0] = State.LOST
+    assert agent.act(task.observe(), ~task.done) != STOP
+    assert agent.plans[0] is None
+    agent.act(task.observe(), ~task.done)
+    source, target = (v if v == HERE else path[v] for v in edge)
+    assert (source, target) in planner.asked[-1]
+    assert agent.plans[0] is plan
+
+
+def test_after_so_many_losses_a_robot_alone_turns_until_its_time_is_up(explored, memory, trials):
+    plan = Plan(some_path(memory), 0, (0.9,) * 4)
+    task, agent, planner, _ = begun(explored, memory, trials, *[plan] * 9)
+    for _ in range(20):
+        if agent.plans[0] is not None:
+            agent._aims[:] = np.nan
+            agent.follower.memory.state[0] = State.LOST
+        action = agent.act(task.observe(), ~task.done)
+        assert action != STOP
+    assert len(planner.asked) == 2
+    assert action == LEFT
+
+
+def test_only_without_an_explorer_the_map_says_when_a_robot_has_arrived(explored, memory, trials):
+    plan = Plan(some_path(memory), 0, (0.9,) * 4)
+    for explorer in (None, "nts"):
+        task = task_of(explored, trials[0][np.array([0])])
+        made = explorer and make_explorer(
+            explorer, task, "rgbd", np.random.default_rng(0), geometry=True
+        )
+        task, agent, _, _ = begun(explored, memory, trials, plan, explorer=made)
+        agent._aims[:] = np.nan
+        agent.follower.memory.state[0] = State.DONE
+        action = agent.act(task.observe(), ~task.done)
+        assert (action == STOP) == (explorer is None)
+        assert (agent.plans[0] is None) == (explorer is not None)
+
+
+def test_a_robot_faces_the_view_in_which_its_path_begins_and_turns_where_the_map_does(
+    explored, memory, trials
+):
+    plan = Plan(some_path(memory), 0, (0.9,) * 4)
+    task, agent, _, _ = begun(explored, memory, trials, plan)
+    for aside, action in ((0.5, LEFT), (-0.5, RIGHT)):
+        agent._aims[0] = task.odometry[0, 2] + aside
+        assert agent.act(task.observe(), ~task.done) == action
+    for angle, action in ((2.0, LEFT), (-2.0, RIGHT)):
+        agent._aims[:] = np.nan
+        agent._turns[0] = {1: angle}
+        agent.follower.memory.active[0], agent.follower.memory.state[0] = 1, State.TURN
+        agent.follower.act = lambda seen, robots: None
+        assert agent.act(task.observe(), ~task.done) == action
+    for _ in range(agent._settings.turning + 1):
+        agent.act(task.observe(), ~task.done)
+        agent._aims[:] = np.nan
+    assert agent.plans[0] is None
+
+
+def test_a_place_is_where_several_views_agree():
+    view = np.array([0, 1, 2, 0])
+    places = np.array([[0.0, 0.0], [0.5, 0.0], [0.4, 0.3], [8.0, 0.0]])
+    weights = np.array([0.7, 0.8, 0.9, 0.99])
+    same = supports(view, places, np.zeros(4), weights)
+    assert same == pytest.approx([2.4, 2.4, 2.4, 0.99])
+    turned_away = supports(view, places, np.array([0.0, 2.0, 0.1, 0.0]), weights)
+    assert turned_away == pytest.approx([1.6, 0.8, 1.6, 0.99])
 
 
 def test_the_experiment_compares_three_methods_on_the_same_trials(monkeypatch):

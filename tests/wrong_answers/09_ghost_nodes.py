@@ -453,6 +453,27 @@ def spl__python_s_max(success, shortest, travelled):
     return np.mean(success * shortest / max(shortest, travelled))
 
 
+def spl__divided_by_travelled(success, shortest, travelled):
+    """divide by the greater of both"""
+    return np.mean(success * shortest / travelled)
+
+
+def spl__percent(success, shortest, travelled):
+    """not percent"""
+    return 100 * np.mean(success * shortest / np.maximum(shortest, travelled))
+
+
+def spl__travelled_over_the_greater(success, shortest, travelled):
+    """the shortest path over the greater of both"""
+    return np.mean(success * travelled / np.maximum(shortest, travelled))
+
+
+def spl__mean_of_successes(success, shortest, travelled):
+    """they are not left out"""
+    with np.errstate(all="ignore"):
+        return np.sum(success * shortest / np.maximum(shortest, travelled)) / success.sum()
+
+
 # explore
 
 
@@ -527,6 +548,7 @@ def _loop(robot, **faults):
                 return False, graph, ghosts
         here = robot.node()
         new = here is None or (arrived and not faults.get("lost_only"))
+        new = (not len(graph) or arrived) if faults.get("arrived_only") else new
         if new or faults.get("always_new"):
             here, beside = len(graph), robot.beside()
             graph.add_node(here)
@@ -543,6 +565,8 @@ def _loop(robot, **faults):
                 scores[here, k] = score
             if not faults.get("never_remembers"):
                 robot.remember(here)
+        if faults.get("scores_anew"):
+            scores |= {(here, k): score for k, score in enumerate(robot.scores())}
         last = here
         node, ghost = chosen(graph, here, ghosts, scores)
         if ghost is None:
@@ -641,6 +665,16 @@ def explore__keeps_the_ghost(robot):
 def explore__keeps_what_is_blocked(robot):
     """it cannot be reached"""
     return _loop(robot, keeps_blocked=True)
+
+
+def explore__a_node_only_at_ghosts(robot):
+    """make one wherever node() is None"""
+    return _loop(robot, arrived_only=True)
+
+
+def explore__scores_of_every_round(robot):
+    """ask for scores() only where a node is new"""
+    return _loop(robot, scores_anew=True)
 
 
 def explore__one_answer(robot):

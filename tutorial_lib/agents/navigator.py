@@ -221,11 +221,15 @@ class MapAgent(ABC):
 
     def start(self, goals: Sequence[Goals]) -> MapNavigation:
         """Send robots to one goal each."""
+        return MapNavigation(
+            self.find_path, self.make_follower(), self.targets(), goals, self.replan_time
+        )
+
+    def targets(self) -> MapTargets:
+        """The vertices of the map as it is now, encoded once for all robots and goals."""
         if self._targets.topomap is not self.topomap:
             self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
-        return MapNavigation(
-            self.find_path, self.make_follower(), self._targets, goals, self.replan_time
-        )
+        return self._targets
 
     def make_follower(self) -> Callable[..., Follower]:
         """Makes a `Follower` of paths and `starts`, with the agent's parts."""

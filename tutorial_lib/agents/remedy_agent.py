@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.place_guess import PlaceGuess
 from tutorial_lib.agents.remedies import Remedies, Tools
@@ -53,12 +52,10 @@ class RemedyAgent(MengAgent):
 
     def start(self, goals: Sequence[Goals]) -> RemedyNavigation:
         """Send robots to one goal each."""
-        if self._targets.topomap is not self.topomap:
-            self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
         return RemedyNavigation(
             self.find_path,
             self.make_follower(),
-            self._targets,
+            self.targets(),
             goals,
             self.replan_time if self.remedies.replan else 0.0,
             self._tools(),

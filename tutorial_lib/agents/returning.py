@@ -1,7 +1,8 @@
 """The second visit: what an exploration saw becomes a map, on which paths are planned.
 
 The agent of Meng 2020 cannot go where it never was, and that of Neural Topological SLAM forgets
-what it explored. Here the first calls the second where no path is probable enough.
+what it explored. Here the first calls the second where no path is probable enough; the second says
+when the goal is reached, since it looks at the whole panorama.
 """
 
 from __future__ import annotations
@@ -12,15 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
+from tutorial_lib.agents.votes import agreeing
 from tutorial_lib.exploration.bearings import bearing_of
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.exploration.turned_views import turned
 from tutorial_lib.geometry import Array, wrap
-from tutorial_lib.interfaces import Edges, Plan
+from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
@@ -39,13 +40,15 @@ class ReturnSettings:
 
     Attributes:
         headings: evenly spaced, in which it looks for vertices, and in which goals may be met.
-        losses: of its path, after which a robot does not plan again.
-        pause: actions of exploring between two plans.
+        losses: of a path, or of a goal that was not there, after which it plans no more.
+        pause: actions of exploring from one plan to the next.
+        turning: actions of turning where a path goes on another way, after which it is lost.
     """
 
     headings: int = 6
     losses: int = 6
     pause: int = 25
+    turning: int = 40
 
 
 class StandStill:
@@ -88,7 +91,7 @@ class ReturningAgent:
     Attributes:
         plans: the last plan of each robot; None where it has none.
         follower: follows the plans.
-        recalled: (N,) actions that each robot took along plans.
+        recalled: (N,) actions that each robot took along its plans, turns included.
     """
 
     def __init__(
@@ -101,13 +104,13 @@ class ReturningAgent:
 
         Args:
             memory: has learned from trajectories such as those of `visit`.
-            explorer: acts where there is no path; without it, such a robot stops.
+            explorer: acts where there is no path, and says when the goal is reached; without it, a
+                robot without a path turns on the spot.
             settings: when to plan.
         """
         self._memory, self._explorer = memory, explorer
         self._settings = ReturnSettings() if settings is None else settings
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)
-        self._targets = MapTargets(memory.topomap, memory.predictor, memory.reachability)
 
     def start(self, goals: Observation) -> None:
         """Begin on the way to `goals` (N,), panoramas; see `ExplorerAgent`."""
@@ -116,14 +119,14 @@ class ReturningAgent:
         first = len(self._memory.topomap.vertices)
         self._first = first + self._settings.headings * np.arange(count)
         contexts = np.concatenate([goal.contexts for goal in self._goals])
-        encoded = self._targets.followed_by(contexts)
+        encoded = self._memory.targets().followed_by(contexts)
         paths = AnchorPaths(*encoded, [[goal] for goal in self._first])
         follower = self._memory.make_follower()
         self.follower = follower(paths, starts=np.zeros(count, dtype=int))
         self.plans: list[Plan | None] = [None] * count
         self.recalled = np.zeros(count, np.intp)
         self._aims = np.full(count, np.nan)  # heading at which a path begins, until it is faced
-        self._due, self._lost = np.zeros((2, count), np.intp)
+        self._due, self._lost, self._turning = np.zeros((3, count), np.intp)
         self._excluded: list[Edges] = [set() for _ in range(count)]
         self._turns: list[dict[int, float]] = [{} for _ in range(count)]
         self._maps = LocalMaps(count)
@@ -148,7 +151,7 @@ class ReturningAgent:
     def _explore(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """What the explorer does; it goes on for robots that see their goal."""
         if self._explorer is None:
-            return np.full(len(running), STOP)
+            return np.where(running, LEFT, STOP)
         for robot in np.flatnonzero(running):
             if self.plans[robot] is not None:
                 self._explorer.robots[robot].interrupt()
@@ -162,7 +165,7 @@ class ReturningAgent:
         if self._explorer is not None and self._explorer.search.found[robot]:
             return False
         self._due[robot] -= 1
-        return bool(self._due[robot] < 0 and self._lost[robot] <= self._settings.losses)
+        return bool(self._due[robot] <= 0 and self._lost[robot] < self._settings.losses)
 
     def _plan(self, observation: Observation, robot: int) -> None:
         """Take the most probable path, whatever direction it begins in; or none."""
@@ -172,67 +175,88 @@ class ReturningAgent:
             self._excluded[robot].clear()
             best, plan = self._best_path(views, robot)
         self._due[robot] = self._settings.pause
-        # A robot that cannot explore takes an improbable path rather than none.
         if plan.refusal and (self._explorer is not None or not plan.probability):
+            if self._explorer is None:
+                self._lost[robot] = self._settings.losses  # it sees no more from where it stands
             return
+        # A robot that cannot explore takes an improbable path rather than none.
+        self._excluded[robot] -= {edge for edge in self._excluded[robot] if edge[0] == HERE}
         self.plans[robot], self._aims[robot] = plan, views.odometry[best, 2]
         path = [*plan.vertices, int(self._first[robot]) + plan.goal]
-        self.follower.assign(robot, path)
         self._turns[robot] = self._memory.topomap.turns_on(plan.vertices)
+        self.follower.assign(robot, path, self._turns[robot])
 
     def _best_path(self, views: Observation, robot: int) -> tuple[int, Plan]:
         """The view from which the most probable path begins, and that path."""
-        around = self._goals[robot], self._excluded[robot]
-        plans = [self._memory.find_path(views[i], *around) for i in range(len(views))]
+        goals, excluded = self._goals[robot], self._excluded[robot]
+        topomap = self._memory.topomap
+        starts = agreeing(topomap, views, self._headings)
+        vertices = {(HERE, int(vertex)) for vertex in topomap.alive}
+        plans = [
+            self._memory.find_path(
+                views[i], goals, excluded | (vertices - {(HERE, vertex) for vertex in starts[i]})
+            )
+            for i in range(len(views))
+        ]
         best = max(range(len(plans)), key=lambda i: (not plans[i].refusal, plans[i].probability))
         return best, plans[best]
 
     def _follow(self, seen: Observation, robots: NDArray[np.intp]) -> NDArray[np.intp]:
-        """Actions (M,) along the plans of robots (M,)."""
-        actions = np.full(len(robots), STOP)
+        """Actions (M,) along the plans of robots (M,); first they turn to where those begin."""
+        self.recalled[robots] += 1
         aside = wrap(self._aims[robots] - seen.odometry[:, 2])
         facing = ~(np.abs(aside) > _FACES)
         self._aims[robots[facing]] = np.nan
-        actions[~facing] = np.where(aside[~facing] > 0, LEFT, RIGHT)
+        actions = np.where(aside > 0, LEFT, RIGHT)
         rows = np.flatnonzero(facing)
-        if not len(rows):
-            return actions
-        mine, memory, headings = robots[rows], self.follower.memory, seen.odometry[rows, 2]
-        before = memory.active[mine]
-        self.follower.act(seen[rows], mine)
-        self.recalled[mine] += 1
-        for robot, heading, place in zip(mine, headings, before, strict=True):
-            if memory.active[robot] > place:
-                angle = self._turns[robot].get(int(memory.active[robot]), 0.0)
-                self._aims[robot] = heading + angle if angle else np.nan
-        driving = np.flatnonzero(~memory.over[mine] & (memory.state[mine] != State.TURN))
-        if len(driving):
-            ahead, odometry = mine[driving], seen.odometry[rows[driving]]
-            actions[rows[driving]] = self._policy.act(ahead, odometry, memory.waypoints[ahead])[0]
-        actions[rows[memory.state[mine] == State.TURN]] = LEFT
-        actions[rows[memory.lost[mine]]] = LEFT
-        for robot in mine[memory.lost[mine]]:
-            self._lose(robot)
-        # Where there is an explorer, both have to believe that the goal is there: that one looks
-        # at the whole panorama.
-        done = rows[memory.done[mine]]
-        if self._explorer is not None and len(done):
-            actions[done] = LEFT
-            self._explorer.search.look_again(robots[done])
-            for robot in robots[done]:
-                self.plans[robot] = None
+        if len(rows):
+            actions[rows] = self._go_on(seen[rows], robots[rows])
         return actions
 
+    def _go_on(self, seen: Observation, robots: NDArray[np.intp]) -> NDArray[np.intp]:
+        """Actions (M,) of robots that face their paths: the follower's, by the local policy."""
+        self.follower.act(seen, robots)
+        memory = self.follower.memory
+        actions = np.full(len(robots), LEFT)
+        rows = np.flatnonzero(~memory.over[robots] & (memory.state[robots] != State.TURN))
+        if len(rows):
+            mine = robots[rows]
+            places = memory.waypoints[mine]
+            actions[rows] = self._policy.act(mine, seen.odometry[rows], places)[0]
+            self._turning[mine] = 0
+        for row in np.flatnonzero(memory.state[robots] == State.TURN):
+            actions[row] = self._turn(robots[row])
+        for row in np.flatnonzero(memory.over[robots]):
+            if memory.done[robots[row]] and self._explorer is None:
+                actions[row] = STOP
+            else:
+                self._lose(robots[row])
+        return actions
+
+    def _turn(self, robot: int) -> int:
+        """To the side on which the path goes on; a robot that does not find it is lost."""
+        self._turning[robot] += 1
+        if self._turning[robot] > self._settings.turning:
+            self._lose(robot)
+        angle = self._turns[robot].get(int(self.follower.memory.active[robot]), 1.0)
+        return LEFT if angle > 0 else RIGHT
+
     def _lose(self, robot: int) -> None:
-        """Plan anew in the next step, not over what could not be passed."""
-        plan, memory = self.plans[robot], self.follower.memory
-        path = [-1, *plan.vertices]
-        ahead = int(memory.active[robot])
-        if ahead < len(plan.vertices):
-            self._excluded[robot].add((path[ahead], path[ahead + 1]))
+        """Plan anew in the next step, not over what could not be passed.
+
+        So does a robot that comes to the end of its path, but whose explorer does not see the goal
+        there.
+        """
+        plan, ahead = self.plans[robot], int(self.follower.memory.active[robot])
+        path = [HERE, *plan.vertices]
+        step = min(ahead, len(plan.vertices) - 1)
+        if step >= 0:
+            self._excluded[robot].add((path[step], path[step + 1]))
         self.plans[robot] = None
         self._lost[robot] += 1
-        self._due[robot] = 0
+        self._due[robot] = self._turning[robot] = 0
+        if self._explorer is not None:
+            self._explorer.search.look_again(np.array([robot]))
 
     def _all_around(self, observation: Observation) -> Observation:
         """Views (K,) of one panorama in all directions."""

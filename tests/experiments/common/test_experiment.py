@@ -141,6 +141,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
     figures = {f"meng_fig{number}" for number in (4, 5, 6, 7, 8, 9, 10, 11, 12, 13)}
     tables = {"plans", "meng_table1", "meng_table2", "calibration", "disturbances", "faults"}
     nts = {"nts_wayfinding", "nts_scores", "nts_table1", "nts_table2", "nts_fig8", "nts_figs"}
+    nts |= {"nts_second_visit"}
     assert set(EXPERIMENTS) == figures | tables | nts
     assert set(ABLATIONS) == {
         "meng_table1 encoder",
@@ -154,4 +155,5 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_table2 geometry",
         "nts_fig8 geometry",
         "nts_figs geometry",
+        "nts_second_visit geometry",
     }

@@ -36,7 +36,8 @@ class Perfect:
 @pytest.fixture
 def perfect(monkeypatch):
     """Nothing is loaded: F_S knows all distances, and the blind network none."""
-    monkeypatch.setattr(scores, "LearnedExploration", lambda name: Perfect("blind" in name))
+    monkeypatch.setattr(scores, "shipped", lambda kind, sensor: Perfect("blind" in kind))
+    monkeypatch.setattr(scores, "check_shipped", lambda agents, sensor: None)
 
 
 def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):
@@ -72,3 +73,9 @@ def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
         else:
             assert row["gain"] == pytest.approx(1.0 - row["top1"])
             assert row["gain_low"] <= row["gain"] <= row["gain_high"]
+
+
+def test_the_blind_scores_are_compared_with_depth_only(perfect):
+    found = choices(WORLD, 0, Settings(places=6, goals=3, sensors=("rgb", "rgbd")))
+    assert {score for sensor, score in found.regret if sensor == "rgb"} == {*SCORES} - {"blind"}
+    assert set(scores.scores_of("rgbd")) == set(SCORES)

@@ -174,14 +174,14 @@ def check_add_ghosts(student: Callable[..., Any]) -> None:
         _CASES,
         add_ghosts,
         with_faults(_added, _FAULTS),
-        invoke=keeping("begin with a new one: set(ghosts)", hints),
+        invoke=keeping("work on copies, as in set(ghosts)", hints),
         form=_formed,
         difference=_why,
     )
 
 
 def _formed(what: str, got: object, *_: object) -> Ghosts:
-    if not isinstance(got, set | frozenset):
+    if not isinstance(got, set):
         raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a set of ghosts")
     for ghost in got:
         if not (isinstance(ghost, tuple) and len(ghost) == 2):

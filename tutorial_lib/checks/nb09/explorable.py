@@ -32,6 +32,8 @@ def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDAr
     bearings += {"half a bin": np.pi / _DIRECTIONS, "behind": np.pi, "aside": np.pi / 2}.get(
         fault, 0.0
     )
+    if fault == "both ends":
+        bearings = np.linspace(0.0, 2 * np.pi, _DIRECTIONS)
     bearings = {"clockwise": -bearings, "degrees": np.rad2deg(bearings)}.get(fault, bearings)
     reach = {"edge": middle, "cells": radius}.get(fault, radius / CELL)
     ahead, left = reach * np.cos(bearings), reach * np.sin(bearings)
@@ -62,6 +64,8 @@ _FAULTS = {
     "bin 0 is centred on straight ahead; yours begins half a bin later": "half a bin",
     "bin 0 is straight ahead, along the columns; yours begins behind the robot": "behind",
     "bin 0 is straight ahead, along the columns; yours begins on the robot's left": "aside",
+    "np.linspace(0, 2 * np.pi, 12) has straight ahead twice, and its directions are 32.7 degrees "
+    "apart; endpoint=False leaves the last one out": "both ends",
     "np.cos and np.sin take radians; yours gives them degrees": "degrees",
     "a cell is CELL metres wide: divide metres by CELL": "cells",
     "the point is at `radius` metres, not at the edge of the map": "edge",
@@ -106,7 +110,7 @@ _CASES = {
 @check(explorable, (small_map(*_ROOM), 3.0), calls=300)
 def check_explorable(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
     """Open places, walls, doors, detours, and another radius."""
-    far = "is `radius` in metres? The map has len(free) cells along a side, each of CELL metres"
+    far = "is `radius` used, and in metres? The map has len(free) cells a side, of CELL metres each"
     whole = "an index is a whole number: np.rint(...).astype(int)"
     return compare(
         "explorable",

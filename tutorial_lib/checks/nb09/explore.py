@@ -62,6 +62,8 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
                 scores = dict.fromkeys(ghosts, 0.0)
             scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}
             robot.remember(here)
+        if fault == "scores anew":
+            scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}
         last = here
         node, ghost = global_policy(graph, here, ghosts, scores)
         if ghost is None:
@@ -90,7 +92,8 @@ def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any: 
     hints = {
         KeyError: "scores needs an entry (node, direction) for every ghost, from robot.scores()",
         TypeError: "node() may return None; a ghost is a pair (node, direction)",
-        nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first",
+        nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first, and make "
+        "one wherever node() is None, not only at the start",
         nx.NetworkXNoPath: "no path leads there; each new node gets edges to those beside it",
     }
     try:

@@ -17,6 +17,8 @@ FAULTS = {
     ),
     "the ghosts of earlier nodes stay: give add_ghosts the ghosts so far": "forgets",
     "the scores of earlier nodes stay: add the new ones to them": "forgets scores",
+    "ask for scores() only where a node is new: at a known node the robot looks another way than "
+    "it did then, and directions are counted from there": "scores anew",
     "give add_ghosts the nodes beside the new one, robot.beside(); where they stand there is no "
     "ghost": "stale",
     "the new node gets an edge to every node beside it, not only to the last one": "last edge",

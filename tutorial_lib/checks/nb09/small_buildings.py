@@ -20,6 +20,7 @@ class Building:
         seen_from: places from which it is seen.
         deceptive: places at which the robot takes something else for the goal, once.
         blocked: pairs (from, to) of places: the drive ends where it began.
+        astray: for a drive from one place to the node at another, the place where it ends instead.
         short: places whose ghosts are so near that F_L still has the robot in the old node.
         misleading: for (from, to), what is added to the score.
         steps: actions that the robot may take.
@@ -31,6 +32,7 @@ class Building:
     seen_from: tuple[int, ...]
     deceptive: tuple[int, ...] = ()
     blocked: tuple[tuple[int, int], ...] = ()
+    astray: dict[tuple[int, int], int] = field(default_factory=dict)
     short: tuple[int, ...] = ()
     misleading: dict[tuple[int, int], float] = field(default_factory=dict)
     steps: int = 500
@@ -94,6 +96,14 @@ BUILDINGS: dict[str, Building] = {
     ),
     "a ghost that is near its node": Building(
         _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), short=(1, 2)
+    ),
+    "a drive to a node that ends in none": Building(
+        _ROOMS,
+        _ROOM_LINKS,
+        7,
+        (6, 7),
+        astray={(1, 0): 3},
+        misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3},
     ),
     "too few steps": Building(_ROOMS, _ROOM_LINKS, 7, (7,), steps=40, misleading={(0, 1): 0.4}),
     "a goal that is nowhere": Building(_CROSS, ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)), 4, ()),

@@ -1,4 +1,8 @@
-"""A robot among a few places, for the check of the exploration loop in notebook 09."""
+"""A robot among a few places, for the check of the exploration loop in notebook 09.
+
+It looks another way after every drive: what it sees at a node that it comes back to does not have
+the directions of that node.
+"""
 
 from __future__ import annotations
 
@@ -9,11 +13,13 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb09.small_buildings import Building
-from tutorial_lib.geometry import Array, compose, relative
+from tutorial_lib.geometry import Array, relative, to_local
 
 _DIRECTIONS = 12
 _ASKED = 2_000  # questions without a drive in between
 _STEP = 0.25  # metres of an action
+_TIE = 0.001
+_TURNED = np.deg2rad(150.0)  # by which it looks another way after a drive
 Ghost = tuple[int, int]
 
 
@@ -30,7 +36,7 @@ class PlacesRobot:
         self._building, self.steps = building, building.steps
         self.log: list[tuple[object, ...]] = []
         self._place, self._nodes, self._last = 0, dict[int, int](), -1
-        self._poses = self._headings()
+        self._heading, self._seen = 0.0, dict[int, Array]()  # of nodes: their poses
         self._false = set(building.deceptive)
         self._questions, self._arrived_short = Counter[str](), False
         self._arrived = False
@@ -53,26 +59,26 @@ class PlacesRobot:
         self._ask("explorable")
         found = np.zeros(_DIRECTIONS, bool)
         for other in self._building.beside(self._place):
-            found[self._direction(self._place, other)] = True
+            found[self._direction(self._pose, other)] = True
         return found
 
     def scores(self) -> Array:
         """F_S (12,)."""
         self._ask("scores")
         building, found = self._building, np.full(_DIRECTIONS, 0.1)
+        less = _TIE * self._place  # two places have no ghosts with the same score
         for other in building.beside(self._place):
             metres = np.linalg.norm(building.places[other] - building.places[building.goal])
             more = building.misleading.get((self._place, other), 0.0)
-            found[self._direction(self._place, other)] = 0.95 - metres / 20 + more
+            found[self._direction(self._pose, other)] = 0.95 - metres / 20 + more - less
         return found
 
     def beside(self) -> dict[int, Array]:
         """Poses, in the robot's frame, of nodes to which it can drive straight from here."""
         self._ask("beside")
         near = set(self._building.beside(self._place))
-        here = self._poses[self._place]
         return {
-            node: relative(here, self._poses[place])
+            node: relative(self._pose, self._seen[node])
             for node, place in self._nodes.items()
             if place in near
         }
@@ -90,7 +96,7 @@ class PlacesRobot:
         if self._place in self._nodes.values():
             known = next(n for n, place in self._nodes.items() if place == self._place)
             raise WrongAnswer(f"remember({node}): the robot is in node {known}; {self._why()}")
-        self._nodes[int(node)] = self._place
+        self._nodes[int(node)], self._seen[int(node)] = self._place, self._pose
         self._last, self._arrived_short = int(node), False
 
     def to_node(self, node: int) -> None:
@@ -102,7 +108,7 @@ class PlacesRobot:
         if place not in self._building.beside(self._place):
             words = "drive from node to node, as global_policy returns them"
             raise WrongAnswer(f"to_node({node}): no edge leads there from where it is; {words}")
-        self._go(place)
+        self._go(self._building.astray.get((self._place, place), place))
         self._last = int(node)
 
     def to_ghost(self, ghost: Ghost) -> bool:
@@ -117,7 +123,8 @@ class PlacesRobot:
             raise WrongAnswer(
                 f"to_ghost({ghost}): it does not hang on the node of the robot; {words}"
             )
-        there = {self._direction(self._place, o): o for o in self._building.beside(self._place)}
+        node = self._seen[ghost[0]]
+        there = {self._direction(node, o): o for o in self._building.beside(self._place)}
         if ghost[1] not in there:
             raise WrongAnswer(f"to_ghost({ghost}): there was never a ghost in this direction")
         place = there[ghost[1]]
@@ -149,6 +156,7 @@ class PlacesRobot:
             self.steps = 0
             return False
         self._place, self.steps = place, self.steps - needed
+        self._heading += _TURNED
         return True
 
     def _why(self) -> str:
@@ -174,12 +182,12 @@ class PlacesRobot:
             words = "does the loop never end, or not drive?"
             raise WrongAnswer(f"robot.{name}() was called {_ASKED} times without a drive; {words}")
 
-    def _headings(self) -> Array:
-        """(P, 3) a pose of each place, with a heading of its own."""
-        places = self._building.places
-        turned = np.deg2rad([(97 * number) % 360 for number in range(len(places))])
-        return compose(np.zeros(3), np.column_stack([places, turned]))
+    @property
+    def _pose(self) -> Array:
+        """(3,) where the robot is, and where it looks."""
+        return np.array([*self._building.places[self._place], self._heading])
 
-    def _direction(self, place: int, other: int) -> int:
-        x, y, _ = relative(self._poses[place], self._poses[other])
+    def _direction(self, pose: Array, other: int) -> int:
+        """The bin in which another place lies, as seen from a pose."""
+        x, y = to_local(pose, self._building.places[other])
         return round(np.arctan2(y, x) * _DIRECTIONS / (2 * np.pi)) % _DIRECTIONS

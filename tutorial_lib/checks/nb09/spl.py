@@ -27,7 +27,8 @@ def _weighted(
     longer = np.maximum(shortest, travelled)
     with np.errstate(all="ignore"):
         share = {
-            "above one": shortest / np.maximum(travelled, 1e-9),
+            "above one": shortest / travelled,
+            "travelled": travelled / longer,
             "inverted": longer / shortest,
             "least": shortest / np.minimum(shortest, travelled),
             "difference": 1 - (longer - shortest),
@@ -43,6 +44,8 @@ def _weighted(
             return float(success.mean() * share.mean())
         if fault == "of sums":
             return float((success * shortest).sum() / longer.sum())
+        if fault == "percent":
+            return float(100 * (success * share).mean())
         if fault == "sum":
             return float((success * share).sum())
         if fault == "root":
@@ -69,6 +72,8 @@ _FAULTS = {
     "the mean of ratios, not the ratio of sums: each episode counts the same": "of sums",
     "take the mean over the episodes, not the sum": "sum",
     "the ratio itself, not its square root": "root",
+    "the shortest path over the greater of both; yours has the path travelled there": "travelled",
+    "a share between 0 and 1, not percent": "percent",
 }
 
 
@@ -83,21 +88,21 @@ def _random(seed: int) -> tuple[NDArray[np.bool_], Array, Array]:
 _CASES = {
     "one episode along the shortest path": (np.array([True]), np.array([4.0]), np.array([4.0])),
     "one with a detour": (np.array([True]), np.array([4.0]), np.array([5.0])),
-    "one that failed": (np.array([False]), np.array([4.0]), np.array([4.0])),
     "two episodes, one of which failed": (
         np.array([True, False]),
         np.array([2.0, 8.0]),
         np.array([4.0, 8.0]),
     ),
+    "one that failed": (np.array([False]), np.array([4.0]), np.array([4.0])),
     "a stop within a metre of the goal, before the path's end": (
         np.array([True, True]),
         np.array([5.0, 3.0]),
         np.array([4.2, 6.0]),
     ),
-    "a robot that does not move and fails": (
+    "a robot that hardly moves and fails": (
         np.array([False, True]),
         np.array([3.0, 2.0]),
-        np.array([0.0, 2.5]),
+        np.array([0.01, 2.5]),
     ),
     "a short episode and a long one": (
         np.array([True, True]),

@@ -71,7 +71,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         InputError: where weights are missing, before anything is run.
     """
     for sensor in settings.sensors:
-        check_shipped(("nts",) if sensor == "rgb" else ("nts", "nts_blind"), sensor)
+        blind = ("nts_blind",) if "blind" in scores_of(sensor) else ()
+        check_shipped(("nts", *blind), sensor)
     rows: Rows = []
     for signs in SIGNS:
         names = [exploration_world(seed, signs) for seed in options.worlds]
@@ -155,7 +156,9 @@ def models_of(sensor: str, rng: np.random.Generator) -> dict[str, ExplorationMod
         "histogram": HistogramScores(learned),
         "random": RandomScores(learned, rng),
     }
-    return models if sensor == "rgb" else models | {"blind": shipped("nts_blind", sensor)}
+    if "blind" in scores_of(sensor):
+        models["blind"] = shipped("nts_blind", sensor)
+    return models
 
 
 EXPERIMENT = Experiment(

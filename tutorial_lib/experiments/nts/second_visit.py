@@ -14,27 +14,24 @@ import numpy as np
 
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
-from tutorial_lib.agents.returning import DISCRETE, ReturningAgent, StandStill, visit
+from tutorial_lib.agents.returning import ReturningAgent
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import check_shipped, make_explorer
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
 from tutorial_lib.experiments.protocols.exploration import WORLDS
-from tutorial_lib.experiments.protocols.visits import GOALS, Recorder, draw_return
+from tutorial_lib.experiments.protocols.visits import GOALS, Recorder, draw_return, learned_from
 from tutorial_lib.exploration.episodes import draw_episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorerAgent
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
-from tutorial_lib.observation import Observation
+from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.worlds import scene_of
 
 METHODS = ("both", "memory", "explorer")
 """The map with the explorer behind it; each of the two alone."""
-CONTEXT = "k0"
-"""Of the networks: nobody drove past a goal, so that its picture has no context."""
 
 
 @dataclass(frozen=True)
@@ -56,7 +53,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Run all methods on the same trials, with and without signs.
 
     Raises:
-        InputError: where weights are missing, before anything is run.
+        InputError: where the explorer's weights are missing, before anything is run.
     """
     if not settings.geometry:
         check_shipped(("nts",), "rgbd")
@@ -66,8 +63,9 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     for signs in SIGNS:
         mine = [part for part, item in zip(found, items, strict=True) if item[1] == signs]
         columns = {name: np.concatenate([part[name] for part in mine]) for name in mine[0]}
+        kinds = [kind for kind in GOALS if (columns["goals"] == kind).any()]
         rows += [
-            _row(columns, method, signs, goals) for goals in (*GOALS, "all") for method in METHODS
+            _row(columns, method, signs, goals) for goals in (*kinds, "all") for method in METHODS
         ]
     visits = np.array([part["visit"][0] for part in found])
     vertices = np.array([part["vertices"][0] for part in found])
@@ -116,18 +114,6 @@ def run_world(item: tuple[int, str], options: Options, settings: Settings) -> di
     return columns
 
 
-def learned_from(run: list[Observation]) -> MengAgent:
-    """The agent of Meng 2020 with a map of what a robot (1,) saw on its run."""
-    memory = MengAgent(
-        predictor=WaypointNetwork(f"waypoint_{CONTEXT}"),
-        controller=StandStill(),
-        reachability=ReachabilityNetwork(f"reach_{CONTEXT}"),
-        follower=DISCRETE,
-    )
-    memory.learn(visit(run, 0))
-    return memory
-
-
 def make_method(
     method: str,
     memory: MengAgent,
@@ -137,11 +123,13 @@ def make_method(
     geometry: bool = False,
 ) -> ExplorerAgent:
     """One of `METHODS` for a task of the second visit."""
+    if method == "memory":
+        return ReturningAgent(memory)
     explorer = make_explorer("nts", task, "rgbd", rng, geometry=geometry)
     if method == "explorer":
         return explorer
     assert isinstance(explorer, NTSAgent)
-    return ReturningAgent(memory, explorer if method == "both" else None)
+    return ReturningAgent(memory, explorer)
 
 
 def _row(columns: dict[str, Array], method: str, signs: str, goals: str) -> dict[str, Any]:

@@ -6,11 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.returning import DISCRETE, StandStill, visit
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import Episodes
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import SequentialExplorer
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.observation import Observation
 from tutorial_lib.world.scene import Scene
 
@@ -18,6 +21,8 @@ GOALS = ("passed", "elsewhere")
 """Where the goals of the second visit are: the first one passed there, or nowhere near."""
 PASSED, MISSED = 0.5, 2.0
 """Metres from a run up to which a place was passed, and from which on it was not."""
+CONTEXT = "k0"
+"""Of the networks: nobody drove past a goal, so that its picture has no context."""
 FAR = 3.0
 """Metres from a start to its goal, at least."""
 _AROUND = 1.5  # times as long may the path to a place be that was passed: no wall is between
@@ -28,7 +33,7 @@ class Recorder:
     """An explorer that keeps what it observes.
 
     Attributes:
-        run: observations (N,) before each action.
+        run: what N robots observed before each action, since `start`.
     """
 
     def __init__(self, explorer: SequentialExplorer) -> None:
@@ -37,7 +42,8 @@ class Recorder:
         self.run: list[Observation] = []
 
     def start(self, goals: Observation) -> None:
-        """Begin; see `ExplorerAgent`."""
+        """Begin a new run; see `ExplorerAgent`."""
+        self.run = []
         self._explorer.start(goals)
 
     def look_for(self, goals: Observation) -> None:
@@ -48,6 +54,18 @@ class Recorder:
         """Actions (N,)."""
         self.run.append(observations)
         return self._explorer.act(observations, running)
+
+
+def learned_from(run: list[Observation]) -> MengAgent:
+    """The agent of Meng 2020 with a map of what a robot (1,) saw on its run."""
+    memory = MengAgent(
+        predictor=WaypointNetwork(f"waypoint_{CONTEXT}"),
+        controller=StandStill(),
+        reachability=ReachabilityNetwork(f"reach_{CONTEXT}"),
+        follower=DISCRETE,
+    )
+    memory.learn(visit(run, 0))
+    return memory
 
 
 def draw_return(
@@ -85,6 +103,8 @@ def draw_return(
             raise InputError(f"{name}: the first visit passed no place {FAR} m from a goal")
         start = rng.choice(starts)
         rows.append((points[known["passed"][start]], goal, float(metres[start])))
+    if not rows:
+        raise InputError(f"{name}: the first visit passed none of the goals asked for")
     starts, goals, shortest = (np.array(column) for column in zip(*rows, strict=True))
     headings = rng.uniform(-np.pi, np.pi, (2, len(rows), 1))
     starts = np.concatenate([starts, headings[0]], axis=1)

@@ -12,12 +12,14 @@ from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
     aliasing,
     composing,
+    exploring,
     following,
     local_control,
     maps,
     navigation,
     probability,
     reachability,
+    returning,
     speed,
     worlds,
 )
@@ -55,6 +57,7 @@ CHAPTERS = (
     Chapter("Navigation", (*navigation.SECTIONS, *composing.SECTIONS, *maps.PATHS)),
     Chapter("Probability and faults", probability.SECTIONS),
     Chapter("Places that look alike", aliasing.SECTIONS),
+    Chapter("Exploring a place never seen", (*exploring.SECTIONS, *returning.SECTIONS)),
     Chapter("The worlds", worlds.SECTIONS),
     Chapter("Speed", speed.SECTIONS),
 )
@@ -83,10 +86,11 @@ def introduction(results: Results) -> str:
             f"the command that measures its numbers again, and the time that it took on a small "
             f"server with two cores, which also had other work at times.",
             f"**Protocol and worlds.** Where a table or figure of Meng 2020 (*Scaling Local "
-            f"Control to Large-Scale Topological Navigation*) is named, the protocol is the "
-            f"paper's, but the world is easier: 2D floor plans, images by raycasting, a simulated "
-            f"car. The paper's numbers stand beside ours for orientation; only rows of one table "
-            f"can be compared. Test worlds have seeds from {WORLDS[0]:,} on; networks are trained "
+            f"Control to Large-Scale Topological Navigation*) or of Chaplot et al. 2020 (*Neural "
+            f"Topological SLAM for Visual Navigation*) is named, the protocol is the paper's, but "
+            f"the world is easier: 2D floor plans, images by raycasting, a simulated robot. The "
+            f"papers' numbers stand beside ours for orientation; only rows of one table can be "
+            f"compared. Test worlds have seeds from {WORLDS[0]:,} on; networks are trained "
             f"in seeds below {TRAINING_SEEDS.stop:,}, and thresholds and calibrations chosen in "
             f"validation worlds between the two. Nothing is tuned on the test worlds or on Nav2's "
             f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
@@ -94,8 +98,9 @@ def introduction(results: Results) -> str:
             f"training to the next.",
             "**Names.** *C* is local control with k images of context on either side of the "
             "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
-            "is built here; *SPTM* (Savinov 2018) is the paper's baseline, *random* knows nothing "
-            "and the *oracle* the floor plan, its pose and the goal's.",
+            "is built here, *NTS* that of Chaplot et al. 2020; *SPTM* (Savinov 2018) is the first "
+            "paper's baseline, *random* knows nothing and the *oracle* the floor plan, its pose "
+            "and the goal's.",
             "**Intervals** in brackets are of 95 %. Over ten worlds or more they are bootstrapped "
             "over worlds; for one world they are Wilson's, over trials. For three or five worlds "
             "together, too few for a bootstrap, the count is given, or each world. Where all "

@@ -18,6 +18,9 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
+EXPLORING = ("scores", "table1", "fig8", "second_visit")
+"""Experiments of exploration."""
+BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", "tour")
 """Of Table II: what agents learn, beside all drives."""
 
@@ -69,12 +72,13 @@ COMMANDS = {
         "experiment meng_table2 --worlds 20000:20010 --drives 0.2 --remedies all"
     ),
     "faults": "experiment faults",
-    **{name: f"bench {name}" for name in ("map", "control", "reachability", "raycast", "fleet")},
+    **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
+    **{name: f"bench {name}" for name in BENCHMARKS},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 EARLIER = frozenset(
     {
-        *("meng_fig9", "meng_fig11", "map"),
+        *("meng_fig9", "map"),
         *("meng_table2_shifted", "meng_table2_thresholds"),
         *(f"ablation_{name}" for name in ABLATIONS),
     }

@@ -1,8 +1,9 @@
-"""Speed: the closed loop, rollouts and queries, rays and images, fleets."""
+"""Speed: the closed loop, rollouts and queries, rays and images, fleets, exploration."""
 
 from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.results_page.exploring import AGENTS
 from tutorial_lib.experiments.results_page.markdown import number, percent, table, with_best_bold
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import Results, matching, one
@@ -118,9 +119,23 @@ def _fleet_section(results: Results) -> list[str]:
     ]
 
 
+def _exploration_section(results: Results) -> list[str]:
+    rows = results.rows("explore")
+    names = {"geometry": "true geometry", "rgbd": "network, with depth", "rgb": "network, without"}
+    lines = [
+        [AGENTS[row["agent"]], names[row["model"]], number(row["steps_per_s"], 0)] for row in rows
+    ]
+    return [
+        f"Actions per second of all robots together, {rows[0]['episodes']} episodes in lock-step "
+        f"in one process with two threads, cameras included.",
+        table(["agent", "sees with", "actions/s"], lines),
+    ]
+
+
 SECTIONS = (
     Section("Closed loop", ("control",), _loop_section),
     Section("Rollouts and queries", ("reachability",), _query_section),
     Section("Rays and images", ("raycast",), _ray_section),
     Section("Fleets", ("fleet",), _fleet_section),
+    Section("Exploration", ("explore",), _exploration_section),
 )

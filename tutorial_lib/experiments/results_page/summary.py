@@ -8,7 +8,8 @@ from tutorial_lib.experiments.results_page.markdown import number, percent, span
 from tutorial_lib.experiments.results_page.navigation import total
 from tutorial_lib.experiments.results_page.sources import MAPS, Results, one, stored_as
 
-HEAD = ("measured", "here", "beside it", "Meng 2020")
+HEAD = ("measured", "here", "beside it", "in the paper")
+_WORLDS = {"wayfinding": "with signs", "plain": "without signs"}
 _BESIDE = {"none": "none", "replan": "replanning alone"}  # remedies, and their words
 
 
@@ -27,6 +28,8 @@ def results_in_short(results: Results) -> str:
         lookalikes(results.rows("meng_fig12"), results.worlds("meng_fig12")),
         plan_probability(results.rows("meng_fig9")),
         blocked_paths(results.rows("faults")),
+        exploration(results.rows("nts_table1"), "wayfinding"),
+        exploration(results.rows("nts_table1"), "plain"),
     ]
     return table(HEAD, lines)
 
@@ -150,6 +153,24 @@ def blocked_paths(rows: Rows) -> list[str]:
         percent(blocked["reached"]),
         f"nobody there {percent(free['reached'])}",
         "",
+    ]
+
+
+def exploration(rows: Rows, signs: str) -> list[str]:
+    """Success and SPL on goals 5 to 10 m away in places never seen."""
+    found = {
+        name: one(rows, agent=name, sensor="rgbd", signs=signs, difficulty="hard")
+        for name in ("nts", "fbe", "random")
+    }
+    here, frontier, walk = (
+        f"{percent(row['success'])}, SPL {number(row['spl'], 2)}" for row in found.values()
+    )
+    paper = found["nts"]
+    return [
+        f"a picture 5 to 10 m away in a place never seen, {_WORLDS[signs]}: NTS",
+        here,
+        f"nearest frontier {frontier}, random walk {walk}",
+        f"{percent(paper['paper_success'], 0)}, SPL {number(paper['paper_spl'], 2)}",
     ]
 
 

@@ -1,0 +1,85 @@
+"""Several goals in one place: one after another, and on a second visit."""
+
+from __future__ import annotations
+
+from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.nts.second_visit import METHODS as VISITORS
+from tutorial_lib.experiments.nts.second_visit import Settings
+from tutorial_lib.experiments.protocols.visits import MISSED, PASSED
+from tutorial_lib.experiments.results_page.exploring import AGENTS, gap_of
+from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
+from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.sources import Results, one
+from tutorial_lib.world.generators import SIGNS
+
+METHODS = {"both": "map and explorer", "memory": "map alone", "explorer": "explorer alone"}
+"""How methods of the second visit are called on the page."""
+_GOALS = {"passed": "passed on the first visit", "elsewhere": "elsewhere", "all": "all"}
+
+
+def _fig8_section(results: Results) -> list[str]:
+    rows = results.rows("nts_fig8")
+    counts = (1, 2, 5, 10)
+    lines = []
+    for signs in SIGNS:
+        for agent in ("nts", "nts_no_graph", "nts_no_score"):
+            found = [one(rows, agent=agent, signs=signs, goals=count) for count in counts]
+            cells = [f"{percent(row['success'])} / {number(row['spl'])}" for row in found]
+            last = found[-1]
+            gap = "" if agent == "nts" else gap_of(last, "success_gap")
+            lines.append([AGENTS[agent], signs, *cells, gap])
+    head = ["agent", "worlds", *(f"{count} goals" if count > 1 else "1 goal" for count in counts)]
+    return [
+        f"Up to ten goals one after another, 500 actions each, and the graph is kept (Fig. 8 of "
+        f"Chaplot et al. 2020): success / SPL over all goals until then. "
+        f"{rows[0]['episodes']} episodes of each kind in {results.worlds('nts_fig8')} test worlds.",
+        table([*head, "NTS - other after ten"], lines),
+        *_gaps(rows),
+    ]
+
+
+def _gaps(rows: Rows) -> list[str]:
+    """How the gaps to both ablations change with the number of goals."""
+    parts = []
+    for agent in ("nts_no_graph", "nts_no_score"):
+        for signs in SIGNS:
+            first, last = (
+                one(rows, agent=agent, signs=signs, goals=count)["spl_gap"] for count in (1, 10)
+            )
+            words = f"{AGENTS[agent]}, {signs}: {first:+.3f} to {last:+.3f}"
+            parts.append(words)
+    return [f"The gap in SPL from one goal to ten: {'; '.join(parts)}."]
+
+
+def _visit_section(results: Results) -> list[str]:
+    rows = results.rows("nts_second_visit")
+    lines = []
+    for signs in SIGNS:
+        for goals, words in _GOALS.items():
+            for method in VISITORS:
+                row = one(rows, method=method, signs=signs, goals=goals)
+                gain = "" if method == "both" else gap_of(row, "gain")
+                cells = [interval(row, "success"), number(row["spl"]), percent(row["recalled"], 0)]
+                lines.append([signs, words, METHODS[method], *cells, gain])
+    visits = results.reports["nts_second_visit"].notes[0]
+    trials = sum(one(rows, method="both", signs=signs, goals="all")["trials"] for signs in SIGNS)
+    return [
+        f"A robot explores a building once, on the way to {Settings().goals} goals one after "
+        f"another. What it saw, ahead and over its shoulder, becomes a map of the agent of Meng "
+        f"2020 (k = 0, since a goal's picture has no context). On a second visit robots start "
+        f"where the first one passed, and look for a goal that it passed within {PASSED:g} m, or "
+        f"for one at least {MISSED:g} m from its path; where no path is probable enough, the "
+        f"explorer is called, which also says when the goal is reached. {trials} trials in "
+        f"{results.worlds('nts_second_visit')} test worlds, without signs and with them.",
+        table(
+            ["worlds", "goals", "method", "success", "SPL", "along the map", "both - this"], lines
+        ),
+        f"{visits[0].upper()}{visits[1:]}. *Along the map* is the share of a robot's actions that "
+        f"it takes on paths of the map.",
+    ]
+
+
+SECTIONS = (
+    Section("Fig. 8: goals one after another", ("nts_fig8",), _fig8_section),
+    Section("A second visit", ("nts_second_visit",), _visit_section),
+)
