@@ -179,18 +179,18 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, wor
     [
         (
             "experiment",
-            ["meng_table2     --worlds A:B --map --palette --family --agent --odometry --drives"],
+            ["meng_table2 --worlds A:B --map --palette --family --agent --odometry --drives"],
         ),
-        ("bench", ["raycast\n", "fleet         --worlds A:A+1\n"]),
+        ("bench", ["raycast\n", "fleet --worlds A:A+1\n"]),
     ],
 )
 def test_the_help_shows_which_experiment_takes_which_options(capsys, command, lines):
     with pytest.raises(SystemExit) as stopped:
         main([command, "--help"])
     assert stopped.value.code == 0
-    shown = capsys.readouterr().out
+    shown = "\n".join(" ".join(line.split()) for line in capsys.readouterr().out.splitlines())
     for line in lines:
-        assert f"\n  {line}" in shown
+        assert f"\n{line}" in shown
 
 
 def test_commands_that_need_no_network_are_quick_to_start():

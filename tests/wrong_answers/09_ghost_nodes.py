@@ -404,7 +404,7 @@ def spl__right_with_a_minimum(success, shortest, travelled):
 
 def spl__above_one(success, shortest, travelled):
     """divide by the greater of both"""
-    return np.mean(np.where(success, shortest / np.maximum(travelled, 1e-9), 0))
+    return np.mean(success * shortest / travelled)
 
 
 def spl__upside_down(success, shortest, travelled):
@@ -453,11 +453,6 @@ def spl__python_s_max(success, shortest, travelled):
     return np.mean(success * shortest / max(shortest, travelled))
 
 
-def spl__divided_by_travelled(success, shortest, travelled):
-    """divide by the greater of both"""
-    return np.mean(success * shortest / travelled)
-
-
 def spl__percent(success, shortest, travelled):
     """not percent"""
     return 100 * np.mean(success * shortest / np.maximum(shortest, travelled))
@@ -466,12 +461,6 @@ def spl__percent(success, shortest, travelled):
 def spl__travelled_over_the_greater(success, shortest, travelled):
     """the shortest path over the greater of both"""
     return np.mean(success * travelled / np.maximum(shortest, travelled))
-
-
-def spl__mean_of_successes(success, shortest, travelled):
-    """they are not left out"""
-    with np.errstate(all="ignore"):
-        return np.sum(success * shortest / np.maximum(shortest, travelled)) / success.sum()
 
 
 # explore

@@ -9,7 +9,6 @@ from tutorial_lib.experiments.results_page.navigation import total
 from tutorial_lib.experiments.results_page.sources import MAPS, Results, one, stored_as
 
 HEAD = ("measured", "here", "beside it", "in the paper")
-_WORLDS = {"wayfinding": "with signs", "plain": "without signs"}
 _BESIDE = {"none": "none", "replan": "replanning alone"}  # remedies, and their words
 
 
@@ -28,8 +27,7 @@ def results_in_short(results: Results) -> str:
         lookalikes(results.rows("meng_fig12"), results.worlds("meng_fig12")),
         plan_probability(results.rows("meng_fig9")),
         blocked_paths(results.rows("faults")),
-        exploration(results.rows("nts_table1"), "wayfinding"),
-        exploration(results.rows("nts_table1"), "plain"),
+        exploration(results.rows("nts_table1")),
     ]
     return table(HEAD, lines)
 
@@ -156,22 +154,30 @@ def blocked_paths(rows: Rows) -> list[str]:
     ]
 
 
-def exploration(rows: Rows, signs: str) -> list[str]:
-    """Success and SPL on goals 5 to 10 m away in places never seen."""
-    found = {
-        name: one(rows, agent=name, sensor="rgbd", signs=signs, difficulty="hard")
-        for name in ("nts", "fbe", "random")
-    }
-    here, frontier, walk = (
-        f"{percent(row['success'])}, SPL {number(row['spl'], 2)}" for row in found.values()
+def exploration(rows: Rows) -> list[str]:
+    """Success and SPL on goals 5 to 10 m away in places never seen, with signs and without."""
+    here, frontier, learned, walk = (
+        _slashed_pairs(
+            [
+                one(rows, agent=name, sensor="rgbd", signs=signs, difficulty="hard")
+                for signs in ("wayfinding", "plain")
+            ]
+        )
+        for name in ("nts", "fbe", "ans_like", "random")
     )
-    paper = found["nts"]
+    paper = one(rows, agent="nts", sensor="rgbd", signs="plain", difficulty="hard")
     return [
-        f"a picture 5 to 10 m away in a place never seen, {_WORLDS[signs]}: NTS",
+        "a picture 5 to 10 m away in a place never seen, with signs / without: NTS",
         here,
-        f"nearest frontier {frontier}, random walk {walk}",
+        f"nearest frontier {frontier}, learned choice of frontier {learned}, random walk {walk}",
         f"{percent(paper['paper_success'], 0)}, SPL {number(paper['paper_spl'], 2)}",
     ]
+
+
+def _slashed_pairs(rows: Rows) -> str:
+    """Success of some rows, and SPL behind it."""
+    success = _slashed([row["success"] for row in rows])
+    return f"{success} (SPL {' / '.join(number(row['spl'], 2) for row in rows)})"
 
 
 def _slashed(shares: list[float]) -> str:
