@@ -61,7 +61,7 @@ class StandStill:
 
 
 def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
-    """What one robot saw on its run: on the way there, and on the way back over its shoulder.
+    """What one robot saw on its run: ahead of it, and, for the path back, over its shoulder.
 
     Only where it moved on is a frame kept; a panorama shows what is ahead and what is behind.
 
@@ -70,7 +70,7 @@ def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
         robot: which of them.
 
     Returns:
-        Two trajectories, neither where the robot hardly moved.
+        Two trajectories; none where the robot hardly moved.
     """
     seen = Observation.joined([observations[robot] for observations in run])
     moved = np.linalg.norm(np.diff(seen.odometry[:, :2], axis=0), axis=1)
