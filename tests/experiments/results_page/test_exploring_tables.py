@@ -15,12 +15,16 @@ SIGNS = ("plain", "wayfinding")
 SPL = {"nts": 0.6, "fbe": 0.5, "ans_like": 0.55, "nts_no_score": 0.4, "nts_blind": 0.45}
 SPL |= {"il": 0.1, "random": 0.7, "oracle": 0.95}
 GAIN = {"gain": 0.2, "gain_low": 0.1, "gain_high": 0.3}
+LESS = {"easy": 0.0, "medium": 0.02, "hard": 0.1}
+OTHER_GAIN = {"gain": 0.4, "gain_low": 0.3, "gain_high": 0.5}
 
 
 def chosen(score, sensor, signs, difficulty):
     top1 = {"semantic": 0.8, "blind": 0.6, "histogram": 0.4, "random": 0.2}[score]
+    top1 -= LESS[difficulty] + 0.03 * (sensor == "rgb") + 0.05 * (signs == "plain")
     row = {"score": score, "sensor": sensor, "signs": signs, "difficulty": difficulty}
-    return row | {"decisions": 100, "top1": top1, "low": top1, "high": top1} | GAIN
+    row |= {"decisions": 100, "top1": top1, "low": top1 - 0.01, "high": top1 + 0.01}
+    return row | (OTHER_GAIN if score == "histogram" else GAIN)
 
 
 CHOSEN = [
@@ -34,12 +38,12 @@ TABLE = [
         "signs": signs,
         "difficulty": level,
         "episodes": 300,
-        "success": spl + 0.05,
-        "spl": spl - 0.1 * (level == "hard"),
-        "success_125": 0.1,
-        "success_250": 0.2,
-        "paper_success": 0.43 if agent == "nts" else None,
-        "paper_spl": 0.26 if agent == "nts" else None,
+        "success": spl + 0.05 - LESS[level],
+        "spl": spl - LESS[level] - 0.03 * (sensor == "rgb") - 0.05 * (signs == "wayfinding"),
+        "success_125": 0.1 - LESS[level] / 2,
+        "success_250": 0.2 - LESS[level] / 2,
+        "paper_success": 0.43 - LESS[level] if agent == "nts" else None,
+        "paper_spl": 0.26 - LESS[level] if agent == "nts" else None,
     }
     for agent, spl in SPL.items()
     for sensor in (("rgbd", "rgb") if agent == "nts" else ("rgbd",))
@@ -56,9 +60,10 @@ def test_choices_stand_beside_a_blind_score_and_another_sensor():
     head, *lines = cells(choices(CHOSEN))
     assert len(lines) == 6
     assert head[2:6] == ["F_S", "blind", "colours", "random"]
-    gap = "+20.0 points (+10.0 to +30.0)"
-    expected = ["plain", "easy", "80.0%", "60.0%", "40.0%", "20.0%", gap, gap, "80.0%"]
-    assert lines[0] == expected
+    shares = ["65.0% (64.0 to 66.0)", "45.0%", "25.0%", "5.0%"]
+    gaps = ["+20.0 points (+10.0 to +30.0)", "+40.0 points (+30.0 to +50.0)"]
+    assert lines[2] == ["plain", "hard", *shares, *gaps, "62.0%"]
+    assert lines[4][:3] == ["wayfinding", "medium", "78.0% (77.0 to 79.0)"]
     text = exploring.SECTIONS[0].text(results("nts_scores", CHOSEN, ()))
     assert "600 decisions" not in text
     assert "300 decisions in 14 test worlds" in text
@@ -68,25 +73,44 @@ def test_the_best_agent_is_bold_and_bounds_take_no_part():
     _, *lines = cells(success_and_spl(TABLE, "plain"))
     assert [line[0] for line in lines[:2]] == ["NTS", "NTS, random scores"]
     assert len(lines) == len(SPL) + 1
-    assert lines[0][2] == "**65.0% / 0.600**"
-    assert lines[0][4] == "**65.0% / 0.500**"
+    assert lines[0][2:5] == ["**65.0% / 0.600**", "**63.0% / 0.580**", "**55.0% / 0.500**"]
     walk = next(line for line in lines if line[0] == "random walk")
     assert walk[2] == "75.0% / 0.700"
-    assert lines[0][5] == ", ".join(["0.43 / 0.26"] * 3)
-    assert lines[-1][:2] == ["NTS", "without depth"]
+    assert lines[0][5] == "0.43 / 0.26, 0.41 / 0.24, 0.33 / 0.16"
+    assert lines[-1][:3] == ["NTS", "without depth", "65.0% / 0.570"]
     _, mine, *_ = cells(in_time(TABLE, "plain"))
-    assert mine == ["NTS", *["10.0% / 20.0% / 65.0%"] * 3]
+    spread = ["10.0% / 20.0% / 65.0%", "9.0% / 19.0% / 63.0%", "5.0% / 15.0% / 55.0%"]
+    assert mine == ["NTS", *spread]
 
 
 def test_every_section_of_table1_has_its_differences():
+    others = ("fbe", "ans_like", "nts_no_score", "nts_blind")
     notes = [
-        f"SPL, nts - {agent} (rgbd), {signs}, {level}: +0.1"
-        for agent in ("fbe", "ans_like", "nts_no_score", "nts_blind")
-        for signs in SIGNS
-        for level in LEVELS
+        f"SPL, nts - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
+        for number, (agent, signs, level) in enumerate(product(others, SIGNS, LEVELS))
     ]
     text = exploring.SECTIONS[1].text(results("nts_table1", TABLE, notes))
-    assert text.count("+0.1") == len(notes)
+    assert "| nearest frontier | wayfinding | +0.03 | +0.04 | +0.05 |" in text
+    assert "| NTS, scores blind to the goal | plain | +0.18 | +0.19 | +0.20 |" in text
+    assert "300 episodes of each difficulty" in text
+
+
+def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
+    agents, conditions = ("nts", "fbe", "ans_like", "il"), ("standard", "no_stop", "no_noise")
+    rows = [
+        {"agent": agent, "signs": signs, "condition": condition, "difficulty": level}
+        | {"episodes": 300, "success": 0.5 + 0.01 * number if level == "overall" else 0.1}
+        for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
+        for level in (*LEVELS, "overall")
+    ]
+    notes = [
+        f"{agent}, {signs}: {condition} - standard: +{number} points"
+        for number, (agent, signs, condition) in enumerate(product(agents, SIGNS, conditions))
+        if condition != "standard"
+    ]
+    text = exploring.SECTIONS[2].text(results("nts_table2", rows, notes))
+    line = "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points |"
+    assert line in text
     assert "300 episodes of each difficulty" in text
 
 
@@ -127,8 +151,8 @@ def test_the_short_table_has_hard_goals_with_signs_and_without():
     rows = [row | {"success": row["success"] - 0.1 * (row["signs"] == "plain")} for row in TABLE]
     what, here, beside, paper = exploration(rows)
     assert what.endswith("with signs / without: NTS")
-    assert (here, paper) == ("65.0% / 55.0% (SPL 0.50 / 0.50)", "43%, SPL 0.26")
+    assert (here, paper) == ("55.0% / 45.0% (SPL 0.45 / 0.50)", "33%, SPL 0.16")
     assert beside == (
-        "nearest frontier 55.0% / 45.0% (SPL 0.40 / 0.40), learned choice of frontier 60.0% / "
-        "50.0% (SPL 0.45 / 0.45), random walk 75.0% / 65.0% (SPL 0.60 / 0.60)"
+        "nearest frontier 45.0% / 35.0% (SPL 0.35 / 0.40), learned choice of frontier 50.0% / "
+        "40.0% (SPL 0.40 / 0.45), random walk 65.0% / 55.0% (SPL 0.55 / 0.60)"
     )

@@ -27,7 +27,7 @@ AGENTS = {
         *("nts", "nts_no_graph", "nts_no_score", "nts_blind"),
         *("fbe", "ans_like", "il", "random", "oracle"),
     ),
-    "rgb": ("nts",),
+    "rgb": ("nts", "ans_like", "il"),
 }
 """The agents of Table 1 by sensor. Frontier exploration maps measured depth, so that it has no row
 without; bounds and the ablations of graph, score and goal are run with depth only."""

@@ -18,7 +18,7 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
-EXPLORING = ("scores", "table1", "fig8", "second_visit")
+EXPLORING = ("scores", "table1", "table2", "fig8", "second_visit")
 """Experiments of exploration."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", "tour")
