@@ -149,6 +149,21 @@ def test_pursuing_and_missing_a_goal_paints_no_walls():
     assert missed >= 1
 
 
+def test_a_robot_that_missed_its_goal_looks_before_it_compares_frontiers():
+    class Eastward:
+        def score(self, crops, here, goals, frontiers, robots):
+            return frontiers[:, 0]
+
+    agent = FrontierAgent(Hall(mirage=np.array([0.0, 2.2])), scorer=Eastward())
+    task, before, missed = in_a_hall(30.0), False, 0
+    for _ in steps(task, agent, 40):
+        found = bool(agent.search.found[0])
+        missed += before and not found
+        assert found or before or not np.isnan(agent._targets[0]).any()
+        before = found
+    assert missed >= 1
+
+
 @pytest.mark.parametrize("kind", ["fbe", "nts"])
 def test_once_all_is_explored_the_robot_goes_on_and_looks_again(kind):
     model = Hall()

@@ -79,7 +79,11 @@ class FrontierAgent:
         if len(due):
             self._choose(sensed, due)
         self._left[sensed.robots] -= ~self.search.found[sensed.robots]
-        return self.search.drive(sensed, self._targets)
+        actions = self.search.drive(sensed, self._targets)
+        if self._scorer is not None:  # one that missed its goal before it had any other target
+            aimless = np.isnan(self._targets[:, 0]) & ~self.search.found
+            self.search.look_again(np.flatnonzero(aimless))
+        return actions
 
     def _due(self, sensed: Sensed) -> NDArray[np.intp]:
         """Rows of robots that need a target: theirs was seen, reached, or takes too long.
