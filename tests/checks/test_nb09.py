@@ -19,6 +19,13 @@ from tutorial_lib.checks.nb09.small_maps import small_map
 from tutorial_lib.checks.nb09.small_places import PlacesRobot
 from tutorial_lib.exploration.labels import explorable as labelled
 
+OUT_OF_REACH = (
+    "a ghost far inside that cannot be reached",
+    "steps that end where the goal is first seen",
+    "too few steps",
+    "a goal that is nowhere",
+)
+
 
 def test_lengths_of_paths_are_those_of_straight_lines_and_of_detours():
     free = small_map()
@@ -50,7 +57,7 @@ def test_the_reference_ends_in_every_building(name):
     building = BUILDINGS[name]
     robot = PlacesRobot(building)
     reached, graph, ghosts = explore(robot)
-    assert reached == (name not in ("too few steps", "a goal that is nowhere"))
+    assert reached == (name not in OUT_OF_REACH)
     assert not len(graph) or nx.is_connected(graph)
     assert robot.steps >= 0
     if name == "a goal that is nowhere":

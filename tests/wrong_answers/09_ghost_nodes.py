@@ -89,7 +89,7 @@ def explorable__metres_as_cells(free, radius):
 
 
 def explorable__at_the_edge(free, radius):
-    """not at the edge of the map"""
+    """not at the map's edge"""
     return _lengths_at(free, radius, reach=len(free) // 2)[0] <= 1.05 * radius
 
 
@@ -121,6 +121,14 @@ def explorable__lengths(free, radius):
 def explorable__not_whole(free, radius):
     """an index is a whole number"""
     return path_lengths(free)[len(free) // 2 + np.cos(np.arange(12)), 0] <= radius
+
+
+def explorable__rounds_down(free, radius):
+    """is rounded down"""
+    angles = np.arange(12) * np.pi / 6
+    rows = (len(free) // 2 + radius * np.sin(angles) / CELL).astype(int)
+    columns = (len(free) // 2 + radius * np.cos(angles) / CELL).astype(int)
+    return path_lengths(free)[rows, columns] <= 1.05 * radius
 
 
 # add_ghosts
@@ -245,6 +253,20 @@ def add_ghosts__list(*case):
 def add_ghosts__floats(ghosts, node, explorable, beside):
     """node and direction are whole numbers"""
     return {(node, float(k)) for k in range(12)}
+
+
+def add_ghosts__right_as_a_frozenset(ghosts, node, explorable, beside):
+    return frozenset(added(ghosts, node, explorable, beside))
+
+
+def add_ghosts__no_ghosts_no_neighbours(ghosts, node, explorable, beside):
+    """count also where no ghost was left"""
+    return added(ghosts, node, explorable, beside if ghosts else {})
+
+
+def add_ghosts__no_neighbours_no_ghosts(ghosts, node, explorable, beside):
+    """stay also where no node is beside"""
+    return added(ghosts if beside else set(), node, explorable, beside)
 
 
 # global_policy
@@ -386,7 +408,73 @@ def global_policy__node_only(graph, here, ghosts, scores, goal=None, weight=0.0)
     return chosen(graph, here, ghosts, scores, goal, weight)[0]
 
 
+def _valued(graph, here, ghosts, scores, goal, weight, metres, least=-math.inf):
+    """The policy with other distances or weights."""
+    if goal is not None or not ghosts:
+        return chosen(graph, here, ghosts, scores, goal, weight)
+    values = {g: scores[g] - weight * metres[g[0]] / 20 for g in sorted(ghosts)}
+    best = max(values, key=values.__getitem__)
+    if values[best] <= least:
+        return here, None
+    path = nx.shortest_path(graph, here, best[0], weight="metres")
+    return path[min(1, len(path) - 1)], best
+
+
+def global_policy__metres_from_node_0(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """those from `here`, not from node 0"""
+    metres = nx.single_source_dijkstra_path_length(graph, 0, weight="metres")
+    return _valued(graph, here, ghosts, scores, goal, weight, metres)
+
+
+def global_policy__cost_by_edges(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """weight='metres' there, too"""
+    metres = nx.single_source_dijkstra_path_length(graph, here)
+    return _valued(graph, here, ghosts, scores, goal, weight, metres)
+
+
+def global_policy__metres_of_the_fewest_edges(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """not those of the one of the fewest edges"""
+    paths = nx.single_source_shortest_path(graph, here)
+    metres = {node: nx.path_weight(graph, path, "metres") for node, path in paths.items()}
+    return _valued(graph, here, ghosts, scores, goal, weight, metres)
+
+
+def global_policy__searches_from_0(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """a search that starts from 0 finds none"""
+    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+    return _valued(graph, here, ghosts, scores, goal, weight, metres, least=0.0)
+
+
+def global_policy__weight_as_a_switch(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """also where it is below 1"""
+    return chosen(graph, here, ghosts, scores, goal, float(weight >= 1))
+
+
+def global_policy__weight_at_most_1(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """`weight` may be more than 1"""
+    return chosen(graph, here, ghosts, scores, goal, min(weight, 1.0))
+
+
 # spl
+
+
+def spl__right_with_a_small_number(success, shortest, travelled):
+    return (success * shortest / (np.maximum(shortest, travelled) + 1e-8)).mean()
+
+
+def spl__right_in_single_precision(success, shortest, travelled):
+    shortest, travelled = np.float32(shortest), np.float32(travelled)
+    return np.mean(success * shortest / np.maximum(shortest, travelled), dtype=np.float32)
+
+
+def spl__divides_by_nothing(success, shortest, travelled):
+    """a robot that does not move and fails"""
+    return np.mean(np.minimum(success * shortest / travelled, 1))
+
+
+def spl__as_text(success, shortest, travelled):
+    """is no number"""
+    return str(np.mean(success * shortest / np.maximum(shortest, travelled)))
 
 
 def spl__right_in_a_loop(success, shortest, travelled):
@@ -528,15 +616,18 @@ def explore__right_that_drives_the_whole_path(robot):
 def _loop(robot, **faults):
     """The loop with switches for mistakes."""
     graph, ghosts, scores, arrived, last, rounds = nx.Graph(), set(), {}, False, -1, 0
-    while faults.get("endless") or robot.steps > 0:
+    looks, drove = faults.get("looks", lambda *_: True), False
+    while faults.get("endless") or (robot.steps > 0 and rounds < faults.get("rounds", 1_000)):
         rounds += 1
-        if faults.get("looks", lambda n: True)(rounds) and robot.sees_goal():
-            if robot.to_goal():
+        if looks(rounds, robot, arrived, drove) and robot.sees_goal():
+            if robot.to_goal() or faults.get("believes"):
                 return True, graph, ghosts
             if faults.get("gives_up"):
                 return False, graph, ghosts
+            arrived = faults.get("after_mistake", arrived)
         here = robot.node()
         new = here is None or (arrived and not faults.get("lost_only"))
+        new &= not faults.get("last_only") or here is None or here == last
         new = (not len(graph) or arrived) if faults.get("arrived_only") else new
         if new or faults.get("always_new"):
             here, beside = len(graph), robot.beside()
@@ -549,7 +640,8 @@ def _loop(robot, **faults):
                 graph.remove_edges_from(list(graph.edges))
             before = set() if faults.get("forgets") else ghosts
             near = {} if faults.get("alone") else beside
-            ghosts = added(before, here, robot.explorable(), near)
+            old = ghosts if faults.get("comes_back") else set()
+            ghosts = added(before, here, robot.explorable(), near) | old
             for k, score in enumerate(robot.scores()):
                 scores[here, k] = score
             if not faults.get("never_remembers"):
@@ -558,14 +650,19 @@ def _loop(robot, **faults):
             scores |= {(here, k): score for k, score in enumerate(robot.scores())}
         last = here
         node, ghost = chosen(graph, here, ghosts, scores)
+        if ghost is None and faults.get("no_break"):
+            continue
         if ghost is None:
             break
-        if node != here and not faults.get("straight"):
+        drove = node != here and not faults.get("straight")
+        if drove:
             robot.to_node(ghost[0] if faults.get("to_the_end") else node)
             arrived = False
             continue
         there = robot.to_ghost(ghost)
-        arrived = there or faults.get("never_asks", False)
+        arrived = there or faults.get("never_asks", False) or (arrived and "stays" in faults)
+        if faults.get("all_of_node"):
+            ghosts = {other for other in ghosts if other[0] != here}
         if not faults.get("keeps") and (there or not faults.get("keeps_blocked")):
             ghosts = ghosts - {ghost}
     return False, graph, ghosts
@@ -573,12 +670,12 @@ def _loop(robot, **faults):
 
 def explore__looks_once(robot):
     """a robot that looks only at the start passes it"""
-    return _loop(robot, looks=lambda rounds: rounds == 1)
+    return _loop(robot, looks=lambda rounds, *_: rounds == 1)
 
 
 def explore__never_looks(robot):
     """call sees_goal(), and to_goal() where it is seen"""
-    return _loop(robot, looks=lambda rounds: False)
+    return _loop(robot, looks=lambda *_: False)
 
 
 def explore__gives_up(robot):
@@ -675,3 +772,116 @@ def explore__ghosts_as_a_list(robot):
     """a list came back; return the set of ghosts"""
     reached, graph, ghosts = _loop(robot)
     return reached, graph, list(ghosts)
+
+
+def explore__right_that_ends_with_the_steps(robot):
+    graph, ghosts, scores, arrived, reached = nx.Graph(), set(), {}, False, False
+    while robot.steps > 0:
+        if robot.sees_goal():
+            reached = robot.to_goal()
+            if reached:
+                continue
+        here = robot.node()
+        if here is None or arrived:
+            here, beside = len(graph), robot.beside()
+            graph.add_node(here)
+            for other, pose in beside.items():
+                graph.add_edge(here, other, metres=float(np.hypot(pose[0], pose[1])))
+            ghosts = frozenset(added(ghosts, here, robot.explorable(), beside))
+            scores |= {(here, k): score for k, score in enumerate(robot.scores())}
+            robot.remember(here)
+            arrived = False
+        node, ghost = chosen(graph, here, set(ghosts), scores)
+        if ghost is None:
+            break
+        if node == here:
+            arrived, ghosts = robot.to_ghost(ghost), ghosts - {ghost}
+        else:
+            robot.to_node(node)
+    return reached, graph, ghosts
+
+
+def explore__looks_where_a_node_is_new(robot):
+    """not only where a node is new"""
+    return _loop(robot, looks=lambda n, here, arrived, drove: arrived or here.node() is None)
+
+
+def explore__looks_at_first_and_at_ghosts(robot):
+    """the goal may also be seen on the way, from a node that is known"""
+    return _loop(robot, looks=lambda n, here, arrived, drove: arrived or n == 1)
+
+
+def explore__looks_only_at_ghosts(robot):
+    """the goal may also be seen on the way, at a node"""
+    return _loop(robot, looks=lambda n, here, arrived, drove: arrived)
+
+
+def explore__believes(robot):
+    """only where to_goal() returned True"""
+    return _loop(robot, believes=True)
+
+
+def explore__forgets_that_it_arrived(robot):
+    """the robot has still just arrived at a ghost"""
+    return _loop(robot, after_mistake=False)
+
+
+def explore__arrives_by_mistake(robot):
+    """make one only where node() returns None"""
+    return _loop(robot, after_mistake=True)
+
+
+def explore__stays_arrived(robot):
+    """to_ghost() returned False, so it has not arrived"""
+    return _loop(robot, stays=True)
+
+
+def explore__a_node_only_where_it_was(robot):
+    """whatever node F_L takes it for"""
+    return _loop(robot, last_only=True)
+
+
+def explore__explored_ghosts_come_back(robot):
+    """take the set that add_ghosts returns in place of the old one"""
+    return _loop(robot, comes_back=True)
+
+
+def explore__all_ghosts_of_the_node_go(robot):
+    """not the others of its node"""
+    return _loop(robot, all_of_node=True)
+
+
+def explore__fifty_rounds(robot):
+    """yours drives 50 times, but 60 is right"""
+    return _loop(robot, rounds=50)
+
+
+def explore__goes_on_without_ghosts(robot):
+    """does the loop go on where global_policy returns no ghost?"""
+    return _loop(robot, no_break=True)
+
+
+def explore__returns_what_it_sees(robot):
+    """it returns True, but False is right"""
+    reached, graph, ghosts = _loop(robot)
+    return reached or robot.sees_goal(), graph, ghosts
+
+
+def explore__a_directed_graph(robot):
+    """a DiGraph came back"""
+    reached, graph, ghosts = _loop(robot)
+    return reached, graph.to_directed(), ghosts
+
+
+def explore__edges_with_a_weight(robot):
+    """has no "metres\""""
+    reached, graph, ghosts = _loop(robot)
+    other = nx.Graph()
+    other.add_nodes_from(graph)
+    other.add_weighted_edges_from(graph.edges(data="metres"))
+    return reached, other, ghosts
+
+
+def explore__steps_called(robot):
+    """robot.steps is a number, without parentheses"""
+    return _loop(robot) if robot.steps() > 0 else None

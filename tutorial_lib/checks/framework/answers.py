@@ -90,9 +90,11 @@ def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
     if shape and not isinstance(got, np.ndarray):
         raise WrongAnswer(f"{what}: a {kind} came back; return a numpy array")
     try:
+        if isinstance(got, str):
+            raise TypeError
         values = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
-        words = "is no array of numbers; return an array"
+        words = "is no array of numbers; return an array" if shape else "is no number; return one"
         raise WrongAnswer(f"{what}: a {kind} {words}") from None
     if values.shape != shape:
         raise WrongAnswer(f"{what}: shape {values.shape}, but {shape} is needed")

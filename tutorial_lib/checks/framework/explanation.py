@@ -9,6 +9,8 @@ from pathlib import Path
 
 _OTHERS = (str(Path(__file__).resolve().parents[2]), *sysconfig.get_paths().values())
 """Folders of code that is not the student's: this library, Python's, and what is installed."""
+_GENERATED = ("<frozen", "<__array_function__", "<class 'networkx")
+"""Names of code that has no file: Python's, numpy's and networkx's."""
 _USUAL: dict[type[Exception], str] = {
     IndexError: "an index lies beyond the end of an array; do not look there",
     TypeError: "something is not of the type that you use it as; compare with the docstring",
@@ -56,4 +58,4 @@ def place(error: BaseException) -> str:
 
 
 def _is_others(file: str) -> bool:
-    return file.startswith((*_OTHERS, "<frozen", "<__array_function__"))
+    return file.startswith((*_OTHERS, *_GENERATED))

@@ -37,10 +37,10 @@ def _added(
     chosen = np.flatnonzero(~explorable).tolist() if fault == "not explorable" else chosen
     own = {(node, k) for k in chosen}
     grown = set(ghosts)
-    if fault == "only new":
+    if fault == "only new" or (fault == "alone" and not beside):
         grown = set()
     grown |= set() if fault == "adds none" else own
-    for other, pose in beside.items():
+    for other, pose in {} if fault == "first of all" and not ghosts else beside.items():
         there = _direction(pose, fault)
         back = _direction(inverse(pose), fault)
         if fault == "opposite":
@@ -109,6 +109,8 @@ _FAULTS = {
     "only the ghost in the direction of the new node goes, not those beside it": "neighbours",
     "the ghosts that were there before stay, unless the new node stands there": "only new",
     "the new node has ghosts of its own, one in each explorable direction": "adds none",
+    "the other nodes count also where no ghost was left before": "first of all",
+    "the ghosts that were there before stay also where no node is beside the new one": "alone",
     "a ghost only in directions that are explorable; yours has all twelve": "all twelve",
     "a ghost where explorable is True; yours has them where it is False": "not explorable",
     "several nodes may be beside the new one; yours looks at the first only": "first only",
@@ -154,6 +156,8 @@ _CASES = {
         _seen(*range(12)),
         {0: _pose(2.8, 95, -52), 1: _pose(1.9, -121, 201)},
     ),
+    "no ghost was left": (set(), 1, _seen(0, 6), {0: _pose(3, 180, 0)}),
+    "no node is beside the new one": ({(0, 1), (0, 4)}, 1, _seen(0, 6), {}),
     "the ghost there was removed already": ({(0, 2)}, 1, _seen(1, 2), {0: _pose(3, 62, 3)}),
     **{f"at random ({seed})": _random(seed) for seed in range(8)},
 }
@@ -181,7 +185,7 @@ def check_add_ghosts(student: Callable[..., Any]) -> None:
 
 
 def _formed(what: str, got: object, *_: object) -> Ghosts:
-    if not isinstance(got, set):
+    if not isinstance(got, set | frozenset):
         raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a set of ghosts")
     for ghost in got:
         if not (isinstance(ghost, tuple) and len(ghost) == 2):

@@ -39,6 +39,8 @@ def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDAr
     ahead, left = reach * np.cos(bearings), reach * np.sin(bearings)
     turn = np.trunc if fault == "cut off" else np.rint
     rows, columns = (middle + turn(part).astype(int) for part in (left, ahead))
+    if fault == "rounded down":
+        rows, columns = ((middle + part).astype(int) for part in (left, ahead))
     if fault == "swapped":
         rows, columns = columns, rows
     if fault == "only the point":
@@ -53,7 +55,9 @@ def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDAr
 
 _FAULTS = {
     "the path decides, not the point alone: it may be free and lie behind a wall": "only the point",
-    "a path that exists may be too long: compare it with 1.05 * radius": "any path",
+    "a path that exists may be too long: compare its length with 1.05 * radius, both in metres": (
+        "any path"
+    ),
     "the path may be 1.05 times the radius long; yours allows no detour": "no detour",
     "the path may be 1.05 times the radius long, not 1.5 times": "half as much",
     "True is for paths that are short enough; yours is the other way round": "longer",
@@ -68,9 +72,13 @@ _FAULTS = {
     "apart; endpoint=False leaves the last one out": "both ends",
     "np.cos and np.sin take radians; yours gives them degrees": "degrees",
     "a cell is CELL metres wide: divide metres by CELL": "cells",
-    "the point is at `radius` metres, not at the edge of the map": "edge",
+    "no direction is explorable in yours: the point is `radius` metres away, not at the map's "
+    "edge, and the length of the path to it is compared with 1.05 * radius, both in metres": "edge",
     "the robot is in the middle of the map, cell (S // 2, S // 2), not in its corner": "corner",
     "take the nearest cell, np.rint; astype(int) alone cuts off, towards zero": "cut off",
+    "take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded down": (
+        "rounded down"
+    ),
 }
 
 

@@ -21,6 +21,7 @@ from tutorial_lib.checks.nb09.small_places import Ghost, PlacesRobot
 
 Explored = tuple[bool, nx.Graph, set[Ghost]]
 """Whether the goal was reached, the graph, and the ghosts that are left."""
+_EDGES = "each new node gets edges to those beside it"
 
 
 def explore(robot: Any) -> Explored:  # noqa: ANN401
@@ -37,16 +38,23 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
     graph, ghosts, scores = nx.Graph(), set[Ghost](), dict[Ghost, float]()
     arrived, last, there, first = False, 0, -1, True
     while robot.steps > 0 or fault == "no end":
-        looks = first if fault == "looks once" else arrived if fault == "looks at ghosts" else True
-        looks = False if fault == "never looks" else looks
+        looks = {
+            "looks once": first,
+            "looks at ghosts": arrived,
+            "looks at first and at ghosts": first or arrived,
+            "looks at new": arrived or robot.node() is None,
+            "never looks": False,
+        }.get(fault, True)
         first = False
         if looks and robot.sees_goal():
-            if robot.to_goal():
+            if robot.to_goal() or fault == "believes":
                 return True, graph, ghosts
             if fault == "gives up":
                 return False, graph, ghosts
+            arrived = {"forgets arrival": False, "invents arrival": True}.get(fault, arrived)
         here = robot.node()
         new = here is None or (arrived and fault != "only where lost")
+        new &= fault != "only in the last" or here is None or here == last
         if new:
             here = len(graph)
             beside = robot.beside()
@@ -76,7 +84,9 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
             arrived = False
             continue
         if fault != "straight to it" or there == here:
-            arrived = robot.to_ghost(ghost)
+            arrived = robot.to_ghost(ghost) or (fault == "stays arrived" and arrived)
+        if fault == "all of the node":
+            ghosts = {other for other in ghosts if other[0] != here}
         if fault != "keeps it" and not (fault == "keeps what is blocked" and not arrived):
             ghosts = ghosts - {ghost}
     return False, graph, ghosts
@@ -94,7 +104,13 @@ def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any: 
         TypeError: "node() may return None; a ghost is a pair (node, direction)",
         nx.NodeNotFound: "the graph lacks a node; add_node each new one, also the first, and make "
         "one wherever node() is None, not only at the start",
-        nx.NetworkXNoPath: "no path leads there; each new node gets edges to those beside it",
+        nx.NetworkXNoPath: f"no path leads there; {_EDGES}",
+    }
+    said = {
+        "'int' object is not callable": "robot.steps is a number, without parentheses",
+        "cannot unpack non-iterable int": "beside() returns a dictionary: go through its .items()",
+        "unsupported operand type(s) for -: 'set' and 'tuple'": "a set of one ghost is {ghost}",
+        "hypot": "the way to a pose is np.hypot(pose[0], pose[1]); pose[2] is a heading",
     }
     try:
         return _play(student, building)
@@ -103,7 +119,9 @@ def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any: 
     except NotImplementedError:
         raise
     except Exception as error:
-        raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
+        if isinstance(error, KeyError) and isinstance(error.args[0], int | np.integer):
+            hints[KeyError] = "no edges lead to this node; " + _EDGES
+        raise WrongAnswer(f"{what}: {explained(error, hints, said)}") from error
 
 
 @check(
@@ -134,14 +152,19 @@ def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
     reached, graph, ghosts = parts(what, got[0], 3, words)
     if not isinstance(reached, bool | np.bool_):
         raise WrongAnswer(f"{what}: {reached!r} came back; return True if the goal was reached")
-    if not isinstance(graph, nx.Graph):
+    if not isinstance(graph, nx.Graph) or graph.is_directed() or graph.is_multigraph():
         raise WrongAnswer(
             f"{what}: a {type(graph).__name__} came back; return the graph, nx.Graph()"
         )
+    for v, w, metres in graph.edges(data="metres"):
+        if metres is None:
+            raise WrongAnswer(
+                f'{what}: edge ({v}, {w}) has no "metres": add_edge(v, w, metres=...)'
+            )
     if not isinstance(ghosts, set | frozenset):
         raise WrongAnswer(f"{what}: a {type(ghosts).__name__} came back; return the set of ghosts")
     edges = {
-        (min(v, w), max(v, w)): round(float(metres or 0.0), 6)
+        (min(v, w), max(v, w)): round(float(metres), 6)
         for v, w, metres in graph.edges(data="metres")
     }
     return bool(reached), sorted(graph.nodes), edges, set(ghosts), got[1]

@@ -7,7 +7,17 @@ FAULTS = {
     "the goal may also be seen on the way, at a node: call sees_goal() in every round": (
         "looks at ghosts"
     ),
+    "the goal may also be seen on the way, from a node that is known: call sees_goal() in every "
+    "round": "looks at first and at ghosts",
+    "the goal may also be seen from a node that is known: call sees_goal() in every round, not "
+    "only where a node is new": "looks at new",
     "call sees_goal(), and to_goal() where it is seen": "never looks",
+    "only where to_goal() returned True has the robot reached the goal": "believes",
+    "the robot has still just arrived at a ghost where it then took something for the goal: that "
+    "place becomes a node": "forgets arrival",
+    "where something was mistaken for the goal the robot has not arrived at a ghost": (
+        "invents arrival"
+    ),
     "to_goal() returns False where something was mistaken for the goal; then go on exploring": (
         "gives up"
     ),
@@ -15,6 +25,11 @@ FAULTS = {
     "a ghost that was reached becomes a node also where F_L still has the robot in the old one": (
         "only where lost"
     ),
+    "a ghost that was reached becomes a node, whatever node F_L takes it for": "only in the last",
+    "where to_ghost() returned False the robot has not just arrived, also if it had before": (
+        "stays arrived"
+    ),
+    "remove the ghost to which the robot was sent, not the others of its node": "all of the node",
     "the ghosts of earlier nodes stay: give add_ghosts the ghosts so far": "forgets",
     "the scores of earlier nodes stay: add the new ones to them": "forgets scores",
     "ask for scores() only where a node is new: at a known node the robot looks another way than "

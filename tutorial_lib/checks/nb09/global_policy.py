@@ -42,9 +42,16 @@ def _chosen(
 ) -> Choice:
     """The policy, with a `fault` if one is named."""
     by = None if fault == "edges" else "metres"
-    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+    start = {"from 0": 0}.get(fault, here)
+    metres = nx.single_source_dijkstra_path_length(graph, start, weight="metres")
+    if fault == "hops":
+        metres = nx.single_source_shortest_path_length(graph, here)
+    if fault == "fewest edges":
+        fewest = nx.single_source_shortest_path(graph, here)
+        metres = {node: nx.path_weight(graph, path, "metres") for node, path in fewest.items()}
     far = {"not over 20": 1.0}.get(fault, _FAR)
     weight = {"adds": -weight, "no travel": 0.0, "always": 1.0}.get(fault, weight)
+    weight = {"switch": float(weight >= 1), "at most 1": min(weight, 1.0)}.get(fault, weight)
 
     def value(ghost: Ghost) -> float:
         score = {"worst": -scores[ghost], "nearest": -metres[ghost[0]]}.get(fault, scores[ghost])
@@ -57,6 +64,8 @@ def _chosen(
     if fault == "own first":
         open_to = [ghost for ghost in open_to if ghost[0] == here] or open_to
     ghost = max(open_to, key=value) if not known or (fault == "ghost too" and ghosts) else None
+    if fault == "above 0" and not known and ghost is not None and value(ghost) <= 0:
+        return here, None
     end = goal if known else ghost[0] if ghost is not None else here
     path = nx.shortest_path(graph, here, end, weight=by)
     step = {"end": len(path) - 1, "start": 0, "one before": max(len(path) - 2, 0)}.get(fault, 1)
@@ -78,6 +87,16 @@ _FAULTS = {
     "return the second node of the path, not the last but one": "one before",
     "the cost of travelling is taken away from the score; yours adds it": "adds",
     "the distance in metres is divided by 20, as in the score itself": "not over 20",
+    "a ghost costs the metres of the path to its node, not its edges: weight='metres' there, too": (
+        "hops"
+    ),
+    "the metres to a ghost are those from `here`, not from node 0": "from 0",
+    "a ghost costs the metres of the shortest path in metres, not those of the one of the fewest "
+    "edges": "fewest edges",
+    "where all values are below 0, one is the greatest nevertheless: a search that starts from 0 "
+    "finds none": "above 0",
+    "`weight` itself multiplies the distance, also where it is below 1": "switch",
+    "`weight` may be more than 1": "at most 1",
     "`weight` says how much travelling counts; yours never looks at it": "no travel",
     "`weight` says how much travelling counts; yours always counts it": "always",
 }
@@ -167,6 +186,46 @@ _CASES = {
         None,
         1.0,
     ),
+    "travelling costs, from the other end of the row": (
+        _ROW,
+        3,
+        {(0, 1), (2, 1)},
+        {(0, 1): 0.8, (2, 1): 0.75},
+        None,
+        1.0,
+    ),
+    "travelling costs more than every score": (
+        _graph((0, 1, 30.0)),
+        0,
+        {(1, 1), (1, 2)},
+        {(1, 1): 0.4, (1, 2): 0.5},
+        None,
+        3.0,
+    ),
+    "travelling costs, and a long edge is no short cut": (
+        _ROUND,
+        0,
+        {(3, 1), (1, 1)},
+        {(3, 1): 0.8, (1, 1): 0.55},
+        None,
+        1.0,
+    ),
+    "travelling costs half as much": (
+        _ROW,
+        0,
+        {(0, 1), (3, 1)},
+        {(0, 1): 0.5, (3, 1): 0.7},
+        None,
+        0.5,
+    ),
+    "travelling costs twice as much": (
+        _ROW,
+        0,
+        {(0, 1), (3, 1)},
+        {(0, 1): 0.1, (3, 1): 0.9},
+        None,
+        2.0,
+    ),
     **{f"at random ({seed})": _random(seed) for seed in range(9)},
 }
 
@@ -178,7 +237,8 @@ def check_global_policy(student: Callable[..., Any]) -> None:
         KeyError: "scores[ghost] is the score of a ghost, a pair (node, direction)",
         ValueError: "max() of nothing: there may be no ghost left",
         TypeError: "a ghost is a pair (node, direction), and goal may be None",
-        IndexError: "where the robot is at the end of the path already, the path has one node",
+        IndexError: "where the robot is at the end of the path already, the path has one node; "
+        "and there may be no ghost left",
     }
     compare(
         "global_policy",

@@ -22,6 +22,9 @@ class Building:
         blocked: pairs (from, to) of places: the drive ends where it began.
         astray: for a drive from one place to the node at another, the place where it ends instead.
         short: places whose ghosts are so near that F_L still has the robot in the old node.
+        alike: places that F_L takes for the first node, until they are one themselves.
+        later: places from which the goal, or what is mistaken for it, is only seen when the robot
+            comes back to them.
         misleading: for (from, to), what is added to the score.
         steps: actions that the robot may take.
     """
@@ -34,6 +37,8 @@ class Building:
     blocked: tuple[tuple[int, int], ...] = ()
     astray: dict[tuple[int, int], int] = field(default_factory=dict)
     short: tuple[int, ...] = ()
+    alike: tuple[int, ...] = ()
+    later: tuple[int, ...] = ()
     misleading: dict[tuple[int, int], float] = field(default_factory=dict)
     steps: int = 500
 
@@ -104,6 +109,58 @@ BUILDINGS: dict[str, Building] = {
         (6, 7),
         astray={(1, 0): 3},
         misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3},
+    ),
+    "a drive to a node that ends where the goal is seen": Building(
+        _ROOMS,
+        _ROOM_LINKS,
+        7,
+        (3, 6, 7),
+        astray={(1, 0): 3},
+        misleading={(0, 1): 0.4, (1, 2): 0.5, (0, 8): -0.3},
+    ),
+    "the goal is seen where a ghost was near its node": Building(
+        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3), short=(1, 2)
+    ),
+    "something is mistaken for the goal where a ghost was near its node": Building(
+        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), deceptive=(1,), short=(1, 2)
+    ),
+    "a place that looks like the start": Building(
+        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (3,), alike=(1, 2)
+    ),
+    "the goal is only seen on the way back": Building(
+        _ROOMS,
+        _ROOM_LINKS,
+        7,
+        (0, 7),
+        later=(0,),
+        misleading={(0, 1): 0.4, (1, 2): 0.5},
+    ),
+    "something is mistaken for the goal on the way back": Building(
+        _ROOMS,
+        _ROOM_LINKS,
+        7,
+        (7,),
+        deceptive=(0,),
+        later=(0,),
+        misleading={(0, 1): 0.4, (1, 2): 0.5},
+    ),
+    "a ghost far inside that cannot be reached": Building(
+        _ROOMS,
+        _ROOM_LINKS,
+        7,
+        (7,),
+        blocked=((3, 4),),
+        misleading={(0, 3): 0.5},
+    ),
+    "steps that end where the goal is first seen": Building(
+        _ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3), steps=23
+    ),
+    "a long corridor": Building(
+        np.column_stack([3.0 * np.arange(60), np.zeros(60)]),
+        tuple((v, v + 1) for v in range(59)),
+        59,
+        (59,),
+        steps=1_000,
     ),
     "too few steps": Building(_ROOMS, _ROOM_LINKS, 7, (7,), steps=40, misleading={(0, 1): 0.4}),
     "a goal that is nowhere": Building(_CROSS, ((0, 1), (0, 2), (0, 3), (0, 5), (3, 4)), 4, ()),

@@ -7,6 +7,7 @@ the directions of that node.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Collection
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,20 +38,23 @@ class PlacesRobot:
         self.log: list[tuple[object, ...]] = []
         self._place, self._nodes, self._last = 0, dict[int, int](), -1
         self._heading, self._seen = 0.0, dict[int, Array]()  # of nodes: their poses
-        self._false = set(building.deceptive)
+        self._false, self._visits = set(building.deceptive), Counter({0: 1})
+        self._remembered = False  # since the last drive
         self._questions, self._arrived_short = Counter[str](), False
         self._arrived = False
 
     def sees_goal(self) -> bool:
         """F_L of what is seen here and the goal's picture."""
         self._ask("sees_goal")
-        return self._place in self._building.seen_from or self._place in self._false
+        return self._sees(self._building.seen_from) or self._sees(self._false)
 
     def node(self) -> int | None:
         """The node in which the robot is, by F_L; None if it is in none."""
         self._ask("node")
         if self._arrived_short:
             return self._last
+        if self._place in self._building.alike and self._place not in self._nodes.values():
+            return 0
         found = [node for node, place in self._nodes.items() if place == self._place]
         return found[0] if found else None
 
@@ -95,9 +99,10 @@ class PlacesRobot:
             raise WrongAnswer(f"remember({node}): the next number is {len(self._nodes)}")
         if self._place in self._nodes.values():
             known = next(n for n, place in self._nodes.items() if place == self._place)
-            raise WrongAnswer(f"remember({node}): the robot is in node {known}; {self._why()}")
+            words = self._why(known)
+            raise WrongAnswer(f"remember({node}): the robot is in node {known}; {words}")
         self._nodes[int(node)], self._seen[int(node)] = self._place, self._pose
-        self._last, self._arrived_short = int(node), False
+        self._last, self._arrived_short, self._remembered = int(node), False, True
 
     def to_node(self, node: int) -> None:
         """Drive to a node beside the one where the robot is."""
@@ -118,6 +123,8 @@ class PlacesRobot:
             raise WrongAnswer(f"to_ghost({ghost!r}): a ghost is a pair, (node, direction)")
         if self._nodes.get(ghost[0]) != self._place:
             words = "drive to that node first, with to_node"
+            if self.log[-2:-1] == [("to_ghost", ghost)]:
+                words = "the robot has just driven to it"
             if ghost[0] not in self._nodes:
                 words = "no node has this number; `remember` makes one"
             raise WrongAnswer(
@@ -140,13 +147,21 @@ class PlacesRobot:
     def to_goal(self) -> bool:
         """Drive to the goal and stop there; False where it was something else."""
         self._drives("to_goal", None)
-        if self._place in self._building.seen_from:
-            return self._go(self._building.goal)
-        if self._place in self._false:
+        if self._sees(self._building.seen_from):
+            arrived = self._go(self._building.goal)
+            self.steps = 0
+            return arrived
+        if self._sees(self._false):
             self._false.discard(self._place)
             self.steps = max(self.steps - 5, 0)
             return False
-        raise WrongAnswer("to_goal(): the goal is not seen from here; look first, with sees_goal")
+        words = "look first: only where robot.sees_goal() returns True"
+        raise WrongAnswer(f"to_goal(): the goal is not seen from here; {words}")
+
+    def _sees(self, places: Collection[int]) -> bool:
+        """Whether what is seen from these places is seen now."""
+        again = self._place not in self._building.later or self._visits[self._place] > 1
+        return again and self._place in places
 
     def _go(self, place: int) -> bool:
         """Drive to a place; False where the steps do not suffice, and the robot stays."""
@@ -157,16 +172,25 @@ class PlacesRobot:
             return False
         self._place, self.steps = place, self.steps - needed
         self._heading += _TURNED
+        self._visits[place] += 1
         return True
 
-    def _why(self) -> str:
-        """Why no new node is due."""
+    def _why(self, known: int) -> str:
+        """Why no new node is due where the robot is in a `known` one."""
+        if self._remembered and self.log:
+            words = "does the loop go on where global_policy returns no ghost?"
+            return f"it became a node since the last drive; {words}"
         if self.log and self.log[-1][0] == "to_ghost" and not self._arrived:
             return "to_ghost() returned False, so it has not arrived, and stands where it was"
         if self.log and self.log[-1][0] == "to_node" and self.log[-1][1] in self._nodes:
             return (
                 "to_node() led to a node that is known: make one only where node() returns None, "
                 "or where a ghost was just reached"
+            )
+        if self._arrived and self.log[-1][0] == "to_ghost":
+            return (
+                f"a ghost led to where node {known} stands, so it should have been gone: take the "
+                "set that add_ghosts returns in place of the old one"
             )
         return "make one only where node() returns None, or where a ghost was just reached"
 
@@ -175,6 +199,7 @@ class PlacesRobot:
             raise WrongAnswer(f"{name}: no steps are left; the loop ends when robot.steps is 0")
         self.log.append((name, argument))
         self._questions.clear()
+        self._remembered = False
 
     def _ask(self, name: str) -> None:
         self._questions[name] += 1

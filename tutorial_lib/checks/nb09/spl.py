@@ -104,6 +104,11 @@ _CASES = {
         np.array([3.0, 2.0]),
         np.array([0.01, 2.5]),
     ),
+    "a robot that does not move and fails": (
+        np.array([False, True]),
+        np.array([3.0, 2.0]),
+        np.array([0.0, 2.5]),
+    ),
     "a short episode and a long one": (
         np.array([True, True]),
         np.array([1.5, 10.0]),
@@ -126,8 +131,8 @@ def check_spl(student: Callable[..., Any]) -> None:
             {ValueError: "the arguments are arrays, a number for each episode; np.maximum, not max"}
         ),
         form=_formed,
-        same=partial(close, tolerance=1e-9),
-        difference=lambda got, want, *_: f"{float(got):.4g}, but {float(want):.4g} is right",
+        same=partial(close, tolerance=1e-6),
+        difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",
     )
 
 

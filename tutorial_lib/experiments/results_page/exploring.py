@@ -174,8 +174,8 @@ def _table1_section(results: Results) -> list[str]:
         in_time(rows, "wayfinding"),
         "*Learned choice of frontier* stands for Active Neural SLAM, whose global policy is "
         "trained by reinforcement; ours is supervised with the true distances. *Imitation* is "
-        "behaviour cloning with a recurrent network. Without depth, its learned depth stands in for "
-        "the measured one; the nearest frontier has a row with measured depth only, as in the paper.",
+        "behaviour cloning with a recurrent network. Without depth a learned one stands in; "
+        "the nearest frontier has a row with measured depth only, as in the paper.",
     ]
 
 
