@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the experiments and their options."""
     add_common(parser, EXPERIMENTS)
     parser.add_argument("--map", type=Path, help="a map's file, in place of worlds")
-    known = [name for entry in EXPERIMENTS.values() for name in entry.ablations]
+    known = dict.fromkeys(name for entry in EXPERIMENTS.values() for name in entry.ablations)
     parser.add_argument("--ablation", choices=known, default="")
     parser.add_argument("--palette", choices=PALETTES, default=STANDARD)
     parser.add_argument(

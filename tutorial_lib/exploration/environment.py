@@ -8,7 +8,7 @@ Importing this module registers ``tutorial_lib/ImageGoalNav-v0``:
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
 
@@ -18,9 +18,10 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.episodes import draw_episodes, exploration_world
+from tutorial_lib.exploration.episodes import DIFFICULTIES, draw_episodes, exploration_world
 from tutorial_lib.exploration.motion import ACTIONS
 from tutorial_lib.exploration.task import SENSORS, STEPS, ExplorationTask
+from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.noise import STOP
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera
@@ -59,11 +60,14 @@ class ImageGoalNavigation(gymnasium.Env):
             render_mode: None, or "rgb_array" for the panorama.
 
         Raises:
-            InputError: for an unknown sensor.
+            InputError: where there are no worlds, or one is no seed; for unknown signs, difficulty,
+                sensor or render mode.
         """
-        if sensor not in SENSORS:
-            raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
-        self._worlds, self._signs, self._difficulty = tuple(worlds), signs, difficulty
+        _check("signs", signs, SIGNS)
+        _check("difficulty", difficulty, tuple(DIFFICULTIES))
+        _check("sensor", sensor, SENSORS)
+        _check("render_mode", render_mode, (None, *self.metadata["render_modes"]))
+        self._worlds, self._signs, self._difficulty = _seeds(worlds), signs, difficulty
         self._sensor, self._noise, self.render_mode = sensor, noise, render_mode
         self._task: ExplorationTask | None = None
         camera = PanoramicCamera()
@@ -82,7 +86,7 @@ class ImageGoalNavigation(gymnasium.Env):
         """Draw an episode; the same seed draws the same one.
 
         Raises:
-            InputError: for unknown signs or difficulty.
+            InputError: when the world drawn is too small for the difficulty.
         """
         super().reset(seed=seed, options=options)
         world = exploration_world(int(self.np_random.choice(self._worlds)), self._signs)
@@ -149,3 +153,17 @@ def _scene(world: str) -> Scene:
 
 
 gymnasium.register(id=NAME, entry_point=f"{__name__}:ImageGoalNavigation")
+
+
+def _check(what: str, value: object, known: tuple[object, ...]) -> None:
+    if value not in known:
+        raise InputError(f"{what}: {value!r} is unknown; use one of {', '.join(map(str, known))}")
+
+
+def _seeds(worlds: Sequence[int]) -> tuple[int, ...]:
+    """Seeds of worlds, checked."""
+    given = list(worlds) if isinstance(worlds, Iterable) else []
+    whole = [isinstance(seed, int | np.integer) and seed >= 0 for seed in given]
+    if not given or not all(whole):
+        raise InputError(f"worlds: {worlds!r}; give seeds, at least one, whole numbers from 0 on")
+    return tuple(map(int, given))

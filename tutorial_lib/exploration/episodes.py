@@ -104,8 +104,10 @@ def draw_episodes(
         rng: draws them.
 
     Raises:
-        InputError: when the world is too small for a difficulty.
+        InputError: when no episode is asked for, or the world is too small for a difficulty.
     """
+    if not sum(counts.values()):
+        raise InputError(f"episodes: {counts}; ask for at least one")
     places = _Places(scene)
     rows = [places.draw(name, rng) for name, count in counts.items() for _ in range(count)]
     starts, goals, shortest = (np.array(column) for column in zip(*rows, strict=True))

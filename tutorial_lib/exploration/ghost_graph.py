@@ -99,12 +99,18 @@ class GhostGraph:
             The new node.
 
         Raises:
-            InputError: when there are nodes and `previous` is none of them, or it has no pose.
+            InputError: when there are not as many directions as the graph has; or there are nodes
+                and `previous` is none of them, or it has no pose.
         """
         if len(self) and (previous is None or pose is None):
             raise InputError("node: link it to the one before; give previous and pose")
         explorable, node = np.asarray(explorable, dtype=bool), len(self)
         free = np.zeros(len(explorable)) if free is None else np.asarray(free, dtype=float)
+        if not explorable.shape == free.shape == (self.directions,):
+            raise InputError(
+                f"directions: {explorable.shape} explorable, {free.shape} free; a node of this "
+                f"graph has {self.directions}, as many as its model must have"
+            )
         self.edges.append({})
         self._forget_paths()
         self._ranges.append(np.empty(0) if ranges is None else np.asarray(ranges, dtype=float))

@@ -239,7 +239,12 @@ def explore_on(
 
     Yields:
         Success (N,) and SPL (N,) for each of the K goals.
+
+    Raises:
+        InputError: when the agent cannot go on to another goal.
     """
+    if not isinstance(agent, SequentialExplorer):
+        raise InputError(f"agent: a {type(agent).__name__} has no look_for; it takes one goal only")
     agent.start(task.goals())
     for number, poses in enumerate(goals):
         if number:

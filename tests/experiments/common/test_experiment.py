@@ -27,6 +27,7 @@ OPTIONAL = {
     *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies")
 }
 NOTED = {
+    "palette": "palette: shifted",
     "odometry": "odometry: exact",
     "family": "family: hall",
     "starts": "starts: anywhere",

@@ -86,7 +86,7 @@ def test_the_best_agent_is_bold_and_bounds_take_no_part():
 def test_every_section_of_table1_has_its_differences():
     others = ("fbe", "ans_like", "nts_no_score", "nts_blind")
     notes = [
-        f"SPL, nts - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
+        f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
         for number, (agent, signs, level) in enumerate(product(others, SIGNS, LEVELS))
     ]
     text = exploring.SECTIONS[1].text(results("nts_table1", TABLE, notes))

@@ -64,6 +64,7 @@ class Experiment:
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
         rows, notes = self.run(replace(options, worlds=worlds), settings)
         changed = {"odometry": "" if options.drifts else options.odometry}
+        changed["palette"] = "" if options.palette == STANDARD else options.palette
         noted = ("family", "starts", "goals", "remedies")
         changed |= {name: getattr(options, name) for name in noted}
         notes = [*notes, *(f"{name}: {value}" for name, value in changed.items() if value)]

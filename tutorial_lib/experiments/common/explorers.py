@@ -14,6 +14,7 @@ from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.oracle_explorer import OracleExplorer
 from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.errors import InputError
+from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.other_scores import HistogramScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
@@ -36,9 +37,25 @@ WITH_GEOMETRY = (
     *("fbe", "random", "oracle"),
 )
 """The agents that run without a network where an oracle stands in for it."""
-_ABLATIONS = {"nts_no_graph": {"use_graph": False}, "nts_no_score": {"use_score": False}}
+OPTIONS = ("nts", "nts_travel", "nts_views", "nts_reserve", "nts_by_sight")
+"""The paper's agent, and the same with one rule that the paper does not have: travelling costs,
+views of one opening are combined, the reserve is compared with ghosts, what is in sight counts as
+explored."""
 _FINE = {"directions": 24, "radius": 2.0}
 """Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
+_SETTINGS = {
+    "nts": NTSSettings(),
+    "nts_blind": NTSSettings(),
+    "nts_histogram": NTSSettings(),
+    "nts_no_graph": NTSSettings(use_graph=False),
+    "nts_no_score": NTSSettings(use_score=False),
+    "nts_2m": NTSSettings(**_FINE),
+    "nts_travel": NTSSettings(choice=GhostChoice(travel_weight=0.1)),
+    "nts_views": NTSSettings(choice=GhostChoice(combine_views=True)),
+    "nts_reserve": NTSSettings(choice=GhostChoice(reserve_penalty=0.1)),
+    "nts_by_sight": NTSSettings(explored_by_sight=True),
+}
+"""Of the agents with ghost nodes, by their name."""
 _CLASSES: dict[str, Callable[[str], Any]] = {
     "nts": LearnedExploration,
     "nts_blind": LearnedExploration,
@@ -54,19 +71,24 @@ def make_explorer(
     """An agent for a task.
 
     Args:
-        name: one of `AGENTS`, or of `WITH_GEOMETRY`.
+        name: one of `AGENTS` or `OPTIONS`; with `geometry` of `WITH_GEOMETRY` or `OPTIONS`.
         task: of which oracles see more than others.
         sensor: of its networks.
         rng: draws what is random in the agent.
         geometry: the true geometry stands in for the network.
 
     Raises:
-        InputError: for an unknown name, and where weights are needed that are not there.
+        InputError: for an unknown name or sensor, and where weights are needed that are not there.
     """
+    known = (*(WITH_GEOMETRY if geometry else AGENTS["rgbd"]), *OPTIONS[1:])
+    if name not in known:
+        raise InputError(f"agent: {name!r} is unknown here; use one of {', '.join(known)}")
+    if sensor not in AGENTS:
+        raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(AGENTS)}")
     if name == "oracle":
         return OracleExplorer(task)
-    if name == "nts_2m" and geometry:
-        return NTSAgent(TrueGeometry(task, **_FINE), rng, NTSSettings(**_FINE))
+    if name == "nts_2m":
+        return NTSAgent(TrueGeometry(task, **_FINE), rng, _SETTINGS[name])
     if name == "il":
         return ImitationAgent(shipped("il", sensor))
     model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", sensor)
@@ -80,9 +102,7 @@ def make_explorer(
         model = ScoresOf(model, shipped("nts_blind", sensor))
     elif name == "nts_histogram":
         model = HistogramScores(model)
-    elif name != "nts" and name not in _ABLATIONS:
-        raise InputError(f"agent: {name!r} is unknown; use one of {', '.join(AGENTS['rgbd'])}")
-    return NTSAgent(model, rng, NTSSettings(**_ABLATIONS.get(name, {})))
+    return NTSAgent(model, rng, _SETTINGS[name])
 
 
 def check_shipped(agents: tuple[str, ...], sensor: str) -> None:

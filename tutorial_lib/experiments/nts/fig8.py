@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.explorers import check_shipped, make_explorer
+from tutorial_lib.experiments.common.explorers import OPTIONS, check_shipped, make_explorer
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, over_worlds
-from tutorial_lib.experiments.protocols.exploration import WORLDS
+from tutorial_lib.experiments.protocols.exploration import VALIDATION, WORLDS
 from tutorial_lib.exploration.episodes import draw_episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask, explore_on
 from tutorial_lib.geometry import Array
@@ -22,9 +22,6 @@ from tutorial_lib.world.worlds import scene_of
 
 AGENTS = ("nts", "nts_no_graph", "nts_no_score")
 
-Key = tuple[str, str]
-"""Agent and signs."""
-
 
 @dataclass(frozen=True)
 class Settings:
@@ -33,11 +30,13 @@ class Settings:
     Attributes:
         episodes: in each world and with each kind of signs.
         goals: of each episode.
+        agents: "nts" first, to which gaps are.
         geometry: the true geometry stands in for the network.
     """
 
     episodes: int = 16
     goals: int = 10
+    agents: tuple[str, ...] = AGENTS
     geometry: bool = False
 
 
@@ -48,7 +47,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         InputError: where weights are missing, before anything is run.
     """
     if not settings.geometry:
-        check_shipped(AGENTS, "rgbd")
+        check_shipped(settings.agents, "rgbd")
     items = [(world, signs) for signs in SIGNS for world in options.worlds]
     found = for_each(run_world, items, options, settings, label="nts_fig8")
     rows: Rows = []
@@ -60,11 +59,11 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
                 name: np.concatenate([part[agent][name] for part in mine], axis=1)
                 for name in ("success", "spl")
             }
-            for agent in AGENTS
+            for agent in settings.agents
         }
         rows += [
             _row(columns, agent, signs, count, worlds)
-            for agent in AGENTS
+            for agent in settings.agents
             for count in range(1, settings.goals + 1)
         ]
     return rows, ["success and spl: of all goals up to that number; gap: of nts to the agent"]
@@ -84,7 +83,7 @@ def run_world(
     episodes = draw_episodes(name, scene, counts, rng)
     goals = draw_sequence(scene, episodes.goals, settings.goals, rng)
     found = {}
-    for agent in AGENTS:
+    for agent in settings.agents:
         noise, own = (np.random.default_rng([options.seed, seed, i]) for i in (1, 2))
         task = ExplorationTask({name: scene}, episodes, noise)
         explorer = make_explorer(agent, task, "rgbd", own, geometry=settings.geometry)
@@ -119,6 +118,15 @@ _GEOMETRY = Experiment(
     quick_settings=Settings(6, geometry=True),
     accepts=frozenset({"palette"}),
 )
+_OPTIONS = Experiment(
+    "nts_fig8_options",
+    run,
+    VALIDATION,
+    VALIDATION[:3],
+    Settings(8, agents=OPTIONS),
+    quick_settings=Settings(4, agents=OPTIONS),
+    accepts=frozenset({"palette"}),
+)
 EXPERIMENT = Experiment(
     "nts_fig8",
     run,
@@ -127,5 +135,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(6),
     accepts=frozenset({"palette"}),
-    ablations={"geometry": _GEOMETRY},
+    ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
 )

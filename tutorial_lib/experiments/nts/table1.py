@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.explorers import AGENTS, WITH_GEOMETRY, check_shipped
+from tutorial_lib.experiments.common.explorers import AGENTS, OPTIONS, WITH_GEOMETRY, check_shipped
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
+    VALIDATION,
     WORLDS,
     Key,
     in_all_worlds,
@@ -93,21 +94,34 @@ def _rows(key: Key, found: dict[str, Array]) -> Rows:
 
 
 def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
-    """Paired differences in SPL between the paper's agent and others on the same episodes."""
+    """Paired differences in SPL on the same episodes.
+
+    The paper's agent minus others with its sensor, and minus itself without depth.
+    """
     notes = []
     for (agent, sensor, signs), other in results.items():
-        mine = results.get(("nts", "rgbd", signs))
+        own = "rgbd" if agent == "nts" else sensor
+        mine = results.get(("nts", own, signs))
         if mine is None or (agent, sensor) == ("nts", "rgbd") or agent == "oracle":
             continue
         for number, difficulty in enumerate(DIFFICULTIES):
             rows = mine["difficulty"] == number
             gap = difference(mine["spl"][rows], other["spl"][rows], mine["world"][rows])
             mean, low, high = (f"{value:+.3f}" for value in gap)
-            what = f"nts - {agent} ({sensor}), {signs}, {difficulty}"
+            what = f"nts ({own}) - {agent} ({sensor}), {signs}, {difficulty}"
             notes.append(f"SPL, {what}: {mean} ({low} to {high})")
     return notes
 
 
+_OPTIONS = Experiment(
+    "nts_table1_options",
+    run,
+    VALIDATION,
+    VALIDATION[:4],
+    Settings(rgbd=OPTIONS, rgb=()),
+    quick_settings=Settings(9, OPTIONS, ()),
+    accepts=frozenset({"palette"}),
+)
 _QUICK = ("nts", "fbe", "ans_like", "random", "oracle")
 _GEOMETRY = Experiment(
     "nts_table1_geometry",
@@ -126,5 +140,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(9, _QUICK, ()),
     accepts=frozenset({"palette"}),
-    ablations={"geometry": _GEOMETRY},
+    ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
 )

@@ -28,6 +28,8 @@ Key = tuple[str, str, str]
 """What sets the rows of an agent apart: its name, the signs, and the sensor or the condition."""
 WORLDS = tuple(range(20_000, 20_020))
 """Seeds of the test worlds."""
+VALIDATION = tuple(range(10_100, 10_108))
+"""Seeds of worlds in which options are compared."""
 AT_STEPS = (125, 250)
 """Steps at which success is reported besides."""
 

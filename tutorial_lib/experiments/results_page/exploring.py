@@ -137,8 +137,8 @@ def in_time(rows: Rows, signs: str) -> str:
     return table(["agent", *DIFFICULTIES], lines)
 
 
-def _gap(results: Results, agent: str, signs: str, difficulty: str, sensor: str = "rgbd") -> str:
-    what = f"SPL, nts - {agent} ({sensor}), {signs}, {difficulty}: "
+def _gap(results: Results, agent: str, signs: str, difficulty: str) -> str:
+    what = f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {difficulty}: "
     return results.note("nts_table1", what)
 
 
@@ -174,7 +174,7 @@ def _table1_section(results: Results) -> list[str]:
         in_time(rows, "wayfinding"),
         "*Learned choice of frontier* stands for Active Neural SLAM, whose global policy is "
         "trained by reinforcement; ours is supervised with the true distances. *Imitation* is "
-        "behaviour cloning with a recurrent network. Without depth a learned one stands in; "
+        "behaviour cloning with a recurrent network. Without depth NTS's learned one stands in; "
         "the nearest frontier has a row with measured depth only, as in the paper.",
     ]
 
