@@ -10,6 +10,7 @@ from tutorial_lib.agents.imitation import ImitationAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.oracle_explorer import OracleExplorer
 from tutorial_lib.agents.random_walk import RandomWalkAgent
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import (
     Episodes,
     draw_episodes,
@@ -171,18 +172,49 @@ def test_where_nothing_is_localised_there_is_a_node_at_every_look(scenes, episod
     assert not task.success.any()
 
 
-def test_what_is_remembered_pays_with_more_goals(scenes):
+def test_an_agent_goes_on_to_more_goals(scenes):
     name, scene = next(iter(scenes.items()))
     rng = np.random.default_rng(0)
     episodes = draw_episodes(name, scene, {"medium": 6}, rng)
     goals = draw_sequence(scene, episodes.goals, 4, rng)
-    later = {}
-    for kind in ("no score", "no graph"):
-        task = ExplorationTask(scenes, episodes, np.random.default_rng(1))
-        found = list(explore_on(task, make(kind, task), goals))
-        assert len(found) == 4
-        later[kind] = np.mean([success.mean() for success, _ in found[2:]])
-    assert later["no score"] > 0.7
+    task = ExplorationTask(scenes, episodes, np.random.default_rng(1))
+    found = list(explore_on(task, make("no score", task), goals))
+    assert len(found) == 4
+    assert np.mean([success.mean() for success, _ in found[2:]]) > 0.7
+    with pytest.raises(InputError, match="a RandomWalkAgent has no look_for"):
+        next(explore_on(task, make("random", task), goals))
+
+
+def test_what_is_remembered_is_scored_for_the_next_goal_of_each_robot(scenes, episodes):
+    task = ExplorationTask(scenes, episodes[[0, 3]], np.random.default_rng(1), noise=False)
+    model = TrueGeometry(task)
+    agent = NTSAgent(model, np.random.default_rng(2))
+    agent.start(task.goals())
+    for _ in range(40):
+        task.step(agent.act(task.observe(), ~task.done))
+    before = [np.array(robot.scores) for robot in agent.robots]
+    task.next_goals(episodes.goals[[1, 4]])
+    agent.look_for(task.goals())
+    goals = model.embed(task.goals())
+    for robot, old, goal in zip(agent.robots, before, goals, strict=True):
+        nodes = np.array(robot.memory.features)
+        expected = model.scores(nodes, np.repeat(goal[None], len(nodes), axis=0))
+        assert np.array_equal(robot.scores, expected)
+        assert not np.allclose(robot.scores, old)
+
+
+def test_a_model_with_other_directions_than_the_agent_is_refused(scenes, episodes):
+    task = ExplorationTask(scenes, episodes[:2], np.random.default_rng(1))
+    fine = TrueGeometry(task, directions=24, radius=2.0)
+    for model, settings in (
+        (fine, NTSSettings()),
+        (TrueGeometry(task), NTSSettings(directions=24, radius=2.0)),
+        (fine, NTSSettings(use_graph=False)),
+    ):
+        agent = NTSAgent(model, np.random.default_rng(2), settings)
+        agent.start(task.goals())
+        with pytest.raises(InputError, match="directions: "):
+            agent.act(task.observe(), ~task.done)
 
 
 def test_a_goal_that_was_passed_is_remembered(scenes, episodes):

@@ -88,6 +88,28 @@ def test_without_a_score_every_ghost_is_as_likely_at_every_choice():
     assert np.abs(counts - 200).max() < 4.5 * np.sqrt(200)
 
 
+def test_without_a_graph_the_best_of_the_explorable_directions_is_taken():
+    model = Hall()
+    wanted = np.linspace(0.1, 0.2, 12)
+    wanted[[5, 9]] = 0.9, 0.8  # 5 is not explorable
+    model.scores = lambda sources, goals: np.tile(wanted, (len(sources), 1))
+    agent = NTSAgent(model, np.random.default_rng(0), NTSSettings(use_graph=False))
+    task = in_a_hall()
+    list(steps(task, agent, 1))
+    assert agent._targets[0] == pytest.approx([0.0, -3.0], abs=1e-6)
+
+
+def test_a_frontier_is_given_up_after_a_time_that_grows_with_its_distance():
+    agent, task = FrontierAgent(Hall()), in_a_hall(30.0)
+    list(steps(task, agent, 1))
+    metres = np.linalg.norm(agent._targets[0])
+    assert abs(agent._left[0] - (40 + 12 * metres)) < 6
+    sensed = agent.search.sense(task.observe(), ~task.done)
+    assert not len(agent._due(sensed))
+    agent._left[0] = 0.0
+    assert agent._due(sensed).tolist() == [0]
+
+
 def test_a_missed_goal_removes_no_ghost():
     agent = NTSAgent(Hall(mirage=np.array([0.0, 2.2])), np.random.default_rng(0))
     task, missed, before, ghosts = in_a_hall(16.0), 0, False, {}

@@ -1,13 +1,14 @@
 """The second visit, with a map of the first one and with an explorer behind it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.conftest import in_turn
 from tutorial_lib.agents.returning import ReturningAgent, ReturnSettings, visit
-from tutorial_lib.agents.votes import supports
+from tutorial_lib.agents.votes import agreeing, supports
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.explorers import make_explorer
 from tutorial_lib.experiments.common.report import Options
@@ -232,6 +233,82 @@ def test_a_place_is_where_several_views_agree():
     assert same == pytest.approx([2.4, 2.4, 2.4, 0.99])
     turned_away = supports(view, places, np.array([0.0, 2.0, 0.1, 0.0]), weights)
     assert turned_away == pytest.approx([1.6, 0.8, 1.6, 0.99])
+
+
+class _Rows:
+    """Observations of vertices, of which only the odometry counts."""
+
+    def __init__(self, odometry):
+        self.odometry = np.asarray(odometry, float)
+
+    def __getitem__(self, rows):
+        return _Rows(self.odometry[rows])
+
+
+def test_votes_turn_each_view_back_into_the_robot_s_frame():
+    """Vertex i looks along headings[i], and is seen in view i: all say the robot looks along 0."""
+
+    class Map:
+        headings = np.array([0.0, np.pi / 2, np.pi])
+        vertices = SimpleNamespace(
+            into=lambda views, view, vertices: np.where(vertices == 3, 0.9, 0.8),
+            observations=_Rows([[0, 0, 0], [0, 0, np.pi / 2], [0, 0, np.pi], [9, 0, 0]]),
+        )
+
+        def __len__(self):
+            return 4
+
+        def nearby(self, views, candidates):
+            return np.array([[0, 3], [1, 3], [2, 3]])
+
+    found = agreeing(Map(), None, Map.headings)
+    assert found == [{0}, {1}, {2}]
+
+
+def test_the_gain_is_of_both_over_the_other_method():
+    worlds = np.repeat([1, 2], 3)
+    columns = {"world": worlds, "goals": np.full(6, PASSED)}
+    for method, success in (("both", 1.0), ("memory", 0.5), ("explorer", 0.25)):
+        columns[f"success_{method}"] = np.full(6, success)
+        columns |= {f"{name}_{method}": np.zeros(6) for name in ("spl", "steps", "recalled")}
+    rows = {m: second_visit._row(columns, m, "plain", "all") for m in ("memory", "explorer")}
+    assert rows["memory"]["gain"] == pytest.approx(0.5)
+    assert rows["explorer"]["gain"] == pytest.approx(0.75)
+
+
+def test_all_methods_meet_the_same_noise(monkeypatch):
+    states = []
+
+    class Recorded(ExplorationTask):
+        def __init__(self, scenes, episodes, rng, **options):
+            states.append(rng.bit_generator.state["state"]["state"])
+            super().__init__(scenes, episodes, rng, limit=3, **options)
+
+    monkeypatch.setattr(second_visit, "ExplorationTask", Recorded)
+    monkeypatch.setattr(second_visit, "learned_from", lambda run: SimpleNamespace(topomap=[0]))
+    monkeypatch.setattr(
+        second_visit,
+        "draw_return",
+        lambda name, scene, path, counts, rng: (
+            draw_episodes(name, scene, {"easy": 1}, np.random.default_rng(0)),
+            np.array(["passed"]),
+        ),
+    )
+    monkeypatch.setattr(second_visit, "make_method", lambda *_, **__: Still())
+    settings = second_visit.Settings(1, 1, geometry=True)
+    second_visit.run_world((10_100, "plain"), Options(worlds=(10_100,)), settings)
+    assert len(states) == 1 + len(second_visit.METHODS)
+    assert len(set(states[1:])) == 1
+
+
+class Still:
+    """An agent that stops at once."""
+
+    def start(self, goals):
+        pass
+
+    def act(self, observations, running):
+        return np.full(len(running), STOP)
 
 
 def test_the_experiment_compares_three_methods_on_the_same_trials(monkeypatch):

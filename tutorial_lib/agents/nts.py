@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
 from tutorial_lib.exploration.ghost_graph import GhostGraph
@@ -165,6 +166,9 @@ class NTSAgent:
         numbers, ranges = numbers[due], sensed.ranges[looking[due]]
         explorable = self._model.explorable(sensed.features[due]) >= self._settings.explorable
         radius, directions = self._settings.radius, self._settings.directions
+        if explorable.shape[1] != directions:
+            words = f"the model has {explorable.shape[1]}, the settings {directions}"
+            raise InputError(f"directions: {words}; give NTSSettings as many")
         free = free_metres(ranges, directions, radius)
         scores = self._scores(sensed.features[due], numbers) + explorable * 2.0 + (free > _APART)
         best = scores.argmax(axis=1)

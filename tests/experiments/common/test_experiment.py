@@ -157,4 +157,6 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_fig8 geometry",
         "nts_figs geometry",
         "nts_second_visit geometry",
+        "nts_table1 options",
+        "nts_fig8 options",
     }
