@@ -212,7 +212,7 @@ hard = draw_episodes(home_name, home, {"hard": EPISODES}, np.random.default_rng(
 
 
 def fresh(episodes, scenes=None):
-    """A task at the beginning of its episodes; the same episodes have the same noise."""
+    """A task at the beginning of its episodes; the same ones in the same order have the same noise."""
     return ExplorationTask(scenes or {home_name: home}, episodes, np.random.default_rng(3))
 
 
@@ -532,7 +532,7 @@ global_policy = check_global_policy.use(global_policy)
 # **Predict:** a robot that may stop 1 m before the goal can travel *less* than $\ell_i$. What would SPL be without the max? And can a robot that searches at random have a high success and a low SPL?
 #
 # <details><summary>Answer</summary>
-# Above 1, so that one lucky episode would pay for another one. And yes: in a small building whoever searches long enough comes past the goal; success says nothing about the detour, and that is why exploration is compared by SPL.
+# Above 1, so that one lucky episode would pay for another one. And yes: in a small building a robot that searches long enough comes past the goal; success says nothing about the detour, and that is why exploration is compared by SPL.
 # </details>
 #
 # ### Exercise 4 · `spl` (easy, 4 minutes)
@@ -687,7 +687,7 @@ show(picture)
 # %% [markdown]
 # (A ghost may be close to another node than its own: only the bin in which a node stands has none.)
 #
-# The library's agent has what your loop has, and three things more: it asks $\mathcal F_L$ on the way, every half metre, and so makes nodes between ghosts, too; it keeps all poses on the edges, and knows where a ghost is from any node; and it has the reserve list.
+# The library's agent has what your loop has, and more: it asks $\mathcal F_L$ on the way, every half metre, and so makes nodes between ghosts, too; it keeps all poses on the edges, and knows where a ghost is from any node; a new node also removes the ghosts within a metre of it; and it has the reserve list, and drives to random nodes once that is used up.
 #
 # Eight episodes in one building are few: the order of the middle three may differ in the next building. The command `python -m tutorial_lib experiment nts_table1` runs all agents in twenty test worlds (section 9).
 #

@@ -8,7 +8,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.exploration.environment import NAME
+from tutorial_lib.exploration.environment import NAME, ImageGoalNavigation
 from tutorial_lib.world.noise import FORWARD, LEFT, STOP
 
 
@@ -86,7 +86,12 @@ def test_nothing_is_done_before_reset():
 def test_wrong_input_is_refused():
     with pytest.raises(InputError, match="sensor: 'sonar' is unknown"):
         gymnasium.make(NAME, sensor="sonar")
-    with pytest.raises(InputError, match="signs"):
-        gymnasium.make(NAME, signs="neon").reset(seed=0)
-    with pytest.raises(InputError, match="difficulty"):
-        gymnasium.make(NAME, worlds=(10_100,), difficulty="huge").reset(seed=0)
+    with pytest.raises(InputError, match="signs: 'neon' is unknown"):
+        gymnasium.make(NAME, signs="neon")
+    with pytest.raises(InputError, match="difficulty: 'huge' is unknown"):
+        gymnasium.make(NAME, worlds=(10_100,), difficulty="huge")
+    with pytest.raises(InputError, match="render_mode: 'human' is unknown"):
+        ImageGoalNavigation(render_mode="human")
+    for worlds in ((), 5, ("a",), (1.7,), (-1,)):
+        with pytest.raises(InputError, match=r"worlds: .* give seeds"):
+            gymnasium.make(NAME, worlds=worlds)

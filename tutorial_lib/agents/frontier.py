@@ -28,10 +28,10 @@ _TIMEOUT = (40, 12)  # steps towards a frontier, and the same for each metre
 class FrontierAgent:
     """An `ExplorerAgent` that goes to frontiers of its metric map (section 5.1, "FBE + Local").
 
-    As in the paper it notices goals and goes to them as the other agents do. The map is of what the
-    depth camera saw, by the robot's odometry; noise of the odometry blurs it. As the agent with
-    ghost nodes does, it looks again wherever it has arrived, and goes to random places that it has
-    seen once there is nothing left to explore.
+    As in the paper it notices goals and goes to them as the other agents do. The map is of the
+    depth that the camera measures or the model predicts, by the robot's odometry, whose noise blurs
+    it. As the agent with ghost nodes does, it looks again wherever it has arrived, and goes to
+    random places that it has seen once there is nothing left to explore.
 
     Attributes:
         search: the robots' maps and goals.

@@ -26,8 +26,8 @@ class NTSSettings:
     """The paper's agent, and what is changed in it.
 
     Attributes:
-        use_graph: without it, the best direction of the present panorama is taken, and nothing is
-            remembered (the paper's ablation, section 6.1).
+        use_graph: without it, the best direction of the present panorama is taken, and no graph
+            is kept (the paper's ablation, section 6.1).
         use_score: without it, scores are random: a ghost is drawn (the other ablation).
         explored_by_sight: ghosts that another node sees well go to the reserve; in the paper they
             stay. It helps where scores are poor, and costs where they are good.

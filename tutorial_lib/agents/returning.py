@@ -42,7 +42,8 @@ class ReturnSettings:
         headings: evenly spaced, in which it looks for vertices, and in which goals may be met.
         losses: of a path, or of a goal that was not there, after which it plans no more.
         pause: actions of exploring from one plan to the next.
-        turning: actions of turning where a path goes on another way, after which it is lost.
+        turning: actions of turning where a path continues in another direction, after which it
+            is lost.
     """
 
     headings: int = 6

@@ -20,7 +20,9 @@ NEAR, UNSEEN = 3, 2
 """Times its length that a cell near a wall costs, and one that was not seen."""
 _AHEAD = 15  # cells at which a path is followed, at most
 _LEAST = 4  # cells, at least
-_AIM = np.deg2rad(8.0)  # off which a robot turns; more than half a turn, or it would swing
+_AIM = np.deg2rad(
+    8.0
+)  # off which a robot turns; more than half the angle of one action, or it would swing
 _SWING = np.deg2rad(25.0)  # off which a robot that turned too far goes ahead nevertheless
 _EVADE = 3  # turns after a step into a wall
 _KEPT = 4  # steps forward for which a path is followed before it is planned again

@@ -31,8 +31,8 @@ def exact_motions(actions: NDArray[np.intp]) -> Array:
 def actions_towards(poses: Array, points: Array, aim: float) -> NDArray[np.intp]:
     """FORWARD, LEFT or RIGHT (N,) of robots at poses (N, 3) on the way to points (N, 2).
 
-    A robot turns while its heading is off by `aim` (rad) or more, which has to be more than half a
-    turn.
+    A robot turns while its heading is off by `aim` (rad) or more, which has to be more than half of
+    one action's angle.
     """
     bearing = np.arctan2(*np.moveaxis(to_local(poses, points), -1, 0)[::-1])
     return np.where(np.abs(bearing) < aim, FORWARD, np.where(bearing > 0, LEFT, RIGHT))

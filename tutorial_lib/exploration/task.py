@@ -64,7 +64,8 @@ class ExplorationTask:
             sensor: one of `SENSORS`; with depth or without.
             noise: of motion and odometry; without it, actions are exact and so is odometry.
             limit: actions of an episode.
-            stops_itself: episodes end near the goal without `stop` (the paper's Table 2).
+            stops_itself: episodes end near the goal without `stop` (the paper's Table 2); a `stop`
+                anywhere else still ends them.
 
         Raises:
             InputError: when a world is missing, or the sensor is unknown.

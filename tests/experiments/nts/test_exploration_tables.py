@@ -13,7 +13,7 @@ from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.nts import fig8, table1, table2
 from tutorial_lib.experiments.protocols import exploration
 from tutorial_lib.experiments.protocols.exploration import make_world, measures, run_agent
-from tutorial_lib.exploration.episodes import DIFFICULTIES
+from tutorial_lib.exploration.episodes import DIFFICULTIES, draw_episodes
 from tutorial_lib.exploration.task import ExplorationTask
 
 WORLDS = (10_100, 10_102)
@@ -121,6 +121,13 @@ def test_every_agent_that_needs_no_network_can_be_made_and_no_other_name():
         explorers.make_explorer(name, task, "rgbd", rng, geometry=True).start(task.goals())
     with pytest.raises(InputError, match="agent: 'ant' is unknown"):
         explorers.make_explorer("ant", task, "rgbd", rng, geometry=True)
+    for name in ("ans_like", "il"):  # they are networks, which nothing stands in for
+        with pytest.raises(InputError, match=f"agent: '{name}' is unknown here"):
+            explorers.make_explorer(name, task, "rgbd", rng, geometry=True)
+    with pytest.raises(InputError, match="sensor: 'sonar' is unknown"):
+        explorers.make_explorer("nts", task, "sonar", rng, geometry=False)
+    with pytest.raises(InputError, match="ask for at least one"):
+        draw_episodes("box", next(iter(world.scenes.values())), {"easy": 0}, rng)
 
 
 def test_the_benchmark_counts_the_steps_of_robots_under_way():

@@ -87,7 +87,7 @@ def _score_section(results: Results) -> list[str]:
         f"its first choice right: is the path to the goal from that direction's end at most "
         f"{WITHIN:g} m longer than from the best one's? {decisions:,} decisions in "
         f"{results.worlds('nts_scores')} test worlds, the same with and without signs. *Blind* is "
-        f"the same network trained without the goal; *colours* compares histograms.",
+        f"a network whose scores were trained without the goal; *colours* compares histograms.",
         choices(rows),
         f"To see the goal is worth {points(gains['plain', 'easy'])} on easy decisions, where it is "
         f"mostly in sight. On hard ones it is worth {points(gains['plain', 'hard'])} in plain "
@@ -200,9 +200,9 @@ def _table2_section(results: Results) -> list[str]:
     head = ["agent", "worlds", "standard", "without stop", "without noise"]
     return [
         f"What stopping and what noise cost (Table 2 of Chaplot et al. 2020): success over all "
-        f"difficulties where an episode ends near the goal by itself, and where motion and "
-        f"odometry are exact. {results.worlds('nts_table2')} test worlds, {rows[0]['episodes']} "
-        f"episodes of each difficulty.",
+        f"difficulties where an episode ends near the goal by itself (a wrong stop still "
+        f"ends it), and where motion and odometry are exact. {results.worlds('nts_table2')} test "
+        f"worlds, {rows[0]['episodes']} episodes of each difficulty.",
         table([*head, "gain without stop", "gain without noise"], lines),
     ]
 

@@ -3,8 +3,8 @@
 *Search* localizes the robot on its path. *Follow* drives to the active anchor by the predicted
 waypoint and switches to the next anchor in time. *Dead reckoning* takes over while RE of the active
 anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around.
-*Turn*: where the path goes on another way, the robot turns until it sees the next anchors. A robot
-that does not find its path again in time is lost, and stops.
+*Turn*: where the path continues in another direction, the robot turns until it sees the next
+anchors. A robot that does not find its path again in time is lost, and stops.
 
 Nothing here ever sees a pose.
 """
