@@ -775,7 +775,7 @@ display(
 print("paired differences on the same episodes:", *ablation.notes, sep="\n  ")
 
 # %% [markdown]
-# (This table is older than the other results: its networks were trained for a few minutes each, in apartments, offices and mazes only. To train and evaluate them again takes a quarter of an hour, and gives somewhat other numbers: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
+# (Each was trained for a few minutes, less than the networks that you use. To train and evaluate them again takes a quarter of an hour: `.venv/bin/python -m tutorial_lib experiment meng_table1 --ablation encoder`.)
 #
 # ## 5 · Train a network
 #

@@ -1117,7 +1117,7 @@ show(from_figure(figure))
 # <details><summary>What makes the product too low, and what too high?</summary>
 # Too low: shared luck (the whole then fails about as often as its <i>worst</i> step, not as all of them together), and a second chance. Too high: the choice, since the planner prefers the paths on which $\mathcal{RE}$ errs upwards. All of them act in our robot at once (in Fig. 9 without the second chance).
 #
-# In our Fig. 9 the choice wins. Plans above 0.9 succeed about as often as predicted; of those around 0.6, one in seven. Many starts face away from every trajectory, so that no vertex is really ahead. The planner then takes the most optimistic of all, and the first edge is a mistake of $\mathcal{RE}$ more often than not: most of these cars are lost on it. One false first edge outweighs nine good ones after it.
+# In our Fig. 9 the choice wins. Plans of 0.97 succeed nearly as often as predicted; of those around 0.8, little more than half. Many starts face aside, so that no vertex is really ahead. The planner then takes the most optimistic of all, and that is where $\mathcal{RE}$ errs upwards. One false first edge outweighs nine good ones after it.
 #
 # There is a fifth reason that no simulation of coins shows. $\mathcal{RE}$ of an edge is evaluated from the <i>anchor's image</i>; but the car arrives beside the anchor, a little turned, and starts from there (notebook 04, section 8). What is evaluated along a path is not quite what the car then has to do.
 #
@@ -1223,7 +1223,7 @@ table(head, rows, caption=f"{len(many_trials)} trials between five places")
 #
 # ### Why is SPTM so much stronger here than in the paper?
 #
-# Its `s_shortcut` was found by a search on validation worlds, and SPTM depends on it. Here is the effect of a slightly higher or lower value, and the same for the thresholds of $\mathcal{RE}$, which were varied together: $p_\text{edge}$, $p_\text{reuse}$ and $p_\text{sparsify}$. (A run with earlier networks.) **Predict** which of the two systems is more sensitive.
+# Its `s_shortcut` was found by a search on validation worlds, and SPTM depends on it. Here is the effect of a slightly higher or lower value, and the same for $p_\text{edge}$, the threshold of $\mathcal{RE}$. **Predict** which of the two systems is more sensitive.
 
 # %% hidden=true
 # Other thresholds, from a stored run
@@ -1256,9 +1256,9 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>What does the table say?</summary>
-# <i>Why it is strong.</i> In our world two different places seldom look alike to the last stripe. At 0.99 SPTM's network, from images alone, joins 29,372 pairs, and not one of them is a wormhole. It keeps six times as many images as Meng's map, so that one is always near; and it uses a controller that nearly always arrives. Then it does not matter much that its edges all count the same. Where rooms repeat themselves, or images come from a scan with holes, there may be no threshold that keeps the good edges and drops the bad ones.
+# <i>Why it is strong.</i> In our world two different places seldom look alike to the last stripe. At 0.99 SPTM's network, from images alone, makes 21,173 edges, and not one of them is a wormhole. It keeps ten times as many images as Meng's map, so that one is always near; and it uses a controller that nearly always arrives. Then it does not matter much that its edges all count the same. Where rooms repeat themselves, or images come from a scan with holes, there may be no threshold that keeps the good edges and drops the bad ones.
 #
-# <i>What it depends on.</i> At 0.9 one in sixty of its edges is a wormhole, and since it values a wrong edge as much as a right one, it takes each that saves a step: 63 %. At 0.999 the map falls to pieces: 38 %. Its similarity is no probability, and the right threshold cannot be known beforehand. $\mathcal{RE}$'s thresholds are probabilities. At 0.9 there are wormholes, too, one in forty; but edges are weighted, a doubtful one is taken only where there is no better one, and 90 % arrive. "The hyperparameters in our approach are mostly probability thresholds, which are easy to interpret and tune" (paper, V): here you see what that is worth.
+# <i>What it depends on.</i> At 0.9 one in thirty of its edges is a wormhole, and since it values a wrong edge as much as a right one, it takes each that saves a step: 56 %. At 0.999 the map falls to pieces: 59 %. Its similarity is no probability, and the right threshold cannot be known beforehand. $\mathcal{RE}$'s threshold is a probability. From 0.9 to 0.99 it makes no difference: two of some 650 edges are wormholes, edges are weighted, a doubtful one is taken only where there is no better one, and all 80 cars arrive. "The hyperparameters in our approach are mostly probability thresholds, which are easy to interpret and tune" (paper, V): here you see what that is worth.
 #
 # <i>Replanning</i> (the column says how often a robot may) makes no difference at the best thresholds: hardly any car is lost there.
 # </details>

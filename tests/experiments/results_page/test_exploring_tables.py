@@ -139,12 +139,29 @@ def test_the_other_sections_read_their_reports():
     text = returning.SECTIONS[1].text(results("nts_second_visit", rows, ("first visits took",)))
     assert text.count("+20.0 points") == 12
     assert "First visits took" in text
+    single = [
+        {"agent": agent, "signs": signs, "difficulty": level, "episodes": 120}
+        | {"success": 0.9 - LESS[level], "spl": 0.8 - LESS[level]}
+        for agent in returning.OPTIONS
+        for signs in SIGNS
+        for level in LEVELS
+    ]
+    sequence = [
+        {"agent": agent, "signs": signs, "goals": 10, "episodes": 64, "success": 0.7, "spl": 0.6}
+        | {"spl_gap": 0.02, "spl_gap_low": -0.01, "spl_gap_high": 0.05}
+        for agent in returning.OPTIONS
+        for signs in SIGNS
+    ]
+    line = "| 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 | 70.0% / 0.600 |"
+    text = returning.options(single, sequence)
+    assert f"| explored by sight | wayfinding {line} +0.020 (-0.010 to +0.050) |" in text
+    assert f"| the paper's | plain {line}  |" in text
     rows = [{"agent": "nts", "model": "rgbd", "episodes": 64, "steps_per_s": 1_834.0}]
     assert "| NTS | network, with depth | 1,834 |" in speed.SECTIONS[-1].text(
         results("explore", rows, ())
     )
     named = {name for section in SECTIONS for name in section.sources}
-    assert named == {f"nts_{name}" for name in EXPLORING}
+    assert named == {f"nts_{name}" for name in (*EXPLORING, "table1_options", "fig8_options")}
 
 
 def test_the_short_table_has_hard_goals_with_signs_and_without():

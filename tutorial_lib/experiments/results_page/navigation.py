@@ -231,10 +231,9 @@ def _threshold_section(results: Results) -> list[str]:
         for method in MAPPING
     }
     return [
-        f"How much depends on the threshold above which two images are joined: p_edge, p_reuse and "
-        f"p_sparsify of RE together for Meng, similarity for SPTM. "
-        f"{results.worlds('meng_table2_thresholds')} validation worlds together, "
-        f"{rows[0]['trials']} trials; SPTM's threshold was chosen here. The paper has "
+        f"How much depends on the threshold above which two images are joined: p_edge of RE for "
+        f"Meng, similarity for SPTM. {results.worlds('meng_table2_thresholds')} validation worlds "
+        f"together, {rows[0]['trials']} trials; SPTM's threshold was chosen here. The paper has "
         f"{paper.P_REUSE:g} for both.",
         thresholds(rows),
         f"Success is {ranges['meng']} over RE's thresholds and {ranges['sptm']} over SPTM's, "

@@ -136,8 +136,7 @@ def block_of(results: Results) -> str:
         results_in_short(results),
         "",
         f"[All results]({PAGE}), each with its protocol, its intervals and the command that makes "
-        f"it. The world is easier than the paper's. Plans were measured with earlier networks and "
-        f"exact odometry.",
+        f"it. The world is easier than the paper's.",
         END,
     ]
     return "\n".join(lines)

@@ -10,10 +10,19 @@ from tutorial_lib.experiments.results_page.exploring import AGENTS, gap_of
 from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import Results, one
+from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.world.generators import SIGNS
 
 METHODS = {"both": "map and explorer", "memory": "map alone", "explorer": "explorer alone"}
 """How methods of the second visit are called on the page."""
+OPTIONS = {
+    "nts": "the paper's",
+    "nts_travel": "travelling costs",
+    "nts_views": "views combined",
+    "nts_reserve": "reserve compared",
+    "nts_by_sight": "explored by sight",
+}
+"""How rules beyond the paper are called on the page."""
 _GOALS = {"passed": "passed on the first visit", "elsewhere": "elsewhere", "all": "all"}
 
 
@@ -51,6 +60,36 @@ def _gaps(rows: Rows) -> list[str]:
     return [f"The gap in SPL from one goal to ten: {'; '.join(parts)}."]
 
 
+def options(single: Rows, sequence: Rows) -> str:
+    """Rules beyond the paper: success / SPL on single goals, and over ten in a row."""
+    lines = []
+    for agent, words in OPTIONS.items():
+        for signs in SIGNS:
+            mine = [
+                one(single, agent=agent, signs=signs, difficulty=one_of) for one_of in DIFFICULTIES
+            ]
+            last = one(sequence, agent=agent, signs=signs, goals=10)
+            ends = (f"spl_gap{end}" for end in ("", "_low", "_high"))
+            gap = "{:+.3f} ({:+.3f} to {:+.3f})".format(*(last[key] for key in ends))
+            cells = [f"{percent(row['success'])} / {number(row['spl'])}" for row in (*mine, last)]
+            lines.append([words, signs, *cells, "" if agent == "nts" else gap])
+    return table(["rule", "worlds", *DIFFICULTIES, "ten goals", "SPL: paper's - this"], lines)
+
+
+def _options_section(results: Results) -> list[str]:
+    single, sequence = (results.rows(f"nts_{name}_options") for name in ("table1", "fig8"))
+    return [
+        f"Each rule alone, against the paper's, in {results.worlds('nts_table1_options')} "
+        f"validation worlds: {single[0]['episodes']} single episodes of each difficulty, and "
+        f"{sequence[0]['episodes']} of ten goals one after another. *Travelling costs* takes a "
+        f"tenth of the path to a ghost, both in metres, from its score; *views combined* gives "
+        f"ghosts at one place the mean of their scores; *reserve compared* lets other free "
+        f"directions compete with ghosts; *explored by sight* moves ghosts that another node sees "
+        f"well to the reserve. Everywhere else on this page the agent has the paper's rules.",
+        options(single, sequence),
+    ]
+
+
 def _visit_section(results: Results) -> list[str]:
     rows = results.rows("nts_second_visit")
     lines = []
@@ -82,4 +121,9 @@ def _visit_section(results: Results) -> list[str]:
 SECTIONS = (
     Section("Fig. 8: goals one after another", ("nts_fig8",), _fig8_section),
     Section("A second visit", ("nts_second_visit",), _visit_section),
+    Section(
+        "Rules beyond the paper",
+        ("nts_table1_options", "nts_fig8_options"),
+        _options_section,
+    ),
 )

@@ -73,14 +73,17 @@ COMMANDS = {
     ),
     "faults": "experiment faults",
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
+    **{
+        f"nts_{name}_options": f"experiment nts_{name} --ablation options"
+        for name in ("table1", "fig8")
+    },
     **{name: f"bench {name}" for name in BENCHMARKS},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 EARLIER = frozenset(
     {
-        *("meng_fig9", "map"),
-        *("meng_table2_shifted", "meng_table2_thresholds"),
-        *(f"ablation_{name}" for name in ABLATIONS),
+        "map",
+        "ablation_worlds",
     }
 )
 """Reports whose networks were trained in apartments, offices and mazes only; odometry was exact."""
