@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import RADIUS
+from tutorial_lib.exploration.episodes import FAMILIES
 from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.files import make_folder, save_arrays
 from tutorial_lib.geometry import Array
@@ -30,8 +31,6 @@ from tutorial_lib.world.worlds import scene_of, world_name
 
 PANORAMAS = 300
 """Of each world (Chaplot et al. 2020, 5)."""
-FAMILIES = ("apartment", "office")
-"""By seed, for validation and tests."""
 OTHERS = ("scanned", "maze", "hall")
 """In place of every eighth training world, in turn."""
 SHORTEST = 1.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.nts.table2 import CONDITIONS
+from tutorial_lib.experiments.protocols.exploration import AT_STEPS
 from tutorial_lib.experiments.results_page.markdown import (
     Row,
     interval,
@@ -32,7 +33,6 @@ AGENTS = {
 }
 """How agents are called on the page."""
 SENSORS = {"rgbd": "with depth", "rgb": "without depth"}
-_STEPS = (125, 250)
 
 
 def gap_of(row: Row, key: str) -> str:
@@ -129,10 +129,8 @@ def in_time(rows: Rows, signs: str) -> str:
             one(rows, agent=name, sensor="rgbd", signs=signs, difficulty=level)
             for level in DIFFICULTIES
         ]
-        cells = [
-            " / ".join(percent(row[key]) for key in (*(f"success_{s}" for s in _STEPS), "success"))
-            for row in found
-        ]
+        keys = (*(f"success_{steps}" for steps in AT_STEPS), "success")
+        cells = [" / ".join(percent(row[key]) for key in keys) for row in found]
         lines.append([AGENTS[name], *cells])
     return table(["agent", *DIFFICULTIES], lines)
 
@@ -170,7 +168,7 @@ def _table1_section(results: Results) -> list[str]:
         f"nearest frontier, which does not know the goal, finds {percent(easy['success'])} of the "
         f"easy ones. Paired differences on the same episodes, intervals over worlds:",
         differences,
-        f"Success within {_STEPS[0]} / {_STEPS[1]} / 500 actions, with signs:",
+        f"Success within {AT_STEPS[0]} / {AT_STEPS[1]} / 500 actions, with signs:",
         in_time(rows, "wayfinding"),
         "*Learned choice of frontier* stands for Active Neural SLAM, whose global policy is "
         "trained by reinforcement; ours is supervised with the true distances. *Imitation* is "
