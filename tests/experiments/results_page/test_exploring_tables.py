@@ -109,7 +109,9 @@ def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
         if condition != "standard"
     ]
     text = exploring.SECTIONS[2].text(results("nts_table2", rows, notes))
-    line = "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points |"
+    line = (
+        "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points | 56% / 49% |"
+    )
     assert line in text
     assert "300 episodes of each difficulty" in text
 
