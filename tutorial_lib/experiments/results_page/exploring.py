@@ -203,9 +203,8 @@ def _table2_section(results: Results) -> list[str]:
         f"ends it), and where motion and odometry are exact. {results.worlds('nts_table2')} test "
         f"worlds, {rows[0]['episodes']} episodes of each difficulty.",
         table([*head, "gain without stop", "gain without noise", "paper, without each"], lines),
-        "A robot that stops where it sees the goal seldom stops elsewhere, and noise costs it little: "
-        "every look corrects the odometry. That exact motion can even do worse was not expected, and "
-        "its cause is not known.",
+        "A robot that stops only where it sees the goal seldom stops elsewhere. Noise costs no "
+        "agent much; that exact motion does worse in places was not expected, and why is not known.",
     ]
 
 
