@@ -204,7 +204,7 @@ def _table2_section(results: Results) -> list[str]:
         f"worlds, {rows[0]['episodes']} episodes of each difficulty.",
         table([*head, "gain without stop", "gain without noise", "paper, without each"], lines),
         "A robot that stops only where it sees the goal seldom stops elsewhere. Noise costs no "
-        "agent much; that exact motion does worse in places was not expected, and why is not known.",
+        "agent much; why exact motion does worse in places is not known.",
     ]
 
 

@@ -202,9 +202,8 @@ def _cost_section(results: Results) -> list[str]:
         "one more trajectory for many. Bold is the better of two at the same size.",
         cost(rows),
         f"*Edges found* is the share of the edges that querying all pairs finds which the index "
-        f"finds, too. (The stored run compares two finished maps, driven edges included; today the "
-        f"command compares each trajectory with the same map both ways.) For the map that is used "
-        f"everywhere it is "
+        f"finds, too: each trajectory is compared with the same map both ways, and driven edges do "
+        f"not count. For the map that is used everywhere it is "
         f"{percent(shipped['recall'], 2)} with {percent(shipped['queries'] / every['queries'])} "
         f"of the queries, without reuse {percent(plain['recall'], 2)} with "
         f"{percent(plain['queries'] / all_of_it['queries'])}; in many buildings it "

@@ -82,7 +82,6 @@ COMMANDS = {
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
 EARLIER = frozenset(
     {
-        "map",
         "ablation_worlds",
     }
 )
