@@ -110,7 +110,7 @@ def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any: 
         "'int' object is not callable": "robot.steps is a number, without parentheses",
         "cannot unpack non-iterable int": "beside() returns a dictionary: go through its .items()",
         "unsupported operand type(s) for -: 'set' and 'tuple'": "a set of one ghost is {ghost}",
-        "hypot": "the way to a pose is np.hypot(pose[0], pose[1]); pose[2] is a heading",
+        "hypot": "the distance of a pose is np.hypot(pose[0], pose[1]); pose[2] is a heading",
     }
     try:
         return _play(student, building)

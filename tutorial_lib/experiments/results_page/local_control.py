@@ -217,8 +217,8 @@ def _ablation_section(results: Results) -> list[str]:
         f"{results.note(encoder, 'matching - pair: ')}. Whether longer training closes the gap is "
         f"not measured.",
         variants(results.rows(worlds)),
-        f"The number of worlds makes no difference that can be told apart from chance: 4 over 12 "
-        f"worlds {results.note(worlds, 'worlds4 - worlds12: ')}, 4 over 48 "
+        f"The number of worlds makes little difference, each trained once: 4 over 12 worlds "
+        f"{results.note(worlds, 'worlds4 - worlds12: ')}, 4 over 48 "
         f"{results.note(worlds, 'worlds4 - worlds48: ')}.",
         variants(results.rows(rows)),
         f"With four times the rows of pixels: 16 over 64 rows "

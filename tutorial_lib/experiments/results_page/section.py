@@ -6,14 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.results_page.sources import EARLIER, Results, command_of, remedy
+from tutorial_lib.experiments.results_page.sources import Results, command_of, remedy
 
 LONG = 120
 """Seconds from which on a duration is given in minutes."""
-_EARLIER = (
-    "*Measured with earlier networks (trained in apartments, offices and mazes) and with exact "
-    "odometry; the command gives other numbers today.*"
-)
 
 
 @dataclass(frozen=True)
@@ -42,8 +38,6 @@ class Section:
             files = ", ".join(f"{name}.json" for name in self.sources)
             advice = "; ".join(remedy(name) for name in self.sources)
             raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
-        if EARLIER & {*self.sources}:
-            found = [_EARLIER, *found]
         return "\n\n".join([f"### {self.title}", measured, self._commands(results), *found])
 
     def _commands(self, results: Results) -> str:

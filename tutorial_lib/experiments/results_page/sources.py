@@ -80,12 +80,6 @@ COMMANDS = {
     **{name: f"bench {name}" for name in BENCHMARKS},
 }
 """Arguments of ``python -m tutorial_lib`` by the name of the report."""
-EARLIER = frozenset(
-    {
-        "ablation_worlds",
-    }
-)
-"""Reports whose networks were trained in apartments, offices and mazes only; odometry was exact."""
 
 
 @dataclass(frozen=True)
