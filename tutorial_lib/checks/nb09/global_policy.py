@@ -109,6 +109,13 @@ def _graph(*edges: tuple[int, int, float]) -> nx.Graph:
     return graph
 
 
+def _costs(
+    graph: nx.Graph, here: int, scores: dict[Ghost, float], weight: float = 1.0
+) -> tuple[Any, ...]:
+    """A case in which all scores are those of ghosts, and travelling costs."""
+    return graph, here, set(scores), scores, None, weight
+
+
 def _random(seed: int) -> tuple[Any, ...]:
     rng = np.random.default_rng([seed, 39])
     count = int(rng.integers(4, 9))
@@ -153,79 +160,26 @@ _CASES = {
     "the goal is in the robot's node": (_ROW, 2, {(0, 4)}, _SCORES, 2, 0.0),
     "no ghost is left": (_ROW, 1, set(), _SCORES, None, 0.0),
     "no ghost is left, but the goal is localised": (_ROW, 3, set(), _SCORES, 0, 0.0),
-    "travelling costs": (_ROW, 0, {(0, 1), (3, 1)}, {(0, 1): 0.7, (3, 1): 0.9}, None, 1.0),
-    "travelling costs too little to matter": (
-        _ROW,
-        0,
-        {(0, 1), (3, 1)},
-        {(0, 1): 0.7, (3, 1): 0.9},
-        None,
-        0.2,
+    "travelling costs": _costs(_ROW, 0, {(0, 1): 0.7, (3, 1): 0.9}),
+    "travelling costs too little to matter": _costs(_ROW, 0, {(0, 1): 0.7, (3, 1): 0.9}, 0.2),
+    "travelling costs a little more than the better score gains": _costs(
+        _ROW, 0, {(0, 1): 0.4, (3, 1): 0.84}
     ),
-    "travelling costs a little more than the better score gains": (
-        _ROW,
-        0,
-        {(0, 1), (3, 1)},
-        {(0, 1): 0.4, (3, 1): 0.84},
-        None,
-        1.0,
+    "travelling costs a little less than the better score gains": _costs(
+        _ROW, 0, {(0, 1): 0.4, (3, 1): 0.86}
     ),
-    "travelling costs a little less than the better score gains": (
-        _ROW,
-        0,
-        {(0, 1), (3, 1)},
-        {(0, 1): 0.4, (3, 1): 0.86},
-        None,
-        1.0,
+    "travelling costs, by edges the other one is nearer": _costs(
+        _graph((0, 1, 9.0), (0, 2, 2.0), (2, 3, 2.0)), 0, {(1, 1): 0.8, (3, 1): 0.75}
     ),
-    "travelling costs, by edges the other one is nearer": (
-        _graph((0, 1, 9.0), (0, 2, 2.0), (2, 3, 2.0)),
-        0,
-        {(1, 1), (3, 1)},
-        {(1, 1): 0.8, (3, 1): 0.75},
-        None,
-        1.0,
+    "travelling costs, from the other end of the row": _costs(_ROW, 3, {(0, 1): 0.8, (2, 1): 0.75}),
+    "travelling costs more than every score": _costs(
+        _graph((0, 1, 30.0)), 0, {(1, 1): 0.4, (1, 2): 0.5}, 3.0
     ),
-    "travelling costs, from the other end of the row": (
-        _ROW,
-        3,
-        {(0, 1), (2, 1)},
-        {(0, 1): 0.8, (2, 1): 0.75},
-        None,
-        1.0,
+    "travelling costs, and a long edge is no short cut": _costs(
+        _ROUND, 0, {(3, 1): 0.8, (1, 1): 0.55}
     ),
-    "travelling costs more than every score": (
-        _graph((0, 1, 30.0)),
-        0,
-        {(1, 1), (1, 2)},
-        {(1, 1): 0.4, (1, 2): 0.5},
-        None,
-        3.0,
-    ),
-    "travelling costs, and a long edge is no short cut": (
-        _ROUND,
-        0,
-        {(3, 1), (1, 1)},
-        {(3, 1): 0.8, (1, 1): 0.55},
-        None,
-        1.0,
-    ),
-    "travelling costs half as much": (
-        _ROW,
-        0,
-        {(0, 1), (3, 1)},
-        {(0, 1): 0.5, (3, 1): 0.7},
-        None,
-        0.5,
-    ),
-    "travelling costs twice as much": (
-        _ROW,
-        0,
-        {(0, 1), (3, 1)},
-        {(0, 1): 0.1, (3, 1): 0.9},
-        None,
-        2.0,
-    ),
+    "travelling costs half as much": _costs(_ROW, 0, {(0, 1): 0.5, (3, 1): 0.7}, 0.5),
+    "travelling costs twice as much": _costs(_ROW, 0, {(0, 1): 0.1, (3, 1): 0.9}, 2.0),
     **{f"at random ({seed})": _random(seed) for seed in range(9)},
 }
 
