@@ -445,6 +445,19 @@ def global_policy__searches_from_0(graph, here, ghosts, scores, goal=None, weigh
     return _valued(graph, here, ghosts, scores, goal, weight, metres, least=0.0)
 
 
+def global_policy__whole_metres(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """a fraction of a metre decides"""
+    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+    whole = {node: int(length) for node, length in metres.items()}
+    return _valued(graph, here, ghosts, scores, goal, weight, whole)
+
+
+def global_policy__cost_among_the_two_best(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """the third best score is here"""
+    best = set(sorted(ghosts, key=scores.get)[-2:])
+    return chosen(graph, here, best, scores, goal, weight)
+
+
 def global_policy__weight_as_a_switch(graph, here, ghosts, scores, goal=None, weight=0.0):
     """also where it is below 1"""
     return chosen(graph, here, ghosts, scores, goal, float(weight >= 1))

@@ -178,6 +178,12 @@ _CASES = {
     "travelling costs, and a long edge is no short cut": _costs(
         _ROUND, 0, {(3, 1): 0.8, (1, 1): 0.55}
     ),
+    "travelling costs, and a fraction of a metre decides": _costs(
+        _graph((0, 1, 1.9), (0, 2, 1.0)), 0, {(1, 1): 0.8, (2, 1): 0.77}
+    ),
+    "travelling costs, and the third best score is here": _costs(
+        _ROW, 0, {(3, 1): 0.9, (2, 1): 0.88, (0, 1): 0.7}
+    ),
     "travelling costs half as much": _costs(_ROW, 0, {(0, 1): 0.5, (3, 1): 0.7}, 0.5),
     "travelling costs twice as much": _costs(_ROW, 0, {(0, 1): 0.1, (3, 1): 0.9}, 2.0),
     **{f"at random ({seed})": _random(seed) for seed in range(9)},
