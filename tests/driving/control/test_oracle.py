@@ -4,24 +4,30 @@ import numpy as np
 import pytest
 
 from tests.conftest import make_box
-from tutorial_lib.driving.control.oracle import OraclePolicy
+from tutorial_lib.driving.control.oracle import TURN_ROUND, OraclePolicy, TurnFirst
+from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.driving.data.demonstrations import _starts_and_goals
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit, walls_crossed
 from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.robustness.plans import drive_about
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import Room
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.people import Person
+from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world.worlds import scene_of
 
 
-def roll_out(scene, starts, goals, people=()):
+def roll_out(scene, starts, goals, people=(), turn_first=False):
     paths = GridPaths(scene.clearance)
     simulation = Simulation(scene, starts, people=people)
-    ends = ReachGoals(goals, geodesic_limit(paths, starts, goals))
-    return rollout(simulation, OraclePolicy(simulation, paths, goals), ends)
+    limit = geodesic_limit(paths, starts, goals) + TURN_ROUND * turn_first
+    oracle, ends = OraclePolicy(simulation, paths, goals), ReachGoals(goals, limit)
+    return rollout(simulation, TurnFirst(oracle) if turn_first else oracle, ends)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -94,3 +100,36 @@ def test_goals_that_cannot_be_reached_are_refused_at_once(box):
     )
     with pytest.raises(InputError, match="no path leads"):
         roll_out(apart, [[2.0, 2.0, 0.0]], [[8.0, 8.0]])
+
+
+@pytest.mark.parametrize("world", ["apartment/10003/standard/large", "maze/10007/standard/large"])
+def test_cars_that_turn_first_get_out_of_narrow_places(world):
+    scene = scene_of(world)
+    paths, rng = GridPaths(scene.clearance), np.random.default_rng(0)
+    starts, goals, _ = _starts_and_goals(scene, paths, 60, rng)
+    oracle = OraclePolicy(Simulation(scene, starts), paths, goals)
+    starts[:, 2] += np.arctan2(*oracle.waypoints(np.arange(60)).T[::-1]) + np.pi
+    free = is_free(scene, BicycleCar(), starts)
+    plain, turned = (roll_out(scene, starts[free], goals[free], turn_first=i) for i in (0, 1))
+    assert len(turned.ending) > 50
+    assert turned.reached.sum() >= len(turned.ending) - 1
+    assert plain.reached.sum() < turned.reached.sum()
+    assert turned.collided.sum() == 0
+
+
+def test_only_robots_whose_first_waypoint_is_behind_turn_first(box):
+    starts, goals = [[2.0, 2.0, 0.0], [6.0, 5.0, 0.0]], [[8.0, 2.0], [1.0, 5.0]]
+    plain, turned = (roll_out(box, starts, goals, turn_first=turn) for turn in (False, True))
+    assert plain.reached.all()
+    assert turned.reached.all()
+    steps = min(len(plain.poses), len(turned.poses))
+    assert (plain.poses[:steps, 0] == turned.poses[:steps, 0]).all()
+    aside = [np.abs(one.poses[:, 1, 1] - 5.0).max() for one in (plain, turned)]
+    assert aside[1] < 0.7 * aside[0]
+
+
+def test_a_car_that_cannot_turn_drives_on_in_the_end(box, monkeypatch):
+    monkeypatch.setattr(ThreePointTurn, "act", lambda *given: np.zeros((len(given[2]), 2)))
+    rollouts = roll_out(box, [[6.0, 5.0, 0.0]], [[1.0, 5.0]], turn_first=True)
+    assert rollouts.reached[0]
+    assert rollouts.seconds[0] > TURN_ROUND

@@ -1,17 +1,23 @@
 """An oracle that drives a fleet along geodesics: it knows the map and every pose."""
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import Controller, Observation, Robots
-from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world.simulation import STEP, Simulation
 
 PARKING = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
 """Parks exactly, since an oracle's waypoints are exact. All trajectories are recorded with it: with
 other settings the networks that come with the library could not be trained again."""
+TURN_ROUND = 16.0
+"""Seconds after which `TurnFirst` drives on, wherever the robot looks."""
+_STILL, _STUCK = 1e-3, 1.0  # metres or rad a step that are no motion; seconds of that
+_BEHIND, _AHEAD = np.pi / 2, 0.5  # rad; a turn begins and ends where the waypoint is beyond these
 
 
 class OraclePolicy:
@@ -52,6 +58,58 @@ class OraclePolicy:
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of the robots (M,), from what they observe now."""
+        return self.controller.act(observations, self.waypoints(robots))
+
+    def waypoints(self, robots: Robots) -> Array:
+        """Waypoints (M, 2) of the robots (M,), in metres as each sees them."""
         poses, caster = self.simulation.poses[robots], self.simulation.scene.caster
-        targets = self.fields.waypoints(poses[:, :2], robots, caster, self.reach)
-        return self.controller.act(observations, to_local(poses, targets))
+        return to_local(poses, self.fields.waypoints(poses[:, :2], robots, caster, self.reach))
+
+
+class TurnFirst:
+    """A `Policy`: robots whose first waypoint is behind turn in place, then an oracle drives.
+
+    So a person leaves a narrow place: a controller that drives to waypoints begins with an arc to
+    the side, and may not get out of a corner or a dead end. A robot that comes to a stand while it
+    turns goes on to the other side.
+    """
+
+    def __init__(self, oracle: OraclePolicy) -> None:
+        """Begin when the robots act for the first time."""
+        self.oracle = oracle
+        count = len(oracle.goals)
+        self._control = ThreePointTurn(count)
+        self._acted, self._turning, self._other = np.zeros((3, count), dtype=bool)
+        self._seconds, self._still = np.zeros((2, count))
+        self._poses = np.full((count, 3), np.inf)
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2) of the robots (M,), from what they observe now."""
+        waypoints = self.oracle.waypoints(robots)
+        self._decide(robots, np.arctan2(waypoints[:, 1], waypoints[:, 0]), observations.odometry)
+        actions, rows = self.oracle.act(observations, robots), self._turning[robots]
+        actions[rows] = self._control.act(observations[rows], robots[rows])
+        return actions
+
+    def _decide(self, robots: Robots, bearings: Array, odometry: Array) -> None:
+        """Which robots turn, given the bearings (M,) of their waypoints, and to which side."""
+        begin = ~self._acted[robots] & (np.abs(bearings) > _BEHIND)
+        stuck = self._turning[robots] & (self._stood(robots) > _STUCK)
+        self._acted[robots] = True
+        self._turning[robots] |= begin
+        self._other[robots] ^= stuck
+        self._still[robots[stuck]] = 0.0
+        rows = np.flatnonzero(begin | stuck)
+        other = np.where(self._other[robots[rows]], -2 * np.pi * np.sign(bearings[rows]), 0.0)
+        self._control.begin(robots[rows], odometry[rows], bearings[rows] + other)
+        self._seconds[robots] += STEP
+        late = self._seconds[robots] > TURN_ROUND
+        self._turning[robots] &= (np.abs(bearings) > _AHEAD) & ~late
+
+    def _stood(self, robots: Robots) -> Array:
+        """Seconds (M,) that robots have stood still."""
+        poses = self.oracle.simulation.poses[robots]
+        still = np.abs(poses - self._poses[robots]).max(axis=1) < _STILL
+        self._still[robots] = np.where(still, self._still[robots] + STEP, 0.0)
+        self._poses[robots] = poses
+        return self._still[robots]

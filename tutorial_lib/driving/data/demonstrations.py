@@ -10,7 +10,7 @@ from zlib import crc32
 
 import numpy as np
 
-from tutorial_lib.driving.control.oracle import OraclePolicy
+from tutorial_lib.driving.control.oracle import TURN_ROUND, OraclePolicy, TurnFirst
 from tutorial_lib.driving.data.recorder import Recorder
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
@@ -36,7 +36,6 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 _LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
-_TURN_ROUND = 10.0  # seconds more from place to place without a break
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
 """Frames of a demonstration at least: one context with k = 5."""
 
@@ -122,7 +121,7 @@ def demonstrate_on(
 ) -> Trajectory | None:
     """Drive one car from place to place without a break, and record it.
 
-    Where the next place is behind, the car turns by its own manoeuvres.
+    Where the path to the next place begins behind it, the car turns in place first.
 
     Args:
         world: name to put on the trajectory.
@@ -140,9 +139,9 @@ def demonstrate_on(
     simulation, recorder = _fleet(scene, start, odometry), Recorder()
     for goal in goals:
         oracle = OraclePolicy(simulation, paths, goal[None])
-        limit = geodesic_limit(paths, simulation.poses, goal[None]) + _TURN_ROUND
+        limit = geodesic_limit(paths, simulation.poses, goal[None]) + TURN_ROUND
         ends = ReachGoals(oracle.goals, limit)
-        if not rollout(simulation, oracle, ends, record=recorder).reached.all():
+        if not rollout(simulation, TurnFirst(oracle), ends, record=recorder).reached.all():
             return None
     return recorder.trajectory(world, seed, 0)
 
