@@ -139,5 +139,7 @@ class LocalNetwork(nn.Module):
             raise InputError(
                 f"network: targets of {features.shape[1]} images; give {wanted} to this one"
             )
-        x = self.context(features.transpose(1, 2))[..., 0].relu()  # (N, 128)
+        # The convolution sees all images at once, so it is one product, which is faster as such.
+        weight = self.context.weight.transpose(1, 2).flatten(1)
+        x = functional.linear(features.flatten(1), weight, self.context.bias).relu()  # (N, 128)
         return self.heads(self.hidden(x).relu())
