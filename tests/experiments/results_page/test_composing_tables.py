@@ -9,6 +9,7 @@ from tutorial_lib.experiments.results_page.composing import chosen, composed_tri
 from tutorial_lib.experiments.results_page.sources import (
     COMMANDS,
     DRIVES,
+    LEARNED,
     Results,
     command_of,
     stored_as,
@@ -105,12 +106,12 @@ def test_rules_of_reuse_are_named_by_their_thresholds():
 
 
 def test_the_sections_say_what_the_protocol_hides_and_by_which_command():
-    names = [stored_as(drives) for drives in DRIVES]
+    names = [stored_as(drives) for drives in LEARNED]
     section = composing.SECTIONS[0]
     assert section.sources == tuple(names)
     text = section.text(results(ROWS, *names, "meng_table2"))
     assert "in 99.5% of its trials some recorded drive passes" in text
-    for drives, name in zip(DRIVES, names, strict=True):
+    for drives, name in zip(LEARNED, names, strict=True):
         assert f"--worlds 20000:20010 --drives {drives} --json" in command_of(name)
         assert command_of(name) in text
 

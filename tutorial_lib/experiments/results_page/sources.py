@@ -22,7 +22,11 @@ EXPLORING = ("scores", "table1", "table2", "fig8", "second_visit")
 """Experiments of exploration."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", "tour")
-"""Of Table II: what agents learn, beside all drives."""
+"""Of Table II: what agents learn, beside all drives, with thresholds chosen for each."""
+CONTINUOUS = "continuous"
+"""The tour as one drive, with the thresholds of the tour."""
+LEARNED = (*DRIVES, CONTINUOUS)
+"""Whatever Table II is measured with, beside all drives."""
 
 
 def stored_as(drives: str, ablation: str = "") -> str:
@@ -34,13 +38,14 @@ def stored_as(drives: str, ablation: str = "") -> str:
     return f"meng_table2_{ablation or 'drives'}_{drives.replace('.', '')}"
 
 
-def _with_drives(drives: str) -> dict[str, str]:
+def _with_drives() -> dict[str, str]:
     """The commands of Table II and of its thresholds with `--drives`."""
+    worlds, ablation = "--worlds 20000:20010", "--ablation thresholds"
+    commands = {drives: f"experiment meng_table2 {worlds} --drives {drives}" for drives in LEARNED}
+    chosen = {drives: f"experiment meng_table2 {ablation} --drives {drives}" for drives in DRIVES}
     return {
-        stored_as(drives): f"experiment meng_table2 --worlds 20000:20010 --drives {drives}",
-        stored_as(drives, "thresholds"): (
-            f"experiment meng_table2 --ablation thresholds --drives {drives}"
-        ),
+        **{stored_as(drives): command for drives, command in commands.items()},
+        **{stored_as(drives, "thresholds"): command for drives, command in chosen.items()},
     }
 
 
@@ -63,7 +68,7 @@ COMMANDS = {
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
-    **{name: line for drives in DRIVES for name, line in _with_drives(drives).items()},
+    **_with_drives(),
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "meng_fig12": "experiment meng_fig12",
     "meng_fig12_localization": "experiment meng_fig12 --ablation localization",
