@@ -145,7 +145,7 @@ MUTATIONS = [
     ),
     (
         "a robot is moved at every step near the place",
-        "experiments/robustness/disturbances.py",
+        "experiments/protocols/moves.py",
         "near[robots] & (self.step[robots] < 0)",
         "near[robots]",
         "experiments/robustness/test_disturbances.py -k moved",

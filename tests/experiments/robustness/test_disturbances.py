@@ -9,18 +9,18 @@ import pytest
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.protocols import following
+from tutorial_lib.experiments.protocols import following, moves
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, trajectories
-from tutorial_lib.experiments.robustness import disturbances
-from tutorial_lib.experiments.robustness.disturbances import (
+from tutorial_lib.experiments.protocols.moves import (
     Disturbance,
     carried,
     in_the_way,
     pushed,
     turned,
 )
+from tutorial_lib.experiments.robustness import disturbances
 from tutorial_lib.geometry import relative
-from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.simulation import Simulation
@@ -33,7 +33,7 @@ def recorded():
 
 @pytest.mark.parametrize(
     ("move", "gap", "angle"),
-    [(pushed, disturbances.ASIDE, 0.0), (turned, 0.0, disturbances.TURNED)],
+    [(pushed, moves.ASIDE, 0.0), (turned, 0.0, moves.TURNED)],
 )
 def test_cars_are_moved_as_far_as_said_to_where_there_is_room(recorded, move, gap, angle):
     rng, moved = np.random.default_rng(1), 0
@@ -89,7 +89,7 @@ def test_a_robot_is_moved_once_when_it_passes(recorded):
         disturbance(simulation, np.array([0, 1]))
     assert disturbance.step.tolist() == [1, -1]
     apart = relative(recorded.poses[frames[0]], simulation.poses[0])
-    assert abs(apart[2]) == pytest.approx(disturbances.TURNED)
+    assert abs(apart[2]) == pytest.approx(moves.TURNED)
 
 
 def test_every_robot_counts_and_time_runs_from_the_disturbance_on():
@@ -138,3 +138,32 @@ def test_disturbances_run_on_a_validation_world(monkeypatch):
     assert kidnapped["finished"] <= 1 - kidnapped["disturbed"] / 2  # one that was not may
     assert rows["none"]["finished"] is not None
     json.dumps(report.as_dict(), allow_nan=False)
+
+
+def test_every_row_of_the_ablation_has_its_own_rules(monkeypatch):
+    def run(options, settings):
+        del options
+        rules = settings.rules
+        found = {"finished": rules.timeout / 10, "soon": rules.p_lose, "disturbed": 7}
+        kinds = ("none", "pushed", "turned", "carried", "person")
+        low_and_high = {"soon_low": 0.1, "soon_high": 0.9}
+        return [{"disturbance": kind, **found, **low_and_high} for kind in kinds], []
+
+    monkeypatch.setattr(disturbances, "run", run)
+    report = disturbances.EXPERIMENT.report(Options(ablation="patience"))
+    assert report.worlds[0] == 10_100
+    usual = FollowerSettings()
+    first = report.rows[0]
+    assert all(first[name] == getattr(usual, name) for name in ("timeout", "p_lose", "calm"))
+    assert len({(row["timeout"], row["p_lose"], row["calm"]) for row in report.rows}) == 6
+    for row in report.rows:
+        assert row["finished_none"] == row["finished_person"] == row["timeout"] / 10
+        assert row["soon"] == row["p_lose"]
+        assert row["disturbed"] == 7
+
+
+def test_the_followers_rules_reach_the_rollouts(recorded):
+    guide = following.Guide(recorded, "k2", rules=FollowerSettings(p_search=0.999999))
+    success, log = guide.deliver([recorded.frames_of(0)[::20]])
+    assert not success[0]
+    assert log.state[-1, 0] == State.LOST

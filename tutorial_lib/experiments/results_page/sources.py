@@ -27,6 +27,8 @@ CONTINUOUS = "continuous"
 """The tour as one drive, with the thresholds of the tour."""
 LEARNED = (*DRIVES, CONTINUOUS)
 """Whatever Table II is measured with, beside all drives."""
+ANYWHERE = "meng_table2_anywhere"
+"""The report on Table II after a tour with harder trials."""
 
 
 def stored_as(drives: str, ablation: str = "") -> str:
@@ -64,11 +66,15 @@ COMMANDS = {
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
     "disturbances": "experiment disturbances",
+    "disturbances_patience": "experiment disturbances --ablation patience",
     "meng_table2": "experiment meng_table2",
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
     **_with_drives(),
+    ANYWHERE: (
+        "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
+    ),
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
     "meng_fig12": "experiment meng_fig12",
     "meng_fig12_localization": "experiment meng_fig12 --ablation localization",

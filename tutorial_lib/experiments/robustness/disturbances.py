@@ -2,43 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, ends_of, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
+from tutorial_lib.experiments.protocols.moves import MOVES, Disturbance, in_the_way
 from tutorial_lib.experiments.protocols.odometry import Odometry
-from tutorial_lib.geometry import Array, compose
-from tutorial_lib.interfaces import Robots
+from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
-from tutorial_lib.topology.following.transitions import State
-from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.people import Person
-from tutorial_lib.world.placing import is_free
-from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.world.simulation import STEP
 
-ASIDE, TURNED = 0.5, np.deg2rad(40.0)
-"""Metres and rad by which cars are moved."""
 SOON = 5.0
 """Seconds within which a car that was carried away must notice it."""
 _WHEN = (0.3, 0.7)  # shares of the trajectory between which the disturbance happens
-_AWAY = 4.0  # metres from its trajectory to where a car is carried, out of sight of all of it
-_TRIES = 400
-_CROSSING = 0.8  # metres that a person walks to either side of the trajectory
-_WALKING = 0.25  # m/s
-
-Move = Callable[[RecordedWorld, int, Array, np.random.Generator], "Array | None"]
-"""Returns where to put a robot, given the recorded frame that it passes and its pose; None where
-there is no such place."""
 
 
 @dataclass(frozen=True)
@@ -49,17 +33,54 @@ class Settings:
         context: of C and RE.
         threshold: p_sparsify.
         trajectories: in each world.
+        rules: thresholds of the follower.
     """
 
     context: str = "k2"
     threshold: float = 0.99
     trajectories: int = 8
+    rules: FollowerSettings = field(default_factory=FollowerSettings)
+
+
+@dataclass(frozen=True)
+class PatienceSettings:
+    """Settings of the ablation: other thresholds of the follower.
+
+    Attributes:
+        usual: all other settings.
+        rules: one row each; the first are those of all other experiments.
+    """
+
+    usual: Settings = field(default_factory=Settings)
+    rules: tuple[FollowerSettings, ...] = (
+        FollowerSettings(),
+        FollowerSettings(timeout=3.0),
+        FollowerSettings(timeout=2.0),
+        FollowerSettings(p_lose=0.5),
+        FollowerSettings(p_lose=0.6),
+        FollowerSettings(calm=3.0),
+    )
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Follow the same trajectories with every disturbance."""
     parts = for_each(run_world, options.worlds, options, settings, label="disturbances")
     return [_row(kind, [part[kind] for part in parts]) for kind in parts[0]], []
+
+
+def run_patience(options: Options, settings: PatienceSettings) -> tuple[Rows, list[str]]:
+    """A kidnapped robot should give up at once, one behind a person not at all: both, by rules."""
+    rows: Rows = []
+    for rules in settings.rules:
+        parts, _ = run(options, replace(settings.usual, rules=rules))
+        found = {part["disturbance"]: part for part in parts}
+        row = {name: getattr(rules, name) for name in ("timeout", "p_lose", "calm")}
+        row |= {
+            f"finished_{kind}": found[kind]["finished"] for kind in ("none", "pushed", "person")
+        }
+        soon = ("disturbed", "soon", "soon_low", "soon_high")
+        rows.append(row | {name: found["carried"][name] for name in soon})
+    return rows, []
 
 
 def run_world(world: int, options: Options, settings: Settings) -> dict[str, dict[str, Array]]:
@@ -70,7 +91,7 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, dic
     rng = np.random.default_rng([options.seed, world])
     recorded = trajectories(world, settings.trajectories, rng)
     odometry = Odometry(options.drifts, (options.seed, world))
-    guide = Guide(recorded, settings.context, odometry)
+    guide = Guide(recorded, settings.context, odometry, settings.rules)
     paths = [guide.anchors(i, settings.threshold) for i in range(len(recorded.trajectories))]
     ends = ends_of(paths)
     length = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
@@ -85,102 +106,6 @@ def run_world(world: int, options: Options, settings: Settings) -> dict[str, dic
     passing = Disturbance(recorded, middle, None, rng)
     success, log = guide.deliver(paths, people, passing)
     return {**found, "person": _outcomes(success, log.state, passing.step)}
-
-
-class Disturbance:
-    """Moves each robot once, when it passes a given frame of its trajectory.
-
-    Attributes:
-        step: (N,) at which this happened, -1 for never.
-    """
-
-    def __init__(
-        self,
-        recorded: RecordedWorld,
-        frames: NDArray[np.intp],
-        move: Move | None,
-        rng: np.random.Generator,
-    ) -> None:
-        """`frames` (N,) of the robots; without `move` only `step` is set."""
-        self.recorded, self.frames, self.move, self.rng = recorded, frames, move, rng
-        self.step, self._steps = np.full(len(frames), -1), 0
-
-    def __call__(self, simulation: Simulation, robots: Robots) -> None:
-        """Move the robots that are at their frame now."""
-        gap = simulation.poses[:, :2] - self.recorded.poses[self.frames, :2]
-        near = np.linalg.norm(gap, axis=1) < REACHED
-        for robot in robots[near[robots] & (self.step[robots] < 0)]:
-            if self.move is None:
-                self.step[robot] = self._steps
-                continue
-            here = simulation.poses[robot]
-            pose = self.move(self.recorded, self.frames[robot], here, self.rng)
-            if pose is not None:
-                simulation.place([robot], pose[None])
-                self.step[robot] = self._steps
-        self._steps += 1
-
-
-def pushed(
-    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
-) -> Array | None:
-    """Pushed `ASIDE` metres to the left or right."""
-    del frame
-    for side in rng.permutation([-ASIDE, ASIDE]):
-        there = compose(here, np.array([0.0, side, 0.0]))
-        in_sight = recorded.scene.caster.sees(here[None, :2], there[None, :2])[0]
-        if in_sight and is_free(recorded.scene, BicycleCar(), there[None])[0]:
-            return there
-    return None
-
-
-def turned(
-    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
-) -> Array | None:
-    """Turned by `TURNED` to the left or right."""
-    del frame
-    for angle in rng.permutation([-TURNED, TURNED]):
-        there = compose(here, np.array([0.0, 0.0, angle]))
-        if is_free(recorded.scene, BicycleCar(), there[None])[0]:
-            return there
-    return None
-
-
-def carried(
-    recorded: RecordedWorld, frame: int, here: Array, rng: np.random.Generator
-) -> Array | None:
-    """Kidnapped to another trajectory, out of sight of all of its own."""
-    del here
-    own = recorded.poses[recorded.first[frame] : recorded.last[frame] + 1, :2]
-    for there in recorded.poses[rng.integers(len(recorded.poses), size=_TRIES)]:
-        far = np.linalg.norm(own - there[:2], axis=1).min() > _AWAY
-        far &= is_free(recorded.scene, BicycleCar(), there[None])[0]
-        if far and not recorded.scene.caster.sees(np.tile(there[:2], (len(own), 1)), own).any():
-            return there
-    return None
-
-
-MOVES: dict[str, Move] = {
-    "pushed": pushed,
-    "turned": turned,
-    "carried": carried,
-}
-"""Disturbances that move the robot."""
-
-
-def in_the_way(recorded: RecordedWorld, frame: int, robot: int, rng: np.random.Generator) -> Person:
-    """A person who walks back and forth across a trajectory, as far as there is room."""
-    x, y, heading = recorded.poses[frame]
-    across = np.array([-np.sin(heading), np.cos(heading)])
-    reach = np.linspace(0.0, _CROSSING, 17)
-    sides = []
-    for side in (-across, across):
-        points = np.array([x, y]) + reach[:, None] * side
-        free = recorded.scene.clearance.at(points) > Person.radius
-        sides.append(points[max(int(free.cumprod().sum()) - 1, 0)])
-    route = np.array(sides)
-    walked = rng.uniform(0.0, np.linalg.norm(route[1] - route[0]))
-    return Person(route, speed=_WALKING, owner=robot, distance=float(walked))
 
 
 def _outcomes(
@@ -227,6 +152,15 @@ def _mean(column: Array) -> float:
     return float(column.mean())
 
 
+PATIENCE = Experiment(
+    "disturbances_patience",
+    run_patience,
+    tuple(range(10_100, 10_120)),  # for validation: nothing is chosen on test worlds
+    (10_100, 10_101),
+    PatienceSettings(),
+    quick_settings=PatienceSettings(Settings(trajectories=4)),
+    accepts=frozenset({"odometry"}),
+)
 EXPERIMENT = Experiment(
     "disturbances",
     run,
@@ -235,4 +169,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(trajectories=4),
     accepts=frozenset({"odometry"}),
+    ablations={"patience": PATIENCE},
 )
