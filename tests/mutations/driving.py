@@ -23,6 +23,27 @@ MUTATIONS = [
         "driving/test_geodesics.py",
     ),
     (
+        "a robot that turns first and gets stuck stays stuck",
+        "driving/control/oracle.py",
+        "self._other[robots] ^= stuck",
+        "self._other[robots] &= stuck",
+        "driving/control/test_oracle.py -k narrow",
+    ),
+    (
+        "a robot turns wherever its first waypoint is",
+        "driving/control/oracle.py",
+        "(np.abs(bearings) > _BEHIND)",
+        "(np.abs(bearings) > 0.0)",
+        "driving/control/test_oracle.py -k behind",
+    ),
+    (
+        "a robot that cannot turn tries for ever",
+        "driving/control/oracle.py",
+        "(np.abs(bearings) > _AHEAD) & ~late",
+        "np.abs(bearings) > _AHEAD",
+        "driving/control/test_oracle.py -k cannot",
+    ),
+    (
         "a car at rest believes that steering will not turn it",
         "driving/control/rmp.py",
         "np.maximum(np.abs(controls[:, 0]), self.authority)",

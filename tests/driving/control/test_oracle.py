@@ -118,7 +118,7 @@ def test_cars_that_turn_first_get_out_of_narrow_places(world):
 
 
 def test_only_robots_whose_first_waypoint_is_behind_turn_first(box):
-    starts, goals = [[2.0, 2.0, 0.0], [6.0, 5.0, 0.0]], [[8.0, 2.0], [1.0, 5.0]]
+    starts, goals = [[2.0, 2.0, 1.2], [6.0, 5.0, 0.0]], [[8.0, 2.0], [1.0, 5.0]]
     plain, turned = (roll_out(box, starts, goals, turn_first=turn) for turn in (False, True))
     assert plain.reached.all()
     assert turned.reached.all()
