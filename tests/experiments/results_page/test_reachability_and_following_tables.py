@@ -83,7 +83,7 @@ def test_one_rollout_is_shown_place_by_place():
     assert found[1] == ["3", "7.0 s", "dead reckoning", "2 of 11", "0.995"]
 
 
-def test_the_followers_patience_stands_beside_who_arrives():
+def test_the_followers_patience_stands_beside_arrivals():
     row = {"timeout": 4.0, "p_lose": 0.4, "calm": 1.0, "soon": 0.9, "soon_low": 0.8}
     row |= {"soon_high": 0.95, "finished_none": 0.98, "finished_pushed": 0.97}
     found = cells(patience([row | {"finished_person": 0.96}]))

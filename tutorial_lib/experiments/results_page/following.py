@@ -116,7 +116,7 @@ def recoveries(rows: Rows) -> str:
 
 
 def patience(rows: Rows) -> str:
-    """Who gives up and who arrives, by the follower's thresholds."""
+    """Which robots give up and which arrive, by the follower's thresholds."""
     lines = []
     for row in rows:
         finished = [percent(row[f"finished_{kind}"]) for kind in ("none", "pushed", "person")]
@@ -218,9 +218,10 @@ def _disturbance_section(results: Results) -> list[str]:
         f"{percent(person['finished'])}, and the intervals overlap. Of the kidnapped "
         f"{percent(carried['soon'])} declare within {SOON:g} s that they are lost, "
         f"{percent(carried['lost'])} in the end.",
-        f"Who gives up sooner when kidnapped also gives up sooner behind a person, who hides as "
-        f"much: the same with other thresholds, on {results.worlds('disturbances_patience')} "
-        f"validation worlds. The first row is what all other experiments have.",
+        f"A robot that gives up sooner when it is kidnapped also gives up sooner behind a person, "
+        f"who hides as much of what it sees: the same with other thresholds on "
+        f"{results.worlds('disturbances_patience')} validation worlds, the usual ones in the first "
+        f"row.",
         patience(results.rows("disturbances_patience")),
     ]
 

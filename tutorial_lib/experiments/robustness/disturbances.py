@@ -48,7 +48,7 @@ class PatienceSettings:
 
     Attributes:
         usual: all other settings.
-        rules: one row each; the first are those of all other experiments.
+        rules: one row each; the usual ones come first.
     """
 
     usual: Settings = field(default_factory=Settings)
