@@ -69,9 +69,9 @@ class OraclePolicy:
 class TurnFirst:
     """A `Policy`: robots whose first waypoint is behind turn in place, then an oracle drives.
 
-    So a person leaves a narrow place: a controller that drives to waypoints begins with an arc to
-    the side, and may not get out of a corner or a dead end. A robot that comes to a stand while it
-    turns goes on to the other side.
+    This is how a person leaves a narrow place: a controller that drives to waypoints begins with an
+    arc to the side, and may not get out of a corner or a dead end. A robot that comes to a stand
+    while it turns goes on to the other side.
     """
 
     def __init__(self, oracle: OraclePolicy) -> None:

@@ -87,8 +87,8 @@ def _composing_section(results: Results) -> list[str]:
         f"trials for all; intervals are bootstrapped over worlds, differences are paired.",
         composed_trials(results, names | {"a tour, harder trials": ANYWHERE}),
         f"Harder trials start anywhere instead of at the places, and of all images of a place the "
-        f"goal is the one that looks most unlike what the robot would see on arrival; the oracle "
-        f"does not turn to look as it does, so that the best map may pass it. "
+        f"goal is the one that looks most unlike what the robot would see on arrival. The oracle "
+        f"arrives as it comes and does not turn to the goal's heading, so a map may do better. "
         f"*Meng, driven* are the other trials; *goals passed* is the share of the composed ones "
         f"whose goal some learned drive passes as it looks: of the others no map has an image. "
         f"Where drives meet that look opposite ways, no two images have anything in common; Meng's "
