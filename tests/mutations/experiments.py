@@ -146,8 +146,8 @@ MUTATIONS = [
     (
         "the ablation of patience runs the usual rules",
         "experiments/robustness/disturbances.py",
-        "replace(settings.usual, rules=rules)",
-        "settings.usual",
+        "replace(settings, rules=rules)",
+        "settings",
         "experiments/robustness/test_disturbances.py -k rules",
     ),
     (

@@ -209,7 +209,7 @@ buildings_experiences = fig10.experiences
 
 @networks
 def test_a_path_of_fig_11_joins_trajectories_that_were_not_recorded_as_one(building):
-    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=24, share=0.6))
+    few = replace(fig11.EXPERIMENT, settings=fig11.Settings(trials=48, share=0.6))
     report = few.report(QUICK)
     rows = report.rows
     assert len({row["trajectory"] for row in rows}) >= 2

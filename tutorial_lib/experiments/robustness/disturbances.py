@@ -34,32 +34,25 @@ class Settings:
         threshold: p_sparsify.
         trajectories: in each world.
         rules: thresholds of the follower.
+        others: thresholds that the ablation tries, in a row each.
     """
 
     context: str = "k2"
     threshold: float = 0.99
     trajectories: int = 8
     rules: FollowerSettings = field(default_factory=FollowerSettings)
+    others: tuple[FollowerSettings, ...] = ()
 
 
-@dataclass(frozen=True)
-class PatienceSettings:
-    """Settings of the ablation: other thresholds of the follower.
-
-    Attributes:
-        usual: all other settings.
-        rules: one row each; the usual ones come first.
-    """
-
-    usual: Settings = field(default_factory=Settings)
-    rules: tuple[FollowerSettings, ...] = (
-        FollowerSettings(),
-        FollowerSettings(timeout=3.0),
-        FollowerSettings(timeout=2.0),
-        FollowerSettings(p_lose=0.5),
-        FollowerSettings(p_lose=0.6),
-        FollowerSettings(calm=3.0),
-    )
+PATIENCE = (
+    FollowerSettings(),
+    FollowerSettings(timeout=3.0),
+    FollowerSettings(timeout=2.0),
+    FollowerSettings(p_lose=0.5),
+    FollowerSettings(p_lose=0.6),
+    FollowerSettings(calm=3.0),
+)
+"""How soon a follower gives up; the usual thresholds come first."""
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
@@ -68,11 +61,11 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return [_row(kind, [part[kind] for part in parts]) for kind in parts[0]], []
 
 
-def run_patience(options: Options, settings: PatienceSettings) -> tuple[Rows, list[str]]:
+def run_patience(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """A kidnapped robot should give up at once, one behind a person not at all: both, by rules."""
     rows: Rows = []
-    for rules in settings.rules:
-        parts, _ = run(options, replace(settings.usual, rules=rules))
+    for rules in settings.others:
+        parts, _ = run(options, replace(settings, rules=rules))
         found = {part["disturbance"]: part for part in parts}
         row = {name: getattr(rules, name) for name in ("timeout", "p_lose", "calm")}
         row |= {
@@ -152,13 +145,13 @@ def _mean(column: Array) -> float:
     return float(column.mean())
 
 
-PATIENCE = Experiment(
+_PATIENCE = Experiment(
     "disturbances_patience",
     run_patience,
     tuple(range(10_100, 10_120)),  # for validation: nothing is chosen on test worlds
     (10_100, 10_101),
-    PatienceSettings(),
-    quick_settings=PatienceSettings(Settings(trajectories=4)),
+    Settings(others=PATIENCE),
+    quick_settings=Settings(trajectories=4, others=PATIENCE),
     accepts=frozenset({"odometry"}),
 )
 EXPERIMENT = Experiment(
@@ -169,5 +162,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(trajectories=4),
     accepts=frozenset({"odometry"}),
-    ablations={"patience": PATIENCE},
+    ablations={"patience": _PATIENCE},
 )
