@@ -7,9 +7,9 @@ from tutorial_lib.experiments.common.report import Report
 from tutorial_lib.experiments.results_page import composing, reuse
 from tutorial_lib.experiments.results_page.composing import chosen, composed_trials, map_sizes
 from tutorial_lib.experiments.results_page.sources import (
-    ANYWHERE,
     COMMANDS,
     DRIVES,
+    HARDER,
     LEARNED,
     Results,
     command_of,
@@ -109,13 +109,13 @@ def test_rules_of_reuse_are_named_by_their_thresholds():
 def test_the_sections_say_what_the_protocol_hides_and_by_which_command():
     names = [stored_as(drives) for drives in LEARNED]
     section = composing.SECTIONS[0]
-    assert section.sources == (*names, ANYWHERE)
-    text = section.text(results(ROWS, *names, ANYWHERE, "meng_table2"))
+    assert section.sources == (*names, HARDER)
+    text = section.text(results(ROWS, *names, HARDER, "meng_table2"))
     assert "in 99.5% of its trials some recorded drive passes" in text
     for drives, name in zip(LEARNED, names, strict=True):
         assert f"--worlds 20000:20010 --drives {drives} --json" in command_of(name)
         assert command_of(name) in text
-    assert "--drives tour --starts anywhere --goals turned --json" in command_of(ANYWHERE)
+    assert "--drives tour --starts anywhere --goals turned --json" in command_of(HARDER)
     assert "| a tour, harder trials | 450 | 81.0% (70.0% to 90.0%) |" in text
 
 

@@ -79,7 +79,7 @@ class TurnFirst:
         self.oracle = oracle
         count = len(oracle.goals)
         self._control = ThreePointTurn(count)
-        self._acted, self._turning, self._other = np.zeros((3, count), dtype=bool)
+        self._turning, self._other = np.zeros((2, count), dtype=bool)
         self._seconds, self._still = np.zeros((2, count))
         self._poses = np.full((count, 3), np.inf)
 
@@ -93,9 +93,8 @@ class TurnFirst:
 
     def _decide(self, robots: Robots, bearings: Array, odometry: Array) -> None:
         """Which robots turn, given the bearings (M,) of their waypoints, and to which side."""
-        begin = ~self._acted[robots] & (np.abs(bearings) > _BEHIND)
+        begin = (self._seconds[robots] == 0.0) & (np.abs(bearings) > _BEHIND)
         stuck = self._turning[robots] & (self._stood(robots) > _STUCK)
-        self._acted[robots] = True
         self._turning[robots] |= begin
         self._other[robots] ^= stuck
         self._still[robots[stuck]] = 0.0

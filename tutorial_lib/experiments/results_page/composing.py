@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
 from tutorial_lib.experiments.results_page.markdown import number, percent, table
 from tutorial_lib.experiments.results_page.navigation import METHODS, thresholds
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import (
-    ANYWHERE,
-    CONTINUOUS,
     DRIVES,
+    HARDER,
     LEARNED,
     Results,
     matching,
@@ -16,7 +16,7 @@ from tutorial_lib.experiments.results_page.sources import (
 )
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings
 
-SHOWN = {"tour": "a tour", CONTINUOUS: "a tour in one drive"}
+SHOWN = {TOUR: "a tour", CONTINUOUS: "a tour in one drive"}
 """How drives are called that are no share."""
 
 
@@ -85,7 +85,7 @@ def _composing_section(results: Results) -> list[str]:
         f"back, as separate drives, or as one with the car's own turns in it). Trials that no "
         f"learned drive covers must be *composed* of several. {worlds} test worlds, the same "
         f"trials for all; intervals are bootstrapped over worlds, differences are paired.",
-        composed_trials(results, names | {"a tour, harder trials": ANYWHERE}),
+        composed_trials(results, names | {"a tour, harder trials": HARDER}),
         f"Harder trials start anywhere instead of at the places, and of all images of a place the "
         f"goal is the one that looks most unlike what the robot would see on arrival. The oracle "
         f"arrives as it comes and does not turn to the goal's heading, so a map may do better. "
@@ -128,7 +128,7 @@ def chosen(results: Results, name: str) -> str:
 SECTIONS = (
     Section(
         "Table II: a part of the drives",
-        (*(stored_as(drives) for drives in LEARNED), ANYWHERE),
+        (*(stored_as(drives) for drives in LEARNED), HARDER),
         _composing_section,
     ),
     Section(

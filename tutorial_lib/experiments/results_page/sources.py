@@ -10,6 +10,7 @@ from typing import Any
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report, Rows
 from tutorial_lib.experiments.common.results import FOLDER, load_result
+from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
 from tutorial_lib.experiments.results_page.markdown import Row
 
 MAPS = ("depot", "tb3_sandbox", "warehouse")
@@ -21,13 +22,11 @@ ABLATIONS = ("encoder", "worlds", "rows")
 EXPLORING = ("scores", "table1", "table2", "fig8", "second_visit")
 """Experiments of exploration."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
-DRIVES = ("0.2", "0.4", "tour")
+DRIVES = ("0.2", "0.4", TOUR)
 """Of Table II: what agents learn, beside all drives, with thresholds chosen for each."""
-CONTINUOUS = "continuous"
-"""The tour as one drive, with the thresholds of the tour."""
 LEARNED = (*DRIVES, CONTINUOUS)
-"""Whatever Table II is measured with, beside all drives."""
-ANYWHERE = "meng_table2_anywhere"
+"""Whatever Table II is measured with, beside all drives; one drive has the tour's thresholds."""
+HARDER = "meng_table2_anywhere"
 """The report on Table II after a tour with harder trials."""
 
 
@@ -72,7 +71,7 @@ COMMANDS = {
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
     **_with_drives(),
-    ANYWHERE: (
+    HARDER: (
         "experiment meng_table2 --worlds 20000:20010 --drives tour --starts anywhere --goals turned"
     ),
     "meng_fig13_reuse": "experiment meng_fig13 --ablation reuse",
