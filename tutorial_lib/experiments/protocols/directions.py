@@ -43,7 +43,7 @@ def decisions(scene: Scene, rng: np.random.Generator, *, signs: bool) -> Decisio
     A direction is described by how far it is traversable within the local map, and by the kind of
     room and the clearance here and at its end; the goal by its kind of room, and whether it is that
     of the end. Where there are signs, their depth (see `wayfinding.Depth`) is read here, at the end
-    and at the goal.
+    and at the goal. Since one of the directions is chosen, each is also compared with their mean.
 
     Args:
         scene: the world.
@@ -70,7 +70,8 @@ def decisions(scene: Scene, rng: np.random.Generator, *, signs: bool) -> Decisio
             for place in np.flatnonzero((far >= least) & (far < most) & (possible.sum(1) > 1)):
                 rows = np.flatnonzero(possible[place])
                 known = _known(from_here[place], at_end[place, rows], at_goal[goal])
-                here = np.column_stack([long[place, rows], known[0]])
+                free = long[place, rows]
+                here = np.column_stack([free, _beyond_mean(free), known[0]])
                 parts.append((np.full(len(rows), level), metres[place, rows], here, known[1]))
                 number += 1
     counts = [len(part[0]) for part in parts]
@@ -82,8 +83,13 @@ def _known(here: Array, ends: Array, goal: Array) -> tuple[Array, Array]:
     """What is read here (F,) and at D ends (D, F), and what the goal (F,) adds; D rows each."""
     here, goal = np.broadcast_to(here, ends.shape), np.broadcast_to(goal, ends.shape)
     from_end, from_here = np.abs(ends - goal), np.abs(here - goal)
-    added = [goal, from_end, from_here, from_end - from_here]
-    return np.column_stack([here, ends, ends - here]), np.column_stack(added)
+    added = [goal, from_end, from_here, from_end - from_here, _beyond_mean(from_end)]
+    return np.column_stack([here, ends, ends - here, _beyond_mean(ends)]), np.column_stack(added)
+
+
+def _beyond_mean(values: Array) -> Array:
+    """How far values (D, ...) of a decision's directions are from their mean."""
+    return values - values.mean(axis=0)
 
 
 def regret_of(scores: Array, metres: Array) -> Array:
