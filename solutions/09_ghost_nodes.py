@@ -780,7 +780,7 @@ table(head, rows)
 
 # %% [markdown]
 # <details><summary>What does this table say?</summary>
-# On <b>easy</b> decisions the goal is worth about 60 points and on medium ones 23 to 28: much of what its picture shows is in sight, and a network can compare the two pictures, which the models above could not. On <b>hard</b> ones in plain buildings it is worth nothing, for the network as for the models; with wayfinding accents it is worth 8 points. Both rows of this table are far above both models: a network sees the shape of every door, a model knew only a length, a kind of room and a clearance. So the gains of the two tables are not shares of one another, and the decisions are not the same either: here, the directions are those that are free for a metre. Note how good <i>blind</i> is where the goal is far: which direction leads out of a room is the same for most goals.
+# On <b>easy</b> decisions the goal is worth about 60 points and on medium ones 23 to 28: much of what its picture shows is in sight, and a network can compare the two pictures, which the models above could not. On <b>hard</b> ones in plain buildings it is worth nothing to the network, and next to nothing to the models; with wayfinding accents it is worth 8 points. On hard decisions <i>blind</i> and <i>F_S</i> are above both models: a network sees the shape of every door, a model knew only a length, a kind of room and a clearance. So the gains of the two tables are not shares of one another, and the decisions are not the same either: here, the directions are those that are free for a metre. Note how good <i>blind</i> is where the goal is far: which direction leads out of a room is the same for most goals.
 # </details>
 #
 # ## 9 · Table 1
