@@ -72,6 +72,20 @@ MUTATIONS = [
         "topology/following/test_follower.py",
     ),
     (
+        "a doubt never ends",
+        "topology/following/state.py",
+        "(self.doubted[robots] > 0)) & ~(probability > settings.p_follow)",
+        "(self.doubted[robots] > 0))",
+        "topology/following/test_doubts.py",
+    ),
+    (
+        "RE of two anchors is compared",
+        "topology/following/state.py",
+        "        self.trusted[robots] = np.nan\n",
+        "",
+        "topology/following/test_doubts.py",
+    ),
+    (
         "doubt is forgotten at once",
         "topology/following/state.py",
         ">= settings.calm",

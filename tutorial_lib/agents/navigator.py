@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -43,8 +43,8 @@ LOOK_TIME = 10.0
 """Seconds of rotating after which a plan may begin anywhere."""
 _ALL = 4 * np.pi  # rad; it turns on until it has a plan
 _REPLAN_STEPS = 10  # from one attempt to plan to the next, while rotating
-PATIENCE = 2.0
-"""Seconds without progress after which a robot is lost that can replan."""
+RULES = FollowerSettings(timeout=2.0, fall=1.0)
+"""Of a robot that can replan: it is lost sooner, and needs no doubts."""
 FindPath = Callable[[Observation, Goals, Edges], Plan]
 """Plans from what one robot observes to a goal, around some excluded edges."""
 
@@ -204,7 +204,7 @@ class MapAgent(ABC):
     predictor: WaypointPredictor
     controller: Controller
     reachability: Reachability
-    follower: FollowerSettings = field(default_factory=lambda: FollowerSettings(timeout=PATIENCE))
+    follower: FollowerSettings = RULES
     replan_time: float = 240.0
 
     def __post_init__(self) -> None:

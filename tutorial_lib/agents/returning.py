@@ -27,8 +27,9 @@ from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 
-DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1)
-"""For actions of 0.25 m, each of which counts as a step of 0.1 s; the heading does not matter."""
+DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1, fall=1.0)
+"""For actions of 0.25 m, each of which counts as a step of 0.1 s; the heading does not matter, and
+a fall of RE says nothing."""
 _ACTION = 0.5  # seconds that an action takes, about
 _LEAST = 0.15  # metres that a frame is from the next, at least
 _FACES = np.deg2rad(10.0)  # off which a robot turns before it follows a path: a turn

@@ -140,6 +140,9 @@ def test_disturbances_run_on_a_validation_world(monkeypatch):
     json.dumps(report.as_dict(), allow_nan=False)
 
 
+RULES = ("fall", "timeout", "p_lose", "calm")
+
+
 def test_every_row_of_the_ablation_has_its_own_rules(monkeypatch):
     def run(options, settings):
         del options
@@ -154,8 +157,8 @@ def test_every_row_of_the_ablation_has_its_own_rules(monkeypatch):
     assert report.worlds[0] == 10_100
     usual = FollowerSettings()
     first = report.rows[0]
-    assert all(first[name] == getattr(usual, name) for name in ("timeout", "p_lose", "calm"))
-    assert len({(row["timeout"], row["p_lose"], row["calm"]) for row in report.rows}) == 6
+    assert all(first[name] == getattr(usual, name) for name in RULES)
+    assert len({tuple(row[name] for name in RULES) for row in report.rows}) == 8
     for row in report.rows:
         assert row["finished_none"] == row["finished_person"] == row["timeout"] / 10
         assert row["soon"] == row["p_lose"]

@@ -776,6 +776,8 @@ def test_the_nearest_anchor_wins_and_of_two_the_one_ahead():
         ({"widest": -1}, "widest = -1; give a whole number"),
         ({"timeout": -1.0}, "timeout = -1.0; give a finite number"),
         ({"timeout": np.inf}, "timeout = inf; give a finite number"),
+        ({"fall": 0.0}, "fall = 0.0; give a number above 0, at most 1"),
+        ({"fall": 1.1}, "fall = 1.1; give"),
         ({"p_lose": 0.95}, "p_lose = 0.95, p_follow = 0.92"),
     ],
 )

@@ -120,9 +120,10 @@ def patience(rows: Rows) -> str:
     lines = []
     for row in rows:
         finished = [percent(row[f"finished_{kind}"]) for kind in ("none", "pushed", "person")]
-        rules = [f"{row['timeout']:g} s", f"{row['p_lose']:g}", f"{row['calm']:g} s"]
+        fall = f"{row['fall']:g}" if row["fall"] < 1 else "no doubts"
+        rules = [fall, f"{row['timeout']:g} s", f"{row['p_lose']:g}", f"{row['calm']:g} s"]
         lines.append([*rules, interval(row, "soon", "soon_low", "soon_high"), *finished])
-    head = ["timeout", "p_lose", "calm", f"kidnapped: lost within {SOON:g} s"]
+    head = ["fall", "timeout", "p_lose", "calm", f"kidnapped: lost within {SOON:g} s"]
     return table([*head, "undisturbed: finished", "pushed", "a person"], lines)
 
 
@@ -218,10 +219,12 @@ def _disturbance_section(results: Results) -> list[str]:
         f"{percent(person['finished'])}, and the intervals overlap. Of the kidnapped "
         f"{percent(carried['soon'])} declare within {SOON:g} s that they are lost, "
         f"{percent(carried['lost'])} in the end.",
-        f"A robot that gives up sooner when it is kidnapped also gives up sooner behind a person, "
-        f"who hides as much of what it sees: the same with other thresholds on "
-        f"{results.worlds('disturbances_patience')} validation worlds, the usual ones in the first "
-        f"row.",
+        f"With any other threshold a robot that gives up sooner when it is kidnapped also gives up "
+        f"sooner behind a person, who hides as much of what it sees. But a person comes into sight "
+        f"little by little. So a robot doubts (ours) where RE of its anchor falls by more than "
+        f"`fall` within a step, and is lost unless it sees the anchor as before within `timeout`. "
+        f"On {results.worlds('disturbances_patience')} validation worlds, the usual thresholds in "
+        f"the first row:",
         patience(results.rows("disturbances_patience")),
     ]
 

@@ -44,15 +44,18 @@ class Settings:
     others: tuple[FollowerSettings, ...] = ()
 
 
+_NO_DOUBTS = FollowerSettings(fall=1.0)
 PATIENCE = (
     FollowerSettings(),
-    FollowerSettings(timeout=3.0),
-    FollowerSettings(timeout=2.0),
-    FollowerSettings(p_lose=0.5),
-    FollowerSettings(p_lose=0.6),
-    FollowerSettings(calm=3.0),
+    FollowerSettings(fall=0.3),
+    _NO_DOUBTS,
+    replace(_NO_DOUBTS, timeout=3.0),
+    replace(_NO_DOUBTS, timeout=2.0),
+    replace(_NO_DOUBTS, p_lose=0.5),
+    replace(_NO_DOUBTS, p_lose=0.6),
+    replace(_NO_DOUBTS, calm=3.0),
 )
-"""How soon a follower gives up; the usual thresholds come first."""
+"""How soon a follower gives up; the usual thresholds come first, then fewer doubts and none."""
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
@@ -67,7 +70,7 @@ def run_patience(options: Options, settings: Settings) -> tuple[Rows, list[str]]
     for rules in settings.others:
         parts, _ = run(options, replace(settings, rules=rules))
         found = {part["disturbance"]: part for part in parts}
-        row = {name: getattr(rules, name) for name in ("timeout", "p_lose", "calm")}
+        row = {name: getattr(rules, name) for name in ("fall", "timeout", "p_lose", "calm")}
         row |= {
             f"finished_{kind}": found[kind]["finished"] for kind in ("none", "pushed", "person")
         }

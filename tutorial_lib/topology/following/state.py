@@ -24,6 +24,8 @@ class FollowerState:
         waypoints: (N, 2) metres in the frame of the odometry; not a number before the first.
         stalled: (N,) seconds without progress that still count.
         calm: (N,) seconds of progress in a row, in Follow.
+        trusted: (N,) RE of the active anchor one step ago; not a number when it is another now.
+        doubted: (N,) seconds since RE fell at once; 0 without a doubt.
         width: (N,) anchors on either side of the active one that a lookout reaches.
         sighted: (N,) place of the anchor sighted in dead reckoning, -1 for none.
         streak: (N,) steps in a row with that anchor in sight, or at the goal.
@@ -37,6 +39,8 @@ class FollowerState:
     waypoints: Array
     stalled: Array
     calm: Array
+    trusted: Array
+    doubted: Array
     width: NDArray[np.intp]
     sighted: NDArray[np.intp]
     streak: NDArray[np.intp]
@@ -54,6 +58,8 @@ class FollowerState:
             waypoints=np.full((count, 2), np.nan),
             stalled=np.zeros(count),
             calm=np.zeros(count),
+            trusted=np.full(count, np.nan),
+            doubted=np.zeros(count),
             width=np.zeros(count, dtype=int),
             sighted=np.full(count, -1),
             streak=np.zeros(count, dtype=int),
@@ -86,7 +92,7 @@ class FollowerState:
     def turn(self, robots: NDArray[np.intp], widest: int) -> None:
         """Let robots turn, and look for `widest` anchors ahead."""
         self.enter(robots, State.TURN)
-        self.width[robots] = widest
+        self.width[robots], self.doubted[robots] = widest, 0.0
 
     def sight(
         self, robots: NDArray[np.intp], sighted: NDArray[np.intp], confirm: int
@@ -107,9 +113,36 @@ class FollowerState:
     def go_on(self, robots: NDArray[np.intp], sighted: NDArray[np.intp]) -> None:
         """Let robots follow their paths again, towards the anchors (M,) that they sighted."""
         self.enter(robots, State.FOLLOW)
-        self.heading.begin(robots[sighted != self.active[robots]])
+        self.aim(robots[sighted != self.active[robots]])
         self.active[robots] = sighted
         self.visited[robots] = np.maximum(self.visited[robots], sighted - 1)
+
+    def aim(self, robots: NDArray[np.intp]) -> None:
+        """Forget what was seen of the anchor before: another one is active."""
+        self.heading.begin(robots)
+        self.trusted[robots] = np.nan
+
+    def doubt(
+        self, robots: NDArray[np.intp], probability: Array, settings: FollowerSettings
+    ) -> None:
+        """Doubt where RE fell at once, and be lost where a doubt does not end in time.
+
+        What a robot sees changes little by little, also behind a person who steps in; it changes
+        at once where the robot was carried away.
+
+        Args:
+            robots: (M,) their indices.
+            probability: (M,) RE of their active anchors.
+            settings: the thresholds.
+        """
+        # While a robot turns, its anchors come into sight and leave it again.
+        probability = np.where(self.state[robots] == State.TURN, np.nan, probability)
+        before = self.trusted[robots]
+        fell = (before > settings.p_follow) & (before - probability > settings.fall)
+        doubts = (fell | (self.doubted[robots] > 0)) & ~(probability > settings.p_follow)
+        self.trusted[robots] = probability
+        self.doubted[robots] = np.where(doubts, self.doubted[robots] + STEP, 0.0)
+        self.enter(robots[self.doubted[robots] > settings.timeout - STEP / 2], State.LOST)
 
     def leave(
         self,
@@ -164,5 +197,5 @@ class FollowerState:
         self.enter(one, State.FOLLOW)
         self.active[robot], self.visited[robot] = 0, -1
         self.stalled[robot], self.waypoints[robot] = 0.0, np.nan
-        self.looked[robot] = False
-        self.heading.begin(one)
+        self.looked[robot], self.doubted[robot] = False, 0.0
+        self.aim(one)

@@ -40,6 +40,10 @@ class FollowerSettings:
         p_lose: RE of the active anchor below which dead reckoning takes over.
         p_try: RE of the active anchor above which a new waypoint is requested at the end of dead
             reckoning.
+        fall: RE of the active anchor that falls by more than this from above `p_follow` within a
+            step, as where somebody carries the robot away, begins a doubt. It ends when RE of the
+            active anchor is above `p_follow` again; if that takes `timeout`, the robot is lost. 1
+            for no doubts.
         near: overlap above which an anchor is within proximity.
         visited: overlap above which the closest anchor counts as visited.
         at: metres to the predicted waypoint below which the robot is at the anchor.
@@ -55,6 +59,7 @@ class FollowerSettings:
     p_follow: float = 0.92
     p_lose: float = 0.4
     p_try: float = 0.2
+    fall: float = 0.2
     near: float = 0.6
     visited: float = 0.8
     at: float = 0.25
@@ -72,6 +77,8 @@ class FollowerSettings:
                 fits, wanted = isinstance(value, int) and value >= 1, "a whole number, 1 or greater"
             elif field.name in ("at", "effort", "timeout", "calm"):
                 fits, wanted = 0.0 <= value < np.inf, "a finite number, 0 or greater"
+            elif field.name == "fall":
+                fits, wanted = 0.0 < value <= 1.0, "a number above 0, at most 1"
             else:
                 fits, wanted = 0.0 < value < 1.0, "a number between 0 and 1"
             if not fits:
