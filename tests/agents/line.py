@@ -7,10 +7,9 @@ import numpy as np
 
 from tests.made_up_maps import sensed
 from tutorial_lib.agents.map_targets import MapTargets
-from tutorial_lib.agents.navigator import MapNavigation
+from tutorial_lib.agents.navigator import RULES, MapNavigation
 from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology.following.follower import Follower
-from tutorial_lib.topology.following.transitions import FollowerSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
 FAR = 2.0
@@ -126,7 +125,7 @@ def navigation_over(topomap, find_path, goals, replan_time=60.0, timeout=4.0):
     return MapNavigation(
         find_path,
         lambda paths, starts: Follower(
-            paths, *parts, starts=starts, settings=FollowerSettings(timeout=timeout)
+            paths, *parts, starts=starts, settings=replace(RULES, timeout=timeout)
         ),
         targets,
         goals,

@@ -22,6 +22,7 @@ from tests.made_up_maps import edges_of, numbered, places_in, sensed, table_map
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.agents.random import RandomAgent
+from tutorial_lib.agents.returning import DISCRETE
 from tutorial_lib.agents.sptm import SPTMAgent, similarities, window_median
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
@@ -511,10 +512,11 @@ def test_a_plan_over_an_edge_that_turns_is_followed_with_that_turn():
     assert given == [(0, [1, 2, 3, 4, 9], {2: 1.25})]
 
 
-def test_an_agent_that_replans_waits_less_than_the_follower_alone():
+def test_an_agent_that_replans_waits_less_than_the_follower_alone_and_never_doubts():
     parts = {"controller": LineController(), "reachability": LineReachability()}
     agent = MengAgent(predictor=LinePredictor(), **parts)
     assert agent.follower.timeout == 2.0 < FollowerSettings().timeout
+    assert agent.follower.fall == DISCRETE.fall == 1.0
 
 
 def test_sptm_begins_where_it_is_allowed_to():

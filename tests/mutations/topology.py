@@ -72,6 +72,20 @@ MUTATIONS = [
         "topology/following/test_follower.py",
     ),
     (
+        "RE of the next anchor is forgotten",
+        "topology/following/follower.py",
+        "memory.aim(robots[moved], after[moved])",
+        "memory.aim(robots[moved])",
+        "topology/following/test_doubts.py",
+    ),
+    (
+        "a doubt outlives dead reckoning",
+        "topology/following/state.py",
+        "self.active[robots], self.doubted[robots] = sighted, 0.0",
+        "self.active[robots] = sighted",
+        "topology/following/test_doubts.py",
+    ),
+    (
         "a doubt never ends",
         "topology/following/state.py",
         "(self.doubted[robots] > 0)) & ~(probability > settings.p_follow)",
@@ -81,12 +95,12 @@ MUTATIONS = [
     (
         "RE of two anchors is compared",
         "topology/following/state.py",
-        "        self.trusted[robots] = np.nan\n",
-        "",
+        "        self.trusted[robots] = probability\n\n",
+        "\n",
         "topology/following/test_doubts.py",
     ),
     (
-        "doubt is forgotten at once",
+        "stalled time is forgotten at once",
         "topology/following/state.py",
         ">= settings.calm",
         ">= 0",

@@ -44,7 +44,7 @@ LOOK_TIME = 10.0
 _ALL = 4 * np.pi  # rad; it turns on until it has a plan
 _REPLAN_STEPS = 10  # from one attempt to plan to the next, while rotating
 RULES = FollowerSettings(timeout=2.0, fall=1.0)
-"""Of a robot that can replan: it is lost sooner, and needs no doubts."""
+"""Rules of a robot that can replan: it gives up a path sooner, and never because of a doubt."""
 FindPath = Callable[[Observation, Goals, Edges], Plan]
 """Plans from what one robot observes to a goal, around some excluded edges."""
 

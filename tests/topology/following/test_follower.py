@@ -348,7 +348,7 @@ def test_pushed_ahead_it_goes_on_from_where_it_is():
     assert RECKON in states(follower)
 
 
-def test_doubts_are_forgotten_only_after_a_calm():
+def test_stalled_time_is_forgotten_only_after_a_calm():
     reachability = CorridorReachability()
     corridor, follower = make(anchors=range(30), reachability=reachability, timeout=2.0, calm=1.0)
     for _ in range(3):
@@ -700,7 +700,7 @@ def test_only_the_one_that_sets_out_is_concerned():
     assert np.array_equal(one.waypoint[:, [0, 2]], two.waypoint[:, [0, 2]], equal_nan=True)
 
 
-def test_doubts_are_left_behind_when_one_sets_out_anew():
+def test_stalled_time_is_left_behind_when_one_sets_out_anew():
     reachability = CorridorReachability()
     corridor, follower = make(anchors=range(30), reachability=reachability, timeout=2.0)
     for _ in range(4):  # each time all but lost

@@ -43,7 +43,8 @@ def decisions(scene: Scene, rng: np.random.Generator, *, signs: bool) -> Decisio
     A direction is described by how far it is traversable within the local map, and by the kind of
     room and the clearance here and at its end; the goal by its kind of room, and whether it is that
     of the end. Where there are signs, their depth (see `wayfinding.Depth`) is read here, at the end
-    and at the goal. Since one of the directions is chosen, each is also compared with their mean.
+    and at the goal. Since one of the directions is chosen, its free metres, what is read at its
+    end, and how that differs from the goal are also compared with their means over the directions.
 
     Args:
         scene: the world.

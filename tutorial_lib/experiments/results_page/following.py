@@ -119,12 +119,13 @@ def patience(rows: Rows) -> str:
     """Which robots give up and which arrive, by the follower's thresholds."""
     lines = []
     for row in rows:
-        finished = [percent(row[f"finished_{kind}"]) for kind in ("none", "pushed", "person")]
+        kinds = ("none", "pushed", "turned", "person")
+        finished = [percent(row[f"finished_{kind}"]) for kind in kinds]
         fall = f"{row['fall']:g}" if row["fall"] < 1 else "no doubts"
         rules = [fall, f"{row['timeout']:g} s", f"{row['p_lose']:g}", f"{row['calm']:g} s"]
         lines.append([*rules, interval(row, "soon", "soon_low", "soon_high"), *finished])
     head = ["fall", "timeout", "p_lose", "calm", f"kidnapped: lost within {SOON:g} s"]
-    return table([*head, "undisturbed: finished", "pushed", "a person"], lines)
+    return table([*head, "undisturbed: finished", "pushed", "turned", "a person"], lines)
 
 
 def _correlation(row: dict[str, float], key: str) -> str:
@@ -219,12 +220,13 @@ def _disturbance_section(results: Results) -> list[str]:
         f"{percent(person['finished'])}, and the intervals overlap. Of the kidnapped "
         f"{percent(carried['soon'])} declare within {SOON:g} s that they are lost, "
         f"{percent(carried['lost'])} in the end.",
-        f"With any other threshold a robot that gives up sooner when it is kidnapped also gives up "
-        f"sooner behind a person, who hides as much of what it sees. But a person comes into sight "
-        f"little by little. So a robot doubts (ours) where RE of its anchor falls by more than "
-        f"`fall` within a step, and is lost unless it sees the anchor as before within `timeout`. "
-        f"On {results.worlds('disturbances_patience')} validation worlds, the usual thresholds in "
-        f"the first row:",
+        f"Without doubts, a robot that gives up sooner when it is kidnapped also gives up sooner "
+        f"behind a person, who hides as much of what it sees. But a person comes into sight little "
+        f"by little, and one that was pushed or turned soon sees its anchors as before. So a robot "
+        f"doubts (ours) where RE of its anchor falls by more than `fall` within a step, and is "
+        f"lost unless RE of its anchor is above p_follow again within `timeout`. The table "
+        f"compares thresholds on {results.worlds('disturbances_patience')} validation worlds; the "
+        f"usual ones are in the first row.",
         patience(results.rows("disturbances_patience")),
     ]
 

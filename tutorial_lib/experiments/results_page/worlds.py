@@ -59,9 +59,9 @@ def _signs_section(results: Results) -> list[str]:
     decisions = sum(row["decisions"] for row in matching(rows, model="goal", signs="plain"))
     return [
         f"Does a picture of the goal say where to look for it? Two gradient-boosted models with "
-        f"perfect perception choose among the directions that a place offers, knowing also how "
-        f"each differs from their mean, {decisions:,} times "
-        f"in {results.worlds('nts_wayfinding')} test worlds; a choice is right if its end is "
+        f"perfect perception choose among the directions that a place offers, {decisions:,} times "
+        f"in {results.worlds('nts_wayfinding')} test worlds. Both also know how each direction "
+        f"differs from the mean of those to choose from. A choice is right if its end is "
         f'within {WITHIN:g} m of the best one\'s. With `signs="wayfinding"` accents on the walls '
         f"follow the distance along the corridors, in other hues in every world.",
         signs(rows),

@@ -72,7 +72,8 @@ def run_patience(options: Options, settings: Settings) -> tuple[Rows, list[str]]
         found = {part["disturbance"]: part for part in parts}
         row = {name: getattr(rules, name) for name in ("fall", "timeout", "p_lose", "calm")}
         row |= {
-            f"finished_{kind}": found[kind]["finished"] for kind in ("none", "pushed", "person")
+            f"finished_{kind}": found[kind]["finished"]
+            for kind in ("none", "pushed", "turned", "person")
         }
         soon = ("disturbed", "soon", "soon_low", "soon_high")
         rows.append(row | {name: found["carried"][name] for name in soon})

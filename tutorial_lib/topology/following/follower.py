@@ -4,8 +4,8 @@
 waypoint and switches to the next anchor in time. *Dead reckoning* takes over while RE of the active
 anchor is low: the robot drives to the last waypoint by odometry and looks for the anchors around.
 *Turn*: where the path continues in another direction, the robot turns until it sees the next
-anchors. A robot that does not find its path again in time, or whose view changed at once (ours), is
-lost and stops. Nothing here ever sees a pose.
+anchors. A robot that does not find its path again in time is lost and stops; so is one whose view
+changed at once and does not recover in time (ours). Nothing here ever sees a pose.
 """
 
 from __future__ import annotations
@@ -231,7 +231,7 @@ class Follower:
         chosen = next_active(active, visited, after, overlaps[:, 2], settings)
         memory.active[robots], memory.visited[robots] = chosen, visited
         moved = chosen > active
-        memory.aim(robots[moved])
+        memory.aim(robots[moved], after[moved])
         sure = np.where(moved, after, now) > settings.p_lose
         # With a new active anchor, or before the first waypoint, any waypoint is taken.
         fresh = sure | moved | np.isnan(memory.waypoints[robots, 0])

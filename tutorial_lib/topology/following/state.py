@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.heading_search import HeadingSearch
@@ -24,7 +24,7 @@ class FollowerState:
         waypoints: (N, 2) metres in the frame of the odometry; not a number before the first.
         stalled: (N,) seconds without progress that still count.
         calm: (N,) seconds of progress in a row, in Follow.
-        trusted: (N,) RE of the active anchor one step ago; not a number when it is another now.
+        trusted: (N,) RE of the active anchor in the last step; not a number if it was not queried.
         doubted: (N,) seconds since RE fell at once; 0 without a doubt.
         width: (N,) anchors on either side of the active one that a lookout reaches.
         sighted: (N,) place of the anchor sighted in dead reckoning, -1 for none.
@@ -114,21 +114,22 @@ class FollowerState:
         """Let robots follow their paths again, towards the anchors (M,) that they sighted."""
         self.enter(robots, State.FOLLOW)
         self.aim(robots[sighted != self.active[robots]])
-        self.active[robots] = sighted
+        self.active[robots], self.doubted[robots] = sighted, 0.0
         self.visited[robots] = np.maximum(self.visited[robots], sighted - 1)
 
-    def aim(self, robots: NDArray[np.intp]) -> None:
-        """Forget what was seen of the anchor before: another one is active."""
+    def aim(self, robots: NDArray[np.intp], probability: ArrayLike = np.nan) -> None:
+        """Begin with another active anchor, of which RE (M,) may be known. A doubt lasts."""
         self.heading.begin(robots)
-        self.trusted[robots] = np.nan
+        self.trusted[robots] = probability
 
     def doubt(
         self, robots: NDArray[np.intp], probability: Array, settings: FollowerSettings
     ) -> None:
-        """Doubt where RE fell at once, and be lost where a doubt does not end in time.
+        """Doubt where RE fell at once; a robot whose doubt does not end in time is lost.
 
-        What a robot sees changes little by little, also behind a person who steps in; it changes
-        at once where the robot was carried away.
+        What a robot sees changes little by little, also behind a person who steps in. It changes at
+        once where the robot is pushed, turned or carried away; but only one that was carried away
+        does not soon see its anchors again.
 
         Args:
             robots: (M,) their indices.

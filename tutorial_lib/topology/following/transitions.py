@@ -40,10 +40,9 @@ class FollowerSettings:
         p_lose: RE of the active anchor below which dead reckoning takes over.
         p_try: RE of the active anchor above which a new waypoint is requested at the end of dead
             reckoning.
-        fall: RE of the active anchor that falls by more than this from above `p_follow` within a
-            step, as where somebody carries the robot away, begins a doubt. It ends when RE of the
-            active anchor is above `p_follow` again; if that takes `timeout`, the robot is lost. 1
-            for no doubts.
+        fall: a doubt begins where RE of the active anchor falls by more than this within a step,
+            from above `p_follow`. It ends once RE of the anchor that is active then is above
+            `p_follow`; a robot that doubts for `timeout` is lost. 1 for no doubts.
         near: overlap above which an anchor is within proximity.
         visited: overlap above which the closest anchor counts as visited.
         at: metres to the predicted waypoint below which the robot is at the anchor.
