@@ -78,10 +78,10 @@ def _recipe(
 
 
 REACHABILITY = {
-    "0": _recipe("0", "waypoint_k0", 120, (14_000, 6_000), Architecture(0)),
+    "0": _recipe("0", "waypoint_k0", 300, (22_000, 8_000), Architecture(0)),
     "2": _recipe("2", "waypoint_k2", 300, (22_000, 8_000), Architecture(2)),
     "5": _recipe("5", "waypoint_k5", 300, (14_000, 6_000), Architecture(5)),
-    "laser": _recipe("laser", "laser_k2", 120, (14_000, 6_000), Architecture(2, view="laser")),
+    "laser": _recipe("laser", "laser_k2", 300, (22_000, 8_000), Architecture(2, view="laser")),
 }
 """What `train reachability --k` can train, besides SPTM's."""
 SPTM = ReachRecipe(
