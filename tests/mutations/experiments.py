@@ -207,6 +207,13 @@ MUTATIONS = [
         "experiments/protocols/test_directions.py",
     ),
     (
+        "directions are not compared with their mean",
+        "experiments/protocols/directions.py",
+        "return values - values.mean(axis=0)",
+        "return values - values.mean()",
+        "experiments/protocols/test_directions.py",
+    ),
+    (
         "signs are read where there are none",
         "experiments/protocols/directions.py",
         "Depth(scene.plan) if signs else None",
