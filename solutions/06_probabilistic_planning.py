@@ -1389,7 +1389,7 @@ show(stacked(rows, gap=8))
 # <details><summary>What are the causes?</summary>
 #
 # - **The first edge is wrong** (2 to 1). It leads straight across the building, to a corridor that looks alike. $\mathcal{RE}$ was sure of it (the whole plan has 0.92, so no step has less), and wrong: it rests on a single view. The car is lost, replans several times, and goes the long way round; its time ends some metres before the goal.
-# - **A detour** (4 to 1). The trajectory that would lead there is not known. The most probable path passes the room's door, turns round in the corridor and comes back by another trajectory. The turn costs time, and three plans; the car is a metre short of the goal in the end.
+# - **A detour** (4 to 1). The trajectory that would lead there is not known. The most probable path passes the room's door, turns round in the corridor and comes back by another trajectory. Turning round costs time, and several plans; the time is up before the car is there.
 # - **The long way** (1 to 4). The plan is good, and the car follows it until the time is up; but it leads round the whole building, since the short trajectory is one of those that the robot was not given. It had twice the oracle's time and half a minute. The most <i>probable</i> path is not the fastest. (A sure step counts the same, whether half a metre or four.)
 #
 # In none of them does an edge of the map break. What breaks is the first edge, which rests on a single view; and unknown trajectories make paths long.
