@@ -107,7 +107,7 @@ class ReturningAgent:
         Args:
             memory: has learned from trajectories such as those of `visit`.
             explorer: acts where there is no path, and says when the goal is reached; without it, a
-                robot without a path turns on the spot.
+                robot without a path stops once it plans no more.
             settings: when to plan.
         """
         self._memory, self._explorer = memory, explorer
@@ -151,9 +151,12 @@ class ReturningAgent:
         return actions
 
     def _explore(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """What the explorer does; it goes on for robots that see their goal."""
+        """What the explorer does; it goes on for robots that see their goal.
+
+        Without one, a robot turns until it plans again; one that plans no more stops.
+        """
         if self._explorer is None:
-            return np.where(running, LEFT, STOP)
+            return np.where(running & self._plans_again(), LEFT, STOP)
         for robot in np.flatnonzero(running):
             if self.plans[robot] is not None:
                 self._explorer.robots[robot].interrupt()
@@ -167,7 +170,11 @@ class ReturningAgent:
         if self._explorer is not None and self._explorer.search.found[robot]:
             return False
         self._due[robot] -= 1
-        return bool(self._due[robot] <= 0 and self._lost[robot] < self._settings.losses)
+        return bool(self._due[robot] <= 0 and self._plans_again()[robot])
+
+    def _plans_again(self) -> NDArray[np.bool_]:
+        """Whether each robot (N,) may still plan."""
+        return self._lost < self._settings.losses
 
     def _plan(self, observation: Observation, robot: int) -> None:
         """Take the most probable path, whatever direction it begins in; or none."""
