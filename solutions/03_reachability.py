@@ -1171,7 +1171,7 @@ print(*report.notes, sep="\n")
 # Both answer another question. Two images can be alike, or close in time, and yet the second be unreachable from the first for this car: behind it, beside it, around a corner. And two images can be quite different although the path is easy: along a corridor. Neither score is a probability, either; calibration could fix the values, but not the ranking.
 # </details>
 # <details><summary>What does context change?</summary>
-# It makes RE more accurate: the more context, the higher the AUC, and no RE has a higher one than geometry. It does not help against far look-alikes here: the share above 0.9 is no smaller with more context. The laser sees no colours, and is sure of far more of them.
+# It makes RE more accurate: the more context, the higher the AUC, and no RE has a higher one than geometry. It hardly matters for far look-alikes here: the share above 0.9 is about as small with any context. The laser sees no colours, and is sure of far more of them.
 # </details>
 # <details><summary>The three precisions of one estimator differ. Which one is its precision?</summary>
 # All of them. Precision is a property of the estimator <i>and of the distribution of pairs</i>. Consecutive anchors are easy pairs. Among all pairs of a building nearly all are unreachable, and of most estimators those above 0.99 contain more mistakes there. Notebook 05 looks at the last one, since it decides how many wormholes a map has.

@@ -1036,7 +1036,7 @@ print("\n".join(fig7.notes[1:]))
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig7`. **Same protocol, easier world:** straight walls with painted stripes and even light in place of scanned buildings.)
 #
 # <details><summary>Which of the three hold here?</summary>
-# The first in part: with context, and from 0.95 on, more than 95 % are covered; but without it our controller covers about as much, with more anchors. Images of painted walls are easy to tell apart, and one of them is nearly enough. The second in part: where few frames are kept, SPTM's curve falls earlier and more steeply for every controller, most steeply without context; but the area between the curves does not grow as context is taken away, since at ten percent of the frames every
+# The first in part: with context, and from 0.97 on, more than 95 % are covered; but without it our controller covers about as much, with more anchors. Images of painted walls are easy to tell apart, and one of them is nearly enough. The second in part: where few frames are kept, SPTM's curve falls earlier and more steeply for every controller, most steeply without context; but the area between the curves does not grow as context is taken away, since at ten percent of the frames every
 # tenth frame is as good as any choice, and for $k = 0$ our curve reaches farthest to that side. The third holds: noise costs a point or two, and every interval of the difference includes 0. On the axis of stored frames the order reverses: context is paid for with memory, and $k = 0$ needs the least by far.
 # </details>
 # <details><summary>Why do our numbers differ from the paper's?</summary>

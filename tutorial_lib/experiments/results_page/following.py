@@ -158,15 +158,16 @@ def _cover_section(results: Results) -> list[str]:
         f"in {results.worlds(name)} test worlds (the paper: {paper.TRAJECTORIES} in 5); p_search "
         f"= {rules.p_search:g}, p_follow = {rules.p_follow:g}. *Stored* is the share of frames "
         f"that are kept when each anchor's context is counted, too; *noise* multiplies both "
-        f"controls by N(1, {NOISE:.2f}). SPTM's rows have the same controller and follower. "
-        f"Nothing is bold: cover rate and sparsity are a trade-off.",
+        f"controls by N(1, {NOISE:.2f}). SPTM's rows have the same controller and follower, with "
+        f"the doubts that *Disturbances* describes. Nothing is bold: cover rate and sparsity are a "
+        f"trade-off.",
         cover_rates(rows),
         f"The paper has over {percent(paper.COVERED[True], 0)} with context and at most "
         f"{percent(paper.COVERED[False], 0)} without; here it is {span(covered['k2'])} for k = 2, "
         f"{span(covered['k5'])} for k = 5 and {span(covered['k0'])} for k = 0, which keeps more "
         f"anchors. Over the sparsities that both have, RE covers more than every n-th frame "
         f"({'; '.join(gaps)}); an interval with 0 in it shows no difference. Where many anchors "
-        f"are kept it does not: for k = 0 above {many['threshold']:g} it covers "
+        f"are kept both are about as good: for k = 0 above {many['threshold']:g} it covers "
         f"{percent(many['cover_rate'])}, every {often['threshold']}th frame "
         f"{percent(often['cover_rate'])}, at sparsities {number(many['sparsity'])} and "
         f"{number(often['sparsity'])}. With context, a sparse path is not a small one: "

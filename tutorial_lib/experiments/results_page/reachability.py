@@ -81,7 +81,7 @@ def _section(results: Results) -> list[str]:
         precision(rows),
         f"A precision without its count misleads: above {SURE:g} image similarity is right in "
         f"{percent(image['precision_mix'])}, but it is that sure of {image['sure_mix']} pairs "
-        f"only, RE with k = 5 of {best['sure_mix']:,}. The laser's map edges are the worst "
+        f"only, RE with k = 5 of {best['sure_mix']:,}. Of RE's map edges the laser's are the worst "
         f"({percent(laser['precision_map'])}), and it predicts "
         f"{percent(laser['far_above_09'], 2)} of the far pairs likely: a scan without colours "
         f"looks alike in many places. How rollouts of far pairs end is measured by `experiment "
