@@ -95,6 +95,8 @@ def _recipe(
     )
 
 
+# Taught in 80 worlds, RE of k = 2 is right more often in these than in others (AUC 0.938 and 0.920):
+# so it has twice as many, and each pair may be shown as in a mirror.
 REACHABILITY = {
     "0": _recipe("0", "waypoint_k0", 80, (22_000, 8_000), Architecture(0)),
     "2": _recipe("2", "waypoint_k2", 160, (32_000, 10_000), Architecture(2), mirror=True),
