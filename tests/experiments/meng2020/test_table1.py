@@ -11,7 +11,7 @@ from tutorial_lib.driving.data.episodes import Episodes
 from tutorial_lib.driving.rollouts import Rollouts
 from tutorial_lib.experiments.benchmarks import control
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.meng2020 import table1, table1_ablations
+from tutorial_lib.experiments.meng2020 import table1, table1_ablations, table1_smoothing
 from tutorial_lib.experiments.protocols import local_control
 from tutorial_lib.experiments.protocols.controllers import controllers
 from tutorial_lib.learning.estimators import WaypointNetwork
@@ -110,6 +110,48 @@ def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name
     for recipe in recipes.values():
         assert recipe.architecture.k == 2
         assert LocalNetwork(recipe.architecture) is not None
+
+
+def test_smoothing_compares_each_controller_with_itself():
+    settings = table1_smoothing.Settings(
+        controllers=(("k0", "waypoint_k0"),), shares=(1.0, 0.1), episodes=6
+    )
+    rows, notes = table1_smoothing.run(Options(worlds=(10_000, 10_001)), settings)
+    assert [(row["controller"], row["share"]) for row in rows] == [("k0", 1.0), ("k0", 0.1)]
+    worlds = (10_000, 10_001)
+    parts = [table1_smoothing.run_world(w, Options(worlds=worlds), settings) for w in worlds]
+    for row in rows:
+        reached = np.concatenate([part["k0", row["share"]] for part in parts])
+        assert row["episodes"] == len(reached) == 12
+        assert row["success"] == pytest.approx(reached.mean())
+    (note,) = notes
+    gain = 100 * (rows[1]["success"] - rows[0]["success"])
+    assert note.startswith(f"k0: 0.1 - 1: {gain:+.1f} points")
+
+
+def test_without_smoothing_c_is_that_of_table_1():
+    settings = table1_smoothing.Settings(
+        controllers=(("k0", "waypoint_k0"),), shares=(1.0,), episodes=12
+    )
+    options = Options(worlds=(WORLD,), family="hall")
+    found = table1_smoothing.run_world(WORLD, options, settings)["k0", 1.0]
+    condition = local_control.clean_condition(WORLD, 12, 0, "hall")
+    usual = by_waypoints(WaypointNetwork("waypoint_k0"))
+    assert (found == local_control.attempt(condition, usual)["reached"]).all()
+    assert condition.episodes.recorded.scene.plan.family == "hall"
+
+
+def test_the_odometry_that_smoothing_needs_drifts(course):
+    class Straight:
+        def act(self, observations, robots):
+            begun.append(observations.odometry)
+            moved.append(observations.odometry - begun[0][robots])
+            return np.tile([0.5, 0.0], (len(robots), 1))
+
+    begun, moved = [], []
+    course["clean"].run(lambda simulation, recorded, frames: Straight())
+    assert np.hypot(*moved[5][:, :2].T).max() > 0.02
+    assert np.abs(moved[5][:, 2]).max() > 0.0  # straight ahead, and yet it seems to have turned
 
 
 @pytest.mark.parametrize("other", [["--worlds", "3:5"], ["--ablation", "encoder"]])

@@ -10,7 +10,7 @@ import numpy as np
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
-from tutorial_lib.experiments.meng2020 import table1_ablations
+from tutorial_lib.experiments.meng2020 import table1_ablations, table1_smoothing
 from tutorial_lib.experiments.protocols.controllers import controllers
 from tutorial_lib.experiments.protocols.local_control import (
     WORLDS,
@@ -139,5 +139,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
     accepts=frozenset({"map", "family"}),
-    ablations=table1_ablations.EXPERIMENTS,
+    ablations={**table1_ablations.EXPERIMENTS, "smoothing": table1_smoothing.EXPERIMENT},
 )

@@ -14,6 +14,7 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, rollout
+from tutorial_lib.experiments.protocols.odometry import NAVIGATING, Odometry
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.people import Person
@@ -56,6 +57,7 @@ class Condition:
             episodes.starts,
             people=self.people,
             control_noise=self.noise,
+            odometry_noise=Odometry(seed=self.seed).noise(NAVIGATING),
             sensors=sensors,
             rng=np.random.default_rng(self.seed),
         )
@@ -102,9 +104,14 @@ def conditions(
     return found
 
 
-def clean_condition(place: Any, count: int, seed: int) -> Condition:  # noqa: ANN401
+def clean_condition(
+    place: Any,  # noqa: ANN401
+    count: int,
+    seed: int,
+    family: str = "",
+) -> Condition:
     """The first of `conditions` alone."""
-    recorded, paths, rng = _explored(place, seed)
+    recorded, paths, rng = _explored(place, seed, family)
     return Condition(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
 
 

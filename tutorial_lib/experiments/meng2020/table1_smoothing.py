@@ -1,0 +1,92 @@
+"""Table I with smoothed waypoints: is C better when it averages its last predictions?"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.control.smoothed import SmoothedPolicy
+from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.protocols.local_control import WORLDS, attempt, clean_condition
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Policy
+from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.learning.policies import encoded
+from tutorial_lib.parallel import for_each
+from tutorial_lib.world.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the ablation.
+
+    Attributes:
+        controllers: weights of C_WP, by the names of Table I.
+        shares: of the newest waypoint in the average; the first is that of C as it is.
+        episodes: in each world.
+    """
+
+    controllers: tuple[tuple[str, str], ...] = (
+        ("k0", "waypoint_k0"),
+        ("k2", "waypoint_k2"),
+        ("k5", "waypoint_k5"),
+        ("laser", "laser_k2"),
+    )
+    shares: tuple[float, ...] = (1.0, 0.3)
+    episodes: int = 100
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Run the clean episodes of Table I with each controller, smoothed and not."""
+    parts = for_each(run_world, options.worlds, options, settings, label="smoothing")
+    rows: Rows = []
+    notes = []
+    first, *others = settings.shares
+    for name, _ in settings.controllers:
+        worlds = np.repeat(np.arange(len(parts)), [len(part[name, first]) for part in parts])
+        reached = {s: np.concatenate([part[name, s] for part in parts]) for s in settings.shares}
+        for share, found in reached.items():
+            row = dict(zip(("success", "low", "high"), over_worlds(found, worlds), strict=True))
+            rows.append({"controller": name, "share": share, "episodes": len(found), **row})
+        for share in others:
+            gain = difference(reached[share], reached[first], worlds)
+            notes.append(f"{name}: {share:g} - {first:g}: {in_points(gain)}")
+    return rows, notes
+
+
+def run_world(world: int, options: Options, settings: Settings) -> dict[tuple[str, float], Array]:
+    """Whether each controller reached each target of one world, by its name and the share."""
+    condition = clean_condition(world, settings.episodes, options.seed, options.family)
+    found = {}
+    for name, weights in settings.controllers:
+        predictor = WaypointNetwork(weights)
+        for share in settings.shares:
+            found[name, share] = attempt(condition, _smoothed(predictor, share))["reached"]
+    return found
+
+
+def _smoothed(predictor: WaypointNetwork, share: float) -> PolicyFactory:
+    def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
+        del simulation
+        targets = encoded(predictor, recorded, frames)
+        return SmoothedPolicy(predictor, RMPController(), targets, share)
+
+    return make
+
+
+EXPERIMENT = Experiment(
+    "ablation_smoothing",
+    run,
+    WORLDS,
+    WORLDS[:10],
+    Settings(),
+    quick_settings=Settings(episodes=40),
+    accepts=frozenset({"family"}),
+)
