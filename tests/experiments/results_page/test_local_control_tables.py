@@ -1,13 +1,13 @@
 import pytest
 
 from tests.experiments.results_page.tables import cells
+from tutorial_lib.experiments.results_page.ablations import smoothing, variants
 from tutorial_lib.experiments.results_page.local_control import (
     BREAKDOWN,
     CONTROLLERS,
     breakdown,
     on_maps,
     table_1,
-    variants,
 )
 
 
@@ -81,3 +81,19 @@ def test_the_variant_with_the_least_error_and_the_most_success_is_bold():
         ["columns matched (as shipped)", "1,234", "96", "0.30 m", "**80.0% (70.0 to 90.0)**"],
         ["the paper's pair encoder", "999", "4", "**0.20 m**", "60.0% (50.0 to 70.0)"],
     ]
+
+
+def test_each_controller_is_compared_with_itself_smoothed_in_either_kind_of_worlds():
+    def row(controller, share, success):
+        found = {"controller": controller, "share": share, "success": success}
+        return found | {"low": success - 0.1, "high": success + 0.1}
+
+    homes = [row("k0", 1.0, 0.5), row("k0", 0.3, 0.6), row("k5", 1.0, 0.8), row("k5", 0.3, 0.7)]
+    halls = [row("k0", 1.0, 0.4), row("k0", 0.3, 0.3), row("k5", 1.0, 0.2), row("k5", 0.3, 0.3)]
+    found = cells(smoothing({"homes": homes, "halls": halls[::-1]}))
+    ends = [f"{name}, share {share}" for name in ("homes", "halls") for share in ("1", "0.3")]
+    assert found[0] == ["controller", *ends]
+    low = ["50.0% (40.0 to 60.0)", "**60.0% (50.0 to 70.0)**"]
+    assert found[1] == ["C, k = 0", *low, "**40.0% (30.0 to 50.0)**", "30.0% (20.0 to 40.0)"]
+    assert found[2][0] == "C, k = 5"
+    assert [cell.startswith("**") for cell in found[2][1:]] == [True, False, False, True]

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from tutorial_lib.driving.data.recorded_world import AHEAD, BEHIND
 from tutorial_lib.driving.metrics import REACHED
 from tutorial_lib.experiments.common.report import Rows
@@ -12,7 +10,6 @@ from tutorial_lib.experiments.results_page.markdown import (
     Row,
     interval,
     listed,
-    number,
     percent,
     table,
     with_best_bold,
@@ -47,16 +44,6 @@ BREAKDOWN = {
     "success_tight": "clearance below 0.3 m",
     "success_or_overlap": "all, or overlap",
     "collided": "collided",
-}
-VARIANTS = {
-    "matching": "columns matched (as shipped)",
-    "pair": "the paper's pair encoder",
-    "separate": "each image encoded alone",
-    "stacked": "all images in one stack",
-    "worlds4": "4 training worlds",
-    "worlds12": "12 training worlds",
-    "worlds48": "48 training worlds",
-    "rows64": "64 rows of pixels, not 16",
 }
 
 
@@ -96,33 +83,6 @@ def on_maps(maps: dict[str, Rows], condition: str) -> str:
         for name, rows in maps.items()
     ]
     return table([f"controller, {CONDITIONS[condition]}", *head], _lines(columns))
-
-
-def variants(rows: Rows) -> str:
-    """Success of each variant of an ablation, and the error of its waypoints."""
-    success = [interval(row, "success") for row in rows]
-    error = [f"{number(row['median_m'], 2)} m" for row in rows]
-    columns = [
-        [VARIANTS[row["variant"]] for row in rows],
-        [f"{row['parameters']:,}" for row in rows],
-        [f"{row['worlds']}" for row in rows],
-        with_best_bold(error, [row["median_m"] for row in rows], least=True),
-        with_best_bold(success, [row["success"] for row in rows]),
-    ]
-    head = ["variant", "parameters", "training worlds", "median error of a waypoint", "reached"]
-    return table(head, _lines(columns))
-
-
-def smoothing(rows: Rows) -> str:
-    """Success of each controller by the share of the newest waypoint in the average."""
-    shares = list(dict.fromkeys(row["share"] for row in rows))
-    lines = []
-    for controller in dict.fromkeys(row["controller"] for row in rows):
-        found = [one(rows, controller=controller, share=share) for share in shares]
-        success = [interval(row, "success") for row in found]
-        best = with_best_bold(success, [row["success"] for row in found])
-        lines.append([CONTROLLERS[controller], *best])
-    return table(["controller", *(f"share {share:g}" for share in shares)], lines)
 
 
 def _clean(rows: Rows, controller: str) -> Row:
@@ -214,46 +174,6 @@ def _maps_section(results: Results) -> list[str]:
     ]
 
 
-def _ablation_section(results: Results) -> list[str]:
-    encoder, worlds, rows = (f"ablation_{name}" for name in ("encoder", "worlds", "rows"))
-    first = results.rows(encoder)[0]
-    minutes = [row["minutes"] for name in (encoder, worlds, rows) for row in results.rows(name)]
-    return [
-        f"Ablations of C with k = 2 on the clean episodes of Table I ({first['episodes']:,} in "
-        f"{results.worlds(encoder)} test worlds): how the two images are compared, how many "
-        f"worlds are trained in, and how many rows of pixels the camera has. Each variant is "
-        f"trained once for {math.floor(min(minutes))} to {math.ceil(max(minutes))} minutes, less "
-        f"than the networks that are shipped; the times below leave out what was trained before.",
-        variants(results.rows(encoder)),
-        f"Matched columns over the paper's pair encoder, at about the same size: "
-        f"{results.note(encoder, 'matching - pair: ')}. Whether longer training closes the gap is "
-        f"not measured.",
-        variants(results.rows(worlds)),
-        f"The number of worlds makes little difference, each trained once: 4 over 12 worlds "
-        f"{results.note(worlds, 'worlds4 - worlds12: ')}, 4 over 48 "
-        f"{results.note(worlds, 'worlds4 - worlds48: ')}.",
-        variants(results.rows(rows)),
-        f"With four times the rows of pixels: 16 over 64 rows "
-        f"{results.note(rows, 'matching - rows64: ')}, each trained once.",
-    ]
-
-
-def _smoothing_section(results: Results) -> list[str]:
-    rows = results.rows("ablation_smoothing")
-    share = min(row["share"] for row in rows)
-    gain = results.note("ablation_smoothing", f"k5: {share:g} - 1: ")
-    return [
-        f"C_WP predicts each waypoint from one image. Here C drives to a moving average of its "
-        f"predictions instead (not in the paper), kept by the wheel odometry, which drifts: "
-        f"*share* is that of the newest one, and with 1 C is as everywhere else. The clean "
-        f"episodes of Table I in {results.worlds('ablation_smoothing')} test worlds; the share was "
-        f"chosen on validation worlds.",
-        smoothing(rows),
-        f"With k = 5: {gain}. The other networks, RE among them, learned from C without "
-        f"smoothing, so nothing else on this page has it.",
-    ]
-
-
 SECTIONS = (
     Section("Table I: local control", ("meng_table1",), _table_1_section),
     Section(
@@ -263,15 +183,5 @@ SECTIONS = (
     ),
     Section(
         "Table I on maps from Nav2", tuple(f"meng_table1_{name}" for name in MAPS), _maps_section
-    ),
-    Section(
-        "Table I: ablations",
-        ("ablation_encoder", "ablation_worlds", "ablation_rows"),
-        _ablation_section,
-    ),
-    Section(
-        "Table I: smoothed waypoints",
-        ("ablation_smoothing",),
-        _smoothing_section,
     ),
 )

@@ -10,6 +10,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.results import FOLDER
 from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
+    ablations,
     aliasing,
     composing,
     exploring,
@@ -50,7 +51,7 @@ class Chapter:
 
 
 CHAPTERS = (
-    Chapter("Local control", local_control.SECTIONS),
+    Chapter("Local control", (*local_control.SECTIONS, *ablations.SECTIONS)),
     Chapter("Reachability", reachability.SECTIONS),
     Chapter("Following a trajectory", following.SECTIONS),
     Chapter("Maps", maps.SECTIONS),

@@ -61,6 +61,9 @@ COMMANDS = {
     },
     **{f"ablation_{name}": f"experiment meng_table1 --ablation {name}" for name in ABLATIONS},
     "ablation_smoothing": "experiment meng_table1 --ablation smoothing",
+    "ablation_smoothing_hall": (
+        "experiment meng_table1 --ablation smoothing --family hall --worlds 20000:20010"
+    ),
     "calibration": "experiment calibration --family all",
     "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},

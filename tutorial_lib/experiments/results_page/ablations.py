@@ -1,0 +1,109 @@
+"""Ablations of local control: encoders, worlds, rows of pixels; and smoothed waypoints."""
+
+from __future__ import annotations
+
+import math
+
+from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.results_page.local_control import CONTROLLERS
+from tutorial_lib.experiments.results_page.markdown import interval, number, table, with_best_bold
+from tutorial_lib.experiments.results_page.section import Section
+from tutorial_lib.experiments.results_page.sources import Results, one
+
+VARIANTS = {
+    "matching": "columns matched (as shipped)",
+    "pair": "the paper's pair encoder",
+    "separate": "each image encoded alone",
+    "stacked": "all images in one stack",
+    "worlds4": "4 training worlds",
+    "worlds12": "12 training worlds",
+    "worlds48": "48 training worlds",
+    "rows64": "64 rows of pixels, not 16",
+}
+
+
+def variants(rows: Rows) -> str:
+    """Success of each variant of an ablation, and the error of its waypoints."""
+    success = [interval(row, "success") for row in rows]
+    error = [f"{number(row['median_m'], 2)} m" for row in rows]
+    columns = [
+        [VARIANTS[row["variant"]] for row in rows],
+        [f"{row['parameters']:,}" for row in rows],
+        [f"{row['worlds']}" for row in rows],
+        with_best_bold(error, [row["median_m"] for row in rows], least=True),
+        with_best_bold(success, [row["success"] for row in rows]),
+    ]
+    head = ["variant", "parameters", "training worlds", "median error of a waypoint", "reached"]
+    return table(head, [list(line) for line in zip(*columns, strict=True)])
+
+
+def smoothing(worlds: dict[str, Rows]) -> str:
+    """Success of each controller by the worlds, and by the share of the newest waypoint."""
+    rows = next(iter(worlds.values()))
+    shares = [row["share"] for row in rows if row["controller"] == rows[0]["controller"]]
+    lines = []
+    for controller in dict.fromkeys(row["controller"] for row in rows):
+        line = [CONTROLLERS[controller]]
+        for rows_there in worlds.values():
+            found = [one(rows_there, controller=controller, share=share) for share in shares]
+            success = [interval(row, "success") for row in found]
+            line += with_best_bold(success, [row["success"] for row in found])
+        lines.append(line)
+    head = [f"{name}, share {share:g}" for name in worlds for share in shares]
+    return table(["controller", *head], lines)
+
+
+def _ablation_section(results: Results) -> list[str]:
+    encoder, worlds, rows = (f"ablation_{name}" for name in ("encoder", "worlds", "rows"))
+    first = results.rows(encoder)[0]
+    minutes = [row["minutes"] for name in (encoder, worlds, rows) for row in results.rows(name)]
+    return [
+        f"Ablations of C with k = 2 on the clean episodes of Table I ({first['episodes']:,} in "
+        f"{results.worlds(encoder)} test worlds): how the two images are compared, how many "
+        f"worlds are trained in, and how many rows of pixels the camera has. Each variant is "
+        f"trained once for {math.floor(min(minutes))} to {math.ceil(max(minutes))} minutes, less "
+        f"than the networks that are shipped; the times below leave out what was trained before.",
+        variants(results.rows(encoder)),
+        f"Matched columns over the paper's pair encoder, at about the same size: "
+        f"{results.note(encoder, 'matching - pair: ')}. Whether longer training closes the gap is "
+        f"not measured.",
+        variants(results.rows(worlds)),
+        f"The number of worlds makes little difference, each trained once: 4 over 12 worlds "
+        f"{results.note(worlds, 'worlds4 - worlds12: ')}, 4 over 48 "
+        f"{results.note(worlds, 'worlds4 - worlds48: ')}.",
+        variants(results.rows(rows)),
+        f"With four times the rows of pixels: 16 over 64 rows "
+        f"{results.note(rows, 'matching - rows64: ')}, each trained once.",
+    ]
+
+
+def _smoothing_section(results: Results) -> list[str]:
+    reports = {"homes and offices": "ablation_smoothing", "halls": "ablation_smoothing_hall"}
+    homes, halls = reports.values()
+    share = min(row["share"] for row in results.rows(homes))
+    gains = [results.note(name, f"k5: {share:g} - 1: ") for name in reports.values()]
+    return [
+        f"C_WP predicts each waypoint from one image. Here C drives to a moving average of its "
+        f"predictions instead (not in the paper), kept by the wheel odometry, which drifts: "
+        f"*share* is that of the newest one, and with 1 C is as everywhere else. The clean "
+        f"episodes of Table I in {results.worlds(homes)} test worlds, and in "
+        f"{results.worlds(halls)} halls; the share was chosen on validation worlds.",
+        smoothing({words: results.rows(name) for words, name in reports.items()}),
+        f"With k = 5: {gains[0]}, and in halls {gains[1]}, where a single image says least about "
+        f"what is a few decimetres away. RE learned from C without smoothing, and maps are built "
+        f"with that RE, so nothing else on this page has it.",
+    ]
+
+
+SECTIONS = (
+    Section(
+        "Table I: ablations",
+        ("ablation_encoder", "ablation_worlds", "ablation_rows"),
+        _ablation_section,
+    ),
+    Section(
+        "Table I: smoothed waypoints",
+        ("ablation_smoothing", "ablation_smoothing_hall"),
+        _smoothing_section,
+    ),
+)
