@@ -658,7 +658,7 @@ show(from_figure(figure))
 # And note the last line: with so few rollouts, even exactly right probabilities would not lie on the diagonal. Smaller differences mean nothing here. The results page at the end has many more.
 # </details>
 # <details><summary>Is the library's raw network wrong, too?</summary>
-# A little: it is too modest. Where it is unsure, its points lie above the diagonal, and its mean prediction is below the share that arrived. That is no wonder. In most of its training about every seventh target was one on which a network had been wrong before (section 5 explains why that is needed), and there many more rollouts fail. A temperature does not help: T is close to 1, and the two lines coincide. It can only move predictions away from one half or towards it, and here those near one half have to move up, too (extra 3). The isotonic function can do that, and was fitted on far more rollouts than we have here.
+# A little: it is too modest. Where it is unsure, its points lie above the diagonal, and its mean prediction is below the share that arrived. That is no wonder. In the last part of its training about every tenth target was one on which it had been wrong before (section 5 explains why that is needed), and there many more rollouts fail. A temperature does not help: T is close to 1, and the two lines coincide. It can only move predictions away from one half or towards it, and here those near one half have to move up, too (extra 3). The isotonic function can do that, and was fitted on far more rollouts than we have here.
 # But 150 rollouts are few: how much better it is cannot be decided with this page's data. The results page at the end has more. Diagnose before you recalibrate: look at the diagram first, and at how much could be chance.
 # </details>
 # <details><summary>Why must a calibration be fitted on rollouts on which the network was not trained?</summary>
@@ -716,8 +716,8 @@ show(side_by_side(panels, titles))
 # know this from tests for rare diseases. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes.
 # </details>
 # <details><summary>Then how can a network ever learn it? In a random draw of pairs, mistakes of this kind hardly occur.</summary>
-# By searching for them, <b>hard negative mining</b>. After a short training, the network predicted all pairs of 160 frames in each of its 160 training worlds. Among those with a high prediction, the far, occluded pairs are its worst mistakes, <b>hard negatives</b>: up to 400 in each world, those with the highest predictions, and they are labelled 0 without a rollout. In each world up to 100 other pairs were rolled out. (Many of these did arrive: such pairs are
-# kept too, or the network would learn to distrust all its confident predictions.) In the long training after that about every seventh target came from these two sets.
+# By searching for them, <b>hard negative mining</b>. After most of its training, the network predicted all pairs of 160 frames in 80 training worlds. Among those with a high prediction, the far, occluded pairs are its worst mistakes, <b>hard negatives</b>: up to 400 in each world, those with the highest predictions, and they are labelled 0 without a rollout. In each world up to 100 other pairs were rolled out. (Many of these did arrive: such pairs are
+# kept too, or the network would learn to distrust all its confident predictions.) In the rest of the training about every tenth target came from these two sets.
 # </details>
 
 # %% hidden=true

@@ -44,7 +44,6 @@ class OutcomeSource:
         worlds: drawn for a block.
         targets: of each world, with `STARTS` starts each.
         vary: whether images are augmented.
-        mirror: whether half of the targets are shown as in a mirror, where nothing else changes.
     """
 
     labelled: Sequence[LabelledWorld]
@@ -53,7 +52,6 @@ class OutcomeSource:
     worlds: int = 16
     targets: int = 64
     vary: bool = True
-    mirror: bool = False
 
     @property
     def recipe(self) -> dict[str, Any]:
@@ -65,7 +63,6 @@ class OutcomeSource:
             "mined": [mined, self.mined if mined else 0.0],
             "block": [self.worlds, self.targets, STARTS],
             "vary": self.vary,
-            "mirror": self.mirror,
         }
 
     def block(self, seed: Sequence[int]) -> Batch:
@@ -73,8 +70,7 @@ class OutcomeSource:
         rng = np.random.default_rng(seed)
         chosen = rng.integers(len(self.labelled), size=self.worlds)
         block = joined([self._world(self.labelled[i], rng) for i in chosen])
-        block = block.targets(rng.permutation(len(block.contexts)))
-        return block.mirrored(rng.random(len(block.contexts)) < 0.5) if self.mirror else block
+        return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, world: LabelledWorld, rng: np.random.Generator) -> Batch:
         has_mined = world.mined is not None and len(world.mined) > 0
