@@ -88,22 +88,8 @@ MUTATIONS = [
     (
         "a doubt never ends",
         "topology/following/state.py",
-        "        doubts &= self.assured[robots] < settings.confirm\n",
-        "",
-        "topology/following/test_doubts.py",
-    ),
-    (
-        "what looks like the anchor now and then ends a doubt",
-        "topology/following/state.py",
-        "np.where(high, self.assured[robots] + 1, 0)",
-        "self.assured[robots] + high",
-        "topology/following/test_doubts.py",
-    ),
-    (
-        "a doubt ends at once",
-        "topology/following/state.py",
-        "self.assured[robots] < settings.confirm",
-        "self.assured[robots] < 1",
+        "(self.doubted[robots] > 0)) & ~(probability > settings.p_follow)",
+        "(self.doubted[robots] > 0))",
         "topology/following/test_doubts.py",
     ),
     (

@@ -45,30 +45,11 @@ def test_a_doubt_ends_where_the_anchor_is_seen_as_before():
     corridor, follower, reachability = under_way(timeout=2.0)
     for _ in range(3):
         reachability.arranged = believing(0.7)
-        go(corridor, follower, 14)
+        go(corridor, follower, 19)
         reachability.arranged = believing(0.93)
-        go(corridor, follower, 4)
-        assert follower.memory.doubted[0] == pytest.approx(18 * STEP)
         go(corridor, follower, 1)
         assert follower.memory.doubted[0] == 0.0
     assert follower.memory.state[0] == FOLLOW
-
-
-def test_what_looks_like_the_anchor_now_and_then_ends_no_doubt():
-    corridor, follower, reachability = under_way(timeout=2.0)
-    for _ in range(4):
-        for level, steps in ((0.7, 1), (0.93, 4)):
-            assert follower.memory.state[0] == FOLLOW
-            reachability.arranged = believing(level)
-            go(corridor, follower, steps)
-    assert follower.memory.state[0] == LOST
-
-
-@pytest.mark.parametrize("confirm", [1, 3])
-def test_confirm_says_how_long_it_must_be_seen(confirm):
-    settings, levels = FollowerSettings(confirm=confirm), [0.99, 0.5, 0.5, *[0.99] * (confirm - 1)]
-    assert after(levels, settings).doubted[0] == pytest.approx((1 + confirm) * STEP)
-    assert after([*levels, 0.99], settings).doubted[0] == 0.0
 
 
 @pytest.mark.parametrize(("level", "lost"), [(0.91, True), (0.93, False)])
@@ -195,12 +176,12 @@ def test_a_robot_that_turns_has_no_doubts():
 )
 def test_robots_doubt_each_for_itself_and_as_long_as_it_takes(levels, state):
     """Against a plain loop over the steps; a second robot sees its anchor all the time."""
-    settings, seconds, before = FollowerSettings(timeout=0.5, confirm=2), 0.0, np.nan
+    settings, seconds, before = FollowerSettings(timeout=0.5), 0.0, np.nan
     memory = FollowerState.at(np.zeros(2, int))
     memory.state[:] = state
     for level in levels:
         memory.doubt(np.arange(2), np.array([level, 0.99]), settings)
-        if level > 0.92 and before > 0.92:
+        if level > 0.92:
             seconds = 0.0
         elif seconds > 0 or (before > 0.92 and before - level > 0.2):
             seconds += STEP

@@ -225,10 +225,9 @@ def _disturbance_section(results: Results) -> list[str]:
         f"behind a person, who hides as much of what it sees. But a person comes into sight little "
         f"by little, and one that was pushed or turned soon sees its anchors as before. So a robot "
         f"doubts (ours) where RE of its anchor falls by more than `fall` within a step, and is "
-        f"lost unless RE of its anchor is above p_follow again within `timeout`, for "
-        f"{settings.rules.confirm} steps in a row. The table compares thresholds on "
-        f"{results.worlds('disturbances_patience')} validation worlds; the usual ones are in the "
-        f"first row.",
+        f"lost unless RE of its anchor is above p_follow again within `timeout`. The table "
+        f"compares thresholds on {results.worlds('disturbances_patience')} validation worlds; the "
+        f"usual ones are in the first row.",
         patience(results.rows("disturbances_patience")),
     ]
 

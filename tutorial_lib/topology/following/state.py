@@ -26,7 +26,6 @@ class FollowerState:
         calm: (N,) seconds of progress in a row, in Follow.
         trusted: (N,) RE of the active anchor in the last step; not a number if it was not queried.
         doubted: (N,) seconds since RE fell at once; 0 without a doubt.
-        assured: (N,) steps in a row in which RE of the active anchor was high again.
         width: (N,) anchors on either side of the active one that a lookout reaches.
         sighted: (N,) place of the anchor sighted in dead reckoning, -1 for none.
         streak: (N,) steps in a row with that anchor in sight, or at the goal.
@@ -42,7 +41,6 @@ class FollowerState:
     calm: Array
     trusted: Array
     doubted: Array
-    assured: NDArray[np.intp]
     width: NDArray[np.intp]
     sighted: NDArray[np.intp]
     streak: NDArray[np.intp]
@@ -62,7 +60,6 @@ class FollowerState:
             calm=np.zeros(count),
             trusted=np.full(count, np.nan),
             doubted=np.zeros(count),
-            assured=np.zeros(count, dtype=int),
             width=np.zeros(count, dtype=int),
             sighted=np.full(count, -1),
             streak=np.zeros(count, dtype=int),
@@ -132,8 +129,7 @@ class FollowerState:
 
         What a robot sees changes little by little, also behind a person who steps in. It changes at
         once where the robot is pushed, turned or carried away; but only one that was carried away
-        does not soon see its anchors again, step after step. Now and then it may see something
-        that looks like them.
+        does not soon see its anchors again.
 
         Args:
             robots: (M,) their indices.
@@ -144,10 +140,7 @@ class FollowerState:
         probability = np.where(self.state[robots] == State.TURN, np.nan, probability)
         before = self.trusted[robots]
         fell = (before > settings.p_follow) & (before - probability > settings.fall)
-        high = probability > settings.p_follow
-        self.assured[robots] = np.where(high, self.assured[robots] + 1, 0)
-        doubts = fell | (self.doubted[robots] > 0)
-        doubts &= self.assured[robots] < settings.confirm
+        doubts = (fell | (self.doubted[robots] > 0)) & ~(probability > settings.p_follow)
         self.trusted[robots] = probability
         self.doubted[robots] = np.where(doubts, self.doubted[robots] + STEP, 0.0)
         self.enter(robots[self.doubted[robots] > settings.timeout - STEP / 2], State.LOST)

@@ -42,14 +42,13 @@ class FollowerSettings:
             reckoning.
         fall: a doubt begins where RE of the active anchor falls by more than this within a step,
             from above `p_follow`. It ends once RE of the anchor that is active then is above
-            `p_follow` for `confirm` steps; a robot that doubts for `timeout` is lost. 1 for no
-            doubts.
+            `p_follow`; a robot that doubts for `timeout` is lost. 1 for no doubts.
         near: overlap above which an anchor is within proximity.
         visited: overlap above which the closest anchor counts as visited.
         at: metres to the predicted waypoint below which the robot is at the anchor.
         facing: overlap above which a robot at an anchor has its heading.
         effort: seconds without coming nearer after which an anchor is given up.
-        confirm: steps in a row that confirm arrival, being back on the path, or the end of a doubt.
+        confirm: steps in a row that confirm arrival, or being back on the path.
         timeout: seconds without progress after which a robot is lost.
         calm: seconds of progress in a row after which the time without progress is forgotten.
         widest: anchors before and after the active one that dead reckoning looks for.
