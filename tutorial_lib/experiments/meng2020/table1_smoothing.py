@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,8 @@ class Settings:
     Attributes:
         controllers: weights of C_WP, by the names of Table I.
         shares: of the newest waypoint in the average; the first is that of C as it is.
-        episodes: in each world.
+        episodes: in each generated world.
+        map_episodes: in the world of a map's file.
     """
 
     controllers: tuple[tuple[str, str], ...] = (
@@ -41,11 +43,18 @@ class Settings:
     )
     shares: tuple[float, ...] = (1.0, 0.3)
     episodes: int = 100
+    map_episodes: int = 200
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
-    """Run the clean episodes of Table I with each controller, smoothed and not."""
-    parts = for_each(run_world, options.worlds, options, settings, label="smoothing")
+    """Run the clean episodes of Table I with each controller, smoothed and not.
+
+    With `options.map` the only world is that file's.
+    """
+    places: list[Any] = [*options.worlds]
+    if options.map is not None:
+        places, settings = [options.map], replace(settings, episodes=settings.map_episodes)
+    parts = for_each(run_world, places, options, settings, label="smoothing")
     rows: Rows = []
     notes = []
     first, *others = settings.shares
@@ -61,9 +70,19 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, notes
 
 
-def run_world(world: int, options: Options, settings: Settings) -> dict[tuple[str, float], Array]:
-    """Whether each controller reached each target of one world, by its name and the share."""
-    condition = clean_condition(world, settings.episodes, options.seed, options.family)
+def run_world(
+    place: Any,  # noqa: ANN401
+    options: Options,
+    settings: Settings,
+) -> dict[tuple[str, float], Array]:
+    """Whether each controller reached each target of one world, by its name and the share.
+
+    Args:
+        place: seed of a generated world, or a map's file.
+        options: have the seed of trajectories and episodes, and the family.
+        settings: the controllers, the shares and how many episodes.
+    """
+    condition = clean_condition(place, settings.episodes, options.seed, options.family)
     found = {}
     for name, weights in settings.controllers:
         predictor = WaypointNetwork(weights)
@@ -87,6 +106,6 @@ EXPERIMENT = Experiment(
     WORLDS,
     WORLDS[:10],
     Settings(),
-    quick_settings=Settings(episodes=40),
-    accepts=frozenset({"family"}),
+    quick_settings=Settings(episodes=40, map_episodes=40),
+    accepts=frozenset({"map", "family"}),
 )
