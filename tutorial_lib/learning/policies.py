@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.control.composed import ComposedController, TargetPolicy
 from tutorial_lib.driving.control.rmp import RMPController
+from tutorial_lib.driving.control.smoothed import SHARE, SmoothedPolicy
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.interfaces import LocalController, Policy
@@ -20,8 +21,19 @@ from tutorial_lib.world.simulation import Simulation
 
 
 def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
-    """C = C_RMP after C_WP."""
+    """C = C_RMP after C_WP, without memory: what RE learns from."""
     return _factory(predictor, ComposedController(predictor, RMPController()))
+
+
+def by_smoothed_waypoints(predictor: WaypointNetwork, share: float = SHARE) -> PolicyFactory:
+    """C that drives to a moving average of its waypoints, see `SmoothedPolicy`."""
+
+    def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
+        del simulation
+        targets = encoded(predictor, recorded, frames)
+        return SmoothedPolicy(predictor, RMPController(), targets, share)
+
+    return make
 
 
 def directly(network: DirectNetwork) -> PolicyFactory:

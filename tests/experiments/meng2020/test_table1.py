@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from tutorial_lib.cli import main
+from tutorial_lib.driving.control.smoothed import SHARE
 from tutorial_lib.driving.data.episodes import Episodes
 from tutorial_lib.driving.rollouts import Rollouts
 from tutorial_lib.experiments.benchmarks import control
@@ -16,7 +17,7 @@ from tutorial_lib.experiments.protocols import local_control
 from tutorial_lib.experiments.protocols.controllers import controllers
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.networks import LocalNetwork
-from tutorial_lib.learning.policies import by_waypoints
+from tutorial_lib.learning.policies import by_smoothed_waypoints, by_waypoints
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.simulation import Sensors
@@ -129,7 +130,7 @@ def test_smoothing_compares_each_controller_with_itself():
     assert note.startswith(f"k0: 0.1 - 1: {gain:+.1f} points")
 
 
-def test_without_smoothing_c_is_that_of_table_1():
+def test_with_a_share_of_1_c_has_no_memory():
     settings = table1_smoothing.Settings(
         controllers=(("k0", "waypoint_k0"),), shares=(1.0,), episodes=12
     )
@@ -139,6 +140,15 @@ def test_without_smoothing_c_is_that_of_table_1():
     usual = by_waypoints(WaypointNetwork("waypoint_k0"))
     assert (found == local_control.attempt(condition, usual)["reached"]).all()
     assert condition.episodes.recorded.scene.plan.family == "hall"
+
+
+def test_c_of_table_1_smooths_its_waypoints(course):
+    def reached(policy):
+        return local_control.attempt(course["clean"], policy)["reached"]
+
+    for name in ("k0", "k2", "k5"):
+        policy = by_smoothed_waypoints(WaypointNetwork(f"waypoint_{name}"), SHARE)
+        assert (reached(controllers((0, WORLD))[name]) == reached(policy)).all()
 
 
 def test_the_odometry_that_smoothing_needs_drifts(course):

@@ -12,12 +12,19 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.interfaces import Controller, Observation, Robots, Targets, WaypointPredictor
 
+SHARE = 0.3
+"""Of the newest waypoint in the average, whose memory is about a third of a second."""
+
 
 class SmoothedPolicy:
     """A `Policy` with memory: each robot drives to the moving average of its waypoints."""
 
     def __init__(
-        self, predictor: WaypointPredictor, controller: Controller, targets: Targets, share: float
+        self,
+        predictor: WaypointPredictor,
+        controller: Controller,
+        targets: Targets,
+        share: float = SHARE,
     ) -> None:
         """Set out, with nothing to average yet.
 

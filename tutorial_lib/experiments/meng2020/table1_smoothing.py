@@ -6,22 +6,16 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.driving.control.smoothed import SmoothedPolicy
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
-from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
+from tutorial_lib.driving.control.smoothed import SHARE
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
 from tutorial_lib.experiments.protocols.local_control import WORLDS, attempt, clean_condition
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Policy
 from tutorial_lib.learning.estimators import WaypointNetwork
-from tutorial_lib.learning.policies import encoded
+from tutorial_lib.learning.policies import by_smoothed_waypoints
 from tutorial_lib.parallel import for_each
-from tutorial_lib.world.simulation import Simulation
 
 
 @dataclass(frozen=True)
@@ -30,7 +24,7 @@ class Settings:
 
     Attributes:
         controllers: weights of C_WP, by the names of Table I.
-        shares: of the newest waypoint in the average; the first is that of C as it is.
+        shares: of the newest waypoint in the average; with 1, which is first, nothing is smoothed.
         episodes: in each generated world.
         map_episodes: in the world of a map's file.
     """
@@ -41,7 +35,7 @@ class Settings:
         ("k5", "waypoint_k5"),
         ("laser", "laser_k2"),
     )
-    shares: tuple[float, ...] = (1.0, 0.3)
+    shares: tuple[float, ...] = (1.0, SHARE)
     episodes: int = 100
     map_episodes: int = 200
 
@@ -87,17 +81,10 @@ def run_world(
     for name, weights in settings.controllers:
         predictor = WaypointNetwork(weights)
         for share in settings.shares:
-            found[name, share] = attempt(condition, _smoothed(predictor, share))["reached"]
+            found[name, share] = attempt(condition, by_smoothed_waypoints(predictor, share))[
+                "reached"
+            ]
     return found
-
-
-def _smoothed(predictor: WaypointNetwork, share: float) -> PolicyFactory:
-    def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
-        del simulation
-        targets = encoded(predictor, recorded, frames)
-        return SmoothedPolicy(predictor, RMPController(), targets, share)
-
-    return make
 
 
 EXPERIMENT = Experiment(

@@ -13,14 +13,15 @@ from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.interfaces import Policy
 from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
-from tutorial_lib.learning.policies import by_waypoints, directly
+from tutorial_lib.learning.policies import by_smoothed_waypoints, directly
 from tutorial_lib.world.simulation import Simulation
 
 
 def controllers(seed: tuple[int, int]) -> dict[str, PolicyFactory]:
     """The rows of Table I by name, bracketed by a random one and an oracle.
 
-    `seed` is that of the random one.
+    C smooths its waypoints (not in the paper); `--ablation smoothing` compares it with C that does
+    not. `seed` is that of the random one.
     """
     rmp = RMPController()
 
@@ -38,9 +39,9 @@ def controllers(seed: tuple[int, int]) -> dict[str, PolicyFactory]:
     return {
         "random": at_random,
         "direct": directly(DirectNetwork("direct_k2")),
-        "k0": by_waypoints(WaypointNetwork("waypoint_k0")),
-        "k2": by_waypoints(WaypointNetwork("waypoint_k2")),
-        "k5": by_waypoints(WaypointNetwork("waypoint_k5")),
-        "laser": by_waypoints(WaypointNetwork("laser_k2")),
+        "k0": by_smoothed_waypoints(WaypointNetwork("waypoint_k0")),
+        "k2": by_smoothed_waypoints(WaypointNetwork("waypoint_k2")),
+        "k5": by_smoothed_waypoints(WaypointNetwork("waypoint_k5")),
+        "laser": by_smoothed_waypoints(WaypointNetwork("laser_k2")),
         "oracle": oracle,
     }

@@ -111,7 +111,8 @@ def _table_1_section(results: Results) -> list[str]:
         f"Local control (Table I of Meng 2020): a car starts beside a recorded trajectory and has "
         f"to come within {REACHED:g} m of where a target image was taken, from {BEHIND:g} m "
         f"behind to {AHEAD:g} m ahead along it; {episodes:,} episodes in {worlds} test worlds. "
-        f"*C* predicts waypoints, *direct control* speed and steering (with k = 0 in the paper). "
+        f"*C* predicts waypoints and smooths them (ours, see *smoothed waypoints*), *direct "
+        f"control* predicts speed and steering (with k = 0 in the paper). "
         f"*Noise* multiplies both controls by N(1, {NOISE:.2f}); episodes with *obstacles* are "
         f"longer and leave room to pass, so they are not the clean ones.",
         table_1(rows),

@@ -64,6 +64,10 @@ COMMANDS = {
     "ablation_smoothing_hall": (
         "experiment meng_table1 --ablation smoothing --family hall --worlds 20000:20010"
     ),
+    **{
+        f"ablation_smoothing_{m}": f"experiment meng_table1 --ablation smoothing --map {m}.yaml"
+        for m in MAPS
+    },
     "calibration": "experiment calibration --family all",
     "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
