@@ -1224,7 +1224,7 @@ show(side_by_side([camera_picture(image, 185) for image in images], names, gap=6
 # world:** straight walls with painted stripes and even light instead of scanned buildings. A target counts as reached when the car comes within 0.3 m in time and without a collision. *Random* drives to random waypoints, and the [[oracle]] knows the map: no controller can be expected to be much better. The best controller between the two is bold. *Laser* is the same network with 64 distances in place of
 # the image, as in the paper's laser variant.
 #
-# The paper leaves some of the protocol open. Here a start has 5 cm of clearance all around, is at least 0.3 m from its target, and its view may have no overlap with the target image. The paper's *direct* controller has $k = 0$, ours $k = 2$.
+# The paper leaves some of the protocol open. Here a start has 5 cm of clearance all around, is at least 0.3 m from its target, and its view may have no overlap with the target image. The paper's *direct* controller has $k = 0$, ours $k = 2$. And here $\mathcal C$ drives to a moving average of its last waypoints, in which the newest one has a share of 0.3 and which the wheel odometry carries along. The paper's does not, nor does yours in section 6: each of its waypoints comes from one image, and errs a little differently.
 #
 # **Predict:** how much does context help, and how far below the oracle are the controllers?
 
@@ -1302,8 +1302,8 @@ display(success_table(by_map, "On three maps from Nav2, which no network has see
 # the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>
-# A single image is enough for nineteen targets in twenty. Context of k = 2 removes a fifth of the remaining failures, and k = 5 another two fifths of those that are left; k = 5 is two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
-# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the networks that predict waypoints lose up to nineteen points, and the oracle at most one: walls and rooms have other shapes there than in the training worlds, although halls and scanned plans are among these. <i>Direct</i> has little to lose: it stays within about fourteen points of its result here, to either side.
+# A single image is enough for nineteen targets in twenty. Context of k = 2 removes a third of the remaining failures, and k = 5 another quarter of those that are left; k = 5 is two points below the oracle. Context helps most where views are blocked: look at the obstacles column. Under <i>shifted</i> colours the random
+# controller, the laser and the oracle perform exactly as before, since none of them uses colour. On the maps from Nav2 the laser loses eighteen points on one of the three, the camera's waypoints at most eight, with k = 5 at most two, and the oracle at most one: walls and rooms have other shapes there than in the training worlds, although halls and scanned plans are among these. <i>Direct</i> has little to lose: it stays within about fourteen points of its result here, to either side.
 # </details>
 # <details><summary>Why does noise hardly matter, and why would it matter for a robot that plans a whole path and executes it open loop?</summary>
 # The loop is closed ten times a second: the effect of an error shows in the next image, and the next waypoint corrects it. Open loop, the errors would accumulate as those of the odometry did in notebook 01.
