@@ -68,10 +68,10 @@ def _section(results: Results) -> list[str]:
         f"Does RE predict whether C reaches a target (Sec. III-C of Meng 2020)? {best['pairs']:,} "
         f"pairs of start and target whose views overlap by {SEEN:g} or more, in "
         f"{results.worlds('calibration')} test worlds of all families by seed (apartments, "
-        f"offices, halls, scans, mazes, loop corridors), each rolled out. SPTM's network and image "
-        f"similarity are compared with the outcomes of C with k = 2, each RE with those of its "
-        f"own C; *true geometry* is a model fitted to the true poses and distances: about the "
-        f"most that can be known. The paper reports no such numbers.",
+        f"offices, halls, scans, mazes, loop corridors), each rolled out, without smoothing. "
+        f"SPTM's network and image similarity are compared with the outcomes of C with k = 2, "
+        f"each RE with those of its own C; *true geometry* is a model fitted to the true poses "
+        f"and distances: about the most that can be known. The paper reports no such numbers.",
         discrimination(rows),
         f"RE is calibrated; SPTM's similarity is not a probability, and was not trained to be one "
         f"(ECE {number(sptm['ece'])}). Where RE with k = 5 is least sure, it predicts too much: "
