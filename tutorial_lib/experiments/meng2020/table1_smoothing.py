@@ -81,9 +81,8 @@ def run_world(
     for name, weights in settings.controllers:
         predictor = WaypointNetwork(weights)
         for share in settings.shares:
-            found[name, share] = attempt(condition, by_smoothed_waypoints(predictor, share))[
-                "reached"
-            ]
+            policy = by_smoothed_waypoints(predictor, share)
+            found[name, share] = attempt(condition, policy)["reached"]
     return found
 
 
