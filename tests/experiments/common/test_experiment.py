@@ -148,6 +148,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "meng_table1 encoder",
         "meng_table1 worlds",
         "meng_table1 rows",
+        "meng_table1 smoothing",
         "meng_table2 thresholds",
         "meng_fig12 localization",
         "meng_fig13 reuse",

@@ -4,6 +4,7 @@ from itertools import permutations
 import numpy as np
 import pytest
 import torch
+from scipy.spatial import cKDTree
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
@@ -74,5 +75,7 @@ def test_the_default_demo_comes_with_its_map():
     building = explored("apartment 0", scene, np.random.default_rng(0), PLACES)
     kept = load_learned(building, agents.meng(), FOLDER)
     assert kept is not None
-    measured = {row.tobytes() for one in building.recorded.trajectories for row in one.odometry}
-    assert {row.tobytes() for row in kept.vertices.observations[kept.alive].odometry} <= measured
+    measured = np.concatenate([one.odometry for one in building.recorded.trajectories])
+    remembered = kept.vertices.observations[kept.alive].odometry
+    # Another processor rounds the last bits differently.
+    assert cKDTree(measured).query(remembered)[0].max() < 1e-9
