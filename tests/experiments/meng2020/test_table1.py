@@ -114,9 +114,7 @@ def test_variants_of_an_ablation_differ_in_one_thing_and_train_equally_long(name
 
 
 def test_smoothing_compares_each_controller_with_itself():
-    settings = table1_smoothing.Settings(
-        controllers=(("k0", "waypoint_k0"),), shares=(1.0, 0.1), episodes=6
-    )
+    settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0, 0.1), episodes=6)
     rows, notes = table1_smoothing.run(Options(worlds=(10_000, 10_001)), settings)
     assert [(row["controller"], row["share"]) for row in rows] == [("k0", 1.0), ("k0", 0.1)]
     worlds = (10_000, 10_001)
@@ -131,9 +129,7 @@ def test_smoothing_compares_each_controller_with_itself():
 
 
 def test_with_a_share_of_1_c_has_no_memory():
-    settings = table1_smoothing.Settings(
-        controllers=(("k0", "waypoint_k0"),), shares=(1.0,), episodes=12
-    )
+    settings = table1_smoothing.Settings(controllers=("k0",), shares=(1.0,), episodes=12)
     options = Options(worlds=(WORLD,), family="hall")
     found = table1_smoothing.run_world(WORLD, options, settings)["k0", 1.0]
     condition = local_control.clean_condition(WORLD, 12, 0, "hall")

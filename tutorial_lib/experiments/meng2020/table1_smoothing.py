@@ -11,6 +11,7 @@ from tutorial_lib.driving.control.smoothed import SHARE
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
 from tutorial_lib.experiments.protocols.local_control import WORLDS, attempt, clean_condition
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import WaypointNetwork
@@ -23,18 +24,13 @@ class Settings:
     """Settings of the ablation.
 
     Attributes:
-        controllers: weights of C_WP, by the names of Table I.
+        controllers: names as in Table I.
         shares: of the newest waypoint in the average; with 1, which is first, nothing is smoothed.
         episodes: in each generated world.
         map_episodes: in the world of a map's file.
     """
 
-    controllers: tuple[tuple[str, str], ...] = (
-        ("k0", "waypoint_k0"),
-        ("k2", "waypoint_k2"),
-        ("k5", "waypoint_k5"),
-        ("laser", "laser_k2"),
-    )
+    controllers: tuple[str, ...] = tuple(CONTROLLERS)
     shares: tuple[float, ...] = (1.0, SHARE)
     episodes: int = 100
     map_episodes: int = 200
@@ -52,7 +48,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     rows: Rows = []
     notes = []
     first, *others = settings.shares
-    for name, _ in settings.controllers:
+    for name in settings.controllers:
         worlds = np.repeat(np.arange(len(parts)), [len(part[name, first]) for part in parts])
         reached = {s: np.concatenate([part[name, s] for part in parts]) for s in settings.shares}
         for share, found in reached.items():
@@ -78,8 +74,8 @@ def run_world(
     """
     condition = clean_condition(place, settings.episodes, options.seed, options.family)
     found = {}
-    for name, weights in settings.controllers:
-        predictor = WaypointNetwork(weights)
+    for name in settings.controllers:
+        predictor = WaypointNetwork(CONTROLLERS[name])
         for share in settings.shares:
             policy = by_smoothed_waypoints(predictor, share)
             found[name, share] = attempt(condition, policy)["reached"]
