@@ -1,5 +1,6 @@
 """Trained networks behind the interfaces of `tutorial_lib.interfaces`."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,7 +22,8 @@ class EncodedTargets:
     """Targets, encoded as far as that does not depend on the current image.
 
     Attributes:
-        encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`.
+        encoded: (M, 2k+1, ...) from `LocalNetwork.encode_targets`; of a network with a mirror, what
+            it makes of the mirror images follows in the last dimension.
         network: that encoded them.
     """
 
@@ -42,6 +44,9 @@ class EncodedTargets:
         return replace(parts[0], encoded=torch.cat([part.encoded for part in parts]))
 
 
+HOPE = -1.0
+"""Logit of reachability above which a network with a mirror looks at a pair once more: most pairs
+are hopeless at first sight, and for these the second look would change nothing."""
 _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cache
 
 
@@ -79,14 +84,14 @@ class _Estimator:
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
         if self.network.stacked:
-            encoded = self.network.encode_targets(self.view.numbers(contexts))
+            encoded = self._encoded(self.network.encode_targets, contexts)
             return EncodedTargets(encoded, self.network)
         # Neighbours on a trajectory have most images in common: each is encoded once.
         images = contexts.reshape(-1, *contexts.shape[2:])
         number: dict[bytes, int] = {}
         which = [number.setdefault(image.tobytes(), len(number)) for image in images]
         fresh = images[np.unique(which, return_index=True)[1]]
-        encoded = self.network.encode_targets(self.view.numbers(fresh[:, None]))[:, 0]
+        encoded = self._encoded(self.network.encode_targets, fresh[:, None])[:, 0]
         return EncodedTargets(encoded[np.reshape(which, contexts.shape[:2])], self.network)
 
     @torch.inference_mode()
@@ -104,7 +109,7 @@ class _Estimator:
         images = self.view.of(observations)
         repeats = (images[1:] == images[:-1]).all(axis=(1, 2, 3))
         fresh = np.append(True, ~repeats)[: len(images)]
-        encoded = self.network.encode_current(self.view.numbers(images[fresh]))
+        encoded = self._encoded(self.network.encode_current, images[fresh])
         return encoded if fresh.all() else encoded[np.cumsum(fresh) - 1]
 
     @torch.inference_mode()
@@ -115,7 +120,7 @@ class _Estimator:
         if len(targets) != len(current):
             raise InputError(f"targets: {len(targets)} for {len(current)} robots; give as many")
         parts = zip(current.split(_AT_ONCE), targets.encoded.split(_AT_ONCE), strict=True)
-        return _joined([self.network.compare(*part)[0] for part in parts])
+        return _joined([self._compared(*part) for part in parts])
 
     @torch.inference_mode()
     def outputs_uncached(self, observations: Observation, contexts: NDArray) -> Array:
@@ -123,7 +128,27 @@ class _Estimator:
         current = self.view.numbers(self.view.of(observations))
         targets = self.view.numbers(contexts)
         parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
-        return _joined([self.network(*part) for part in parts])
+        return _joined([self._compared_uncached(*part) for part in parts])
+
+    def _encoded(self, encode: Callable[[Tensor], Tensor], images: NDArray) -> Tensor:
+        """What `encode` makes of images (..., H, W, C); that of the mirror images follows it."""
+        numbers = self.view.numbers(images)
+        if not self.architecture.mirror:
+            return encode(numbers)
+        return torch.cat([encode(numbers), encode(numbers.flip(-1))], dim=-1)
+
+    def _compared(self, current: Tensor, targets: Tensor) -> Tensor:
+        """Outputs (N, O) of encoded observations and targets, see `_encoded`."""
+        looks = 2 if self.architecture.mirror else 1
+        pairs = zip(current.chunk(looks, dim=-1), targets.chunk(looks, dim=-1), strict=True)
+        return _looked_at(lambda *pair: self.network.compare(*pair)[0], *pairs)
+
+    def _compared_uncached(self, current: Tensor, targets: Tensor) -> Tensor:
+        """Outputs (N, O) of images and targets, as numbers."""
+        pairs = [(current, targets)]
+        if self.architecture.mirror:
+            pairs.append((current.flip(-1), targets.flip(-1)))
+        return _looked_at(self.network, *pairs)
 
 
 class WaypointNetwork(_Estimator):
@@ -194,6 +219,20 @@ class ReachabilityNetwork(_Estimator):
         count = prepared.encoded.shape[1]
         some = prepared.encoded[:, sorted({0, count // 2})]
         return self.network.embed(some.flatten(0, 1)).unflatten(0, some.shape[:2]).numpy()
+
+
+def _looked_at(
+    compare: Callable[[Tensor, Tensor], Tensor],
+    first: tuple[Tensor, Tensor],
+    mirrored: tuple[Tensor, Tensor] | None = None,
+) -> Tensor:
+    """Outputs (N, O) of N pairs: the mean of both looks at those that seem reachable at first."""
+    outputs = compare(*first)
+    hopeful = outputs[:, 0] > HOPE
+    if mirrored is not None and hopeful.any():
+        again = compare(*(images[hopeful] for images in mirrored))
+        outputs[hopeful] = 0.5 * (outputs[hopeful] + again)
+    return outputs
 
 
 def _joined(parts: list[Tensor]) -> Array:

@@ -31,12 +31,15 @@ class Architecture:
         encoder: one of `ENCODERS`.
         view: one of `VIEWS`.
         outputs: one of `OUTPUTS`.
+        mirror: whether pairs are also looked at as in a mirror, which changes no outcome. Training
+            shows half of them so; an estimator looks twice where it has hope, and takes the mean.
     """
 
     k: int
     encoder: str = "matching"
     view: str = "camera16"
     outputs: str = "waypoint"
+    mirror: bool = False
 
     def __post_init__(self) -> None:
         known = {"encoder": ENCODERS, "view": tuple(VIEWS), "outputs": tuple(OUTPUTS)}
@@ -45,6 +48,12 @@ class Architecture:
                 raise InputError(
                     f"network: {name} {getattr(self, name)!r}; give one of {', '.join(choices)}"
                 )
+        if not isinstance(self.mirror, bool):
+            raise InputError(f"network: mirror {self.mirror!r}; give True or False")
+        if self.mirror and (self.outputs != "reachability" or self.encoder == "stacked"):
+            raise InputError(
+                "network: only reachability is the same in a mirror, and a stacked encoder has none"
+            )
         if not isinstance(self.k, int) or not 0 <= self.k <= 20:
             raise InputError(f"network: k = {self.k!r}; give a whole number, 0 to 20")
 

@@ -17,7 +17,12 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Options, Report
 from tutorial_lib.experiments.meng2020 import calibration
-from tutorial_lib.experiments.protocols import estimators, geometry_bound, reachability
+from tutorial_lib.experiments.protocols import (
+    estimators,
+    geometry_bound,
+    reachability,
+    reachability_rows,
+)
 from tutorial_lib.experiments.protocols.estimators import Estimator
 from tutorial_lib.experiments.protocols.reachability import Queries, Sizes, examine, far_pairs
 from tutorial_lib.geometry import to_local, wrap
@@ -310,7 +315,7 @@ def part(seed, count=60):
 
 def test_a_row_tells_how_right_an_estimator_was():
     parts = [part(seed) for seed in range(4)]
-    row = calibration._row("k2", parts)
+    row = reachability_rows.estimator_row("k2", parts)
     every = {key: np.concatenate([p[key] for p in parts]) for key in parts[0]}
     predicted, reached = every["predicted"][every["seen"]], every["reached"][every["seen"]]
     assert (row["estimator"], row["pairs"]) == ("k2", len(predicted))
@@ -335,15 +340,15 @@ def test_where_nobody_was_sure_there_is_no_precision():
     parts = [part(seed) for seed in range(2)]
     for p in parts:
         p["predicted"], p["edges"] = 0.9 * p["predicted"], np.empty(0)
-    row = calibration._row("image", parts)
+    row = reachability_rows.estimator_row("image", parts)
     assert row["precision_mix"] is row["precision_mix_low"] is row["precision_map"] is None
     assert row["sure_mix"] == row["sure_map"] == 0
 
 
 def test_geometry_has_a_row_of_its_own_with_the_same_columns():
     parts = [part(seed) for seed in range(3)]
-    like = calibration._row("k2", parts)
-    row = calibration._geometry_row(parts, like)
+    like = reachability_rows.estimator_row("k2", parts)
+    row = reachability_rows.geometry_row(parts, like)
     assert list(row) == list(like)
     assert row["estimator"] == "geometry"
     assert row["auc"] == row["geometry_auc"] == like["geometry_auc"]

@@ -63,6 +63,18 @@ def examine(
     family: str = "",
 ) -> dict[str, dict[str, Array]]:
     """Predictions of each estimator in one world, and the outcomes; arrays by name."""
+    return examine_these(world, estimators(names), bounds, sizes, seed, family)
+
+
+def examine_these(
+    world: int,
+    every: dict[str, Estimator],
+    bounds: dict[str, Any],
+    sizes: Sizes,
+    seed: int,
+    family: str = "",
+) -> dict[str, dict[str, Array]]:
+    """The same of any estimators, by their names."""
     rng = np.random.default_rng([seed, world])
     name = local_world(world, family=family)
     scene = scene_of(name)
@@ -71,7 +83,6 @@ def examine(
     pairs = draw_reachability_pairs(recorded, paths, sizes.targets, rng)
     starts, far = far_pairs(recorded, paths, sizes.far, rng)
     frames = np.sort(rng.choice(len(recorded.poses), sizes.anchors, replace=False))
-    every = estimators(names)
     outcomes = {c: _driven(recorded, pairs, c) for c in {j.controller for j in every.values()}}
     given, found = features(recorded, pairs), {}
     for name, estimator in every.items():

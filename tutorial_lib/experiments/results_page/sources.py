@@ -69,6 +69,7 @@ COMMANDS = {
         for m in MAPS
     },
     "calibration": "experiment calibration --family all",
+    "calibration_mirror": "experiment calibration --ablation mirror --family all",
     "calibration_hall": "experiment calibration --family hall --worlds 20000:20006",
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (4, 5, 6, 7, 8)},
     **{f"meng_fig{number}": f"experiment meng_fig{number}" for number in (9, 10, 11, 13)},
