@@ -709,7 +709,7 @@ show(side_by_side(panels, titles))
 # shows whether it does.
 # </details>
 # <details><summary>Could the same network give a second opinion?</summary>
-# Yes, in a <b>mirror</b>. Whether the car arrives does not depend on left and right, but the network sees other images, and makes other mistakes. The library's RE with k = 2 looks once more, as in a mirror, at each pair that seems reachable at first, and takes the mean of both logits. The results page (<code>experiment calibration --ablation mirror</code>) has the figures with one look and with two; the numbers above are with two.
+# Yes, in a <b>mirror</b>. Whether the car arrives does not depend on left and right, but in a mirror the network sees other images, and makes other mistakes. So it can look once more at each pair that seems reachable at first, and the mean of both logits counts. It takes up to twice the time, and the library's networks look only once; the results page has the figures with one look and with two (<code>experiment calibration --ablation mirror</code>).
 # </details>
 #
 # An edge of the map between two such places is a **[[wormhole]]**: the planner assumes that the robot can drive from one to the other, and since planners look for short paths, it will use it.
@@ -719,7 +719,7 @@ show(side_by_side(panels, titles))
 # know this from tests for rare diseases. A map of 1,000 vertices needs an error rate of one in 100,000 to have fewer than ten wormholes.
 # </details>
 # <details><summary>Then how can a network ever learn it? In a random draw of pairs, mistakes of this kind hardly occur.</summary>
-# By searching for them, <b>hard negative mining</b>. After most of its training, the network predicted all pairs of 160 frames in each of 160 training worlds. Among those with a high prediction, the far, occluded pairs are its worst mistakes, <b>hard negatives</b>: up to 400 in each world, those with the highest predictions, and they are labelled 0 without a rollout. In each world up to 100 other pairs were rolled out. (Many of these did arrive: such pairs are
+# By searching for them, <b>hard negative mining</b>. After most of its training, the network predicted all pairs of 160 frames in 80 training worlds. Among those with a high prediction, the far, occluded pairs are its worst mistakes, <b>hard negatives</b>: up to 400 in each world, those with the highest predictions, and they are labelled 0 without a rollout. In each world up to 100 other pairs were rolled out. (Many of these did arrive: such pairs are
 # kept too, or the network would learn to distrust all its confident predictions.) In the rest of the training about every tenth target came from these two sets.
 # </details>
 

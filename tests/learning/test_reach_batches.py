@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
-from tests.conftest import make_box, make_trajectory
+from tests.conftest import make_trajectory
 from tests.learning.test_training import PoseView
 from tutorial_lib.driving.data.reachability_pairs import STARTS, draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
@@ -24,9 +24,7 @@ from tutorial_lib.learning.reach_batches import (
     OutcomeSource,
     ProximitySource,
     by_target,
-    rendered,
 )
-from tutorial_lib.world.scene import Scene
 
 K = 2
 ARRAYS = [field.name for field in fields(Batch)]
@@ -142,57 +140,6 @@ def test_a_share_of_the_targets_is_mined(source, labelled, share):
     blocks = [replace(source, mined=share).block([4, i]) for i in range(4)]
     mined = np.concatenate([labelled_pairs_in(block, labelled)[::STARTS, 9] for block in blocks])
     assert mined.mean() == pytest.approx(share, abs=0.08)
-
-
-def test_half_of_the_targets_are_seen_in_a_mirror(source):
-    plain = replace(source, vary=True)
-    mixed = replace(plain, architecture=replace(source.architecture, mirror=True))
-    assert same(replace(mixed, vary=False).block([6]), source.block([6]))  # as for validation
-    plain, mixed = plain.block([6]), mixed.block([6])
-    changed = (mixed.contexts != plain.contexts).any(axis=(1, 2, 3, 4))
-    assert 0.35 < changed.mean() < 0.65
-    assert same(mixed, plain.mirrored(changed))
-    for name in ("reached", "weight", "overlap", "placed"):
-        assert (getattr(mixed, name) == getattr(plain, name)).all(), name
-
-
-def test_a_mirror_shows_what_a_mirrored_robot_sees():
-    plan = make_box(10.0, 6.0, [(4.0, 2.0, 0.4), (4.0, 4.0, 0.4), (8.0, 3.0, 0.5)])
-    paint = replace(plan.materials[0], stripes=())
-    scene = Scene(replace(plan, materials=(paint,)))  # its own image in a mirror along y = 3
-    trajectory = make_trajectory([(1.5, 1.5), (6.5, 1.5)])
-    flip = np.array([1.0, -1.0, -1.0])
-    other = replace(trajectory, poses=[0.0, 6.0, 0.0] + flip * trajectory.poses)
-    starts = np.array([[1.0, 1.2, 0.3], [2.0, 1.6, -0.4]] * 2)[:, None] + np.zeros((1, STARTS, 1))
-    frames = np.array([10, 40, 60, 90])
-    one = np.ones(4 * STARTS)
-    labels = {"reached": one, "weight": one, "overlap": np.ones((4 * STARTS, 2))}
-    architecture = Architecture(K, outputs="reachability")
-    here = rendered(RecordedWorld(scene, [trajectory]), architecture, starts, frames, labels)
-    starts = [0.0, 6.0, 0.0] + flip * starts
-    there = rendered(RecordedWorld(scene, [other]), architecture, starts, frames, labels)
-    which = np.array([True, False, True, False])
-    seen = here.mirrored(which)
-    for name in ("current", "contexts", "context_poses"):
-        each = 1 if name == "contexts" else STARTS
-        wanted = np.where(
-            np.repeat(which, each).reshape(-1, *[1] * (getattr(here, name).ndim - 1)),
-            getattr(there, name).astype(float),
-            getattr(here, name),
-        )
-        assert getattr(seen, name) == pytest.approx(wanted, abs=1e-4 if "pose" in name else 1.5)
-    assert (seen.current != here.current).any()
-
-
-@pytest.mark.parametrize("name", ["waypoint", "turn", "action"])
-def test_a_mirror_exchanges_left_and_right_of_a_label(source, name):
-    block = source.block([7])
-    values = np.random.default_rng(0).normal(size=(len(block.current), 2)).astype(np.float32)
-    block = replace(block, **{name: values})
-    all_of_them, none = np.ones(len(block.contexts), bool), np.zeros(len(block.contexts), bool)
-    assert (getattr(block.mirrored(all_of_them), name) == values * [1, -1]).all()
-    assert (getattr(block.mirrored(none), name) == values).all()
-    assert same(block.mirrored(all_of_them).mirrored(all_of_them), block)
 
 
 def test_worlds_without_mined_pairs_give_those_that_they_have(source, labelled):

@@ -237,8 +237,7 @@ def test_each_network_learns_from_the_pairs_of_its_own_controller():
         assert recipe.command == f"train reachability --k {k}"
         assert recipe.name == ("reach_laser" if k == "laser" else f"reach_k{k}")
         theirs = load_card(recipe.controller).architecture
-        mirror = recipe.architecture.mirror
-        assert recipe.architecture == replace(theirs, outputs="reachability", mirror=mirror)
+        assert recipe.architecture == replace(theirs, outputs="reachability")
     assert (SPTM.name, SPTM.architecture.k) == ("sptm", 0)
     assert SPTM.command == "train reachability --k sptm"
     names = [recipe.name for recipe in (*REACHABILITY.values(), SPTM)]
@@ -248,8 +247,7 @@ def test_each_network_learns_from_the_pairs_of_its_own_controller():
 
 
 def test_worlds_are_used_for_one_thing_only():
-    most = max(recipe.worlds for recipe in (*REACHABILITY.values(), SPTM))
-    taught = range(reach_recipes.FIRST_WORLD, reach_recipes.FIRST_WORLD + most)
+    taught = range(reach_recipes.FIRST_WORLD, reach_recipes.FIRST_WORLD + reach_recipes.WORLDS)
     control = range(max(recipe.worlds for recipe in recipes.WAYPOINT.values()))
     parts = [control, taught, geometry_bound.WORLDS, calibration_audit.WORLDS]
     unseen = [reach_recipes.STOPPING, reach_recipes.CALIBRATING]

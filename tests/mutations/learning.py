@@ -128,20 +128,6 @@ MUTATIONS = [
         "learning/test_reachability.py -k mirror",
     ),
     (
-        "validation worlds are seen in a mirror, too",
-        "learning/reach_batches.py",
-        "if not (self.vary and self.architecture.mirror):",
-        "if not self.architecture.mirror:",
-        "learning/test_reach_batches.py -k mirror",
-    ),
-    (
-        "in a mirror a heading turns the same way",
-        "learning/batches.py",
-        '"context_poses": (1, -1, 1, -1)',
-        '"context_poses": (1, -1, 1, 1)',
-        "learning/test_reach_batches.py -k mirror",
-    ),
-    (
         "a target is known by its last picture, not its middle one",
         "learning/estimators.py",
         "sorted({0, count // 2})",

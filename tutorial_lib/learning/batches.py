@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields
 from typing import Any, Protocol
 
 import numpy as np
@@ -66,36 +66,6 @@ class Batch:
                 by_target = values.reshape(count, starts, *values.shape[1:])[groups]
                 picked[field.name] = by_target.reshape(len(by_target) * starts, *values.shape[1:])
         return Batch(**picked)
-
-    def mirrored(self, which: NDArray[np.bool_]) -> "Batch":
-        """The targets `which` (G,), with all their starts, as they would look in a mirror."""
-        pairs = np.repeat(which, len(self.current) // len(self.contexts))
-        changed = {
-            "current": _seen_in_mirror(self.current, pairs),
-            "contexts": _seen_in_mirror(self.contexts, which),
-        }
-        for name, signs in _IN_A_MIRROR.items():
-            values = getattr(self, name)
-            shape = (-1, *[1] * (values.ndim - 1))
-            signs = np.array(signs[: values.shape[-1]], np.float32)
-            changed[name] = np.where(pairs.reshape(shape), signs * values, values)
-        return replace(self, **changed)
-
-
-_IN_A_MIRROR = {
-    "waypoint": (1, -1),
-    "turn": (1, -1),
-    "context_poses": (1, -1, 1, -1),
-    "action": (1, -1),
-}
-"""Signs by which a mirror changes labels: of y, of a heading's sine and of the steering."""
-
-
-def _seen_in_mirror(images: NDArray, which: NDArray[np.bool_]) -> NDArray:
-    """Images (N, ..., W, C) of which those of `which` (N,) have left and right exchanged."""
-    changed = images.copy()
-    changed[which] = images[which][..., ::-1, :]
-    return changed
 
 
 @dataclass(frozen=True)

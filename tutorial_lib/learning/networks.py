@@ -31,8 +31,8 @@ class Architecture:
         encoder: one of `ENCODERS`.
         view: one of `VIEWS`.
         outputs: one of `OUTPUTS`.
-        mirror: whether pairs are also looked at as in a mirror, which changes no outcome. Training
-            shows half of them so; an estimator looks twice where it has hope, and takes the mean.
+        mirror: whether an estimator looks once more, as in a mirror, at pairs that seem reachable,
+            and takes the mean of both outputs: whether C arrives does not depend on left and right.
     """
 
     k: int

@@ -43,8 +43,7 @@ class OutcomeSource:
         mined: share of the targets that are taken from mined pairs, in worlds that have any.
         worlds: drawn for a block.
         targets: of each world, with `STARTS` starts each.
-        vary: whether images are augmented, and half of the targets shown as in a mirror where the
-            architecture has one.
+        vary: whether images are augmented.
     """
 
     labelled: Sequence[LabelledWorld]
@@ -71,10 +70,7 @@ class OutcomeSource:
         rng = np.random.default_rng(seed)
         chosen = rng.integers(len(self.labelled), size=self.worlds)
         block = joined([self._world(self.labelled[i], rng) for i in chosen])
-        block = block.targets(rng.permutation(len(block.contexts)))
-        if not (self.vary and self.architecture.mirror):
-            return block
-        return block.mirrored(rng.random(len(block.contexts)) < 0.5)
+        return block.targets(rng.permutation(len(block.contexts)))
 
     def _world(self, world: LabelledWorld, rng: np.random.Generator) -> Batch:
         has_mined = world.mined is not None and len(world.mined) > 0
