@@ -68,13 +68,13 @@ def examine(
 
 def examine_these(
     world: int,
-    every: dict[str, Estimator],
+    every: dict[Any, Estimator],
     bounds: dict[str, Any],
     sizes: Sizes,
     seed: int,
     family: str = "",
-) -> dict[str, dict[str, Array]]:
-    """The same of any estimators, by their names."""
+) -> dict[Any, dict[str, Array]]:
+    """The same of any estimators, by their keys."""
     rng = np.random.default_rng([seed, world])
     name = local_world(world, family=family)
     scene = scene_of(name)

@@ -18,7 +18,7 @@ _BINS = 10
 
 
 def estimator_row(name: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
-    """The row of an estimator, from what `examine` found in each world."""
+    """The row of an estimator, from what `examine` found of it in each world."""
     keys = ("predicted", "reached", "seen", "bound")
     predicted, reached, seen, bound = (_all(parts, key) for key in keys)
     worlds = np.repeat(np.arange(len(parts)), [len(part["predicted"]) for part in parts])
