@@ -107,10 +107,10 @@ MUTATIONS = [
         "learning/test_estimators.py",
     ),
     (
-        "without hope RE looks again",
+        "RE looks again at what seems out of reach",
         "learning/estimators.py",
-        "hopeful = outputs[:, 0] > HOPE",
-        "hopeful = outputs[:, 0] < HOPE",
+        "seems_reachable = outputs[:, 0] > SECOND_LOOK",
+        "seems_reachable = outputs[:, 0] < SECOND_LOOK",
         "learning/test_reachability.py -k mirror",
     ),
     (

@@ -44,9 +44,9 @@ class EncodedTargets:
         return replace(parts[0], encoded=torch.cat([part.encoded for part in parts]))
 
 
-HOPE = -1.0
-"""Logit of reachability above which a network with a mirror looks at a pair once more: most pairs
-are hopeless at first sight, and for these the second look would change nothing."""
+SECOND_LOOK = -1.0
+"""Logit of reachability above which a network with a mirror looks at a pair once more; it would
+change little for the others, and these are most of the pairs that a map queries."""
 _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cache
 
 
@@ -228,10 +228,10 @@ def _looked_at(
 ) -> Tensor:
     """Outputs (N, O) of N pairs: the mean of both looks at those that seem reachable at first."""
     outputs = compare(*first)
-    hopeful = outputs[:, 0] > HOPE
-    if mirrored is not None and hopeful.any():
-        again = compare(*(images[hopeful] for images in mirrored))
-        outputs[hopeful] = 0.5 * (outputs[hopeful] + again)
+    seems_reachable = outputs[:, 0] > SECOND_LOOK
+    if mirrored is not None and seems_reachable.any():
+        again = compare(*(images[seems_reachable] for images in mirrored))
+        outputs[seems_reachable] = 0.5 * (outputs[seems_reachable] + again)
     return outputs
 
 
