@@ -9,6 +9,7 @@ import pytest
 LIBRARY = Path(__file__).resolve().parents[2] / "tutorial_lib"
 LAYERS = (
     ("errors",),
+    ("validation",),
     ("observation",),
     ("geometry", "interfaces", "files", "memory", "reading", "parallel"),
     ("world",),
