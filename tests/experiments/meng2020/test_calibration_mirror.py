@@ -50,6 +50,7 @@ def test_one_look_and_two_are_of_the_same_weights(worlds, recorded):
 @needs("reach_k2")
 def test_a_row_for_each_number_of_looks(worlds, monkeypatch):
     def examine(world, every, bounds, sizes, seed, family):
+        assert bounds == {"k2": "the bound of k2"}
         found = {}
         for (name, looks), estimator in every.items():
             assert estimator.reachability.architecture.mirror == (looks == 2)
@@ -67,6 +68,7 @@ def test_a_row_for_each_number_of_looks(worlds, monkeypatch):
         return found
 
     monkeypatch.setattr(calibration_mirror, "examine_these", examine)
+    monkeypatch.setattr(calibration_mirror, "fitted", lambda name: f"the bound of {name}")
     with joblib.parallel_config(backend="sequential"):
         options = Options(ablation="mirror", worlds=(20_000, 20_001), quick=True)
         report = calibration.EXPERIMENT.report(options)

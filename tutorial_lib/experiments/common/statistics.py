@@ -58,7 +58,8 @@ def measured_over_worlds(
     for _ in range(_FEW_DRAWS):
         drawn = np.concatenate([rows[i] for i in rng.integers(len(rows), size=len(rows))])
         found.append(measure(*(column[drawn] for column in values)))
-    low, high = np.nanquantile(found, [0.025, 0.975])
+    kept = np.array(found)[~np.isnan(found)]
+    low, high = np.quantile(kept, [0.025, 0.975]) if len(kept) else (np.nan, np.nan)
     return measure(*values), float(low), float(high)
 
 
