@@ -226,7 +226,7 @@ def setup(extra: str = STUDENT, gpu: bool = False) -> None:
     if broken:  # pip goes by a package's metadata, which may be all that is left of it
         print(f"Repairing: {', '.join(broken)}", flush=True)
         run([*pip, "uninstall", "-q", "-y", *broken], cwd=HERE)
-    if run([*pip, "install", "-q", "pip>=21.3"], cwd=HERE):  # -e with pyproject.toml alone
+    if run([*pip, "install", "-q", "pip>=22.3"], cwd=HERE):  # a test needs --python
         sys.exit(advice())
     if build == "cpu":
         install_cpu_torch(pip)

@@ -339,7 +339,7 @@ def test_a_venv_without_pip_is_completed_not_cleared(start, machine, monkeypatch
     assert [("--clear" in call) for call in machine.made] == [False]
 
 
-@pytest.mark.parametrize("stopped", ["venv", "pip>=21.3", ".[student]"])
+@pytest.mark.parametrize("stopped", ["venv", "pip>=22.3", ".[student]"])
 def test_an_interrupted_installation_is_repaired_by_the_next(start, machine, stopped):
     machine.codes = {stopped: "ctrl-c"}
     assert start.main(["demo"]) == 130
@@ -427,7 +427,7 @@ def test_packages_that_were_deleted_are_installed_again(start, machine, capsys):
     start.setup()
     removed, pip, course = machine.calls[:3]
     assert removed[-5:] == ["uninstall", "-q", "-y", "numpy", "torch"]
-    assert "pip>=21.3" in pip
+    assert "pip>=22.3" in pip
     assert ".[student]" in course
     assert "Repairing: numpy, torch" in capsys.readouterr().out
     assert machine.made == []
