@@ -33,6 +33,7 @@ VENV = HERE / ".venv"
 STAMP = VENV / "stamp"
 STUDENT, DEVELOPER = "student", "dev"  # extras of pyproject.toml; the second holds the first
 CPU_INDEX = "https://download.pytorch.org/whl/cpu"  # the usual index has CUDA's build for Linux
+TORCH = r'"(torch\b[^"]*)"'  # what pyproject.toml requires
 ANSWERS_WITHIN = 10.0  # seconds for that index
 ALONE = ("progress", "setup")  # commands that take no arguments
 NEEDED = 3.0  # GB of disk for an installation
@@ -194,7 +195,7 @@ def quiet(command: list[str], seconds: float | None = None) -> bool:
 
 def install_cpu_torch(pip: list[str]) -> None:
     """On Linux install the CPU build of torch, unless it is there or pip was told where to look."""
-    torch = re.search(r'"(torch\b[^"]*)"', pyproject())
+    torch = re.search(TORCH, pyproject())
     own = re.search(r"\.(no-index|index-url)=", ask("-m", "pip", "config", "list"))
     if not torch or own or not has_cuda_by_default():
         return
@@ -239,8 +240,7 @@ def setup(extra: str = STUDENT, gpu: bool = False) -> None:
     print("Compiling the numerical kernels: half a minute, once.", flush=True)
     run([str(python_of(VENV)), "-m", "tutorial_lib", "compile"], cwd=HERE)
     STAMP.write_text("\n".join(wanted), encoding="utf-8")
-    if log.exists():
-        log.unlink()  # 31 MB that only a failure needs
+    log.unlink(missing_ok=True)  # 31 MB that only a failure needs
 
 
 def command(name: str, arguments: list[str]) -> list[str]:

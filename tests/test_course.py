@@ -60,8 +60,11 @@ def test_a_fault_of_an_installed_course_is_mended_by_pip(installed, monkeypatch,
     assert "fix: install the course again: python -m pip install" in capsys.readouterr().out
 
 
-def test_an_installed_course_has_no_sources_to_build_from(installed, capsys):
+def test_an_installed_course_builds_nothing_and_compiles_elsewhere(installed, monkeypatch, capsys):
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(installed))
     assert main(["build"]) == 2
+    assert Path(os.environ["NUMBA_CACHE_DIR"]) == course.cache_folder() / "numba"
     assert "only in the course's checkout" in capsys.readouterr().err
     assert main(["progress"]) == 2
     assert "copy it to here: topological-navigation copy" in capsys.readouterr().err

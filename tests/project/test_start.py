@@ -3,6 +3,7 @@
 import ast
 import importlib.util
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -200,6 +201,12 @@ def test_what_is_lost_is_asked_of_what_is_installed(start, machine, monkeypatch)
 
 
 TORCH = "[project]\ndependencies = ['x', \"torch>=2.4,<2.14\"]\n"
+
+
+def test_pyproject_says_the_same_to_uv(start):
+    text = (FILE.parent / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.search(start.TORCH, text)[1] == "torch>=2.4,<2.14"
+    assert f'url = "{start.CPU_INDEX}"' in text
 
 
 @pytest.fixture

@@ -70,6 +70,10 @@ def _code(package: metadata.Distribution) -> Iterator[str]:
             yield path
 
 
+def main(extras: list[str]) -> None:
+    """Print what the course with some of its extras lacks."""
+    print(" ".join(lost(f"{COURSE}[{','.join(extras)}]")) or COMPLETE)
+
+
 if __name__ == "__main__":
-    extras = ",".join(sys.argv[1:])
-    print(" ".join(lost(f"{COURSE}[{extras}]")) or COMPLETE)
+    main(sys.argv[1:])
