@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 
 from tutorial_lib.commands.constants import INTERRUPTED
-from tutorial_lib.commands.copy import copy_here
 from tutorial_lib.course import course_folder, find_course, is_checkout
 
 _CONFIG = Path(__file__).with_name("jupyter")
@@ -29,12 +28,14 @@ def lab_arguments(folder: Path, arguments: list[str]) -> list[str]:
 def open_lab(arguments: list[str]) -> int:
     """Open JupyterLab in this process, so that it hears each signal, until it is closed.
 
-    An installed course is copied before to where one is, unless its pages are there.
+    Of an installed course the pages that are missing are copied before, to where one is.
 
     Returns:
         The exit code.
     """
     if not is_checkout():
+        from tutorial_lib.commands.copy import copy_here
+
         copy_here(find_course() or Path.cwd())
     paths = [os.environ.get("JUPYTER_CONFIG_PATH"), str(_CONFIG)]
     os.environ["JUPYTER_CONFIG_PATH"] = os.pathsep.join(filter(None, paths))
