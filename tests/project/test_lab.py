@@ -33,8 +33,9 @@ def ask(lab, path, **options):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_jupyterlab_and_its_kernels_end_with_start(tmp_path, number):
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_jupyterlab_and_its_kernels_end_with_start(tmp_path, name):
+    number = getattr(signal, name)
     with Lab(tmp_path, START) as lab:
         ask(lab, "kernels", method="POST", data=b"{}")
         family = psutil.Process(lab.server.pid).children(recursive=True)

@@ -602,8 +602,9 @@ def test_ctrl_c_is_left_to_the_child(tmp_path, child, code):
 
 
 @posix_only
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
-def test_a_stopped_start_stops_what_it_started(tmp_path, number):
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_stopped_start_stops_what_it_started(tmp_path, name):
+    number = getattr(signal, name)
     with started(WAIT, tmp_path) as process:
         process.send_signal(number)
         process.communicate(timeout=50)
