@@ -168,7 +168,9 @@ class Lab:
         while time.monotonic() < end and self.server.poll() is None:
             for file in self.runtime.glob("jpserver-*.json"):
                 with contextlib.suppress(ValueError):  # half written
-                    return json.loads(file.read_text())["url"].rstrip("/")
+                    address = json.loads(file.read_text())["url"].rstrip("/")
+                    if listens(address):
+                        return address
             time.sleep(0.1)
         raise RuntimeError(f"JupyterLab does not start:\n{self.log.read_text()[-3000:]}")
 
@@ -194,6 +196,13 @@ class Lab:
         """The page with nothing but this notebook."""
         path = quote(notebook.relative_to(self.root).as_posix())
         return f"{self.address}/doc/tree/{path}?token={self.token}"
+
+
+def listens(address):
+    """Whether something answers at an address of this machine."""
+    where = urlsplit(address)
+    with socket.socket() as probe:
+        return probe.connect_ex((where.hostname, where.port)) == 0
 
 
 def write_json(file, content):
