@@ -1,16 +1,17 @@
 #!/usr/bin/env python3
 """Set up the course in .venv beside this file, then start it.
 
-usage: python3 start.py [COMMAND] [ARGUMENTS]
+usage: python3 start.py [--gpu] [COMMAND] [ARGUMENTS]
   lab       open JupyterLab on the first notebook (the same without a command)
   test      run the tests, in this folder; --full adds the slow ones
   demo      run one navigation without a screen; leaves a film and a JSON in the current folder
   progress  list the exercises that are done, in every notebook
   setup     only install
+  --gpu     before or after a command: on Linux (x86-64) PyTorch with CUDA, which is kept then
 
 ARGUMENTS go to JupyterLab, pytest or the demo: start.py lab --no-browser. The first start
 takes some minutes to install; later ones install nothing unless pyproject.toml has changed or
-packages are missing.
+packages are missing. The first "test" adds what only the tests need.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import os
+import platform
+import re
 import shutil
 import signal
 import subprocess
@@ -28,6 +31,10 @@ VERSION = ".".join(map(str, sys.version_info[:2]))
 HERE = Path(__file__).resolve().parent
 VENV = HERE / ".venv"
 STAMP = VENV / "stamp"
+STUDENT, DEVELOPER = "student", "dev"  # extras of pyproject.toml; the second holds the first
+CPU_INDEX = "https://download.pytorch.org/whl/cpu"  # the usual index has CUDA's build for Linux
+TORCH = r'"(torch\b[^"]*)"'  # what pyproject.toml requires
+ANSWERS_WITHIN = 10.0  # seconds for that index
 ALONE = ("progress", "setup")  # commands that take no arguments
 NEEDED = 3.0  # GB of disk for an installation
 
@@ -56,16 +63,38 @@ def environment() -> dict[str, str]:
 
 
 def run(command: list[str], cwd: Path | None = None) -> int:
-    """Run a command to its end and return its exit code; raise if it was ended by Ctrl-C."""
-    pressed: list[int] = []
-    # The terminal sends Ctrl-C to the child as well. Let the child answer: JupyterLab asks back.
-    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
-    with subprocess.Popen(command, cwd=cwd, env=environment()) as child:
-        ended = signal.signal(signal.SIGTERM, lambda *_: child.terminate())
-        code = child.wait()
-    signal.signal(signal.SIGINT, before)
-    signal.signal(signal.SIGTERM, ended)
-    if pressed and code:
+    """Run a command to its end and return its exit code.
+
+    Raises:
+        KeyboardInterrupt: if it was ended by Ctrl-C.
+        SystemExit: if this process was told to end, by SIGTERM or as its terminal was closed.
+    """
+    received: list[int] = []
+    children: list[subprocess.Popen] = []
+
+    def told() -> list[int]:
+        """What told to end; Ctrl-C goes to the child by itself, which may ask back (JupyterLab)."""
+        return [number for number in received if number != signal.SIGINT]
+
+    def pass_on(*signals: object) -> None:
+        received.extend(signals[:1])
+        for child in children if told() else ():
+            child.terminate()
+
+    numbers = [getattr(signal, name, None) for name in ("SIGINT", "SIGTERM", "SIGHUP")]
+    heard = [n for n in numbers if n and signal.getsignal(n) != signal.SIG_IGN]  # nohup ignores one
+    before = {number: signal.signal(number, pass_on) for number in heard}
+    try:
+        with subprocess.Popen(command, cwd=cwd, env=environment()) as child:
+            children.append(child)
+            pass_on()  # what came before there was a child
+            code = child.wait()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if told():
+        sys.exit(128 + told()[0])
+    if received and code:
         raise KeyboardInterrupt
     return code if code >= 0 else 128 - code
 
@@ -80,24 +109,36 @@ def ask(*arguments: str) -> str:
     return "" if done.returncode else done.stdout.decode(errors="replace").strip()
 
 
-def stamp() -> str:
-    """What an installation depends on, one line each: the dependencies, the Python, the folder."""
+def stamp(extra: str, gpu: bool) -> list[str]:
+    """What an installation depends on, one line each: dependencies, Python, folder, extra, torch.
+
+    An extra or a torch for the GPU that is there already stays.
+    """
+    digest = hashlib.sha256(pyproject().encode()).hexdigest()
+    here = stamped()[3:]
+    extra = DEVELOPER if DEVELOPER in (extra, *here) else STUDENT
+    return [digest, VERSION, str(VENV), extra, "gpu" if gpu or "gpu" in here else "cpu"]
+
+
+def pyproject() -> str:
+    """The text of pyproject.toml."""
     project = HERE / "pyproject.toml"
     if not project.is_file():
         sys.exit(f"{project} is missing: get the course again, or restore it with git checkout")
-    digest = hashlib.sha256(project.read_bytes()).hexdigest()
-    return "\n".join([digest, VERSION, str(VENV)])
+    return project.read_text(encoding="utf-8")
 
 
-def stamped() -> str:
+def stamped() -> list[str]:
     """The stamp that the last finished installation left; empty if there is none."""
-    return STAMP.read_text(encoding="utf-8", errors="replace") if STAMP.is_file() else ""
+    if not STAMP.is_file():
+        return []
+    return STAMP.read_text(encoding="utf-8", errors="replace").splitlines()
 
 
 def reason_to_rebuild() -> str:
     """Why an existing .venv cannot be used; empty if it can be kept, or there is none."""
     found = ask("-c", "import sys; print('%d.%d' % sys.version_info[:2])")
-    folder = "".join(stamped().splitlines()[2:])
+    folder = "".join(stamped()[2:3])
     if found and found != VERSION:
         return f"is for Python {found}, this is {VERSION}"
     if folder and folder != str(VENV):
@@ -105,15 +146,16 @@ def reason_to_rebuild() -> str:
     return "" if found or not VENV.exists() else "does not run"
 
 
-def lost() -> list[str]:
+def lost(extra: str) -> list[str]:
     """The packages that .venv should hold but does not; "all" if not even that can be found out."""
-    said = ask("-m", "tutorial_lib.commands.installed") or "all"
+    said = ask("-m", "tutorial_lib.commands.installed", extra) or "all"
     return [] if said == "complete" else said.split()
 
 
-def is_ready() -> bool:
+def is_ready(extra: str = STUDENT, gpu: bool = False) -> bool:
     """Whether .venv holds what pyproject.toml asks for, and still runs."""
-    return stamped() == stamp() and not reason_to_rebuild() and not lost()
+    wanted = stamp(extra, gpu)
+    return stamped() == wanted and not reason_to_rebuild() and not lost(wanted[3])
 
 
 def make_venv() -> None:
@@ -142,28 +184,63 @@ def advice() -> str:
     )
 
 
-def setup() -> None:
-    """Make .venv and install what pyproject.toml asks for, unless all of it is there."""
-    if is_ready():
+def quiet(command: list[str], seconds: float | None = None) -> bool:
+    """Whether a command succeeds, in time; nothing of what it says is shown."""
+    try:
+        done = subprocess.run(command, env=environment(), capture_output=True, timeout=seconds)
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def install_cpu_torch(pip: list[str]) -> None:
+    """On Linux install the CPU build of torch, unless it is there or pip was told where to look."""
+    torch = re.search(TORCH, pyproject())
+    own = re.search(r"\.(no-index|index-url)=", ask("-m", "pip", "config", "list"))
+    if not torch or own or not has_cuda_by_default():
         return
-    wanted = stamp()
-    broken = [name for name in lost() if name != "all"] if stamped() else []
+    alone, index = [*pip, "install", "--no-deps", torch[1]], ["--index-url", CPU_INDEX]
+    if quiet([*alone, "--no-index"]):  # it was there, or in a folder that pip is set to look into
+        return
+    asked = [*pip, "index", "versions", "torch", *index, "--timeout", "3", "--retries", "0"]
+    if not quiet(asked, ANSWERS_WITHIN) or run([*alone, *index], cwd=HERE):
+        print(f"No torch from {CPU_INDEX}: taking pip's usual, with CUDA 4 GB.", flush=True)
+
+
+def has_cuda_by_default() -> bool:
+    """Whether the usual index has torch with CUDA for this computer."""
+    return sys.platform == "linux" and platform.machine() in ("x86_64", "AMD64")
+
+
+def setup(extra: str = STUDENT, gpu: bool = False) -> None:
+    """Make .venv and install what pyproject.toml asks for, unless all of it is there."""
+    if is_ready(extra, gpu):
+        return
+    before, wanted = stamped(), stamp(extra, gpu)
+    extra, build = wanted[3:]
+    broken = [name for name in lost(before[3]) if name != "all"] if before[3:] else []
     make_venv()
     print(f"Installing into {VENV}: some minutes the first time.", flush=True)
     STAMP.write_text("", encoding="utf-8")  # an interrupted installation is not finished
-    pip = [str(python_of(VENV)), "-m", "pip", "--disable-pip-version-check"]
-    pip += ["--log", str(VENV / "pip.log")]
+    log = VENV / "pip.log"
+    pip = [str(python_of(VENV)), "-m", "pip", "--disable-pip-version-check", "--log", str(log)]
     if broken:  # pip goes by a package's metadata, which may be all that is left of it
         print(f"Repairing: {', '.join(broken)}", flush=True)
         run([*pip, "uninstall", "-q", "-y", *broken], cwd=HERE)
-    for what in (["-q", "pip>=21.3"], ["-e", ".[test]"]):  # 21.3: -e with pyproject.toml alone
-        if run([*pip, "install", *what], cwd=HERE):
-            sys.exit(advice())
-    if lost():
-        sys.exit(f"Could not install {', '.join(lost())}: delete {VENV} and start again.")
+    if run([*pip, "install", "-q", "pip>=22.3"], cwd=HERE):  # a test needs --python
+        sys.exit(advice())
+    if build == "cpu":
+        install_cpu_torch(pip)
+    elif "gpu" not in before:
+        quiet([*pip, "uninstall", "-y", "torch"])
+    if run([*pip, "install", "-e", f".[{extra}]"], cwd=HERE):
+        sys.exit(advice())
+    if lost(extra):
+        sys.exit(f"Could not install {', '.join(lost(extra))}: delete {VENV} and start again.")
     print("Compiling the numerical kernels: half a minute, once.", flush=True)
     run([str(python_of(VENV)), "-m", "tutorial_lib", "compile"], cwd=HERE)
-    STAMP.write_text(wanted, encoding="utf-8")
+    STAMP.write_text("\n".join(wanted), encoding="utf-8")
+    log.unlink(missing_ok=True)  # 31 MB that only a failure needs
 
 
 def command(name: str, arguments: list[str]) -> list[str]:
@@ -174,6 +251,7 @@ def command(name: str, arguments: list[str]) -> list[str]:
 
 def main(arguments: list[str]) -> int:
     """Do what the command line asks for and return the exit code."""
+    gpu, arguments = "--gpu" in arguments, [one for one in arguments if one != "--gpu"]
     name, rest = (arguments or ["lab"])[0], arguments[1:]
     if name in ("-h", "--help"):
         print(__doc__.strip())
@@ -181,8 +259,11 @@ def main(arguments: list[str]) -> int:
     if name not in ("lab", "test", "demo", "progress", "setup") or (name in ALONE and rest):
         print(f"Cannot do {' '.join(arguments)!r}.\n\n{__doc__.strip()}", file=sys.stderr)
         return 2
+    if gpu and not has_cuda_by_default():
+        print("--gpu is for Linux (x86-64); for others see environment.md", file=sys.stderr)
+        return 2
     try:
-        setup()
+        setup(DEVELOPER if name == "test" else STUDENT, gpu)
         if name != "setup":
             return run(command(name, rest), cwd=HERE if name == "test" else None)
         print("Everything is installed. Next: python3 start.py")

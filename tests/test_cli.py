@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -13,7 +14,8 @@ import pytest
 from tests.conftest import in_turn, make_box
 from tutorial_lib.cli import main
 from tutorial_lib.commands import narrator
-from tutorial_lib.commands.lab import lab_command
+from tutorial_lib.commands.lab import lab_arguments
+from tutorial_lib.course import CHECKOUT
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.demos import choose_places, navigation_demo, place_people, recorder
 from tutorial_lib.experiments.demos.outcome import Outcome
@@ -320,14 +322,47 @@ def test_people_in_the_demo_stand_where_the_floor_is():
 @pytest.mark.parametrize(("user", "allowed"), [(0, True), (1000, False)])
 def test_jupyterlab_opens_the_first_notebook_and_contacts_no_other_host(monkeypatch, user, allowed):
     monkeypatch.setattr(os, "geteuid", lambda: user, raising=False)
-    line = lab_command(["--no-browser"])
-    assert line[:3] == [sys.executable, "-m", "jupyterlab"]
+    line = lab_arguments(Path("a course"), ["--no-browser"])
     assert line[-1] == "--no-browser"
+    assert "--ServerApp.root_dir=a course" in line
     assert "--LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb" in line
     assert "--LabApp.news_url=None" in line
     assert ("--allow-root" in line) == allowed
 
 
+def test_given_arguments_of_jupyterlab_go_before_the_course_s():
+    line = lab_arguments(Path("a course"), ["--ServerApp.root_dir=other", "--port=1"])
+    assert [a for a in line if "root_dir" in a] == ["--ServerApp.root_dir=other"]
+    assert "--LabApp.news_url=None" in line
+
+
+def jupyterlab_that(monkeypatch, end):
+    """JupyterLab replaced by one that ends at once; the arguments that it gets."""
+    started = []
+    monkeypatch.setattr("jupyterlab.labapp.main", lambda line: started.append(line) or end())
+    monkeypatch.setenv("JUPYTER_CONFIG_PATH", "mine")
+    return started
+
+
 def test_lab_passes_the_exit_code_on(monkeypatch):
-    monkeypatch.setattr(subprocess, "call", lambda command: 7 if "--port=1" in command else 0)
-    assert main(["lab", "--port=1"]) == 7
+    started = jupyterlab_that(monkeypatch, lambda: sys.exit(7))
+    with pytest.raises(SystemExit) as ended:
+        main(["lab", "--port=1"])
+    assert ended.value.code == 7
+    assert started[0][-1] == "--port=1"
+
+
+def test_lab_closed_by_its_user_is_no_error(monkeypatch):
+    started = jupyterlab_that(monkeypatch, lambda: None)
+    assert main(["lab"]) == 0
+    assert f"--ServerApp.root_dir={CHECKOUT}" in started[0]
+
+
+def test_lab_brings_its_settings_behind_the_user_s(monkeypatch):
+    jupyterlab_that(monkeypatch, lambda: None)
+    main(["lab"])
+    mine, ours = os.environ["JUPYTER_CONFIG_PATH"].split(os.pathsep)
+    assert mine == "mine"
+    (file,) = Path(ours, "labconfig").glob("*.json")
+    (settings,) = json.loads(file.read_text()).values()
+    assert settings == {"fetchNews": "false", "checkForUpdates": False}

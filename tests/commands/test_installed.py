@@ -7,6 +7,7 @@ from importlib import metadata
 
 import pytest
 
+from tutorial_lib.commands import installed
 from tutorial_lib.commands.installed import COMPLETE, lost
 
 
@@ -35,6 +36,13 @@ def add(folder, name, version, requires):
 
 def test_nothing_is_lost_where_all_is_there(packages):
     assert lost("one") == lost("one[more]") == lost("one[none]") == []
+
+
+def test_an_extra_s_packages_are_looked_for_where_it_is_asked_for(packages, monkeypatch, capsys):
+    monkeypatch.setattr(installed, "COURSE", "one")
+    for extras in ([], ["more"], ["others"], ["more", "others"]):
+        installed.main(extras)
+    assert capsys.readouterr().out.split() == [COMPLETE, COMPLETE, "four", "four"]
 
 
 def test_a_missing_package_is_named_where_it_is_required(packages):

@@ -31,10 +31,11 @@ FLAGS = (
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",  # as on a machine without network
 )
 # On Linux the server dies with the tests (1: PR_SET_PDEATHSIG, 9: SIGKILL); its kernels follow it.
-LAUNCH = """import ctypes, runpy, sys
+LAUNCH = """import ctypes, sys
 if sys.platform == "linux":
     ctypes.CDLL(None).prctl(1, 9)
-runpy.run_module("jupyterlab", run_name="__main__")"""
+from tutorial_lib.cli import main
+sys.exit(main(["lab", *sys.argv[1:]]))"""
 START, RUN, CHANGE = 90, 180, 15  # seconds: JupyterLab and kernel, a whole notebook, one control
 
 # What the tests ask the page for. `signature` holds the pictures and the text of one cell's
@@ -51,6 +52,7 @@ SCRIPT = r"""() => {
   const course = {
     errors: [], finished: false, panel,
     idle: () => panel().sessionContext.session?.kernel?.status === 'idle',
+    notices: () => [...document.querySelectorAll('.Toastify__toast')].map(n => n.innerText),
     dialog: () => document.querySelector('.jp-Dialog')?.innerText ?? '',
     listen: () => panel().sessionContext.iopubMessage.connect((_, message) => {
       const {ename, evalue, name, text} = message.content;
@@ -107,9 +109,10 @@ def is_foreign(url):
 
 
 class Lab:
-    """A JupyterLab server of its own: nothing of the user's settings, nothing left behind."""
+    """JupyterLab as the course starts it for a new user: no settings, nothing left behind."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, launch=LAUNCH):
+        self.launch = launch
         self.root = folder / "root"
         self.log = folder / "server.log"
         self.token = secrets.token_hex(16)
@@ -127,9 +130,6 @@ class Lab:
         kernel = folder / "data" / "kernels" / "python3" / "kernel.json"
         arguments = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
         write_json(kernel, {"argv": arguments, "display_name": "Python 3", "language": "python"})
-        news = folder / "settings" / "@jupyterlab" / "apputils-extension"
-        quiet = {"fetchNews": "false", "checkForUpdates": False}
-        write_json(news / "notification.jupyterlab-settings", quiet)
         self.environment = {
             **{k: v for k, v in os.environ.items() if k not in LIMITS and k[:7] != "JUPYTER"},
             **{name: str(folder / value) for name, value in names.items()},
@@ -142,11 +142,8 @@ class Lab:
             probe.bind(("127.0.0.1", 0))
             port = probe.getsockname()[1]
         command = [
-            *(sys.executable, "-c", LAUNCH, "--no-browser", "--ip=127.0.0.1"),
+            *(sys.executable, "-c", self.launch, "--no-browser", "--ip=127.0.0.1"),
             *(f"--port={port}", "--expose-app-in-browser", f"--ServerApp.root_dir={self.root}"),
-            "--LabApp.news_url=None",
-            "--LabApp.check_for_updates_class=jupyterlab.NeverCheckForUpdate",
-            *(["--allow-root"] if hasattr(os, "geteuid") and os.geteuid() == 0 else []),
         ]
         with self.log.open("w") as log:
             self.server = subprocess.Popen(
@@ -171,7 +168,9 @@ class Lab:
         while time.monotonic() < end and self.server.poll() is None:
             for file in self.runtime.glob("jpserver-*.json"):
                 with contextlib.suppress(ValueError):  # half written
-                    return json.loads(file.read_text())["url"].rstrip("/")
+                    address = json.loads(file.read_text())["url"].rstrip("/")
+                    if listens(address):
+                        return address
             time.sleep(0.1)
         raise RuntimeError(f"JupyterLab does not start:\n{self.log.read_text()[-3000:]}")
 
@@ -197,6 +196,13 @@ class Lab:
         """The page with nothing but this notebook."""
         path = quote(notebook.relative_to(self.root).as_posix())
         return f"{self.address}/doc/tree/{path}?token={self.token}"
+
+
+def listens(address):
+    """Whether something answers at an address of this machine."""
+    where = urlsplit(address)
+    with socket.socket() as probe:
+        return probe.connect_ex((where.hostname, where.port)) == 0
 
 
 def write_json(file, content):
@@ -261,6 +267,8 @@ class NotebookPage:
         for index, cell in enumerate(cells):
             if cell["code"]:
                 self._try_controls(index)
+        for notice in self.page.evaluate("course.notices()"):
+            self._complain(f"JupyterLab shows a notification: {notice}")
         for error in self.page.evaluate("course.errors"):
             if not any(error in problem for problem in self.report.problems):
                 self._complain(f"a control raises {error}")

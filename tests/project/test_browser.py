@@ -88,6 +88,9 @@ Javascript('''
 console.error("a loud complaint");
 setTimeout(() => { throw new Error("thrown later"); });
 new WebSocket("ws://example.invalid/socket");
+window.jupyterapp.commands.execute(
+    "apputils:notify", {message: "Read the news?", type: "info", options: {autoClose: false}}
+);
 ''')
 """, r"""
 off = widgets.Button(description="Off", disabled=True)
@@ -160,6 +163,7 @@ def test_it_drives_a_notebook_that_is_right(lab):
         "the console shows an error: thrown later",
         "cell 5: button 'Off' is hidden or disabled",
         "cell 6 raises ValueError: boom",
+        "JupyterLab shows a notification: Read the news?",
         "cell 7 was not run",
     ],
 )
@@ -176,7 +180,7 @@ def test_a_question_of_jupyterlab_is_reported_at_once(lab):
 
 def test_it_finds_nothing_else(faults):
     failed = [found for found in faults.problems if "example.invalid" not in found]
-    assert len(failed) == 9, failed
+    assert len(failed) == 10, failed
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ LAYERS = (
     ("errors",),
     ("validation",),
     ("observation",),
-    ("geometry", "interfaces", "files", "memory", "reading", "parallel"),
+    ("geometry", "interfaces", "files", "memory", "reading", "parallel", "course"),
     ("world",),
     ("driving",),
     ("exploration",),  # below learning, which trains on its labels and drives in its task

@@ -103,8 +103,8 @@ def test_the_command_writes_both_and_says_so(tmp_path, monkeypatch, capsys):
     readme = tmp_path / "README.md"
     readme.write_text(f"# Mine\n\n{BEGIN}\nold\n{END}\n\nThe rest.\n", encoding="utf-8")
     made = tmp_path / "made.md"
-    monkeypatch.setattr(results, "PROJECT", tmp_path)
-    monkeypatch.setattr(results, "write_results", lambda path: [path, made])
+    monkeypatch.setattr(results, "course_folder", lambda: tmp_path)
+    monkeypatch.setattr(results, "write_results", lambda path, page: [path, made])
     assert main(["results"]) == 0
     assert capsys.readouterr().out == "wrote README.md\nwrote made.md\n"
 
@@ -112,8 +112,9 @@ def test_the_command_writes_both_and_says_so(tmp_path, monkeypatch, capsys):
 def test_without_a_readme_the_page_alone_is_written(tmp_path):
     for name in COMMANDS:
         (tmp_path / f"{name}.json").write_bytes((PAGE.parent / f"{name}.json").read_bytes())
-    assert write_results(tmp_path / "other.md", tmp_path) == [tmp_path / "README.md"]
-    assert (tmp_path / "README.md").read_bytes() == PAGE.read_bytes()
+    page = tmp_path / "new" / "README.md"
+    assert write_results(tmp_path / "other.md", page, tmp_path) == [page]
+    assert page.read_bytes() == PAGE.read_bytes()
 
 
 def test_only_what_is_between_the_markers_is_replaced():

@@ -3,6 +3,7 @@
 import ast
 import importlib.util
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -43,6 +44,9 @@ class Machine:
         self.python = None  # the version of the Python in .venv
         self.codes = {}  # exit codes, by a word of the command
         self.lost = "complete"  # what is said of the packages in .venv
+        self.settings = ""  # what pip says of its own
+        self.asked = []  # commands of which nothing is shown
+        self.answers = {}  # whether these succeed, by a word of the command
 
     def run(self, command, cwd=None):
         self.calls.append(command)
@@ -58,7 +62,7 @@ class Machine:
                 for file in self.start.VENV.iterdir():
                     file.unlink()
             self.python = self.start.VERSION
-        if ".[test]" in command:
+        if any(word.startswith(".[") for word in command):
             self.lost = "complete"
         return 0
 
@@ -67,15 +71,22 @@ class Machine:
             return ""
         if "tutorial_lib.commands.installed" in arguments:
             return self.lost
+        if "config" in arguments:
+            return self.settings
         return "pip 25.0" if "pip" in arguments else self.python
+
+    def quiet(self, command, seconds=None):
+        self.asked.append((command, seconds))
+        return next((found for word, found in self.answers.items() if word in command), True)
 
     def forget(self):
         self.calls.clear()
         self.folders.clear()
+        self.asked.clear()
 
     @property
     def installed(self):
-        return [call for call in self.calls if ".[test]" in call]
+        return [call[-1] for call in self.calls if call[-1].startswith(".[")]
 
     @property
     def made(self):
@@ -87,13 +98,14 @@ def machine(start, monkeypatch):
     made = Machine(start)
     monkeypatch.setattr(start, "run", made.run)
     monkeypatch.setattr(start, "ask", made.ask)
+    monkeypatch.setattr(start, "quiet", made.quiet)
     return made
 
 
 def test_the_file_is_readable_by_python_3_8_and_small():
     text = FILE.read_text(encoding="utf-8")
     tree = ast.parse(text, feature_version=(3, 8))
-    assert len(text.splitlines()) < 200
+    assert len(text.splitlines()) <= 280
     modules = {
         a.name.split(".")[0] for n in ast.walk(tree) if isinstance(n, ast.Import) for a in n.names
     }
@@ -127,14 +139,17 @@ def test_the_environment_is_the_callers_with_venv_first(start, monkeypatch):
 
 
 def test_the_stamp_depends_on_dependencies_python_and_folder(start, monkeypatch, tmp_path):
-    stamps = {start.stamp()}
+    def stamp(extra="student", gpu=False):
+        return tuple(start.stamp(extra, gpu))
+
+    stamps = {stamp(), stamp("dev"), stamp(gpu=True)}
     (start.HERE / "pyproject.toml").write_text("[project]\nname = 'other'\n")
-    stamps.add(start.stamp())
+    stamps.add(stamp())
     monkeypatch.setattr(start, "VERSION", "3.99")
-    stamps.add(start.stamp())
+    stamps.add(stamp())
     monkeypatch.setattr(start, "VENV", tmp_path / "moved" / ".venv")
-    stamps.add(start.stamp())
-    assert len(stamps) == 4
+    stamps.add(stamp())
+    assert len(stamps) == 6
 
 
 def test_the_first_start_installs_and_the_second_does_not(start, machine, capsys):
@@ -162,6 +177,159 @@ def test_a_changed_pyproject_installs_again_into_the_same_venv(start, machine):
     assert start.is_ready()
 
 
+def test_the_tests_packages_are_added_once_and_stay(start, machine):
+    assert start.main(["lab"]) == start.main(["demo"]) == 0
+    assert machine.installed == [".[student]"]
+    assert start.main(["test"]) == start.main(["test"]) == 0
+    assert machine.installed == [".[student]", ".[dev]"]
+    machine.forget()
+    assert start.main(["lab"]) == start.main(["test"]) == 0
+    assert machine.installed == []
+    (start.HERE / "pyproject.toml").write_text("[project]\ndependencies = ['x']\n")
+    assert start.main(["lab"]) == 0
+    assert machine.installed == [".[dev]"]  # a student's would leave old ones behind
+
+
+def test_what_is_lost_is_asked_of_what_is_installed(start, machine, monkeypatch):
+    extras = []
+    monkeypatch.setattr(start, "lost", lambda extra: extras.append(extra) or [])
+    start.setup()
+    start.setup("dev")
+    start.setup()
+    assert extras[-1] == "dev"
+    assert extras[0] == "student"
+
+
+TORCH = "[project]\ndependencies = ['x', \"torch>=2.4,<2.14\"]\n"
+
+
+def test_pyproject_says_the_same_to_uv(start):
+    text = (FILE.parent / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.search(start.TORCH, text)[1] == "torch>=2.4,<2.14"
+    assert f'url = "{start.CPU_INDEX}"' in text
+
+
+@pytest.fixture
+def linux(start, machine, monkeypatch):
+    """An ordinary Linux computer, on which no torch is installed and no folder has one."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(start.platform, "machine", lambda: "x86_64")
+    (start.HERE / "pyproject.toml").write_text(TORCH)
+    machine.answers = {"--no-index": False}
+    return machine
+
+
+def torches(machine):
+    """The commands that install torch alone."""
+    return [call for call in machine.calls if "torch>=2.4,<2.14" in call]
+
+
+def test_on_linux_the_cpu_build_of_torch_is_installed_first(start, linux, capsys):
+    start.setup()
+    (torch,) = torches(linux)
+    assert torch[-3:] == ["torch>=2.4,<2.14", "--index-url", start.CPU_INDEX]
+    assert "--no-deps" in torch
+    assert linux.calls.index(torch) < next(
+        number for number, call in enumerate(linux.calls) if ".[student]" in call
+    )
+    (asked,) = [(call, seconds) for call, seconds in linux.asked if "index" in call]
+    assert asked[0][-4:] == ["--timeout", "3", "--retries", "0"]
+    assert asked[1] <= 10
+    assert "CUDA" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("failing", ["answer", "installation"])
+def test_without_the_cpu_index_the_usual_one_is_taken_and_said(start, linux, capsys, failing):
+    if failing == "answer":
+        linux.answers["index"] = False
+    else:
+        linux.codes = {"--index-url": 1}
+    start.setup()
+    assert len(torches(linux)) == (failing == "installation")
+    assert linux.installed == [".[student]"]
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if start.CPU_INDEX in line]
+    assert "taking pip's usual" in line
+    assert start.is_ready()
+
+
+def test_a_torch_that_is_there_or_in_a_folder_of_ones_own_is_taken(start, linux):
+    linux.answers = {"--no-index": True}
+    start.setup()
+    assert [call[-1] for call, _ in linux.asked] == ["--no-index"]
+    assert torches(linux) == []
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ":env:.no-index='1'",
+        "global.index-url='https://pypi.example.org/simple'",
+        ":env:.cert='x'\ninstall.index-url='https://a.example.org'",
+    ],
+)
+def test_pip_s_own_index_or_none_is_respected(start, linux, settings):
+    linux.settings = settings
+    start.setup()
+    assert linux.asked == []
+    assert torches(linux) == []
+
+
+def test_another_index_beside_pip_s_usual_one_changes_nothing(start, linux):
+    linux.settings = "global.extra-index-url='https://a.example.org'\nglobal.find-links='x'"
+    start.setup()
+    assert len(torches(linux)) == 1
+
+
+@pytest.mark.parametrize(
+    ("system", "processor"), [("darwin", "arm64"), ("win32", "AMD64"), ("linux", "aarch64")]
+)
+def test_elsewhere_the_usual_index_has_the_cpu_build(
+    start, linux, monkeypatch, capsys, system, processor
+):
+    monkeypatch.setattr(sys, "platform", system)
+    monkeypatch.setattr(start.platform, "machine", lambda: processor)
+    start.setup()
+    assert linux.asked == []
+    assert start.main(["--gpu"]) == 2
+    assert "--gpu is for Linux (x86-64)" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["--gpu", "demo"], ["demo", "--gpu"], ["--gpu"]])
+def test_with_gpu_torch_comes_from_the_usual_index_and_stays(start, linux, arguments):
+    start.setup()
+    linux.forget()
+    assert start.main(arguments) == 0
+    assert [call[-3:] for call, _ in linux.asked] == [["uninstall", "-y", "torch"]]
+    assert torches(linux) == []
+    assert linux.installed == [".[student]"]
+    assert "--gpu" not in linux.calls[-1]
+    linux.forget()
+    assert start.main(["lab"]) == start.main(["lab", "--gpu"]) == 0
+    assert linux.installed == linux.asked == []
+    assert start.main(["test"]) == 0
+    assert linux.asked == []  # nor does more of the course bring the other
+
+
+def test_pip_s_log_is_kept_only_if_it_fails(start, machine):
+    log = start.VENV / "pip.log"
+    machine.codes, machine.python = {".[student]": 1}, start.VERSION
+    start.VENV.mkdir()
+    log.write_text("much")
+    with pytest.raises(SystemExit, match=r"pip\.log"):
+        start.setup()
+    assert log.exists()
+    machine.codes = {}
+    start.setup()
+    assert not log.exists()
+
+
+@pytest.mark.parametrize(("code", "right"), [("", True), ("raise SystemExit(1)", False)])
+def test_a_quiet_command_succeeds_or_not_and_says_nothing(start, capfd, code, right):
+    assert start.quiet([sys.executable, "-c", f"print(1); {code}"]) is right
+    assert not start.quiet([sys.executable, "-c", "import time; time.sleep(30)"], 0.2)
+    assert capfd.readouterr() == ("", "")
+
+
 def test_a_venv_prepared_by_hand_is_kept(start, machine):
     start.VENV.mkdir()
     machine.python = start.VERSION
@@ -178,11 +346,11 @@ def test_a_venv_without_pip_is_completed_not_cleared(start, machine, monkeypatch
     assert [("--clear" in call) for call in machine.made] == [False]
 
 
-@pytest.mark.parametrize("stopped", ["venv", "pip>=21.3", ".[test]"])
+@pytest.mark.parametrize("stopped", ["venv", "pip>=22.3", ".[student]"])
 def test_an_interrupted_installation_is_repaired_by_the_next(start, machine, stopped):
     machine.codes = {stopped: "ctrl-c"}
     assert start.main(["demo"]) == 130
-    assert start.stamped() == ""
+    assert start.stamped() == []
     assert not start.is_ready()
     machine.codes = {}
     assert start.main(["setup"]) == 0
@@ -193,7 +361,7 @@ def test_an_interrupted_installation_is_repaired_by_the_next(start, machine, sto
 def test_an_interrupted_update_is_repaired_too(start, machine):
     start.setup()
     (start.HERE / "pyproject.toml").write_text("[project]\ndependencies = ['x']\n")
-    machine.codes = {".[test]": "ctrl-c"}
+    machine.codes = {".[student]": "ctrl-c"}
     assert start.main(["setup"]) == 130
     (start.HERE / "pyproject.toml").write_text("[project]\n")  # back to what once was complete
     assert not start.is_ready()
@@ -241,16 +409,16 @@ def test_a_failing_venv_and_a_failing_pip_are_explained_in_a_line(start, machine
     with pytest.raises(SystemExit, match="Could not make") as error:
         start.main(["setup"])
     assert "\n" not in str(error.value)
-    machine.codes = {".[test]": 1}
+    machine.codes = {".[student]": 1}
     with pytest.raises(SystemExit, match=r"pip\.log.*HTTPS_PROXY.*PIP_NO_INDEX=1") as error:
         start.main(["setup"])
     assert "\n" not in str(error.value)
-    assert start.stamped() == ""
+    assert start.stamped() == []
 
 
 @pytest.mark.parametrize(("free", "said"), [(0.2e9, True), (50e9, False)])
 def test_a_failing_pip_on_a_full_disk_says_so(start, machine, monkeypatch, free, said):
-    machine.codes = {".[test]": 1}
+    machine.codes = {".[student]": 1}
     monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=free))
     with pytest.raises(SystemExit) as error:
         start.main(["setup"])
@@ -266,8 +434,8 @@ def test_packages_that_were_deleted_are_installed_again(start, machine, capsys):
     start.setup()
     removed, pip, course = machine.calls[:3]
     assert removed[-5:] == ["uninstall", "-q", "-y", "numpy", "torch"]
-    assert "pip>=21.3" in pip
-    assert ".[test]" in course
+    assert "pip>=22.3" in pip
+    assert ".[student]" in course
     assert "Repairing: numpy, torch" in capsys.readouterr().out
     assert machine.made == []
     assert start.is_ready()
@@ -283,10 +451,10 @@ def test_a_venv_in_which_nothing_is_left_is_filled_again(start, machine):
 
 
 def test_packages_that_cannot_be_installed_are_named(start, machine, monkeypatch):
-    monkeypatch.setattr(start, "lost", lambda: ["numpy"])
+    monkeypatch.setattr(start, "lost", lambda extra: ["numpy"])
     with pytest.raises(SystemExit, match=r"Could not install numpy: delete .*\.venv and start"):
         start.setup()
-    assert start.stamped() == ""
+    assert start.stamped() == []
 
 
 def test_a_stamp_that_is_no_text_means_that_nothing_is_installed(start, machine):
@@ -389,7 +557,7 @@ import importlib.util, sys
 spec = importlib.util.spec_from_file_location("start", {str(FILE)!r})
 start = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(start)
-start.setup = lambda: None
+start.setup = lambda *_: None
 start.command = lambda name, rest: [sys.executable, "-c", {child!r}, {str(up)!r}]
 sys.exit(start.main([]))
 """
@@ -408,7 +576,13 @@ sys.exit(start.main([]))
         process.communicate()
 
 
-WAIT = "import sys, time; open(sys.argv[1], 'w').close(); time.sleep(60)"
+WAIT = """
+import os, sys, time
+with open(sys.argv[1] + ".new", "w") as file:
+    file.write(str(os.getpid()))
+os.rename(sys.argv[1] + ".new", sys.argv[1])
+time.sleep(60)
+"""
 ANSWER = """
 import signal, sys, time
 signal.signal(signal.SIGINT, lambda *_: (time.sleep(0.4), sys.exit(0)))
@@ -428,8 +602,25 @@ def test_ctrl_c_is_left_to_the_child(tmp_path, child, code):
 
 
 @posix_only
-def test_a_stopped_start_stops_what_it_started(tmp_path):
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP"])
+def test_a_stopped_start_stops_what_it_started(tmp_path, name):
+    number = getattr(signal, name)
     with started(WAIT, tmp_path) as process:
-        process.terminate()
+        process.send_signal(number)
         process.communicate(timeout=50)
-        assert process.returncode == 128 + signal.SIGTERM
+        assert process.returncode == 128 + number
+        child = int((tmp_path / "up").read_text())
+        with pytest.raises(ProcessLookupError):
+            os.kill(child, 0)
+
+
+@posix_only
+def test_what_ignores_a_closed_terminal_goes_on_doing_so(tmp_path):
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # as nohup does
+    try:
+        with started(WAIT, tmp_path) as process:
+            process.send_signal(signal.SIGHUP)
+            with pytest.raises(subprocess.TimeoutExpired):
+                process.wait(timeout=0.5)
+    finally:
+        signal.signal(signal.SIGHUP, before)

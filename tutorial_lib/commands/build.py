@@ -6,6 +6,7 @@ import argparse
 
 from tutorial_lib.builder import build, write_guides
 from tutorial_lib.commands.constants import PROJECT
+from tutorial_lib.course import is_checkout
 from tutorial_lib.errors import InputError
 
 
@@ -19,6 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the guides and the notebooks."""
+    if not is_checkout():
+        raise InputError("build: only in the course's checkout, which has the sources")
     known = {source.stem: source for source in sorted(PROJECT.glob("solutions/*.py"))}
     for name in options.names:
         if name not in known:

@@ -1,6 +1,6 @@
 """What several commands need: the course's folder, and the exit codes."""
 
-from pathlib import Path
+from tutorial_lib.course import CHECKOUT
 
-PROJECT = Path(__file__).resolve().parents[2]
+PROJECT = CHECKOUT
 INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1

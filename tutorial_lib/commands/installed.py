@@ -1,4 +1,4 @@
-"""Says which packages an environment lacks: ``python -m tutorial_lib.commands.installed``.
+"""Says which packages an environment lacks: ``python -m tutorial_lib.commands.installed [EXTRA]``.
 
 start.py asks this before each start. Nothing is imported but what is installed is looked at, which
 takes a fraction of a second; importing torch alone would take several.
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
-COURSE = "topological-visual-navigation[test]"
+COURSE = "topological-visual-navigation"
 COMPLETE = "complete"
 _CODE = (".py", ".pth", ".so", ".pyd")
 
@@ -70,5 +70,10 @@ def _code(package: metadata.Distribution) -> Iterator[str]:
             yield path
 
 
+def main(extras: list[str]) -> None:
+    """Print what the course with some of its extras lacks."""
+    print(" ".join(lost(f"{COURSE}[{','.join(extras)}]")) or COMPLETE)
+
+
 if __name__ == "__main__":
-    print(" ".join(lost()) or COMPLETE)
+    main(sys.argv[1:])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from tutorial_lib.checks.progress import progress, report
-from tutorial_lib.commands.constants import PROJECT
+from tutorial_lib.course import course_folder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,5 +15,5 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Print the list."""
     del options
-    print(report(progress(PROJECT / "notebooks")))
+    print(report(progress(course_folder() / "notebooks")))
     return 0

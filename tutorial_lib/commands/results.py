@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from tutorial_lib.commands.constants import PROJECT
-from tutorial_lib.experiments.results_page.page import write_results
+from tutorial_lib.course import course_folder
+from tutorial_lib.experiments.results_page.page import PAGE, write_results
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Write the page and what the README quotes."""
     del options
-    for path in write_results(PROJECT / "README.md"):
-        print(f"wrote {path.relative_to(PROJECT)}")
+    folder = course_folder()
+    for path in write_results(folder / "README.md", folder / PAGE):
+        print(f"wrote {path.relative_to(folder)}")
     return 0

@@ -94,7 +94,7 @@ def test_a_quick_run_is_not_shown(folder):
 def test_nothing_is_written_when_something_is_missing(folder):
     (folder / "fleet.json").unlink()
     with pytest.raises(InputError, match="fleet"):
-        write_results(folder / "none.md", folder)
+        write_results(folder / "none.md", folder / "page.md", folder)
     assert not (folder / "README.md").exists()
 
 

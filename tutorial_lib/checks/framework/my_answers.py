@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.framework.global_names import global_names
+from tutorial_lib.course import find_course
 from tutorial_lib.errors import InputError, words_of
 from tutorial_lib.files import write_text
 from tutorial_lib.reading.regular import read_text
 
 FOLDER = "TUTORIAL_ANSWERS"
 """The environment variable with the folder; set but empty, nothing is saved or found."""
-_PROJECT = Path(__file__).resolve().parents[3]
 _VERSION = re.compile(r"^# version (\d+)")
 _PLAIN = (bool, int, float, str, tuple)
 _LARGEST = 1_000  # numbers of an array that is written to a file
@@ -39,7 +39,7 @@ def folder() -> Path | None:
     """Where answers are kept; None where they are not."""
     named = os.environ.get(FOLDER)
     if named is None:
-        return _PROJECT / "my_answers"
+        return (find_course() or Path.cwd()) / "my_answers"
     return Path(named) if named else None
 
 

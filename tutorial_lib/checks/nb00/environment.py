@@ -6,8 +6,11 @@ from pathlib import Path
 
 from packaging.requirements import Requirement
 
+from tutorial_lib.course import CHECKOUT, is_checkout
+
 PROJECT = "topological-visual-navigation"
 _FIX = "in the course's folder: python3 start.py setup"
+_FIX_INSTALLED = "install the course again: python -m pip install FILE.whl"
 
 
 def check_environment() -> bool:
@@ -17,12 +20,12 @@ def check_environment() -> bool:
         Whether nothing is missing.
     """
     version = ".".join(map(str, sys.version_info[:3]))
-    python, course = Path(sys.executable), Path(__file__).resolve().parents[3]
-    shown = python.relative_to(course) if python.is_relative_to(course) else python
+    python = Path(sys.executable)
+    shown = python.relative_to(CHECKOUT) if python.is_relative_to(CHECKOUT) else python
     print(f"Python {version} at {shown}")
     faults = find_faults()
     for fault in faults:
-        print(f"✗ {fault}\n  fix: {_FIX}")
+        print(f"✗ {fault}\n  fix: {_FIX if is_checkout() else _FIX_INSTALLED}")
     if not faults:
         print("✓ every package is there, in a version that fits: you are ready to go")
     return not faults

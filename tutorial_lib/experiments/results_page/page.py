@@ -27,7 +27,7 @@ from tutorial_lib.experiments.results_page import (
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import Results, load_results
 from tutorial_lib.experiments.results_page.summary import results_in_short
-from tutorial_lib.files import write_text
+from tutorial_lib.files import make_folder, write_text
 from tutorial_lib.world.worlds import TRAINING_SEEDS
 
 BEGIN, END = "<!-- results: begin -->", "<!-- results: end -->"
@@ -156,14 +156,20 @@ def with_block(readme: str, block: str) -> str:
     return f"{before}{block}{after}"
 
 
-def write_results(readme: Path, folder: Path = FOLDER) -> list[Path]:
+def write_results(readme: Path, page: Path, folder: Path = FOLDER) -> list[Path]:
     """Write the page of a folder of reports, and the block of a README if there is one.
+
+    Args:
+        readme: the project's.
+        page: where the page belongs.
+        folder: of the reports.
 
     Raises:
         InputError: naming a report that is missing or damaged and the command that makes it.
     """
     results = load_results(folder)
-    texts = {folder / "README.md": page_of(results)}
+    make_folder(page.parent)
+    texts = {page: page_of(results)}
     if readme.is_file():
         texts[readme] = with_block(readme.read_text(encoding="utf-8"), block_of(results))
     for path, text in texts.items():
