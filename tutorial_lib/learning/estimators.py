@@ -14,6 +14,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.threads import settle_threads
 from tutorial_lib.learning.weights import load_card, load_network
 
 
@@ -50,15 +51,11 @@ change little for the others, and these are most of the pairs that a map queries
 _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cache
 
 
-def use_threads(count: int) -> None:
-    """Let networks use that many threads in this process; one, where processes run side by side."""
-    torch.set_num_threads(count)
-
-
 class _Estimator:
     """A network behind the interfaces."""
 
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
+        settle_threads()
         self.network = load_network(network) if isinstance(network, str) else network
         self.architecture = self.network.architecture
         self.view, self.k = self.architecture.looks_at, self.architecture.k

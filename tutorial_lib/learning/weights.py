@@ -17,6 +17,7 @@ from tutorial_lib.learning.goal_map_network import GoalMapArchitecture, GoalMapN
 from tutorial_lib.learning.imitation_network import ImitationArchitecture, ImitationNetwork
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
+from tutorial_lib.learning.threads import settle_threads
 from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_WEIGHTS
@@ -140,6 +141,7 @@ def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = Local
         InputError: when file or card is missing, the hash differs or the shapes do not fit; it
             names the command that trains it again.
     """
+    settle_threads()
     card = load_card(name, folder)
     path = folder / f"{name}.safetensors"
     again = f"restore the file, or train it again: python -m tutorial_lib {card.command}"

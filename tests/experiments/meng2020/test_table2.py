@@ -41,7 +41,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     spread_places,
 )
 from tutorial_lib.interfaces import Agent, Experience, Navigation
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.world.bodies import BicycleCar

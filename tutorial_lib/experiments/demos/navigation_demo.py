@@ -38,7 +38,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 )
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
