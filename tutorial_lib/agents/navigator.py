@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.blockades import Blockades, Waiting, in_the_way
 from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.whereabouts import Whereabouts
+from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import (
@@ -194,7 +195,7 @@ class MapAgent(ABC):
 
     Attributes:
         predictor: C_WP.
-        controller: C_RMP.
+        controller: C_RMP, the library's unless given.
         reachability: RE.
         follower: thresholds of the follower.
         replan_time: seconds since it was first lost for which a robot replans; 0 for never.
@@ -202,7 +203,7 @@ class MapAgent(ABC):
     """
 
     predictor: WaypointPredictor
-    controller: Controller
+    controller: Controller = field(default_factory=RMPController)
     reachability: Reachability
     follower: FollowerSettings = RULES
     replan_time: float = 240.0

@@ -13,6 +13,7 @@ from tutorial_lib.cli import main
 from tutorial_lib.driving.data.demonstrations import SHORTEST
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.driving.rollouts import STUCK
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.report import Options
@@ -22,14 +23,12 @@ from tutorial_lib.experiments.protocols import navigation
 from tutorial_lib.experiments.protocols.navigation import (
     GRACE,
     NEAR,
-    STUCK,
     TIMES,
     attempt,
     edge_lengths,
     experiences,
     goals_of,
     navigate,
-    start_times,
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -198,7 +197,7 @@ def test_goals_are_shown_in_their_context_as_seen_from_there(trials):
 
 def test_experiences_are_the_trajectories_one_after_the_other(building):
     found = list(experiences(building))
-    begins = start_times(building)
+    begins = building.recorded.begins
     assert len(found) == len(begins) == 6
     assert begins[0] == 0.0
     last = -np.inf
