@@ -164,9 +164,10 @@ class RecordedWorld:
         """
         frames = self._checked(frames)
         laser, odometry = self._sensed
-        image, _ = (Camera() if camera is None else camera).look(self.scene, self.poses[frames])
+        camera = Camera() if camera is None else camera
+        image, _ = camera.look(self.scene, self.poses[frames])
         senses = (laser[frames], odometry[frames], self.speed[frames], self.steering[frames])
-        return Observation(image, None, *senses)
+        return Observation(image, None, *senses, camera=camera)
 
     @cached_property
     def _sensed(self) -> tuple[NDArray[np.float32], Array]:
