@@ -139,7 +139,7 @@ def _notes(results: Results) -> tuple[str, ...]:
     }
     notes = []
     for what, (first, second) in pairs.items():
-        if second in results:
+        if first in results and second in results:
             one, other = results[first], results[second]
             found = difference(one["reached"], other["reached"], one["world"])
             notes.append(f"{what}: {in_points(found)}")
