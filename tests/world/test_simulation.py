@@ -11,7 +11,7 @@ from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP, DiscreteOdometr
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.sensors import Camera, Laser
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 
@@ -220,9 +220,8 @@ def test_observations_select_robots(box):
     assert len(some) == 2
     assert (some.image == observation.image[[0, 2]]).all()
     assert (some.body, some.camera) == (observation.body, observation.camera)
-    mixed = Observation.joined(
-        [some, Simulation(box, [[3, 4, 0]], body=DifferentialDrive()).observe()]
-    )
+    other = Simulation(box, [[3.0, 4.0, 0.0]], body=DifferentialDrive()).observe()
+    mixed = Observation.joined([some, other])
     assert len(mixed) == 3
     assert mixed.body is None
     assert mixed.camera == Observation.joined([some, some]).camera == Camera()
