@@ -290,6 +290,8 @@ def test_a_navigation_ends_as_it_declares_or_stuck_or_late(box):
     limits = NavigationEnds(again, [0.2, 0.4, 0.6, 0.8])
     found = rollout(Simulation(box, starts), again, limits)
     assert found.seconds == pytest.approx([0.2, 0.4, 0.6, 0.8], abs=0.11)
-    for wrong in (np.nan, [1.0, 2.0], -1.0, "soon"):
-        with pytest.raises(InputError, match="limit"):
+    for wrong in (np.nan, -1.0, "soon"):
+        with pytest.raises(InputError, match="limit: "):
             NavigationEnds(again, wrong)
+    with pytest.raises(InputError, match=r"limit: shape \(2,\); give seconds for 4 robots"):
+        rollout(Simulation(box, starts), again, NavigationEnds(again, [1.0, 2.0]))

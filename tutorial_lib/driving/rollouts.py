@@ -168,20 +168,20 @@ class NavigationEnds:
         """Watch a navigation for at most `limit` seconds: (N,), or one number for all.
 
         Raises:
-            InputError: when limits are no numbers above 0, or do not fit the robots.
+            InputError: when limits are no numbers from 0 on.
         """
-        count = len(navigation.arrived)
-        self._navigation, limits = navigation, floats("limit", limit, least=0.0)
-        if limits.shape not in ((), (count,)):
-            raise InputError(f"limit: shape {limits.shape}; give seconds for {count} robots")
-        self._limit = np.broadcast_to(limits, count)
-        self._touched = np.zeros(count)
+        self._navigation, self._limit = navigation, floats("limit", limit, least=0.0)
+        self._touched = np.zeros(())
 
     def after_step(
         self, simulation: Simulation, seconds: Array, before: Array
     ) -> dict[str, NDArray[np.bool_]]:
         """See `Ends`."""
         del before
+        if self._limit.shape not in ((), seconds.shape):
+            raise InputError(
+                f"limit: shape {self._limit.shape}; give seconds for {len(simulation)} robots"
+            )
         self._touched = np.where(simulation.touching, self._touched + STEP, 0.0)
         return {
             "late": seconds >= self._limit,
