@@ -24,13 +24,12 @@ def test_the_first_network_sets_one_thread():
 
 @pytest.mark.parametrize("name", OURS)
 def test_the_environment_decides(name):
-    assert threads(LOADED, **{name: "2"}) == threads(**{name: "2"})
+    assert threads(LOADED, **{name: "2"}) == 2
 
 
 def test_a_number_set_before_stays_and_one_set_later_too():
     told = "import torch; torch.set_num_threads(3)"
     assert threads(told, LOADED) == 3
-    assert threads(LOADED, told, LOADED) == 3
     assert threads("from tutorial_lib.learning import WaypointNetwork", told, LOADED) == 3
     usual = threads()
     if sys.platform == "linux" and os.uname().machine == "x86_64":  # where MKL knows
