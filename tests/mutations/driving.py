@@ -200,8 +200,8 @@ MUTATIONS = [
     (
         "a controller drives the body that it was made for, whatever the robots are",
         "driving/control/same_body.py",
-        "return controller if body is None or body == mine else",
-        "return controller if body or body == mine else",
+        "if body is None or body == mine:",
+        "if body is None or body is not mine:",
         "driving/control/test_same_body.py -k action",
     ),
     (

@@ -24,14 +24,16 @@ def for_robots(controller: Driver, observations: Observation) -> Driver:
         InputError: when the body is neither a car nor a differential drive.
     """
     body, mine = observations.body, controller.body  # type: ignore[attr-defined]
-    return controller if body is None or body == mine else _for_body(controller, body)
-
-
-@lru_cache(maxsize=16)
-def _for_body(controller: Any, body: object) -> Any:  # noqa: ANN401 - a Driver
+    if body is None or body == mine:
+        return controller
     if not isinstance(body, BicycleCar | DifferentialDrive):
         raise InputError(
             f"body: a {type(body).__name__} is neither a BicycleCar nor a DifferentialDrive; "
             "drive it with a controller of its own"
         )
+    return _for_body(controller, body)
+
+
+@lru_cache(maxsize=16)
+def _for_body(controller: Any, body: BicycleCar | DifferentialDrive) -> Any:  # noqa: ANN401
     return replace(controller, body=body)
