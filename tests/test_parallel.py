@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from tutorial_lib import parallel
 from tutorial_lib.parallel import for_each
 
 
@@ -31,6 +32,7 @@ def grow(number, megabytes, kept=[]):  # noqa: B006 - it is to grow
 
 MANY = """
 from tests.test_parallel import grow
+from tutorial_lib import parallel
 from tutorial_lib.parallel import for_each
 found = for_each(grow, range(6), 400, label="worlds", jobs=2)
 assert [number for number, _ in found] == list(range(6))
@@ -62,3 +64,34 @@ def fail(number):
 def test_a_worker_that_dies_is_an_error():
     with pytest.raises(Exception, match=r"terminated|abruptly"):
         for_each(fail, range(4), label="worlds", jobs=2)
+
+
+class Clock:
+    """A monotonic clock that goes on by four seconds at every look."""
+
+    def __init__(self):
+        self.now = 0.0
+
+    def monotonic(self):
+        self.now += 4.0
+        return self.now
+
+
+def test_in_a_log_file_progress_is_a_line_now_and_then(monkeypatch, capsys):
+    monkeypatch.setattr(parallel, "time", Clock())
+    passed = parallel.progress(iter("abcdefgh"), 8, "worlds")
+    assert next(iter(passed)) == "a"
+    assert "".join(passed) == "bcdefgh"
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ["worlds: 3 of 8, 12 s", "worlds: 6 of 8, 24 s"]  # and none at the end
+
+
+def test_short_work_says_nothing_in_a_log_file(capsys):
+    assert for_each(square, range(3), 1, label="squares", jobs=1) == [1, 2, 5]
+    assert capsys.readouterr().err == ""
+
+
+def test_on_a_terminal_progress_is_a_bar(monkeypatch, capsys):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
+    assert list(parallel.progress(range(3), 3, "worlds")) == [0, 1, 2]
+    assert "worlds: 100%" in capsys.readouterr().err

@@ -23,6 +23,9 @@ class Observation:
         odometry: (N, 3) pose since the start by wheel odometry; it drifts.
         speed: (N,) m/s, negative in reverse.
         steering: (N,) the car's steering angle in rad; for a differential drive its rad/s.
+        body: of all N, see `world.bodies`: a robot knows how it is built. None where it is not
+            known, as in what was recorded.
+        camera: that took the images, see `world.sensors`; None where it is not known.
     """
 
     image: NDArray[np.uint8]
@@ -31,6 +34,8 @@ class Observation:
     odometry: NDArray[np.float64]
     speed: NDArray[np.float64]
     steering: NDArray[np.float64]
+    body: Any = None
+    camera: Any = None
 
     def __len__(self) -> int:
         return len(self.odometry)
@@ -46,6 +51,8 @@ class Observation:
             self.odometry[index],
             self.speed[index],
             self.steering[index],
+            self.body,
+            self.camera,
         )
 
     def pictures(self) -> Observation:
@@ -61,15 +68,21 @@ class Observation:
             np.zeros_like(self.odometry),
             np.zeros_like(self.speed),
             np.zeros_like(self.steering),
+            camera=self.camera,
         )
 
     @classmethod
     def joined(cls, parts: Sequence[Observation]) -> Observation:
-        """The robots of all parts, as one batch; depth only where all have it."""
+        """The robots of all parts, as one batch; depth, body and camera only where all have it."""
         depths = [part.depth for part in parts]
         depth = None if any(d is None for d in depths) else np.concatenate(depths)
         names = ("image", "laser", "odometry", "speed", "steering")
-        whole = {name: np.concatenate([getattr(p, name) for p in parts]) for name in names}
+        whole: dict[str, Any] = {
+            name: np.concatenate([getattr(p, name) for p in parts]) for name in names
+        }
+        for name in ("body", "camera"):
+            first, *others = (getattr(part, name) for part in parts)
+            whole[name] = first if all(other == first for other in others) else None
         return cls(depth=depth, **whole)
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import sys
+import time
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
+
+LINE_INTERVAL = 10.0
+"""Seconds from one line of progress in a log file to the next, at least."""
 
 
 def for_each(
@@ -39,4 +44,25 @@ def for_each(
         # is killed is no warning but an error.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
         found = run_all(delayed(work)(item, *arguments) for item in items)
-        return list(tqdm(found, total=len(items), desc=label, disable=None))
+        return list(progress(found, len(items), label))
+
+
+def progress(found: Iterable[Any], total: int, label: str) -> Iterable[Any]:
+    """Pass results on as they come, and show on stderr how many there are.
+
+    On a terminal that is a bar; in a log file it is a line now and then.
+    """
+    if sys.stderr.isatty():
+        return tqdm(found, total=total, desc=label)
+    return lines_of_progress(found, total, label)
+
+
+def lines_of_progress(found: Iterable[Any], total: int, label: str) -> Iterator[Any]:
+    """The same as lines, at least `LINE_INTERVAL` apart; none if all is done sooner."""
+    begun = said = time.monotonic()
+    for count, one in enumerate(found, 1):
+        now = time.monotonic()
+        if now - said >= LINE_INTERVAL and count < total:
+            said = now
+            print(f"{label}: {count} of {total}, {now - begun:.0f} s", file=sys.stderr, flush=True)
+        yield one

@@ -3,7 +3,14 @@ import pytest
 
 from tutorial_lib.driving.control.oracle import OraclePolicy
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.driving.rollouts import SETTLED, ReachGoals, geodesic_limit, rollout
+from tutorial_lib.driving.rollouts import (
+    SETTLED,
+    STUCK,
+    NavigationEnds,
+    ReachGoals,
+    geodesic_limit,
+    rollout,
+)
 from tutorial_lib.errors import InputError
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.people import Person
@@ -159,8 +166,9 @@ def test_observing_some_is_observing_all_and_choosing(pillars, sensors):
         robots = np.array(robots, dtype=np.intp)
         some = simulation.observe(robots)
         assert len(some) == len(robots)
+        assert (some.body, some.camera) == (simulation.body, sensors.camera)
         for name, array in vars(everybody).items():
-            if array is not None:
+            if isinstance(array, np.ndarray):
                 assert (getattr(some, name) == array[robots]).all()
                 assert getattr(some, name).shape == array[robots].shape
 
@@ -254,3 +262,36 @@ def test_settling_changes_nothing_for_robots_that_drive(pillars):
     assert (both[0].reached == both[1].reached).all()
     assert (both[0].collided == both[1].collided).all()
     assert not (still & both[0].reached).any()
+
+
+class Declares:
+    """A navigation whose robots stand or drive ahead, and declare something after so many steps."""
+
+    def __init__(self, arrive, give_up, speeds):
+        self.after = np.array([arrive, give_up], dtype=float)
+        self.speeds, self.steps = np.array(speeds), 0
+        self.arrived, self.given_up = np.zeros((2, len(speeds)), bool)
+
+    def act(self, observations, robots):
+        self.steps += 1
+        self.arrived[:], self.given_up[:] = self.steps >= self.after
+        return np.column_stack([self.speeds[robots], np.zeros(len(robots))])
+
+
+def test_a_navigation_ends_as_it_declares_or_stuck_or_late(box):
+    starts = [[2.0, y, 0.0] for y in (2.0, 4.0, 6.0)] + [[9.2, 8.0, 0.0]]
+    never = np.inf
+    navigation = Declares([3, never, never, never], [never, 5, never, never], [0, 0, 0, 0.5])
+    found = rollout(Simulation(box, starts), navigation, NavigationEnds(navigation, 6.0))
+    assert found.ending.tolist() == ["arrived", "gave_up", "late", "stuck"]
+    assert found.seconds[:3] == pytest.approx([0.3, 0.5, 6.0], abs=0.11)
+    assert STUCK < found.seconds[3] < 6.0
+    again = Declares([never] * 4, [never] * 4, [0] * 4)
+    limits = NavigationEnds(again, [0.2, 0.4, 0.6, 0.8])
+    found = rollout(Simulation(box, starts), again, limits)
+    assert found.seconds == pytest.approx([0.2, 0.4, 0.6, 0.8], abs=0.11)
+    for wrong in (np.nan, -1.0, "soon"):
+        with pytest.raises(InputError, match="limit: "):
+            NavigationEnds(again, wrong)
+    with pytest.raises(InputError, match=r"limit: shape \(2,\); give seconds for 4 robots"):
+        rollout(Simulation(box, starts), again, NavigationEnds(again, [1.0, 2.0]))

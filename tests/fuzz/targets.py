@@ -30,7 +30,8 @@ from tutorial_lib.builder.page import read_glossary
 from tutorial_lib.checks.progress import progress
 from tutorial_lib.driving.data.rollout_outcomes import load_outcomes
 from tutorial_lib.driving.data.trajectories import load_trajectories
-from tutorial_lib.experiments.common.agents import custom, guarded
+from tutorial_lib.experiments.common.agents import custom
+from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
 from tutorial_lib.learning.weights import load_card, load_network

@@ -190,12 +190,30 @@ def test_pictures_of_another_size_are_refused(recorded, starts, seen):
     predictor = predictor_of()
     contexts = targets_of(recorded, predictor)
     tall = Simulation(recorded.scene, starts, sensors=Sensors(camera=Camera(rows=64))).observe()
-    with pytest.raises(InputError, match=r"\(6, 64, 64, 3\).* 16, 64, 3\)"):
+    with pytest.raises(InputError, match=r"rows=64.*this network learned with Camera\(rows=16"):
         predictor.predict(tall, contexts)
+    with pytest.raises(InputError, match=r"\(6, 64, 64, 3\).* 16, 64, 3\)"):
+        predictor.predict(replace(tall, camera=None), contexts)
     with pytest.raises(InputError, match=r"64, 64, 3\).* 16, 64, 3\)"):
         predictor.prepare(targets_of(recorded, predictor_of(view="camera64")))
     with pytest.raises(InputError, match="float64"):
         predictor.prepare(contexts / 255.0)
+
+
+def test_another_field_of_view_is_refused_by_the_network_s_name(recorded, starts):
+    predictor = WaypointNetwork("waypoint_k2")
+    contexts = targets_of(recorded, predictor)
+    narrow = Camera(field_of_view=1.57)
+    seen = Simulation(recorded.scene, starts, sensors=Sensors(camera=narrow)).observe()
+    assert seen.image.shape[1:] == (16, 64, 3)  # which does not tell
+    with pytest.raises(InputError, match=r"field_of_view=1\.57.*, and waypoint_k2 learned with"):
+        predictor.predict(seen, contexts)
+    goals = recorded.goals(np.array([40]), 2, narrow)[0].observations
+    with pytest.raises(InputError, match="waypoint_k2 learned with"):
+        predictor.predict(goals, contexts[:1])
+    # A laser is no camera.
+    laser = predictor_of(view="laser")
+    assert len(laser.predict(seen, targets_of(recorded, laser))[0]) == len(seen)
 
 
 def test_another_laser_is_refused(recorded, seen):

@@ -2,7 +2,7 @@ import errno
 import hashlib
 import json
 import re
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 
@@ -30,7 +30,8 @@ from tutorial_lib.learning.weights import (
     load_network,
     save_network,
 )
-from tutorial_lib.reading.checksums import with_checksum
+from tutorial_lib.reading.checksums import with_checksum, without_checksum
+from tutorial_lib.world.sensors import Camera, PanoramicCamera
 
 torch.set_num_threads(1)  # so small are they here that two threads are slower
 MEGABYTE = 1_000_000
@@ -99,13 +100,35 @@ def test_what_is_saved_is_loaded(tmp_path, encoder):
     ).abs().max() > 0.02
 
 
+def said(camera):
+    return {name: pytest.approx(value, abs=1e-6) for name, value in asdict(camera).items()}
+
+
 def test_the_card_is_kept_and_tells_size_and_hash(folder):
     card, network = load_card("some", folder), make()
     content = (folder / "some.safetensors").read_bytes()
     parameters = sum(value.numel() for value in network.parameters())
     digest = hashlib.sha256(content).hexdigest()
-    assert card == replace(card_for(network), parameters=parameters, sha256=digest)
+    assert card == replace(
+        card_for(network), parameters=parameters, sha256=digest, camera=said(Camera())
+    )
     assert 2 * parameters < len(content) < 2 * parameters + 10_000
+
+
+def test_every_card_has_the_camera(folder):
+    for file in FOLDER.glob("*.json"):
+        card = load_card(file.stem)
+        camera = PanoramicCamera() if "nts" in card.name or "rgb" in card.name else Camera()
+        assert card.camera == ({} if "laser" in card.name else said(camera)), card.name
+
+
+def test_weights_that_learned_with_another_camera_are_refused(folder):
+    path = folder / "some.json"
+    card = without_checksum(json.loads(path.read_text()))
+    card["camera"]["field_of_view"] = 1.5
+    path.write_text(json.dumps(with_checksum(card)))
+    with pytest.raises(InputError, match=r"learned with the camera .*'field_of_view': 1\.5"):
+        load_network("some", folder)
 
 
 def test_saving_changes_neither_the_network_nor_the_bytes(folder, tmp_path):

@@ -197,4 +197,18 @@ MUTATIONS = [
         "odometry_noise=Odometry(False).noise(NAVIGATING)",
         "experiments/meng2020/test_table1.py -k drifts",
     ),
+    (
+        "a controller drives the body that it was made for, whatever the robots are",
+        "driving/control/same_body.py",
+        "if body is None or body == mine:",
+        "if body is None or body is not mine:",
+        "driving/control/test_same_body.py -k action",
+    ),
+    (
+        "experiences begin at the same time",
+        "driving/data/recorded_world.py",
+        "return Experience(seen, self.begins[trajectory] +",
+        "return Experience(seen, 0.0 * self.begins[trajectory] +",
+        "driving/data/test_experiences.py",
+    ),
 ]

@@ -68,7 +68,7 @@ MUTATIONS = [
     ),
     (
         "touching is added up and never reset",
-        "experiments/protocols/navigation.py",
+        "driving/rollouts.py",
         "touched + STEP, 0.0)",
         "touched + STEP, touched)",
         f"{TABLE2} -k stuck",
@@ -233,5 +233,12 @@ MUTATIONS = [
         "compose(compose(believed, inverse(memory.offset)), graph.poses_from(memory.node))",
         "compose(believed, graph.poses_from(memory.node))",
         "experiments/protocols/test_exploring_by_calls.py -k where_it_believes",
+    ),
+    (
+        "a fault of one's own class ends the experiment",
+        "experiments/common/own.py",
+        "        return Fault(error)",
+        "        raise",
+        "experiments/common/test_own.py -k explorer",
     ),
 ]

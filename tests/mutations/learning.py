@@ -211,4 +211,18 @@ MUTATIONS = [
         "-MAX_DISTANCE * (1.0 - scores[robots, place].astype(float))",
         "learning/test_goal_map.py -k any_number",
     ),
+    (
+        "a network takes images of any camera of its size",
+        "learning/views.py",
+        "if seen.camera is not None and seen.camera != wanted:",
+        "if seen.camera is not None and seen.camera.rows != wanted.rows:",
+        "learning/test_estimators.py -k field_of_view",
+    ),
+    (
+        "the user's number of threads is not asked for",
+        "learning/threads.py",
+        "if not by_environment and torch.get_num_threads() == _AT_IMPORT and not _told_mkl():",
+        "if not by_environment:",
+        "learning/test_threads.py -k stays",
+    ),
 ]

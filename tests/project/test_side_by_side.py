@@ -8,7 +8,7 @@ import pytest
 import torch
 
 from tests import conftest
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 
 PROJECT = Path(__file__).resolve().parents[2]
 FOLDER, FILE = str(PROJECT / "tests"), f"{__file__}::test_the_files_named_exist"

@@ -11,7 +11,7 @@ from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP, DiscreteOdometr
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Laser
+from tutorial_lib.world.sensors import Camera, Laser
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 
@@ -202,11 +202,13 @@ def test_the_same_seed_gives_the_same_episode(family):
 def test_an_observation_holds_nothing_that_reveals_the_pose(box):
     observation = Simulation(box, [[3.0, 4.0, 0.5], [5.0, 5.0, 0.0]]).observe()
     names = {"image", "depth", "laser", "odometry", "speed", "steering"}
-    assert set(vars(observation)) == names
-    assert all(value is None or type(value) is np.ndarray for value in vars(observation).values())
+    sensed = {name: value for name, value in vars(observation).items() if name in names}
+    assert set(vars(observation)) - set(sensed) == {"body", "camera"}
+    assert (observation.body, observation.camera) == (BicycleCar(), Camera())  # and no simulation
+    assert all(value is None or type(value) is np.ndarray for value in sensed.values())
     assert (observation.odometry == 0).all()
     # A view of a larger array would get around that.
-    for value in vars(observation).values():
+    for value in sensed.values():
         assert value is None or value.base is None or value.base.size == value.size
 
 
@@ -217,6 +219,15 @@ def test_observations_select_robots(box):
     assert len(observation) == 3
     assert len(some) == 2
     assert (some.image == observation.image[[0, 2]]).all()
+    assert (some.body, some.camera) == (observation.body, observation.camera)
+    other = Simulation(box, [[3.0, 4.0, 0.0]], body=DifferentialDrive()).observe()
+    mixed = Observation.joined([some, other])
+    assert len(mixed) == 3
+    assert mixed.body is None
+    assert mixed.camera == Observation.joined([some, some]).camera == Camera()
+    assert Observation.joined([some, observation]).body == BicycleCar()
+    assert some.pictures().body is None
+    assert some.pictures().camera == Camera()
     assert (some.laser == observation.laser[[0, 2]]).all()
 
 

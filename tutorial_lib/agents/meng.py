@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from tutorial_lib.agents.navigator import MapAgent
+from tutorial_lib.agents.navigator import MapAgent, all_of
 from tutorial_lib.interfaces import Edges, Experience, Goals, Observation, Plan, Planner
 from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
@@ -36,8 +36,12 @@ class MengAgent(MapAgent):
         return TopoMap(self.reachability, self.settings)
 
     def learn(self, experiences: Sequence[Experience]) -> None:
-        """Sparsify each trajectory and insert it into the map."""
-        for experience in experiences:
+        """Sparsify each trajectory and insert it into the map.
+
+        Raises:
+            InputError: when one is no `Experience`, before any is learned.
+        """
+        for experience in all_of("experiences", experiences, Experience):
             self.insert(self.sparsified(experience))
 
     def sparsified(self, experience: Experience) -> Anchors:

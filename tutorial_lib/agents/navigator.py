@@ -9,9 +9,10 @@ excluded, plans would begin at places that only look like here.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.blockades import Blockades, Waiting, in_the_way
 from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.whereabouts import Whereabouts
+from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import (
@@ -35,6 +37,7 @@ from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance
 from tutorial_lib.world.simulation import STEP
 
 SEARCH_TIME = 20.0
@@ -47,6 +50,17 @@ RULES = FollowerSettings(timeout=2.0, fall=1.0)
 """Rules of a robot that can replan: it gives up a path sooner, and never because of a doubt."""
 FindPath = Callable[[Observation, Goals, Edges], Plan]
 """Plans from what one robot observes to a goal, around some excluded edges."""
+Kind = TypeVar("Kind")
+
+
+def all_of(name: str, values: Iterable[Kind], kind: type[Kind]) -> list[Kind]:
+    """What an agent is given, as a list: experiences or goals.
+
+    Raises:
+        InputError: when it is no list of them, naming what is not.
+    """
+    given = instance(name, values, Iterable)  # type: ignore[type-abstract]
+    return [instance(f"{name}[{i}]", one, kind) for i, one in enumerate(given)]
 
 
 class MapNavigation:
@@ -65,7 +79,7 @@ class MapNavigation:
         find_path: FindPath,
         make_follower: Callable[..., Follower],
         targets: MapTargets,
-        goals: Sequence[Goals],
+        goals: Iterable[Goals],
         replan_time: float,
     ) -> None:
         """Robots plan when they act for the first time.
@@ -76,10 +90,14 @@ class MapNavigation:
             targets: the map, which must not grow meanwhile.
             goals: one for each robot.
             replan_time: seconds since it was first lost for which a robot replans.
+
+        Raises:
+            InputError: when a goal is no `Goals`.
         """
+        goals = all_of("goals", goals, Goals)
         self._find_path, self._topomap = find_path, targets.topomap
         self._replan_time = replan_time
-        count, self._goals = len(goals), list(goals)
+        count, self._goals = len(goals), goals
         self.plans: list[Plan | None] = [None] * count
         self.history: list[list[Plan]] = [[] for _ in goals]
         self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
@@ -148,7 +166,7 @@ class MapNavigation:
 
     def _plan(self, observation: Observation, robot: int) -> None:
         """Plan and start, or search, or give up."""
-        plan = self._path(observation, robot)
+        plan = instance("planner", self._path(observation, robot), Plan)
         self.history[robot].append(plan)
         # A robot that was under way takes an improbable path rather than none.
         if not plan.refusal or (plan.probability > 0 and np.isfinite(self._lost_at[robot])):
@@ -194,7 +212,7 @@ class MapAgent(ABC):
 
     Attributes:
         predictor: C_WP.
-        controller: C_RMP.
+        controller: C_RMP, the library's unless given.
         reachability: RE.
         follower: thresholds of the follower.
         replan_time: seconds since it was first lost for which a robot replans; 0 for never.
@@ -202,7 +220,7 @@ class MapAgent(ABC):
     """
 
     predictor: WaypointPredictor
-    controller: Controller
+    controller: Controller = field(default_factory=RMPController)
     reachability: Reachability
     follower: FollowerSettings = RULES
     replan_time: float = 240.0

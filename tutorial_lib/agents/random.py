@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tutorial_lib.agents.navigator import all_of
 from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
@@ -35,7 +36,8 @@ class RandomAgent:
     rng: np.random.Generator
 
     def learn(self, experiences: Sequence[Experience]) -> None:
-        """Nothing."""
+        """Nothing, of experiences."""
+        all_of("experiences", experiences, Experience)
 
     def start(self, goals: Sequence[Goals]) -> RandomNavigation:
         """Send robots to one goal each."""
@@ -52,6 +54,7 @@ class RandomNavigation:
 
     def __init__(self, agent: RandomAgent, goals: Sequence[Goals]) -> None:
         """See `RandomAgent.start`."""
+        goals = all_of("goals", goals, Goals)
         self._agent = agent
         self._control = ComposedController(RandomWaypoints(agent.rng), agent.controller)
         self._robot = np.repeat(np.arange(len(goals)), [len(goal) for goal in goals])

@@ -9,7 +9,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.navigator import MapAgent
+from tutorial_lib.agents.navigator import MapAgent, all_of
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
@@ -54,8 +54,12 @@ class SPTMAgent(MapAgent):
         return TopoMap(self.similarity)
 
     def learn(self, experiences: Sequence[Experience]) -> None:
-        """Keep images of each trajectory, and join all that are alike."""
-        for experience in experiences:
+        """Keep images of each trajectory, and join all that are alike.
+
+        Raises:
+            InputError: when one is no `Experience`, before any is learned.
+        """
+        for experience in all_of("experiences", experiences, Experience):
             self._keep(experience)
         self._similarities = self._compared()
         self.join(self.s_shortcut)

@@ -8,6 +8,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from tutorial_lib.agents.remedies import REMEDIES
+from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
 from tutorial_lib.experiments.protocols.drives import parse_drives
@@ -28,7 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--family", choices=(*FAMILIES, "all"), default="", help="of generated worlds"
     )
-    parser.add_argument("--agent", default="", metavar="FILE.py:CLASS")
+    parser.add_argument(
+        "--agent", default="", metavar="FILE.py:CLASS", help="a class of your own, as row custom"
+    )
     parser.add_argument(
         "--odometry", choices=ODOMETRY, default=DRIFTING, help="of the robots' wheels"
     )
@@ -64,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
     print(report.as_text())
     if options.json is not None:
         write_text(options.json, json.dumps(report.as_dict(), indent=1) + "\n")
-    return 0
+    return WRONG_INPUT if report.failed else 0
 
 
 def _accepted(table: dict[str, Experiment]) -> str:

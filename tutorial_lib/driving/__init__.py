@@ -11,12 +11,13 @@ from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import covered
-from tutorial_lib.driving.rollouts import ReachGoals, geodesic_limit, rollout
+from tutorial_lib.driving.rollouts import NavigationEnds, ReachGoals, geodesic_limit, rollout
 
 __all__ = [
     "PAPER_PERTURBATION",
     "ComposedController",
     "GridPaths",
+    "NavigationEnds",
     "OraclePolicy",
     "RMPController",
     "ReachGoals",

@@ -13,11 +13,14 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Observation, Policy, Robots
+from tutorial_lib.interfaces import Navigation, Observation, Policy, Robots
+from tutorial_lib.validation import floats
 from tutorial_lib.world.simulation import STEP, Simulation, checked_actions
 
 SETTLED = 1.0
 """Seconds of standing still after which a robot is taken to stand still for good."""
+STUCK = 2.0
+"""Seconds of touching something after which a navigation ends."""
 _STILL = 1e-4  # metres or rad a step
 Record = Callable[[Simulation, Robots, Observation, Array], None]
 """Called before each step: the simulation, the robots under way, what they observe, and their
@@ -152,6 +155,39 @@ class ReachGoals:
             "late": seconds >= self.limit,
             "collided": simulation.collided,
             "reached": ~simulation.collided & (gap < self.reached),
+        }
+
+
+class NavigationEnds:
+    """A rollout ends when the robot itself declares it ("arrived" or "gave_up"), or else.
+
+    It is "stuck" when it touches something for `STUCK` seconds, and "late" when time is up.
+    """
+
+    def __init__(self, navigation: Navigation, limit: ArrayLike) -> None:
+        """Watch a navigation for at most `limit` seconds: (N,), or one number for all.
+
+        Raises:
+            InputError: when limits are no numbers from 0 on.
+        """
+        self._navigation, self._limit = navigation, floats("limit", limit, least=0.0)
+        self._touched = np.zeros(())
+
+    def after_step(
+        self, simulation: Simulation, seconds: Array, before: Array
+    ) -> dict[str, NDArray[np.bool_]]:
+        """See `Ends`."""
+        del before
+        if self._limit.shape not in ((), seconds.shape):
+            raise InputError(
+                f"limit: shape {self._limit.shape}; give seconds for {len(simulation)} robots"
+            )
+        self._touched = np.where(simulation.touching, self._touched + STEP, 0.0)
+        return {
+            "late": seconds >= self._limit,
+            "stuck": self._touched >= STUCK - STEP / 2,
+            "gave_up": np.asarray(self._navigation.given_up),
+            "arrived": np.asarray(self._navigation.arrived),
         }
 
 

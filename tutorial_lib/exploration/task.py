@@ -189,9 +189,9 @@ class ExplorationTask:
     def _observation(self, image: NDArray[np.uint8], ranges: Array, odometry: Array) -> Observation:
         still = np.zeros(len(self))
         laser = np.full((len(self), Laser.beams), np.nan)
-        return Observation(
-            image, ranges if self._depth else None, laser, odometry, still, still.copy()
-        )
+        depth = ranges if self._depth else None
+        senses = (image, depth, laser, odometry, still, still.copy())
+        return Observation(*senses, camera=self._camera)
 
 
 def _rows_by_scene(

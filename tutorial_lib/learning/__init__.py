@@ -3,15 +3,11 @@
 from tutorial_lib.learning.batches import Source
 from tutorial_lib.learning.calibration import auc, brier, sigmoid
 from tutorial_lib.learning.encoders import PairEncoder
-from tutorial_lib.learning.estimators import (
-    DirectNetwork,
-    ReachabilityNetwork,
-    WaypointNetwork,
-    use_threads,
-)
+from tutorial_lib.learning.estimators import DirectNetwork, ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.learning.mining import all_logits
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.policies import by_waypoints, encoded
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import load_card
 from tutorial_lib.memory import keep_freed_memory

@@ -14,6 +14,8 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.threads import settle_threads
+from tutorial_lib.learning.views import LaserView, check_camera
 from tutorial_lib.learning.weights import load_card, load_network
 
 
@@ -50,15 +52,12 @@ change little for the others, and these are most of the pairs that a map queries
 _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cache
 
 
-def use_threads(count: int) -> None:
-    """Let networks use that many threads in this process; one, where processes run side by side."""
-    torch.set_num_threads(count)
-
-
 class _Estimator:
     """A network behind the interfaces."""
 
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
+        settle_threads()
+        self.name = network if isinstance(network, str) else "this network"
         self.network = load_network(network) if isinstance(network, str) else network
         self.architecture = self.network.architecture
         self.view, self.k = self.architecture.looks_at, self.architecture.k
@@ -106,6 +105,8 @@ class _Estimator:
 
         Rows that repeat the one before, as in queries about many targets, are encoded once.
         """
+        if not isinstance(self.view, LaserView):
+            check_camera(self.name, observations, self.view.camera)
         images = self.view.of(observations)
         repeats = (images[1:] == images[:-1]).all(axis=(1, 2, 3))
         fresh = np.append(True, ~repeats)[: len(images)]

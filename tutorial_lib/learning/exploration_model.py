@@ -15,7 +15,8 @@ from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration, sigmoid
 from tutorial_lib.learning.panorama_encoder import Encoded
-from tutorial_lib.learning.panorama_network import Compared, PanoramaNetwork
+from tutorial_lib.learning.panorama_network import PANORAMA, Compared, PanoramaNetwork
+from tutorial_lib.learning.views import check_camera
 from tutorial_lib.learning.weights import load_card, load_network
 
 _AT_ONCE = 64  # panoramas or pairs; what is computed for them fits into the processor's cache
@@ -107,6 +108,7 @@ class LearnedExploration:
 
     def _inputs(self, observations: Observation) -> tuple[Tensor, Tensor | None]:
         """Images, and depth for a network that looks at it."""
+        check_camera("the network that explores", observations, PANORAMA)
         images = torch.from_numpy(np.ascontiguousarray(observations.image))
         if self.sensor == "rgb" or observations.depth is None:
             return images, None

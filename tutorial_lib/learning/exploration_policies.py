@@ -13,7 +13,8 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.learning.goal_map_network import GoalMapNetwork
 from tutorial_lib.learning.imitation_network import MEMORY, ImitationNetwork
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
-from tutorial_lib.learning.panorama_network import PanoramaNetwork
+from tutorial_lib.learning.panorama_network import PANORAMA, PanoramaNetwork
+from tutorial_lib.learning.views import check_camera
 from tutorial_lib.learning.weights import load_card, load_network
 from tutorial_lib.observation import Observation
 from tutorial_lib.world.noise import STOP
@@ -67,6 +68,7 @@ class LearnedImitation:
         return actions, np.column_stack(after)
 
     def _encoded(self, observations: Observation) -> Encoded:
+        check_camera("the network that imitates", observations, PANORAMA)
         images, depth = torch.from_numpy(np.ascontiguousarray(observations.image)), None
         if observations.depth is not None:
             depth = torch.from_numpy(np.asarray(observations.depth, dtype=np.float32))

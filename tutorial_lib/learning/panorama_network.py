@@ -31,9 +31,12 @@ from tutorial_lib.learning.panorama_encoder import (
     PatchTokens,
 )
 from tutorial_lib.world.floorplan import ROOM_KINDS
+from tutorial_lib.world.sensors import PanoramicCamera
 
 KINDS = len(ROOM_KINDS) + 1
 """Kinds of room at a direction's end; the last one for no room, such as a doorway."""
+PANORAMA = PanoramicCamera()
+"""With which it learns."""
 HIDDEN = 64
 """Numbers of a direction, from which all heads read."""
 _FOUND = 32

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,14 +12,29 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.smoothed import SHARE, SmoothedPolicy
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
-from tutorial_lib.interfaces import LocalController, Policy
-from tutorial_lib.learning.estimators import (
-    DirectNetwork,
-    EncodedTargets,
-    ReachabilityNetwork,
-    WaypointNetwork,
-)
+from tutorial_lib.interfaces import Controller, LocalController, Policy, Targets, WaypointPredictor
+from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.learning.views import View
 from tutorial_lib.world.simulation import Simulation
+
+
+class Encoder(Protocol):
+    """What makes targets of images; a `WaypointPredictor` does, and trained networks.
+
+    Attributes:
+        view: what it looks at.
+        k: images of context on either side of a target.
+    """
+
+    view: View
+    k: int
+
+    def prepare(self, contexts: NDArray) -> Targets:
+        """Targets from images (M, 2k+1, H, W, C), indexable by an array."""
+
+
+class TargetController(Encoder, LocalController, Protocol):
+    """A `LocalController` that makes its own targets, as `DirectNetwork` does."""
 
 
 def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
@@ -25,36 +42,43 @@ def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
     return _factory(predictor, ComposedController(predictor, RMPController()))
 
 
-def by_smoothed_waypoints(predictor: WaypointNetwork, share: float = SHARE) -> PolicyFactory:
-    """C that drives to a moving average of its waypoints, see `SmoothedPolicy`."""
+def by_smoothed_waypoints(
+    predictor: WaypointPredictor, share: float = SHARE, controller: Controller | None = None
+) -> PolicyFactory:
+    """C that drives to a moving average of its waypoints, see `SmoothedPolicy`.
+
+    Args:
+        predictor: C_WP.
+        share: of the newest waypoint.
+        controller: C_RMP, the library's unless given.
+    """
+    rmp = RMPController() if controller is None else controller
 
     def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
         del simulation
         targets = encoded(predictor, recorded, frames)
-        return SmoothedPolicy(predictor, RMPController(), targets, share)
+        return SmoothedPolicy(predictor, rmp, targets, share)
 
     return make
 
 
-def directly(network: DirectNetwork) -> PolicyFactory:
+def directly(network: TargetController) -> PolicyFactory:
     """From images to speed and steering."""
     return _factory(network, network)
 
 
 def encoded(
-    network: WaypointNetwork | DirectNetwork | ReachabilityNetwork,
+    network: Encoder,
     recorded: RecordedWorld,
     frames: NDArray[np.intp],
-) -> EncodedTargets:
+) -> Targets:
     """Recorded frames (N,) in their context as targets; each is rendered and encoded once."""
     own, which = np.unique(frames, return_inverse=True)
     poses = recorded.poses[recorded.context(own, network.k)]
     return network.prepare(network.view.render(recorded.scene, poses))[which]
 
 
-def _factory(
-    network: WaypointNetwork | DirectNetwork, controller: LocalController
-) -> PolicyFactory:
+def _factory(network: Encoder, controller: LocalController) -> PolicyFactory:
     def make(simulation: Simulation, recorded: RecordedWorld, frames: NDArray[np.intp]) -> Policy:
         del simulation
         return TargetPolicy(controller, encoded(network, recorded, frames))

@@ -17,6 +17,7 @@ from tutorial_lib.learning.batches import Batch, Blocks, batches
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.settings import Progress, Settings
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.weights import digest_of
 from tutorial_lib.reading.checksums import sealed, unsealed
 from tutorial_lib.reading.limits import MAX_CHECKPOINT
@@ -81,7 +82,7 @@ def train(
     Raises:
         InputError: when the checkpoint belongs to another training.
     """
-    torch.set_num_threads(settings.threads)
+    use_threads(settings.threads)
     torch.manual_seed(settings.seed)
     fresh = objective.build(architecture)
     if init_from is not None:

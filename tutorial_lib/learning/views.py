@@ -13,7 +13,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, Laser
+from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
 
 COLUMNS = 64
 _MIDDLE = slice(16, 80)  # the 64 beams of the full circle's 96 that span 240 degrees
@@ -141,6 +141,19 @@ class LaserView:
 
 VIEWS: dict[str, View] = {view.name: view for view in (CameraView(16), CameraView(64), LaserView())}
 """All views, by the name on a network's card."""
+
+
+def check_camera(network: str, seen: Observation, wanted: Camera | PanoramicCamera) -> None:
+    """Check that images come from the camera with which a network learned, where that is known.
+
+    Raises:
+        InputError: naming the network and both cameras.
+    """
+    if seen.camera is not None and seen.camera != wanted:
+        raise InputError(
+            f"camera: {seen.camera}, and {network} learned with {wanted}; give the robot that "
+            "camera, or train a network for its own"
+        )
 
 
 def _recoloured(

@@ -16,7 +16,13 @@ from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.goal_map_network import GoalMapArchitecture, GoalMapNetwork
 from tutorial_lib.learning.imitation_network import ImitationArchitecture, ImitationNetwork
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
-from tutorial_lib.learning.panorama_network import PanoramaArchitecture, PanoramaNetwork
+from tutorial_lib.learning.panorama_network import (
+    PANORAMA,
+    PanoramaArchitecture,
+    PanoramaNetwork,
+)
+from tutorial_lib.learning.threads import settle_threads
+from tutorial_lib.learning.views import LaserView
 from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_checksum
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_WEIGHTS
@@ -49,6 +55,7 @@ class Card:
         minutes: it took, including demonstrations that were not recorded before.
         cores: that it was trained on; the reference machine has two.
         parameters: their number.
+        camera: with which it learned; none for a network that looks at the laser.
         sha256: of the weights' file.
     """
 
@@ -61,6 +68,7 @@ class Card:
     minutes: float = 0.0
     cores: int = 2
     parameters: int = 0
+    camera: dict[str, float] = field(default_factory=dict)
     sha256: str = ""
 
 
@@ -75,11 +83,26 @@ def save_network(network: nn.Module, card: Card, folder: Path = FOLDER) -> Path:
     halves = {name: value.half().contiguous() for name, value in network.state_dict().items()}
     weights = save(halves)
     parameters = sum(value.numel() for value in halves.values())
-    text = asdict(card) | {"parameters": parameters, "sha256": hashlib.sha256(weights).hexdigest()}
+    text = asdict(card) | {
+        "parameters": parameters,
+        "sha256": hashlib.sha256(weights).hexdigest(),
+        "camera": camera_of(card.architecture),
+    }
     said = json.dumps(with_checksum(text), indent=1) + "\n"
     # Together, since neither is of use with an older one of the other.
     write_files({path: weights, path.with_suffix(".json"): said.encode()})
     return path
+
+
+def camera_of(architecture: Any) -> dict[str, float]:  # noqa: ANN401 - one of KINDS
+    """The camera that a network of this architecture looks through, as a card has it."""
+    camera: Any = PANORAMA
+    if isinstance(architecture, Architecture):
+        if isinstance(architecture.looks_at, LaserView):
+            return {}
+        camera = architecture.looks_at.camera
+    # The last digit of a tangent differs from machine to machine.
+    return {name: round(value, 6) for name, value in asdict(camera).items()}
 
 
 def load_card(name: str, folder: Path = FOLDER) -> Card:
@@ -110,7 +133,7 @@ def _check_card(text: Any, name: str) -> None:  # noqa: ANN401 - anything JSON c
         raise InputError("not a mapping")
     kinds: dict[str, tuple[type, ...]] = {
         **dict.fromkeys(("name", "command", "sha256"), (str,)),
-        **dict.fromkeys(("architecture", "recipe", "validation", "calibration"), (dict,)),
+        **dict.fromkeys(("architecture", "recipe", "validation", "calibration", "camera"), (dict,)),
         **dict.fromkeys(("cores", "parameters"), (int,)),
         "minutes": (int, float),
     }
@@ -137,9 +160,10 @@ def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = Local
         wanted: the class that it must have.
 
     Raises:
-        InputError: when file or card is missing, the hash differs or the shapes do not fit; it
-            names the command that trains it again.
+        InputError: when file or card is missing, the hash differs, or shapes or camera do not fit;
+            it names the command that trains it again.
     """
+    settle_threads()
     card = load_card(name, folder)
     path = folder / f"{name}.safetensors"
     again = f"restore the file, or train it again: python -m tutorial_lib {card.command}"
@@ -152,6 +176,9 @@ def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = Local
         network.load_state_dict(weights)
     except (SafetensorError, RuntimeError) as error:
         raise InputError(f"{path}: does not fit {card.architecture}; {again}") from error
+    camera = camera_of(card.architecture)
+    if card.camera not in ({}, camera):  # older cards do not say
+        raise InputError(f"{path}: learned with the camera {card.camera}, not {camera}; {again}")
     return network.eval().to(memory_format=torch.channels_last)
 
 

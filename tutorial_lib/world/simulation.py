@@ -226,6 +226,8 @@ class Simulation:
             odometry=self.odometry[numbers],
             speed=self.speed[numbers],
             steering=self.controls[numbers, 1],
+            body=self.body,
+            camera=self.sensors.camera,
         )
 
     def _look(

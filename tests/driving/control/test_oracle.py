@@ -106,7 +106,7 @@ def test_goals_that_cannot_be_reached_are_refused_at_once(box):
 def test_cars_that_turn_first_get_out_of_narrow_places(world):
     scene = scene_of(world)
     paths, rng = GridPaths(scene.clearance), np.random.default_rng(0)
-    starts, goals, _ = _starts_and_goals(scene, paths, 60, rng)
+    starts, goals, _ = _starts_and_goals(scene, paths, 60, rng, BicycleCar())
     oracle = OraclePolicy(Simulation(scene, starts), paths, goals)
     starts[:, 2] += np.arctan2(*oracle.waypoints(np.arange(60)).T[::-1]) + np.pi
     free = is_free(scene, BicycleCar(), starts)

@@ -5,7 +5,8 @@ import pytest
 
 from tests.fuzz.sources import agent_sources
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.agents import custom, guarded
+from tutorial_lib.experiments.common.agents import custom
+from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.world.simulation import checked_actions
 
 GOOD, *BAD = agent_sources()

@@ -14,7 +14,7 @@ from tutorial_lib.experiments.meng2020 import fig12, fig12_localization
 from tutorial_lib.experiments.protocols import navigation, navigation_tasks
 from tutorial_lib.experiments.protocols.lookalikes import Office
 from tutorial_lib.experiments.protocols.navigation import Outcome
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.world.scene import Scene
 
 use_threads(1)

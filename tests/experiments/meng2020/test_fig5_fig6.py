@@ -16,7 +16,7 @@ from tutorial_lib.experiments.meng2020 import fig5, fig6
 from tutorial_lib.experiments.protocols import following
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.geometry import wrap
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.similarity import ImageSimilarity
 

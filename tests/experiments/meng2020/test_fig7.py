@@ -10,7 +10,7 @@ from tests.conftest import needs
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import fig7
 from tutorial_lib.experiments.protocols import following
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 
 use_threads(1)
 

@@ -31,7 +31,7 @@ from tutorial_lib.experiments.protocols import navigation_tasks, repeated_drives
 from tutorial_lib.experiments.protocols.navigation import Outcome, Result
 from tutorial_lib.experiments.results_page.sources import stored_as
 from tutorial_lib.experiments.robustness import faults
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 

@@ -13,8 +13,10 @@ from tutorial_lib.cli import main
 from tutorial_lib.driving.data.demonstrations import SHORTEST
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED
+from tutorial_lib.driving.rollouts import STUCK
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table2, table2_methods
 from tutorial_lib.experiments.meng2020.table2_thresholds import Thresholds
@@ -22,14 +24,12 @@ from tutorial_lib.experiments.protocols import navigation
 from tutorial_lib.experiments.protocols.navigation import (
     GRACE,
     NEAR,
-    STUCK,
     TIMES,
     attempt,
     edge_lengths,
     experiences,
     goals_of,
     navigate,
-    start_times,
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -41,7 +41,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     spread_places,
 )
 from tutorial_lib.interfaces import Agent, Experience, Navigation
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.world.bodies import BicycleCar
@@ -198,7 +198,7 @@ def test_goals_are_shown_in_their_context_as_seen_from_there(trials):
 
 def test_experiences_are_the_trajectories_one_after_the_other(building):
     found = list(experiences(building))
-    begins = start_times(building)
+    begins = building.recorded.begins
     assert len(found) == len(begins) == 6
     assert begins[0] == 0.0
     last = -np.inf
@@ -469,7 +469,7 @@ def test_a_whole_agent_of_the_user_is_compared(building, trials, own):
     where = own(WHOLE)
     agent = agents.custom(where)
     assert isinstance(agent, Agent)
-    found = agents.guarded(where, attempt, building, trials, agent)
+    found = guarded(where, attempt, building, trials, agent)
     assert (found.outcome.ending == "gave_up").all()
     assert found.outcome.seconds == pytest.approx(np.full(10, 0.3))
     assert found.vertices is found.edges is found.wormholes is None
@@ -591,7 +591,7 @@ def test_an_agent_that_fails_in_the_comparison_is_reported(building, trials, own
     where = own(changed(WHOLE, old, new))
     agent = agents.custom(where)
     with pytest.raises(InputError, match=words) as error:
-        agents.guarded(where, attempt, building, trials, agent)
+        guarded(where, attempt, building, trials, agent)
     assert str(error.value).startswith(f"--agent {where}: ")
 
 
@@ -601,7 +601,7 @@ def test_an_agent_that_fails_in_the_comparison_is_reported(building, trials, own
 def test_one_action_for_all_robots_is_reported(building, trials, own, wrong):
     where = own(changed(WHOLE, "return np.zeros((len(robots), 2))", f"return {wrong}"))
     with pytest.raises(InputError, match=r"--agent .*: actions: .* \(M, 2\) for 10 robots$"):
-        agents.guarded(where, attempt, building, trials, agents.custom(where))
+        guarded(where, attempt, building, trials, agents.custom(where))
 
 
 def test_a_file_that_exits_is_reported(building, trials, own):
@@ -609,7 +609,7 @@ def test_a_file_that_exits_is_reported(building, trials, own):
         agents.custom(own("import sys\n\nsys.exit(3)\n"))
     where = own(changed(WHOLE, "return Walk(len(goals))", "raise SystemExit('enough')"))
     with pytest.raises(InputError, match=r"--agent .*own\.py, line 11: SystemExit: enough$"):
-        agents.guarded(where, attempt, building, trials, agents.custom(where))
+        guarded(where, attempt, building, trials, agents.custom(where))
 
 
 @networks
@@ -629,15 +629,15 @@ def test_a_planner_after_the_interface_is_good_enough(building, own):
 
 def test_a_guarded_error_is_reported_and_a_result_returned(own):
     where = own(WHOLE)
-    assert agents.guarded(where, lambda a, b: a + b, 1, 2) == 3
+    assert guarded(where, lambda a, b: a + b, 1, 2) == 3
 
     def refuse():
         raise InputError("localizer: returned (3,)")
 
     with pytest.raises(InputError, match=r"--agent .*own.py:Mine: localizer: returned \(3,\)$"):
-        agents.guarded(where, refuse)
+        guarded(where, refuse)
     with pytest.raises(KeyboardInterrupt):
-        agents.guarded(where, lambda: (_ for _ in ()).throw(KeyboardInterrupt))
+        guarded(where, lambda: (_ for _ in ()).throw(KeyboardInterrupt))
 
 
 def test_a_wrong_agent_is_reported_before_any_rollout(monkeypatch, own, capsys):
@@ -662,10 +662,11 @@ def test_a_wrong_agent_is_reported_before_any_rollout(monkeypatch, own, capsys):
 
 @networks
 def test_all_methods_are_compared_on_the_same_trials(plan, own, monkeypatch):
-    few = replace(table2.EXPERIMENT, quick_settings=table2.Settings(places_on_map=3, trials=4))
+    settings = table2.Settings(places_on_map=3, trials_of_part=4)
+    few = replace(table2.EXPERIMENT, quick_settings=settings)
     monkeypatch.setattr(navigation, "GRACE", 1.0)
     monkeypatch.setattr(table2, "for_each", in_turn)
-    report = few.report(Options(quick=True, map=plan, agent=own(WHOLE)))
+    report = few.report(Options(quick=True, map=plan, agent=own(WHOLE), drives="1"))
     rows = {row["method"]: row for row in report.rows}
     assert list(rows) == ["meng", "sptm", "random", "oracle", "custom"]
     for row in rows.values():

@@ -42,7 +42,8 @@ from tutorial_lib.exploration.episodes import Episodes
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.geometry import relative, to_local
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.fleet import Fleet

@@ -9,7 +9,8 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.geometry import relative, to_local
-from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.mapping.sparsify import sparsify

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control import rmp_arcs as moves
 from tutorial_lib.driving.control.composed import checked_waypoints
+from tutorial_lib.driving.control.same_body import for_robots
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
@@ -132,10 +133,9 @@ class RMPController:
     """Drives a body to a waypoint by the laser and policies; a `Controller`.
 
     Attributes:
-        body: a car or a differential drive.
-        goal_gain, goal_damping, near: see `goal_policy`.
-        push, brake, weight, fade: see `obstacle_policy`.
-        heading_gain, heading_weight: see `heading_policy`.
+        body: a car or a differential drive; robots that know their own body are driven as that.
+        goal_gain, goal_damping, near: see `goal_policy`; push, brake, weight, fade: see
+            `obstacle_policy`; heading_gain, heading_weight: see `heading_policy`.
         turning: 1/s, turning rate that a differential drive wants for each rad of bearing.
         horizon: metres from the pose within which obstacles push.
         authority: m/s; a car that is slower counts its steering as if it drove so fast.
@@ -188,8 +188,10 @@ class RMPController:
         """Actions (N, 2): speed in m/s, and steering in rad (car) or rad/s, for waypoints (N, 2).
 
         Raises:
-            InputError: when a waypoint is missing or not finite.
+            InputError: when a waypoint is missing or not finite, or the body is of another kind.
         """
+        if (fits := for_robots(self, observations)) is not self:
+            return fits.act(observations, waypoints)
         waypoints = checked_waypoints(waypoints, len(observations))
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         controls = np.stack([observations.speed, observations.steering], axis=1)

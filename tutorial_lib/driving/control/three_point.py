@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.rmp_arcs import free_travel, safe_speeds
+from tutorial_lib.driving.control.same_body import for_robots
 from tutorial_lib.geometry import Array, to_local, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar
@@ -23,7 +24,7 @@ _SETTLE = 0.15  # rad; until the wheels are turned so far, it stands
 
 
 class ThreePointTurn:
-    """How N cars turn in place.
+    """How N cars turn in place; a differential drive simply does.
 
     Attributes:
         seconds: (N,) since each began to turn.
@@ -32,7 +33,7 @@ class ThreePointTurn:
     def __init__(self, robots: int) -> None:
         """Begin with so many robots that do not turn."""
         self.seconds = np.zeros(robots)
-        self._safety = RMPController(body=BicycleCar())
+        self._safety = RMPController()
         self._angle, self._turned, self._heading = np.zeros((3, robots))
         self._place = np.zeros((robots, 3))
         self._side, self._gear = np.ones((2, robots))
@@ -48,9 +49,12 @@ class ThreePointTurn:
         """Actions (M, 2) of robots (M,): speed in m/s, and steering in rad."""
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         side = self._sides(observations.odometry, robots)
-        gear = self._gears(lasers, observations, robots, side)
-        car = self._safety.body
-        steering, rule = gear * side * car.max_steering, self._safety
+        rule = for_robots(self._safety, observations)
+        car = rule.body
+        if not isinstance(car, BicycleCar):
+            return np.stack([np.zeros(len(robots)), side * car.max_turn], axis=1)
+        gear = self._gears(lasers, observations, robots, side, rule, car)
+        steering = gear * side * car.max_steering
         arcs = np.stack([gear * side / car.turning_radius, gear], axis=1)
         taste = (rule.braking, rule.reserve, rule.crawl, rule.hurry)
         far = np.full(len(robots), np.inf)
@@ -69,11 +73,17 @@ class ThreePointTurn:
         return side
 
     def _gears(
-        self, lasers: Array, seen: Observation, robots: NDArray[np.intp], side: Array
+        self,
+        lasers: Array,
+        seen: Observation,
+        robots: NDArray[np.intp],
+        side: Array,
+        rule: RMPController,
+        car: BicycleCar,
     ) -> Array:
         """The gear (M,), 1 or -1: changed where there is no room, or too far from the place."""
-        gear, rule = self._gear[robots], self._safety
-        angles, radius = full_circle(lasers.shape[1]), rule.body.turning_radius
+        gear, angles = self._gear[robots], full_circle(lasers.shape[1])
+        radius = car.turning_radius
         free, other = (
             free_travel(
                 lasers,

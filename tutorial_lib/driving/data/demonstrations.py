@@ -26,7 +26,7 @@ from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller
 from tutorial_lib.parallel import for_each
-from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.noise import DriftingOdometry, OdometryNoise
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene
@@ -48,6 +48,7 @@ def demonstrate(
     controller: Controller | None = None,
     control_noise: float = 0.0,
     odometry_noise: OdometryNoise | None = None,
+    body: Body | None = None,
 ) -> list[Trajectory]:
     """Drive a fleet along geodesics between random places, and record it.
 
@@ -59,6 +60,7 @@ def demonstrate(
         controller: drives to the waypoints; `PARKING` unless given.
         control_noise: sigma of `scale_controls`; the recorded actions are those commanded.
         odometry_noise: of the recorded odometry; it drifts, after the seed, unless given.
+        body: of the cars, a `BicycleCar` unless given.
 
     Returns:
         At most `count` trajectories, those that arrived; each ends a step before its goal counts as
@@ -69,9 +71,10 @@ def demonstrate(
     """
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
-    starts, goals, limit = _starts_and_goals(scene, paths, count, rng)
+    body = BicycleCar() if body is None else body
+    starts, goals, limit = _starts_and_goals(scene, paths, count, rng, body)
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
-    simulation = _fleet(scene, starts, odometry, control_noise, rng)
+    simulation = _fleet(scene, starts, odometry, control_noise, rng, body)
     oracle = OraclePolicy(simulation, paths, goals, controller)
     found = _recorded(world, seed, oracle, limit)
     return [one for one in found if one is not None and len(one) >= SHORTEST]
@@ -220,12 +223,14 @@ def _fleet(
     odometry: OdometryNoise,
     control_noise: float = 0.0,
     rng: np.random.Generator | None = None,
+    body: Body | None = None,
 ) -> Simulation:
     """Images are rendered on load; the controllers need only the laser."""
     sensors = Sensors(camera=None)
     return Simulation(
         scene,
         starts,
+        body=body,
         control_noise=control_noise,
         odometry_noise=odometry,
         sensors=sensors,
@@ -244,11 +249,11 @@ def _recorded(world: str, seed: int, oracle: OraclePolicy, limit: Array) -> list
 
 
 def _starts_and_goals(
-    scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator
+    scene: Scene, paths: GridPaths, count: int, rng: np.random.Generator, body: Body
 ) -> tuple[Array, Array, Array]:
     """Random starts (N, 3), goals (N, 2) and time limits (N,) in seconds."""
     places = np.flatnonzero(paths.largest)
-    starts = random_free_poses(scene, BicycleCar(), paths.points[places], count, rng)
+    starts = random_free_poses(scene, body, paths.points[places], count, rng)
     distance = paths.fields(starts[:, :2], shortest=True).cost[:, places]
     goals = np.empty(count, dtype=np.intp)
     for robot, far in enumerate(distance):

@@ -9,14 +9,17 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.driving.data.trajectories import CONTEXT_INTERVAL, Trajectory
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.interfaces import Observation
+from tutorial_lib.interfaces import Experience, Goals, Observation
+from tutorial_lib.validation import whole
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
+from tutorial_lib.world.simulation import STEP
 
 BEHIND, AHEAD = 1.0, 3.0
 """Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
 CLOSE = 0.8
 """Metres along the trajectory of pairs that decide the last bit of an approach."""
+_BETWEEN = 60.0  # seconds from one trajectory to the next
 
 
 def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) -> NDArray[np.intp]:
@@ -71,9 +74,58 @@ class RecordedWorld:
         self.arc = arcs + gap + np.repeat(length, lengths)
 
     def frames_of(self, trajectory: int) -> NDArray[np.intp]:
-        """(T,) the frames of one trajectory, in order."""
-        first = self.first_frames[trajectory]
+        """(T,) the frames of one trajectory, in order.
+
+        Raises:
+            InputError: when there is no such trajectory.
+        """
+        number = whole("trajectory", trajectory, least=0, most=len(self.trajectories) - 1)
+        first = self.first_frames[number]
         return np.arange(first, self.last[first] + 1)
+
+    @cached_property
+    def begins(self) -> Array:
+        """(M,) seconds at which each trajectory begins, were they recorded one after the other."""
+        long = [trajectory.timestamps[-1] + _BETWEEN for trajectory in self.trajectories]
+        return np.cumsum([0.0, *long[:-1]])
+
+    def experience(self, trajectory: int) -> Experience:
+        """What the robot observed on one trajectory: what an agent learns from.
+
+        Raises:
+            InputError: when there is no such trajectory.
+        """
+        seen = self.observe(self.frames_of(trajectory))
+        return Experience(seen, self.begins[trajectory] + self.trajectories[trajectory].timestamps)
+
+    def experiences(self) -> list[Experience]:
+        """The same of all trajectories."""
+        return [self.experience(i) for i in range(len(self.trajectories))]
+
+    def poses_at(self, times: ArrayLike) -> Array:
+        """Poses (N, 3) at `times` (N,) of experiences, as where a map's vertices were recorded."""
+        times = np.asarray(times, dtype=float)
+        which = np.searchsorted(self.begins, times, side="right") - 1
+        steps = np.rint((times - self.begins[which]) / STEP).astype(int)
+        return self.poses[self.first_frames[which] + steps]
+
+    def goals(
+        self, frames: NDArray[np.intp], k: int = 5, camera: Camera | None = None
+    ) -> list[Goals]:
+        """The images of frames (N,) as goals, each in its context.
+
+        Args:
+            frames: their indices.
+            k: images of context on either side.
+            camera: takes the images; the usual one unless given.
+
+        Raises:
+            InputError: as `observe` and `context` do.
+        """
+        seen, around = self.observe(frames, camera), self.context(frames, k)
+        images = self.observe(around.ravel(), camera).image
+        contexts = images.reshape(*around.shape, *images.shape[1:])
+        return [Goals(seen[[i]], contexts[[i]]) for i in range(len(seen))]
 
     def context(self, frames: NDArray[np.intp], k: int) -> NDArray[np.intp]:
         """Frames of the contextified targets ``o_{i - k dT} ... o_{i + k dT}`` (Meng 2020, III-B).
@@ -112,9 +164,10 @@ class RecordedWorld:
         """
         frames = self._checked(frames)
         laser, odometry = self._sensed
-        image, _ = (Camera() if camera is None else camera).look(self.scene, self.poses[frames])
+        camera = Camera() if camera is None else camera
+        image, _ = camera.look(self.scene, self.poses[frames])
         senses = (laser[frames], odometry[frames], self.speed[frames], self.steering[frames])
-        return Observation(image, None, *senses)
+        return Observation(image, None, *senses, camera=camera)
 
     @cached_property
     def _sensed(self) -> tuple[NDArray[np.float32], Array]:

@@ -14,7 +14,8 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.learning.estimators import WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import WaypointNetwork
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.scene import Scene

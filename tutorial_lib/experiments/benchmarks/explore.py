@@ -15,7 +15,7 @@ from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.exploration import World, make_world
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.exploration.task import SENSORS, ExplorationTask
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 
 
 @dataclass(frozen=True)

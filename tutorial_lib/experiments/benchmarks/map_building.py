@@ -20,7 +20,6 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     make_building,
 )
 from tutorial_lib.interfaces import Goals, Observation
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.topology.mapping.anchors import Anchors
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
@@ -50,7 +49,6 @@ class Settings:
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Build one building's map both ways; then grow a map without reuse over many worlds."""
-    use_threads(1)  # a few images at a time are too little work to share
     first = options.worlds[0]
     building = make_building(first, options.seed, settings.places)
     begun = time.perf_counter()

@@ -15,7 +15,7 @@ from tutorial_lib.driving.data.rollout_outcomes import roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork, use_threads
+from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
 from tutorial_lib.learning.policies import by_waypoints
 from tutorial_lib.world.worlds import scene_of, world_name
 
@@ -68,7 +68,6 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def measure(world: int, seed: int, settings: Settings) -> dict[str, tuple[int, float]]:
     """Numbers of rollouts, cached and plain queries, and the seconds that they took."""
-    use_threads(1)
     name = world_name("apartment", world)
     scene, rng = scene_of(name), np.random.default_rng(seed)
     recorded = RecordedWorld(scene, demonstrate(name, scene, settings.cars, seed))

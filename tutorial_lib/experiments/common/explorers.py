@@ -14,6 +14,7 @@ from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.oracle_explorer import OracleExplorer
 from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.own import load_own
 from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.other_scores import HistogramScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask
@@ -103,6 +104,15 @@ def make_explorer(
     elif name == "nts_histogram":
         model = HistogramScores(model)
     return NTSAgent(model, rng, _SETTINGS[name])
+
+
+def own_explorer(where: str) -> ExplorerAgent:
+    """An explorer of the user's own, from "FILE.py:CLASS".
+
+    Raises:
+        InputError: as `load_own` does.
+    """
+    return load_own(where, ("explorer",))[1]
 
 
 def check_shipped(agents: tuple[str, ...], sensor: str) -> None:

@@ -14,6 +14,12 @@ Rows = list[dict[str, Any]]
 """One for each line of the table; all have the same keys."""
 
 
+class Fault(str):
+    """A note that a class of the user's own failed, so that its rows are missing."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True)
 class Options:
     """The options of the command line.
@@ -77,6 +83,11 @@ class Report:
     rows: Rows
     notes: tuple[str, ...] = ()
     map: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether rows are missing since a class of the user's own failed."""
+        return any(isinstance(note, Fault) for note in self.notes)
 
     def as_dict(self) -> dict[str, Any]:
         """For JSON, in which a number that is not finite becomes None."""

@@ -28,7 +28,7 @@ from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.observation import Observation
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.panels import evenly, stacked

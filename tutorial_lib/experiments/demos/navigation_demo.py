@@ -23,7 +23,7 @@ from tutorial_lib.experiments.demos.outcome import (
     Outcome,
     check_folder,
 )
-from tutorial_lib.experiments.demos.pictures import Beside, view_of
+from tutorial_lib.experiments.demos.pictures import Beside
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
 from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
 from tutorial_lib.experiments.protocols.navigation import (
@@ -38,12 +38,13 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 )
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.interfaces import Navigation
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
 from tutorial_lib.viz.figures.dashboard import LEGEND, Moment, RolloutFilm
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
+from tutorial_lib.viz.figures.maps import map_view
 from tutorial_lib.viz.figures.panels import evenly, stacked
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
@@ -145,7 +146,7 @@ def drive_by_sight(
     poses, goal = vertex_poses(building, agent.topomap), trial.goal_poses[0]
     navigation = agent.start(goals_of(trial, VIEWS["camera16"], K))
     title = f"{building.name}: from {task.rooms[0]} to {task.rooms[1]}"
-    view = view_of(building, agent.topomap, poses)
+    view = map_view(building.scene, agent.topomap, poses)
     said = time.monotonic()
     film: list[Moment] = []
     legend = (*LEGEND, ("map image", hue(0)))

@@ -23,7 +23,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS
 
 

@@ -16,7 +16,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
     make_building,
 )
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
 STAGES = {

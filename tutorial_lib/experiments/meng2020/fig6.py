@@ -13,7 +13,7 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.following import CARS, UNDER_WAY, Guide
 from tutorial_lib.experiments.protocols.local_control import WORLDS
-from tutorial_lib.learning.estimators import use_threads
+from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP

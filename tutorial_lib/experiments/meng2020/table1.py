@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.own import CUSTOM, or_fault
+from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
 from tutorial_lib.experiments.meng2020 import table1_ablations, table1_smoothing
-from tutorial_lib.experiments.protocols.controllers import controllers
+from tutorial_lib.experiments.protocols.controllers import controllers, custom
 from tutorial_lib.experiments.protocols.local_control import (
     WORLDS,
     attempt,
@@ -60,12 +61,18 @@ def run(options: Options, settings: Settings) -> tuple[Rows, tuple[str, ...]]:
     count = settings.episodes
     if options.map is not None:
         places, count = [options.map], settings.map_episodes
-    results = _joined(for_each(run_world, places, count, options, label="meng_table1"))
-    return [_row(results, *key) for key in results], _notes(results)
+    if options.agent:  # a faulty one is refused before any rollout
+        custom(options.agent)
+    parts = for_each(run_world, places, count, options, label="meng_table1")
+    faults = [fault for _, fault in parts if fault]
+    results = _joined([found for found, _ in parts])
+    if faults:
+        results = {key: found for key, found in results.items() if key[0] != CUSTOM}
+    return [_row(results, *key) for key in results], (*_notes(results), *faults[:1])
 
 
-def run_world(place: Any, count: int, options: Options) -> Results:  # noqa: ANN401
-    """Run every controller under every condition in one world.
+def run_world(place: Any, count: int, options: Options) -> tuple[Results, Fault | None]:  # noqa: ANN401
+    """Run every controller under every condition in one world; also how the user's own failed.
 
     Args:
         place: seed of a generated world, or a map's file.
@@ -74,10 +81,17 @@ def run_world(place: Any, count: int, options: Options) -> Results:  # noqa: ANN
     """
     found: Results = {}
     factories = controllers(seeds_of(place, options.seed))
-    for name, condition in conditions(place, count, options.seed, options.family).items():
+    given, fault = conditions(place, count, options.seed, options.family), None
+    for name, condition in given.items():
+        if options.agent and fault is None:
+            own = or_fault(options.agent, lambda c: attempt(c, custom(options.agent)), condition)
+            if isinstance(own, Fault):
+                fault = own
+            else:
+                found[CUSTOM, name] = own
         for controller, factory in factories.items():
             found[controller, name] = attempt(condition, factory)
-    return found
+    return found, fault
 
 
 def _joined(parts: list[Results]) -> Results:
@@ -118,13 +132,14 @@ def _notes(results: Results) -> tuple[str, ...]:
     pairs = {
         "oracle - k5, clean": (("oracle", "clean"), ("k5", "clean")),
         "oracle - laser, clean": (("oracle", "clean"), ("laser", "clean")),
+        "k5 - custom, clean": (("k5", "clean"), (CUSTOM, "clean")),
         "k5 - k0, clean": (("k5", "clean"), ("k0", "clean")),
         "k5: clean - noise": (("k5", "clean"), ("k5", "noise")),
         "k5: clean - shifted": (("k5", "clean"), ("k5", "shifted")),
     }
     notes = []
     for what, (first, second) in pairs.items():
-        if second in results:
+        if first in results and second in results:
             one, other = results[first], results[second]
             found = difference(one["reached"], other["reached"], one["world"])
             notes.append(f"{what}: {in_points(found)}")
@@ -138,6 +153,6 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
-    accepts=frozenset({"map", "family"}),
+    accepts=frozenset({"map", "family", "agent"}),
     ablations={**table1_ablations.EXPERIMENTS, "smoothing": table1_smoothing.EXPERIMENT},
 )

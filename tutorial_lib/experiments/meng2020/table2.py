@@ -7,8 +7,9 @@ learn a part of them; what was not driven must be *composed* of several.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,8 @@ from numpy.typing import NDArray
 
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.own import CUSTOM
+from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_thresholds
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
@@ -38,10 +40,12 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     make_building,
 )
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
-from tutorial_lib.parallel import for_each
+from tutorial_lib.parallel import for_each, lines_of_progress
 
 EVERY, COMPOSED = "all worlds", "composed"
 """Which trials a note is about."""
+QUICK_DRIVES = "0.2"
+"""Share that is learned in a quick run with a class of one's own; with all, every agent arrives."""
 PAPER = {"meng": (0.846, 0.957), "sptm": (0.402, 0.513)}
 """Success in the least and the most successful of the paper's five worlds."""
 
@@ -72,18 +76,22 @@ class InWorld:
     Attributes:
         columns: that describe the world.
         results: by method.
+        fault: how the user's own agent failed, if it did.
         driven: (N,) which trials some drive that was learned covers.
         passed: (N,) which goals some drive that was learned passes, facing as they do.
     """
 
     columns: dict[str, Any]
     results: dict[str, Result]
+    fault: Fault | None
     driven: NDArray[np.bool_]
     passed: NDArray[np.bool_]
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Let every agent learn every world, and run the same trials with each."""
+    if options.agent and options.quick and not options.drives:
+        options = replace(options, drives=QUICK_DRIVES)
     places: list[Any] = [*options.worlds] if options.map is None else [options.map]
     if options.agent:  # a faulty one is refused before any rollout
         agents.custom(options.agent)
@@ -96,7 +104,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         for place, part in zip(places, parts, strict=True)
         for method in part.results
     ]
-    return rows, _notes(parts, options.drives)
+    faults = [part.fault for part in parts if part.fault is not None]
+    return rows, [*_notes(parts, options.drives), *faults[:1]]
 
 
 def run_world(place: Any, options: Options, settings: Settings) -> InWorld:  # noqa: ANN401
@@ -131,14 +140,14 @@ def _together(
     count = settings.trials_of_part if options.drives else settings.trials
     trials = chosen_trials(whole, count, rng, options.starts, options.goals)
     building = part_of(whole, options.drives, options.seed)
-    methods = [*METHODS, "custom"] if options.agent else METHODS
+    methods = [CUSTOM, *METHODS] if options.agent else METHODS  # a fault is said soon
     drives = TOUR if options.drives == CONTINUOUS else options.drives
     limits = settings.thresholds.get(drives, Thresholds())
     given = (
         *(building, whole, trials, limits.p_edge, limits.s_shortcut),
         *(options.agent, options.remedies),
     )
-    found = each(run_method, methods, *given, label="methods")
+    found = each(run_method, methods, *given, label=f"{building.name}, methods")
     plan = building.scene.plan
     columns = {
         "family": plan.family,
@@ -146,14 +155,16 @@ def _together(
         "images": len(building.recorded.poses),
     }
     results = dict(zip(methods, found, strict=True))
+    results |= {CUSTOM: results.pop(CUSTOM)} if options.agent else {}
+    fault = results.pop(CUSTOM) if isinstance(results.get(CUSTOM), Fault) else None
     part = whole, trials, options.drives, options.seed
-    return InWorld(columns, results, driven_trials(*part), passed_goals(*part))
+    return InWorld(columns, results, fault, driven_trials(*part), passed_goals(*part))
 
 
 def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label: str) -> list[Any]:  # noqa: ANN401
-    """`for_each` without other processes."""
-    del label
-    return [work(item, *given) for item in items]
+    """`for_each` without other processes; a terminal has the bar of the worlds already."""
+    found = (work(item, *given) for item in items)
+    return list(found if sys.stderr.isatty() else lines_of_progress(found, len(items), label))
 
 
 def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401
@@ -195,6 +206,7 @@ def _notes(parts: Sequence[InWorld], drives: str) -> list[str]:
     success = {
         name: np.concatenate([part.results[name].outcome.success for part in parts]).astype(float)
         for name in parts[0].results
+        if all(name in part.results for part in parts)
     }
     every = np.ones(len(world), dtype=bool)
     composed = ~np.concatenate([part.driven for part in parts])

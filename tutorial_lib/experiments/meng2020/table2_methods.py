@@ -6,6 +6,8 @@ import numpy as np
 
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.own import CUSTOM, or_fault
+from tutorial_lib.experiments.common.report import Fault
 from tutorial_lib.experiments.protocols.navigation import Result, attempt, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
@@ -23,8 +25,8 @@ def run_method(
     s_shortcut: float,
     agent: str,
     remedies: str,
-) -> Result:
-    """One agent: what it learns of a building, and how its trials end.
+) -> Result | Fault:
+    """One agent: what it learns of a building, and how its trials end; or how it failed.
 
     Args:
         method: name of the agent.
@@ -42,9 +44,8 @@ def run_method(
                 building, trials, lambda sim: OracleNavigation(sim, whole.paths, trials.goal_poses)
             )
         )
-    if method == "custom":
-        own = agents.custom(agent)
-        return agents.guarded(agent, attempt, building, trials, own)
+    if method == CUSTOM:
+        return or_fault(agent, lambda: attempt(building, trials, agents.custom(agent)))
     if method == "random":
         rng = np.random.default_rng([*building.odometry.seed, 1])
         return attempt(building, trials, agents.random_agent(rng))

@@ -15,7 +15,6 @@ from tutorial_lib.experiments.protocols.exploration import VALIDATION, WORLDS
 from tutorial_lib.exploration.episodes import draw_episodes, draw_sequence, exploration_world
 from tutorial_lib.exploration.task import ExplorationTask, explore_on
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.worlds import scene_of
@@ -73,7 +72,6 @@ def run_world(
     item: tuple[int, str], options: Options, settings: Settings
 ) -> dict[str, dict[str, Array]]:
     """Every agent in one world: "success" and "spl" (goals, episodes)."""
-    use_threads(1)
     seed, signs = item
     name = exploration_world(seed, signs, options.palette)
     scene = scene_of(name)

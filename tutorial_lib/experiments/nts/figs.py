@@ -29,7 +29,6 @@ from tutorial_lib.exploration.labels import MAX_DISTANCE, PanoramaLabels
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.files import write_files
 from tutorial_lib.geometry import Array, to_world
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.exploration_data import random_poses
 from tutorial_lib.parallel import for_each
 from tutorial_lib.viz.figures.film import exact_png
@@ -61,7 +60,6 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(world: int, options: Options, settings: Settings) -> Rows:
     """The rows of all figures in one world."""
-    use_threads(1)
     name = exploration_world(world, settings.signs)
     place = Place(name, scene_of(name), settings, (options.seed, world))
     return [*_explorable(place), *_two_goals(place), *_trajectories(place)]

@@ -21,7 +21,6 @@ from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.exploration.other_scores import HistogramScores, RandomScores
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.learning.exploration_data import SHORTEST, random_poses
 from tutorial_lib.learning.exploration_training import WITHIN
 from tutorial_lib.observation import Observation
@@ -116,7 +115,6 @@ def _rows(key: dict[str, str], regret: dict[str, Array], worlds: NDArray[np.intp
 
 def choices(name: str, seed: int, settings: Settings) -> Chosen:
     """The decisions of the world of that name, and what each score chooses."""
-    use_threads(1)
     scene = scene_of(name)
     # The same places with and without signs.
     rng = np.random.default_rng([seed, scene.plan.seed])

@@ -25,7 +25,6 @@ from tutorial_lib.exploration.episodes import draw_episodes, draw_sequence, expl
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorerAgent
-from tutorial_lib.learning.estimators import use_threads
 from tutorial_lib.parallel import for_each
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.worlds import scene_of
@@ -78,7 +77,6 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
 
 def run_world(item: tuple[int, str], options: Options, settings: Settings) -> dict[str, Array]:
     """Explore a world, learn it, and come back: columns (N,) of the trials."""
-    use_threads(1)
     seed, signs = item
     name = exploration_world(seed, signs, options.palette)
     scene = scene_of(name)

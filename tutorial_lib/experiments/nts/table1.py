@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 from tutorial_lib.experiments.common.experiment import Experiment
-from tutorial_lib.experiments.common.explorers import AGENTS, OPTIONS, WITH_GEOMETRY, check_shipped
-from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.explorers import (
+    AGENTS,
+    OPTIONS,
+    WITH_GEOMETRY,
+    check_shipped,
+    own_explorer,
+)
+from tutorial_lib.experiments.common.own import CUSTOM, or_fault
+from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
     VALIDATION,
@@ -19,7 +27,6 @@ from tutorial_lib.experiments.protocols.exploration import (
 )
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
 
 PAPER = {
     ("il", "rgb"): ((0.57, 0.23), (0.14, 0.06), (0.04, 0.02)),
@@ -60,19 +67,26 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     for sensor, names in agents.items():
         if not settings.geometry:
             check_shipped(names, sensor)
-    results = in_all_worlds(run_world, options, settings, label="nts_table1")
-    rows = [row for key, found in results.items() for row in _rows(key, found)]
-    return rows, _notes(results)
+    if options.agent:  # a faulty one is refused before any rollout
+        own_explorer(options.agent)
+    found = in_all_worlds(run_world, options, settings, label="nts_table1")
+    faults = [part for part in found.values() if isinstance(part, Fault)]
+    results = {key: part for key, part in found.items() if not isinstance(part, Fault)}
+    rows = [row for key, part in results.items() for row in _rows(key, part)]
+    return rows, [*_notes(results), *faults[:1]]
 
 
 def run_world(
     item: tuple[int, str], options: Options, settings: Settings
-) -> dict[Key, dict[str, Array]]:
-    """Every agent in one world with one kind of signs."""
-    use_threads(1)
+) -> dict[Key, dict[str, Array] | Fault]:
+    """Every agent in one world with one kind of signs; or how the user's own failed."""
     seed, signs = item
     world = make_world(seed, signs, settings.episodes, options.seed, options.palette)
-    return {
+    own: dict[Key, dict[str, Array] | Fault] = {}
+    if options.agent:
+        run = partial(run_agent, world, CUSTOM, "rgbd", own=options.agent)
+        own[CUSTOM, "rgbd", signs] = or_fault(options.agent, run)
+    return own | {
         (agent, sensor, signs): run_agent(world, agent, sensor, geometry=settings.geometry)
         for sensor, agents in (("rgbd", settings.rgbd), ("rgb", settings.rgb))
         for agent in agents
@@ -139,6 +153,6 @@ EXPERIMENT = Experiment(
     WORLDS[:6],
     Settings(),
     quick_settings=Settings(9, _QUICK, ()),
-    accepts=frozenset({"palette"}),
+    accepts=frozenset({"palette", "agent"}),
     ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
 )

@@ -19,7 +19,6 @@ from tutorial_lib.experiments.protocols.exploration import (
 )
 from tutorial_lib.exploration.episodes import DIFFICULTIES
 from tutorial_lib.geometry import Array
-from tutorial_lib.learning.estimators import use_threads
 
 CONDITIONS: dict[str, dict[str, Any]] = {
     "standard": {},
@@ -73,7 +72,6 @@ def run_world(
     item: tuple[int, str], options: Options, settings: Settings
 ) -> dict[Key, dict[str, Array]]:
     """Every agent under every condition in one world with one kind of signs."""
-    use_threads(1)
     seed, signs = item
     world = make_world(seed, signs, settings.episodes, options.seed, options.palette)
     return {

@@ -11,10 +11,31 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.experiments.common.own import load_own
 from tutorial_lib.interfaces import Policy
 from tutorial_lib.learning.estimators import DirectNetwork, WaypointNetwork
 from tutorial_lib.learning.policies import by_smoothed_waypoints, directly
 from tutorial_lib.world.simulation import Simulation
+
+SEAMS = ("predictor", "local controller", "controller")
+"""What a class of one's own may be in Table I."""
+
+
+def custom(where: str) -> PolicyFactory:
+    """C with a component of the user's own, from "FILE.py:CLASS", beside what `k5` has.
+
+    A waypoint predictor is followed as the other predictors are, a controller drives to the
+    waypoints of k = 5, and a local controller drives by itself.
+
+    Raises:
+        InputError: as `load_own` does.
+    """
+    seam, part = load_own(where, SEAMS)
+    if seam == "local controller":
+        return directly(part)
+    if seam == "predictor":
+        return by_smoothed_waypoints(part)
+    return by_smoothed_waypoints(WaypointNetwork("waypoint_k5"), controller=part)
 
 
 def controllers(seed: tuple[int, int]) -> dict[str, PolicyFactory]:

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tutorial_lib.experiments.common.explorers import make_explorer
-from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer
+from tutorial_lib.experiments.common.report import Fault, Options
 from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.exploration.episodes import (
     DIFFICULTIES,
@@ -72,6 +72,7 @@ def run_agent(
     name: str,
     sensor: str,
     *,
+    own: str = "",
     geometry: bool = False,
     noise: bool = True,
     stops_itself: bool = False,
@@ -84,6 +85,7 @@ def run_agent(
         world: its episodes.
         name: of the agent, see `common.explorers`.
         sensor: "rgbd" or "rgb".
+        own: FILE.py:CLASS of an explorer of the user's, which runs instead.
         geometry: the true geometry stands in for the network.
         noise: of motion and odometry.
         stops_itself: see `ExplorationTask`.
@@ -101,7 +103,10 @@ def run_agent(
         stops_itself=stops_itself,
     )
     rng = np.random.default_rng([*world.seed, 2])
-    explore(task, make_explorer(name, task, sensor, rng, geometry=geometry))
+    explorer = (
+        own_explorer(own) if own else make_explorer(name, task, sensor, rng, geometry=geometry)
+    )
+    explore(task, explorer)
     return _columns(task)
 
 
@@ -144,11 +149,11 @@ def _interval(values: Array, worlds: Array) -> tuple[float | None, ...]:
 
 
 def in_all_worlds(
-    run_world: Callable[..., dict[Key, dict[str, Array]]],
+    run_world: Callable[..., dict[Key, Any]],
     options: Options,
     settings: object,
     label: str,
-) -> dict[Key, dict[str, Array]]:
+) -> dict[Key, Any]:
     """Run agents in every world, with and without signs, and join what they did.
 
     Args:
@@ -159,13 +164,18 @@ def in_all_worlds(
         label: of the progress bar.
 
     Returns:
-        The columns of all worlds by the same keys, and the "world" of each episode.
+        The columns of all worlds by the same keys, and the "world" of each episode; or how the
+        user's own agent failed in one.
     """
     items = [(world, signs) for signs in SIGNS for world in options.worlds]
     found = for_each(run_world, items, options, settings, label=label)
-    results = {}
+    results: dict[Key, Any] = {}
     for key in dict.fromkeys(key for part in found for key in part):
         mine = [part[key] for part in found if key in part]
+        faults = [one for one in mine if isinstance(one, Fault)]
+        if faults:
+            results[key] = faults[0]
+            continue
         sizes = [len(part["success"]) for part in mine]
         columns = {name: np.concatenate([part[name] for part in mine]) for name in mine[0]}
         results[key] = columns | {"world": np.repeat(options.worlds, sizes)}

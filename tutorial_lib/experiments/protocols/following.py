@@ -14,11 +14,10 @@ from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.data.demonstrations import demonstrate
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import SLOWEST, covered
-from tutorial_lib.driving.rollouts import ReachGoals, rollout
+from tutorial_lib.driving.rollouts import NavigationEnds, ReachGoals, rollout
 from tutorial_lib.experiments.protocols.navigation import (
     GRACE,
     TIMES,
-    NavigationEnds,
     arrived_at,
 )
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, USUAL, Odometry

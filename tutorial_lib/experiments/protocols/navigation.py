@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.driving.rollouts import Record, Rollouts, rollout
+from tutorial_lib.driving.rollouts import NavigationEnds, Record, Rollouts, rollout
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING
 from tutorial_lib.geometry import Array, wrap
@@ -16,19 +16,16 @@ from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.world.people import Person
-from tutorial_lib.world.simulation import STEP, Simulation
+from tutorial_lib.world.simulation import Simulation
 
 NEAR, FACING = 0.5, float(np.deg2rad(60.0))
 """Metres from the goal and rad from its heading within which a declared arrival is right."""
-STUCK = 2.0
-"""Seconds of touching something after which a trial ends."""
 TIMES, GRACE = 2.0, 30.0
 """A trial may take so many times the oracle's time, and so many seconds more."""
 WORMHOLE = 5.0
 """Metres of geodesic beyond which an edge is a wormhole."""
 K = 5
 """Images of context on either side of the goal image."""
-_BETWEEN = 60.0  # seconds from one recorded trajectory to the next
 ENDINGS = ("arrived", "gave_up", "stuck", "late")
 
 Start = Callable[[Simulation], Navigation]
@@ -81,28 +78,6 @@ class Result:
     wormholes: int | None = None
 
 
-class NavigationEnds:
-    """A trial ends when the agent declares arrival or gives up, is stuck, or time is up."""
-
-    def __init__(self, navigation: Navigation, limit: Array) -> None:
-        """Watch a navigation for at most `limit` seconds (N,)."""
-        self._navigation, self._limit = navigation, limit
-        self._touched = np.zeros(len(limit))
-
-    def after_step(
-        self, simulation: Simulation, seconds: Array, before: Array
-    ) -> dict[str, NDArray[np.bool_]]:
-        """See `driving.rollouts.Ends`."""
-        del before
-        self._touched = np.where(simulation.touching, self._touched + STEP, 0.0)
-        return {
-            "late": seconds >= self._limit,
-            "stuck": self._touched >= STUCK - STEP / 2,
-            "gave_up": np.asarray(self._navigation.given_up),
-            "arrived": np.asarray(self._navigation.arrived),
-        }
-
-
 def navigate(
     building: Building,
     trials: Trials,
@@ -139,17 +114,9 @@ def experiences(building: Building, indices: Sequence[int] | None = None) -> Ite
         building: the building.
         indices: of the trajectories; all unless given.
     """
-    begins = start_times(building)
-    indices = range(len(building.recorded.trajectories)) if indices is None else indices
-    for i in indices:
-        seen = building.recorded.observe(building.recorded.frames_of(i))
-        yield Experience(seen, begins[i] + building.recorded.trajectories[i].timestamps)
-
-
-def start_times(building: Building) -> Array:
-    """Seconds (D,) at which each recorded trajectory of a building begins."""
-    long = [trajectory.timestamps[-1] + _BETWEEN for trajectory in building.recorded.trajectories]
-    return np.cumsum([0.0, *long[:-1]])
+    recorded = building.recorded
+    for i in range(len(recorded.trajectories)) if indices is None else indices:
+        yield recorded.experience(i)
 
 
 def goals_of(trials: Trials, view: View, k: int) -> list[Goals]:
@@ -162,11 +129,7 @@ def goals_of(trials: Trials, view: View, k: int) -> list[Goals]:
 
 def vertex_poses(building: Building, topomap: TopoMap) -> Array:
     """Poses (V, 3) at which a map's vertices were recorded; the agent never gets them."""
-    begins = start_times(building)
-    times = topomap.vertices.timestamps
-    which = np.searchsorted(begins, times, side="right") - 1
-    first = building.recorded.first_frames[which]
-    return building.recorded.poses[first + np.rint((times - begins[which]) / STEP).astype(int)]
+    return building.recorded.poses_at(topomap.vertices.timestamps)
 
 
 def edge_lengths(building: Building, topomap: TopoMap) -> Array:

@@ -12,6 +12,7 @@ from tutorial_lib.viz.figures.charts import chart, from_figure
 from tutorial_lib.viz.figures.closeups import closeup, matches_picture
 from tutorial_lib.viz.figures.edge_tables import aligned_sequences, edge_table
 from tutorial_lib.viz.figures.follower_states import follower_machine, frames_kept, reach_table
+from tutorial_lib.viz.figures.maps import drive_picture, map_view
 from tutorial_lib.viz.figures.panels import camera_picture, faded, film_strip, side_by_side, stacked
 from tutorial_lib.viz.figures.planning_graphs import graph_picture
 from tutorial_lib.viz.figures.reachability import (
@@ -30,6 +31,7 @@ __all__ = [
     "closeup",
     "cover_chart",
     "draw_reliability",
+    "drive_picture",
     "edge_table",
     "faded",
     "film_strip",
@@ -38,6 +40,7 @@ __all__ = [
     "frames_kept",
     "from_figure",
     "graph_picture",
+    "map_view",
     "matches_picture",
     "numbered_views",
     "pictured_pair",

@@ -1,0 +1,191 @@
+"""Classes of one's own: what each seam needs is said, and a fault costs only one's own rows."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.conftest import in_turn, make_box
+from tutorial_lib.cli import main
+from tutorial_lib.commands import experiment
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.agents import SEAMS, custom
+from tutorial_lib.experiments.common.own import MEMBERS, load_own
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.meng2020 import table1, table2
+from tutorial_lib.experiments.meng2020.table2_methods import METHODS
+from tutorial_lib.experiments.nts import table1 as nts_table1
+from tutorial_lib.experiments.protocols import controllers, exploration, local_control, navigation
+from tutorial_lib.world.plan_json import save_plan
+
+CONTROLLER = """
+from tutorial_lib.driving import RMPController
+
+
+class Mine:
+    def __init__(self):
+        self.usual = RMPController()
+
+    def act(self, observations, waypoints):
+        return self.usual.act(observations, waypoints)
+"""
+PREDICTOR = """
+from tutorial_lib.learning import WaypointNetwork
+
+
+class Mine:
+    def __init__(self):
+        self.usual = WaypointNetwork("waypoint_k2")
+        self.view, self.k = self.usual.view, self.usual.k
+
+    def prepare(self, contexts):
+        return self.usual.prepare(contexts)
+
+    def predict(self, observations, targets):
+        return self.usual.predict(observations, targets)
+"""
+LOCAL = """
+from tutorial_lib.learning import DirectNetwork
+
+
+class Mine:
+    def __init__(self):
+        self.usual = DirectNetwork("direct_k2")
+        self.view, self.k = self.usual.view, self.usual.k
+
+    def prepare(self, contexts):
+        return self.usual.prepare(contexts)
+
+    def act(self, observations, targets):
+        return self.usual.act(observations, targets)
+"""
+EXPLORER = """
+import numpy as np
+
+
+class Mine:
+    def start(self, goals):
+        self.rng = np.random.default_rng(0)
+
+    def act(self, observations, running):
+        return self.rng.integers(1, 4, len(observations))
+"""
+SAME = {
+    "predictor": (PREDICTOR, "k2"),
+    "local": (LOCAL, "direct"),
+    "controller": (CONTROLLER, "k5"),
+}
+"""Classes that do what a row of Table I does."""
+
+
+@pytest.fixture
+def own(tmp_path):
+    """Writes a user's file; returns the option that names its class."""
+
+    def write(text):
+        (tmp_path / "own.py").write_text(text)
+        return f"{tmp_path / 'own.py'}:Mine"
+
+    return write
+
+
+@pytest.mark.parametrize("seam", MEMBERS)
+def test_a_class_is_what_its_members_make_it(own, seam):
+    where = own("class Mine:\n" + "".join(f"    {name} = 1\n" for name in MEMBERS[seam]))
+    assert load_own(where, [seam])[0] == seam
+
+
+def test_a_wrong_class_is_told_what_each_seam_needs(own):
+    where = own("class Mine:\n    view = 0\n    def predict(self, *_): ...\n")
+    for load, seams in ((controllers.custom, controllers.SEAMS), (custom, SEAMS)):
+        with pytest.raises(InputError) as error:
+            load(where)
+        words = str(error.value)
+        for seam in seams:
+            assert f"{seam}: {', '.join(MEMBERS[seam])}" in words
+        assert words.endswith("; for a predictor it lacks k, prepare")
+    with pytest.raises(InputError, match=r"no component \(explorer: start, act\)$"):
+        load_own(where, ["explorer"])
+
+
+def test_controllers_and_predictors_drive_a_whole_system_too(own):
+    assert type(custom(own(CONTROLLER)).controller).__name__ == "Mine"
+    assert type(custom(own(PREDICTOR)).predictor).__name__ == "Mine"
+
+
+@pytest.fixture
+def few(monkeypatch):
+    """Table I of one small world and one condition, with the rows that are compared here."""
+    every = controllers.controllers
+
+    def some(seed):
+        return {name: every(seed)[name] for name in ("direct", "k2", "k5")}
+
+    monkeypatch.setattr(table1, "for_each", in_turn)
+    monkeypatch.setattr(table1, "controllers", some)
+    clean = local_control.clean_condition
+    monkeypatch.setattr(table1, "conditions", lambda *given: {"clean": clean(*given)})
+    return replace(table1.EXPERIMENT, quick_settings=table1.Settings(episodes=4))
+
+
+@pytest.mark.parametrize("seam", SAME)
+def test_a_part_of_ones_own_has_a_row_of_table_1(own, few, seam):
+    text, twin = SAME[seam]
+    report = few.report(Options(worlds=(10_001,), quick=True, agent=own(text)))
+    rows = {(row.pop("controller"), row["condition"]): row for row in report.rows}
+    assert not report.failed
+    mine, other = rows["custom", "clean"], rows[twin, "clean"]
+    assert mine["paper"] is None
+    for name in set(mine) - {"paper"}:
+        assert mine[name] == other[name], name
+    assert any(note.startswith("k5 - custom, clean: ") for note in report.notes)
+
+
+def test_a_fault_in_table_1_costs_its_own_rows_only(own, few, capsys):
+    where = own(CONTROLLER.replace("return self.usual.act(observations", "return self.us.act(obs"))
+    report = few.report(Options(worlds=(10_001,), quick=True, agent=where))
+    assert {row["controller"] for row in report.rows} == {"direct", "k2", "k5"}
+    assert report.failed
+    said = f"--agent {where}: own.py, line 10: AttributeError: 'Mine' object has no attribute 'us'"
+    assert said in report.notes
+    assert f"error: {said}; the other rows go on" in capsys.readouterr().err
+    assert said in json.loads(json.dumps(report.as_dict()))["notes"]
+
+
+def test_an_explorer_of_ones_own_is_compared_and_a_fault_costs_its_own_rows_only(own, monkeypatch):
+    monkeypatch.setattr(exploration, "for_each", in_turn)
+    settings = nts_table1.Settings(1, ("oracle",), (), geometry=True)
+    rows, notes = nts_table1.run(Options(worlds=(10_100,), agent=own(EXPLORER)), settings)
+    agents = [row["agent"] for row in rows]
+    assert agents.count("custom") == agents.count("oracle") == 6
+    assert {row["sensor"] for row in rows} == {"rgbd"}
+    mine = [row for row in rows if row["agent"] == "custom"]
+    assert all(row["spl"] <= row["success"] for row in mine)
+    assert np.mean([row["success"] for row in mine]) < 1.0
+    where = own(EXPLORER.replace("self.rng.integers", "self.r.integers"))
+    rows, notes = nts_table1.run(Options(worlds=(10_100,), agent=where), settings)
+    assert {row["agent"] for row in rows} == {"oracle"}
+    assert [note for note in notes if "own.py, line 10: AttributeError" in note]
+
+
+def test_a_fault_in_table_2_costs_its_own_rows_only_and_is_the_exit_code(
+    own, tmp_path, monkeypatch, capsys
+):
+    save_plan(make_box(), tmp_path / "room.json")
+    monkeypatch.setattr(navigation, "GRACE", 1.0)
+    monkeypatch.setattr(table2, "for_each", in_turn)
+    settings = table2.Settings(places_on_map=3, trials=4, trials_of_part=4)
+    few = replace(table2.EXPERIMENT, quick_settings=settings)
+    monkeypatch.setitem(experiment.EXPERIMENTS, "meng_table2", few)
+    where = own("class Mine:\n    def learn(self, experiences): ...\n    start = None\n")
+    command = ["experiment", "meng_table2", "--quick", "--map", str(tmp_path / "room.json")]
+    assert main([*command, "--agent", where]) == 2
+    out, err = capsys.readouterr()
+    assert all(
+        f" {name} " in line for name, line in zip(METHODS, out.splitlines()[2:6], strict=True)
+    )
+    assert " custom " not in out
+    assert f"--agent {where}: TypeError: 'NoneType' object is not callable" in out
+    assert "the other rows go on" in err
+    assert f" {float(table2.QUICK_DRIVES):g} " in out  # a part of the drives, where agents differ

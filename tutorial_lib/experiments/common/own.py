@@ -1,0 +1,114 @@
+"""A class of the user's own in an experiment, from "FILE.py:CLASS", and what it does wrong."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from tutorial_lib.errors import InputError, words_of
+from tutorial_lib.experiments.common.report import Fault
+from tutorial_lib.reading.limits import MAX_TEXT
+from tutorial_lib.reading.regular import read_bytes
+
+CUSTOM = "custom"
+"""The name of its rows."""
+MEMBERS = {
+    "agent": ("learn", "start"),
+    "explorer": ("start", "act"),
+    "planner": ("plan",),
+    "localizer": ("localize",),
+    "reachability": ("prepare", "probability"),
+    "predictor": ("view", "k", "prepare", "predict"),
+    "local controller": ("view", "k", "prepare", "act"),
+    "controller": ("act",),
+}
+"""What a class can be, see `tutorial_lib.interfaces`, and the members that make it that."""
+
+
+def load_own(where: str, seams: Sequence[str]) -> tuple[str, Any]:
+    """An instance of the user's class, made without arguments, and what it is.
+
+    Args:
+        where: "FILE.py:CLASS".
+        seams: what the experiment can compare, of `MEMBERS`; of several that fit the first counts.
+
+    Raises:
+        InputError: if there is no such file or class, if it cannot be instantiated, or if it has
+            the members of none of the seams.
+    """
+    part = guarded(where, _instantiate, where)
+    missing = {
+        seam: [name for name in MEMBERS[seam] if not guarded(where, hasattr, part, name)]
+        for seam in seams
+    }
+    fits = [seam for seam in seams if not missing[seam]]
+    if fits:
+        return fits[0], part
+    needed = "; ".join(f"{seam}: {', '.join(MEMBERS[seam])}" for seam in seams)
+    begun = [seam for seam in seams if len(missing[seam]) < len(MEMBERS[seam])]
+    nearest = min(begun, key=lambda seam: len(missing[seam]), default=None)
+    lacks = f"; for a {nearest} it lacks {', '.join(missing[nearest])}" if nearest else ""
+    raise InputError(f"--agent {where}: has the methods of no component ({needed}){lacks}")
+
+
+def guarded(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+    """Call `run` with the user's agent; whatever their code raises becomes a clear message.
+
+    Raises:
+        InputError: with the file, the line and the error, in one line.
+    """
+    try:
+        return run(*arguments)
+    except KeyboardInterrupt:
+        raise
+    except InputError as error:
+        raise InputError(f"--agent {where}: {error}") from error
+    except BaseException as error:
+        raise InputError(f"--agent {where}: {_fault(where, error)}") from error
+
+
+def or_fault(where: str, run: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+    """The same, but a fault is returned and said at once on stderr: other rows are not lost."""
+    try:
+        return guarded(where, run, *arguments)
+    except InputError as error:
+        print(f"error: {error}; the other rows go on", file=sys.stderr, flush=True)
+        return Fault(error)
+
+
+def _instantiate(where: str) -> Any:  # noqa: ANN401
+    file, _, name = where.rpartition(":")
+    path = Path(file)
+    if not file or not name.isidentifier():
+        raise InputError("give FILE.py:CLASS, as in my_agent.py:MyPlanner")
+    if not path.exists():
+        raise InputError(f"there is no file {file}")
+    read_bytes(path, MAX_TEXT, "give a file of Python code")
+    spec = importlib.util.spec_from_file_location(f"custom_{path.stem}", path)
+    if spec is None or spec.loader is None:
+        raise InputError(f"{file} is no Python file; its name ends in .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[module.__name__] = module
+    spec.loader.exec_module(module)
+    known = getattr(module, name, None)
+    if known is None:
+        raise InputError(f"{file} has no {name}")
+    return known()
+
+
+def _fault(where: str, error: BaseException) -> str:
+    """The error, and the line of the user's file in which it was raised."""
+    file = Path(where.rpartition(":")[0]).resolve()
+    lines = [
+        frame.lineno
+        for frame in traceback.extract_tb(error.__traceback__)
+        if Path(frame.filename).resolve() == file
+    ]
+    # A SyntaxError has no frame in the file that it concerns.
+    line = lines[-1] if lines else getattr(error, "lineno", None)
+    at = f"{file.name}, line {line}: " if line else ""
+    return f"{at}{words_of(error)}"
