@@ -65,8 +65,8 @@ MUTATIONS = [
     (
         "a folder counts as a file that can be written",
         "files.py",
-        "path.is_dir() or not os.access",
-        "not os.access",
+        "(found.exists() and not found.is_file())",
+        "False",
         "test_files.py",
     ),
     (

@@ -163,10 +163,10 @@ MUTATIONS = [
         "world/test_sensors.py",
     ),
     (
-        "opacity counts as much as all colours",
-        "world/importers/ros_map.py",
-        "(3.0 * shade + alpha) / 4.0",
-        "(shade + alpha) / 2.0",
+        "what is half transparent is known",
+        "world/importers/map_cells.py",
+        "(levels[:, colours:] >= 1.0)",
+        "(levels[:, colours:] > 0.0)",
         "world/test_importers.py",
     ),
     (

@@ -3,4 +3,4 @@
 from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
-INTERRUPTED, WRONG_INPUT, MISSED = 130, 2, 1
+CLOSED_PIPE, INTERRUPTED, WRONG_INPUT, MISSED = 141, 130, 2, 1

@@ -74,7 +74,8 @@ def run_world(place: Any, count: int, options: Options) -> Results:  # noqa: ANN
     """
     found: Results = {}
     factories = controllers(seeds_of(place, options.seed))
-    for name, condition in conditions(place, count, options.seed, options.family).items():
+    world = (place, count, options.seed, options.family, options.region)
+    for name, condition in conditions(*world).items():
         for controller, factory in factories.items():
             found[controller, name] = attempt(condition, factory)
     return found
@@ -138,6 +139,6 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
-    accepts=frozenset({"map", "family"}),
+    accepts=frozenset({"map", "region", "family"}),
     ablations={**table1_ablations.EXPERIMENTS, "smoothing": table1_smoothing.EXPERIMENT},
 )

@@ -12,12 +12,10 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_BOXES, MAX_OUTLINE
 from tutorial_lib.world.fields import Field
-from tutorial_lib.world.floorplan import FloorPlan, Room
+from tutorial_lib.world.floorplan import FloorPlan, Room, too_far
 from tutorial_lib.world.importers.contours import signed_area
 from tutorial_lib.world.importers.surfaces import check_choice, dress_loops, imported_look
 
-MAX_EXTENT = 1000.0
-"""Metres across, above which a plan's unit is taken for a mistake."""
 _SAME = 1e-3  # metres within which two corners are one
 _MIN_ROOM = 0.5  # square metres below which what is left of a room's box is dropped
 _KINDS = {
@@ -69,9 +67,9 @@ def _outline(verts: Field) -> NDArray[np.float64]:
         points = points[np.hypot(*(points - np.roll(points, 1, axis=0)).T) > _SAME]
     if len(points) < 3:
         raise verts.fail("give at least three different corners [x, y]")
-    extent = float(np.ptp(points, axis=0).max())
-    if extent > MAX_EXTENT:
-        raise InputError(f"{verts.where}: span {extent:g} m; give metres, at most {MAX_EXTENT:g}")
+    problem = too_far((*points.min(axis=0).tolist(), *points.max(axis=0).tolist()))
+    if problem:
+        raise InputError(f"{verts.where}: the outline {problem}; give metres")
     crossing = _crossing(points)
     if crossing is not None:
         i, j = crossing
