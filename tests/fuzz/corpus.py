@@ -63,11 +63,15 @@ def _merges() -> bytes:
     return b"\n".join(lines)
 
 
-def png(width: int, height: int, body: bytes = b"", kind: int = 0) -> bytes:
-    """A PNG whose header says anything at all."""
+def png(
+    width: int, height: int, body: bytes = b"", kind: int = 0, named: bytes = b"", depth: int = 8
+) -> bytes:
+    """A PNG whose header says anything at all; `named` is what it says to be transparent."""
     data = b"\x89PNG\r\n\x1a\n"
-    head = struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
-    for name, content in ((b"IHDR", head), (b"IDAT", zlib.compress(body, 1)), (b"IEND", b"")):
+    head = struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, 0)
+    clear = [(b"tRNS", named)] if named else []
+    chunks = [(b"IHDR", head), *clear, (b"IDAT", zlib.compress(body, 1)), (b"IEND", b"")]
+    for name, content in chunks:
         checksum = struct.pack(">I", zlib.crc32(name + content))
         data += struct.pack(">I", len(content)) + name + content + checksum
     return data

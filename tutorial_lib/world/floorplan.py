@@ -21,7 +21,7 @@ MAX_AREA = MAX_PIXELS * 0.05**2
 FARTHEST = 2e7
 """Metres of a coordinate, at most: more than any that a map in UTM has. Beyond, numbers would
 become too coarse."""
-_OUTSIDE = 1.0  # metres that rooms, furniture and doors may reach beyond the box around the walls
+_OUTSIDE = 10.0  # metres that rooms, furniture and doors may reach beyond the box around the walls
 
 
 @dataclass(frozen=True)
@@ -219,14 +219,13 @@ def _check_walls(plan: FloorPlan) -> None:
         raise InputError(f"walls[{short[0]}]: has no length; give two different ends")
 
 
-def _check_near(where: str, points: ArrayLike, bounds: Bounds) -> None:
-    """Check that points (N, 2) are finite, and belong to the walls in the box."""
+def _check_near(where: str, points: ArrayLike, bounds: Bounds, whole: bool = True) -> None:
+    """Check that points (N, 2) are finite, near the box around the walls, not `whole` beside it."""
     points = np.asarray(points, dtype=float)
     low, high = np.array(bounds[:2]), np.array(bounds[2:])
     near = (points >= low - _OUTSIDE) & (points <= high + _OUTSIDE)
-    if not (
-        near.all() and (points.max(axis=0) >= low).all() and (points.min(axis=0) <= high).all()
-    ):
+    beside = (points < low).all(axis=0) | (points > high).all(axis=0)
+    if not near.all() or (whole and beside.any()):
         raise InputError(
             f"{where}: it is not finite, or lies off the walls, which reach from "
             f"({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g}); give numbers in metres"
@@ -248,7 +247,7 @@ def _check_material(where: str, name: str, known: set[str]) -> None:
 
 
 def _check_door(where: str, door: Door, rooms: int, bounds: Bounds) -> None:
-    _check_near(where, [door.start, door.end], bounds)
+    _check_near(where, [door.start, door.end], bounds, whole=False)
     if door.width < 0.3:
         raise InputError(f"{where}: runs from {door.start} to {door.end}; give an opening >= 0.3 m")
     if not all(0 <= room < rooms for room in door.rooms):
