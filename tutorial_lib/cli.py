@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import select
 import sys
 import warnings
 from collections.abc import Iterator
@@ -80,12 +81,11 @@ def _run(arguments: list[str]) -> int:
 
 def _has_lost_its_reader() -> bool:
     """Whether what reads the output has ended, as `head` does; no other pipe of ours."""
-    try:
-        sys.stdout.flush()
-        sys.stderr.flush()
-    except BrokenPipeError:
-        return True
-    return False
+    outputs = select.poll()  # there is one wherever a closed pipe is a `BrokenPipeError`
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):  # no file of the system's
+            outputs.register(stream.fileno(), 0)
+    return any(event & select.POLLERR for _, event in outputs.poll(0))
 
 
 def _discard_output() -> None:

@@ -172,8 +172,8 @@ class Raycaster:
         """Whether no wall stands between pairs of points.
 
         Args:
-            origins: (N, 2).
-            points: (N, 2).
+            origins: (N, 2), or one for all points.
+            points: (N, 2), or one for all origins.
             slack: metres before each point that do not count, so that points on a wall can be seen.
 
         Returns:
@@ -183,6 +183,8 @@ class Raycaster:
         for ends in (origins, points):
             if ends.ndim != 2 or ends.shape[1] != 2:
                 raise InputError(f"sight: points of shape {ends.shape}; give (N, 2) rows x, y")
+        if len(origins) != len(points) and 1 not in (len(origins), len(points)):
+            raise InputError(f"sight: {len(origins)} origins, {len(points)} points; give as many")
         origins, points = (np.ascontiguousarray(e) for e in np.broadcast_arrays(origins, points))
         clear = np.empty(len(points), np.bool_)
         see(self.rows, *self._grid, origins, points, slack, clear)

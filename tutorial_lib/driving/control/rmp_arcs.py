@@ -70,8 +70,8 @@ def safe_speeds(
     Raises:
         InputError: when an array has another shape.
     """
+    fit_together(lasers=(lasers, ("N", "B")), left=(left, ("N",)))
     angles = full_circle(lasers.shape[1])
-    _check_shapes(lasers, angles, arcs=(arcs, ("N", 2)), left=(left, ("N",)))
     free, gap = free_travel(lasers, angles, arcs, discs, margin, kernels.STOP).T
     stop = np.minimum(np.maximum(free - reserve, 0.0), left)
     return np.minimum(np.sqrt(2 * braking * stop), crawl + hurry * np.maximum(gap, 0.0))
