@@ -81,7 +81,9 @@ def _run(arguments: list[str]) -> int:
 
 def _has_lost_its_reader() -> bool:
     """Whether what reads the output has ended, as `head` does; no other pipe of ours."""
-    outputs = select.poll()  # there is one wherever a closed pipe is a `BrokenPipeError`
+    if not hasattr(select, "poll"):  # Windows
+        return True
+    outputs = select.poll()
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):  # no file of the system's
             outputs.register(stream.fileno(), 0)
