@@ -284,7 +284,9 @@ sys.exit(cli.main(["progress", *sys.argv[1:]]))
     [([], 1, False), ([], 1, True), ([], 0, True), (["--help"], 0, False)],
 )
 @pytest.mark.parametrize("unbuffered", ["", "1"])
-def test_who_reads_no_further_is_no_full_disk(arguments, lines, merged, unbuffered, monkeypatch):
+def test_a_reader_that_ends_early_is_no_full_disk(
+    arguments, lines, merged, unbuffered, monkeypatch
+):
     monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
     with subprocess.Popen(
         [sys.executable, "-c", PIPED, *arguments],

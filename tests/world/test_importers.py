@@ -346,8 +346,8 @@ def test_a_key_that_is_given_twice_is_named(tmp_path):
 # --- ROS: where the picture is ------------------------------------------------------------------
 
 ELSEWHERE = [
-    "/home/robot/maps/map.pgm",
-    r"C:\Users\robot\map.pgm",
+    "/opt/robot/maps/map.pgm",
+    r"C:\robot\map.pgm",
     r"..\maps\map.pgm",
     "maps/map.pgm",
     "~/map.pgm",
@@ -407,14 +407,14 @@ def test_accents_may_be_stored_apart(tmp_path):
 
 def test_of_another_machine_s_path_the_only_picture_of_its_kind_is_meant(tmp_path):
     (tmp_path / "renamed.pgm").write_bytes(p5(box()))
-    foreign = write_yaml(tmp_path, image="/home/robot/map.pgm")
+    foreign = write_yaml(tmp_path, image="/opt/robot/map.pgm")
     with pytest.warns(Notice, match=r"took 'renamed\.pgm'"):
         assert len(import_ros_map(foreign).walls) == 4
-    own = ["map.pgm", "maps/map.pgm", "/home/robot/map.png", "/home/robot/"]
+    own = ["map.pgm", "maps/map.pgm", "/opt/robot/map.png", "/opt/robot/"]
     for named in own:  # nobody knows which is meant, or it may be mistyped
         expect_error(import_ros_map, write_yaml(tmp_path, image=named), ["map.yaml: image"])
     (tmp_path / "second.pgm").write_bytes(p5(box()))
-    foreign = write_yaml(tmp_path, image="/home/robot/map.pgm")
+    foreign = write_yaml(tmp_path, image="/opt/robot/map.pgm")
     expect_error(import_ros_map, foreign, ["map.yaml: image", "beside the YAML file"])
 
 

@@ -18,7 +18,6 @@ from tutorial_lib.driving.control import rmp_arcs as moves
 from tutorial_lib.driving.control.composed import checked_waypoints
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.shapes import fit_together
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
 from tutorial_lib.world.sensors import full_circle
 from tutorial_lib.world.simulation import STEP
@@ -192,12 +191,7 @@ class RMPController:
             InputError: when a waypoint is missing or not finite.
         """
         waypoints = checked_waypoints(waypoints, len(observations))
-        fit_together(
-            waypoints=(waypoints, ("N", 2)),
-            laser=(observations.laser, ("N", "B")),
-            speed=(observations.speed, ("N",)),
-            steering=(observations.steering, ("N",)),
-        )
+        moves.check_robots(observations, len(waypoints))
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         controls = np.stack([observations.speed, observations.steering], axis=1)
         carrots, gears, steerings = self._aim(lasers, controls, waypoints)
