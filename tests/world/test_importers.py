@@ -991,7 +991,7 @@ def test_an_outline_of_too_many_corners_is_refused(tmp_path, monkeypatch):
     corners = sum(len(loop) for loop, _ in trace_loops(blobs(0)[::-1] > 250))
     assert corners > 40
     monkeypatch.setattr(contours, "MAX_CORNERS", 40)
-    expect_error(import_ros_map, path, ["the outline of its free space has", "more than the 40"])
+    expect_error(import_ros_map, path, ["map.yaml: image: the outline of its free space has", "more than the 40"])
 
 
 def test_an_outline_that_needs_too_many_materials_is_refused(tmp_path, monkeypatch):

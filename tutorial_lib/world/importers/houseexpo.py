@@ -52,7 +52,10 @@ def import_houseexpo(path: str | Path, seed: int = 0, palette: str = "standard")
     outline = _outline(root["verts"])
     rng = np.random.default_rng(seed)
     look = imported_look(rng, palette)
-    walls, names, offsets, materials = dress_loops([outline], rng, palette)
+    try:
+        walls, names, offsets, materials = dress_loops([outline], rng, palette)
+    except InputError as error:
+        raise InputError(f"{root['verts'].where}: {error}") from error
     rooms = _rooms(root["room_category"], outline) if "room_category" in root else ()
     rooms = rooms or (_room("open", outline),)
     return FloorPlan("houseexpo", int(seed), walls, names, offsets, materials, rooms, look=look)
