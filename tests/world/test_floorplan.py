@@ -166,7 +166,7 @@ def test_a_building_may_be_as_long_as_the_limit_says_wherever_its_walls_are(widt
         assert replace(plan, **shape).bounds[2] == width
     else:
         with pytest.raises(
-            InputError, match=r"spans 1,001 m x 9 m, more than 1,000 m or 41,943 m²"
+            InputError, match=r"spans 1,001 m x 9 m, more than 1,000 m; give metres"
         ):
             replace(plan, **shape)
 

@@ -433,8 +433,8 @@ def test_a_long_building_is_read(tmp_path):
 @pytest.mark.parametrize(
     ("shape", "words"),
     [
-        ((44, 2020), ["2,016 x 40 pixels at 1 m", "more than 1,000 m"]),
-        ((254, 254), ["250 x 250 pixels at 1 m", "41,943 m²"]),
+        ((44, 2020), ["2,016 x 40 pixels at 1 m", "more than 1,000 m;"]),
+        ((254, 254), ["250 x 250 pixels at 1 m", "m² and more than the 41,943 m² that fit"]),
     ],
 )
 def test_a_map_that_is_too_large_is_named_with_its_pixels(tmp_path, shape, words, yaw):
@@ -991,7 +991,11 @@ def test_an_outline_of_too_many_corners_is_refused(tmp_path, monkeypatch):
     corners = sum(len(loop) for loop, _ in trace_loops(blobs(0)[::-1] > 250))
     assert corners > 40
     monkeypatch.setattr(contours, "MAX_CORNERS", 40)
-    expect_error(import_ros_map, path, ["map.yaml: image: the outline of its free space has", "more than the 40"])
+    expect_error(
+        import_ros_map,
+        path,
+        ["map.yaml: image: the outline of its free space has", "more than the 40"],
+    )
 
 
 def test_an_outline_that_needs_too_many_materials_is_refused(tmp_path, monkeypatch):

@@ -188,10 +188,13 @@ def too_far(bounds: Bounds) -> str:
     farthest = max(map(abs, bounds))
     if not farthest <= FARTHEST:
         return f"lies {farthest:g} m from the origin, more than {FARTHEST:g} m"
-    if max(x1 - x0, y1 - y0) > MAX_EXTENT or (x1 - x0) * (y1 - y0) > MAX_AREA:
+    if max(x1 - x0, y1 - y0) > MAX_EXTENT:
+        return f"spans {x1 - x0:,.0f} m x {y1 - y0:,.0f} m, more than {MAX_EXTENT:,.0f} m"
+    area = (x1 - x0) * (y1 - y0)
+    if area > MAX_AREA:
         return (
-            f"spans {x1 - x0:,.0f} m x {y1 - y0:,.0f} m, more than {MAX_EXTENT:,.0f} m or "
-            f"{MAX_AREA:,.0f} m²"
+            f"spans {x1 - x0:,.0f} m x {y1 - y0:,.0f} m, {area:,.0f} m² and more than the "
+            f"{MAX_AREA:,.0f} m² that fit in memory"
         )
     return ""
 
