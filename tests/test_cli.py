@@ -107,10 +107,6 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
             "--region: is that of a map's file; give --map",
         ),
         (["demo", "--map", "small.json", "--region", "1,2"], "small.json is no ROS map"),
-        (
-            ["experiment", "meng_fig9", "--region", "1,2"],
-            "--region: meng_fig9 cannot use it; its options: --worlds A:B",
-        ),
         (["bench", "fleet", "--quick", "--json", "nowhere/x.json"], "existing folder"),
         (["train", "waypoint", "--k", "sptm"], "--k sptm; give one of 0, 2, 5, direct, laser"),
         (["train", "reachability", "--k", "direct"], "give one of 0, 2, 5, laser, sptm"),
@@ -136,7 +132,7 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
         (["bench", "reachability", "--seed", "-1"], "--seed"),
         (
             ["experiment", "plans", "--palette", "shifted"],
-            "--palette: plans cannot use it; its options: --worlds A:B, --map, --region",
+            "--palette: plans cannot use it; its options: --worlds A:B, --map",
         ),
         (
             ["experiment", "meng_fig9", "--agent", "x.py:A"],
@@ -351,7 +347,10 @@ def test_an_unknown_choice_is_refused_with_the_known_ones(capsys, arguments, wor
 @pytest.mark.parametrize(
     ("command", "lines"),
     [
-        ("experiment", ["meng_table2 --worlds A:B --map --region --palette --family --agent"]),
+        (
+            "experiment",
+            ["meng_table2 --worlds A:B --map --palette --family --agent --odometry --drives"],
+        ),
         ("bench", ["raycast\n", "fleet --worlds A:A+1\n"]),
     ],
 )

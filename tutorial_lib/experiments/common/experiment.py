@@ -13,8 +13,7 @@ from tutorial_lib.experiments.common.report import Options, Report, Rows
 STANDARD = "standard"
 """The palette unless another one is given."""
 OPTIONAL = (
-    *("map", "region", "palette", "family", "agent", "odometry", "drives", "starts", "goals"),
-    "remedies",
+    *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
 )
 """Options that only some experiments take."""
 
@@ -89,7 +88,6 @@ class Experiment:
             raise InputError(f"--seed: {options.seed}; give a whole number from 0 on")
         given = {
             "map": options.map is not None,
-            "region": options.region is not None,
             "palette": options.palette != STANDARD,
             "family": bool(options.family),
             "agent": bool(options.agent),

@@ -139,6 +139,6 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
-    accepts=frozenset({"map", "region", "family"}),
+    accepts=frozenset({"map", "family"}),
     ablations={**table1_ablations.EXPERIMENTS, "smoothing": table1_smoothing.EXPERIMENT},
 )

@@ -90,5 +90,5 @@ EXPERIMENT = Experiment(
     WORLDS[:10],
     Settings(),
     quick_settings=Settings(episodes=40, map_episodes=40),
-    accepts=frozenset({"map", "region", "family"}),
+    accepts=frozenset({"map", "family"}),
 )

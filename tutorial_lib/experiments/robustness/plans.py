@@ -156,5 +156,5 @@ EXPERIMENT = Experiment(
     WORLDS[:20],
     Settings(),
     quick_settings=Settings(driven=5),
-    accepts=frozenset({"map", "region", "family"}),
+    accepts=frozenset({"map", "family"}),
 )
