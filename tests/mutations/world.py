@@ -163,6 +163,13 @@ MUTATIONS = [
         "world/test_sensors.py",
     ),
     (
+        "a point's region is all that is free",
+        "world/importers/regions.py",
+        "return labels == label",
+        "return free",
+        "world/test_importers.py -k region",
+    ),
+    (
         "what is half transparent is known",
         "world/importers/map_cells.py",
         "(levels[:, colours:] >= 1.0)",
