@@ -1,3 +1,4 @@
+import errno
 import json
 import os
 import select
@@ -17,12 +18,21 @@ from tutorial_lib.commands import narrator
 from tutorial_lib.commands.lab import lab_arguments
 from tutorial_lib.course import CHECKOUT
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.demos import choose_places, navigation_demo, place_people, recorder
 from tutorial_lib.experiments.demos.outcome import Outcome
 from tutorial_lib.experiments.robustness import plans
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.plan_json import save_plan
 from tutorial_lib.world.scene import Scene
+
+
+def end_at_once(*_):
+    """A worker that ends, as one that the system kills."""
+    import os
+
+    os._exit(9)
+
 
 OUTPUTS = ("demo.json", "demo.png", "demo.webm")
 
@@ -93,6 +103,12 @@ def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
         (["demo", "--map", "small.json"], "larger map"),
         (["experiment", "plans", "--map", "tiny.json"], "no place has"),
         (["experiment", "plans", "--map", "."], "."),
+        (["demo", "--region", "1,2"], "--region: is that of a map's file; give --map"),
+        (
+            ["experiment", "plans", "--region", "1,2"],
+            "--region: is that of a map's file; give --map",
+        ),
+        (["demo", "--map", "small.json", "--region", "1,2"], "small.json is no ROS map"),
         (["bench", "fleet", "--quick", "--json", "nowhere/x.json"], "existing folder"),
         (["train", "waypoint", "--k", "sptm"], "--k sptm; give one of 0, 2, 5, direct, laser"),
         (["train", "reachability", "--k", "direct"], "give one of 0, 2, 5, laser, sptm"),
@@ -147,6 +163,160 @@ def test_wrong_input_gets_one_line_and_leaves_nothing(
     assert words in error
     assert error.count("\n") == 1
     assert not any((tmp_path / name).exists() for name in OUTPUTS)
+
+
+@pytest.mark.parametrize("text", ["1", "1,2,3", "a,b"])
+def test_a_region_that_is_none_is_refused(capsys, text):
+    for command in (["demo"], ["experiment", "plans"]):
+        with pytest.raises(SystemExit) as stopped:
+            main([*command, "--map", "map.yaml", "--region", text])
+        assert stopped.value.code == 2
+        assert "give x0,y0,x1,y1 or x,y in metres" in capsys.readouterr().err
+
+
+def two_rooms(folder):
+    """A ROS map of rooms of 4 x 3 m and 6 x 4 m left of the origin, whose picture was moved."""
+    image = np.full((100, 260), 205, np.uint8)
+    image[10:70, 10:90] = image[10:90, 100:220] = 254
+    cv2.imwrite(str(folder / "site.png"), image)
+    text = "image: /elsewhere/site.png\nresolution: 0.05\norigin: [-13, 0, 0]\nnegate: 0\n"
+    (folder / "site.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+
+
+@pytest.mark.parametrize(
+    ("region", "area"),
+    [("-12,3", 12.0), ("-5,3", 24.0), ("-8.001,0,0,9", 24.0), ("-13,2,-8,4.1", 4 * 2.1)],
+)
+def test_a_region_is_chosen_from_the_command_line_and_notices_are_lines(
+    tmp_path, monkeypatch, capsys, region, area
+):
+    def make_plan(*arguments, **choice):
+        found.append(real(*arguments, **choice))
+        return found[-1]
+
+    found, real = [], plans.make_plan
+    monkeypatch.setattr(plans, "make_plan", make_plan)
+    monkeypatch.setattr(plans, "for_each", in_turn)
+    two_rooms(tmp_path)
+    assert main(["experiment", "plans", "--map", "site.yaml", "--region", region]) == 0
+    assert {round(plan.area, 6) for plan in found} == {area}
+    said = capsys.readouterr()
+    assert said.err == (
+        "note: site.yaml: image: '/elsewhere/site.png' is not there; took 'site.png' beside it\n"
+    )
+    assert f"region: {region.replace(',', ', ')}" in said.out
+
+
+def test_the_demo_drives_in_the_region_that_was_chosen(tmp_path, monkeypatch, capsys):
+    def run_demo(plan, *_, **__):
+        areas.append(plan.area)
+        raise InputError("that is enough")
+
+    areas = []
+    monkeypatch.setattr(navigation_demo, "run_demo", run_demo)
+    two_rooms(tmp_path)
+    for region in ([], ["--region", "-12,3"]):
+        assert main(["demo", "--map", "site.yaml", *region]) == 2
+    assert areas == pytest.approx([36.0, 12.0])
+    assert capsys.readouterr().err.count("note: site.yaml") == 2
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        MemoryError(),
+        MemoryError("Unable to allocate 7.28 TiB for an array"),
+        RuntimeError("[enforce fail] DefaultCPUAllocator: can't allocate memory: you tried"),
+        cv2.error("OpenCV(5.0.0) error: (-4:Insufficient memory) Failed to allocate 9 bytes"),
+    ],
+)
+def test_memory_that_ran_out_is_one_line(monkeypatch, capsys, error):
+    def fail(*_, **__):
+        raise error
+
+    monkeypatch.setattr(plans, "for_each", fail)
+    assert main(["experiment", "plans"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith(f"error: memory ran out ({type(error).__name__}:")
+    assert said.endswith("; close other programs, or give a smaller map or fewer worlds\n")
+    assert said.count("\n") == 1
+
+
+def test_a_fault_of_the_library_keeps_its_traceback(monkeypatch):
+    def fail(*_, **__):
+        raise RuntimeError("a fault")
+
+    monkeypatch.setattr(plans, "for_each", fail)
+    with pytest.raises(RuntimeError, match="a fault"):
+        main(["experiment", "plans"])
+
+
+def test_a_worker_that_the_system_ended_is_one_line(capsys, monkeypatch):
+    monkeypatch.setattr(plans, "examine", end_at_once)
+    assert main(["experiment", "plans", "--worlds", "10500:10501", "--family", "maze"]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("error: plans: a worker process was ended from outside")
+    assert said.count("\n") == 1
+
+
+PIPED = """
+import sys
+from tutorial_lib import cli
+from tutorial_lib.commands import progress
+from tutorial_lib.commands.narrator import Narrator
+
+def run(options):
+    with Narrator() as say:
+        for number in range(10_000):
+            say(f"line {number}")
+    return 0
+
+progress.run = run
+sys.exit(cli.main(["progress", *sys.argv[1:]]))
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes end otherwise on Windows")
+@pytest.mark.parametrize(
+    ("arguments", "lines", "merged"),
+    [([], 1, False), ([], 1, True), ([], 0, True), (["--help"], 0, False)],
+)
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_ends_early_is_no_full_disk(
+    arguments, lines, merged, unbuffered, monkeypatch
+):
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
+    with subprocess.Popen(
+        [sys.executable, "-c", PIPED, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT if merged else subprocess.PIPE,
+    ) as running:
+        for _ in range(lines):
+            assert b"line 0" in running.stdout.readline()
+        running.stdout.close()
+        said = b"" if merged else running.stderr.read()
+        code = running.wait(60)
+    # argparse itself says nothing of help that it cannot print at once.
+    assert code == (0 if arguments and unbuffered else 141)
+    assert said == b""
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no full device")
+def test_a_full_disk_is_still_one():
+    with open("/dev/full", "w") as full:
+        command = [sys.executable, "-c", PIPED]
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert done.stderr.startswith("error: [Errno 28] No space left")
+    assert done.stderr.splitlines()[0].endswith("check the folder and the disk space")
+
+
+def test_another_pipe_that_is_closed_is_an_error(capsys, monkeypatch):
+    def fail(*_, **__):
+        raise BrokenPipeError(errno.EPIPE, "Broken pipe")
+
+    monkeypatch.setattr(plans, "for_each", fail)
+    assert main(["experiment", "plans"]) == 2
+    assert "Broken pipe" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("text", ["5", "5:5", "-1:3", "a:b", "9:3"])

@@ -246,3 +246,61 @@ def test_what_cannot_be_written_is_refused_before(tmp_path):
     for path in (tmp_path, tmp_path / "none" / "new.json"):
         with pytest.raises(InputError, match="cannot be written; give a file's name"):
             check_writable(path)
+
+
+POSIX = pytest.mark.skipif(os.name == "nt", reason="has no such rights, or links")
+
+
+@POSIX
+@pytest.mark.parametrize("mask", [0o022, 0o077, 0o002, 0o000, 0o027])
+def test_a_new_file_gets_the_rights_that_the_umask_leaves(tmp_path, mask):
+    before = os.umask(mask)
+    try:
+        write_text(tmp_path / "a.txt", "new")
+        write_files({tmp_path / "b.bin": b"1", tmp_path / "c.bin": b"2"})
+        check_writable(tmp_path / "a.txt")
+    finally:
+        os.umask(before)
+    for name in ("a.txt", "b.bin", "c.bin"):
+        assert stat.S_IMODE((tmp_path / name).stat().st_mode) == 0o666 & ~mask
+
+
+@POSIX
+@pytest.mark.parametrize("mode", [0o600, 0o664, 0o640])
+def test_a_file_keeps_its_rights(tmp_path, mode):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+    path.chmod(mode)
+    write_text(path, "new")
+    assert path.read_text() == "new"
+    assert stat.S_IMODE(path.stat().st_mode) == mode
+
+
+@POSIX
+def test_a_link_stays_one_and_what_it_leads_to_is_replaced(tmp_path):
+    (tmp_path / "there").mkdir()
+    path, target = tmp_path / "a.txt", tmp_path / "there" / "b.txt"
+    (tmp_path / "between").symlink_to("there/b.txt")
+    path.symlink_to("between")
+    for text in ("new", "newer"):  # it leads nowhere at first
+        check_writable(path)
+        write_text(path, text)
+        assert path.is_symlink()
+        assert os.readlink(path) == "between"
+        assert target.read_text() == text
+        assert not target.is_symlink()
+        assert [file.name for file in (tmp_path / "there").iterdir()] == ["b.txt"]
+
+
+@POSIX
+def test_what_leads_to_no_file_is_refused(tmp_path):
+    (tmp_path / "circle").symlink_to("circle")
+    (tmp_path / "folder").symlink_to(tmp_path)
+    (tmp_path / "device").symlink_to(os.devnull)
+    os.mkfifo(tmp_path / "pipe")
+    for name in ("circle", "folder", "device", "pipe"):
+        for act in (check_writable, lambda path: write_text(path, "text")):
+            with pytest.raises(InputError, match=f"{name}: cannot be written; give a file's name"):
+                act(tmp_path / name)
+    assert (tmp_path / "circle").is_symlink()
+    assert not Path(os.devnull).is_file()

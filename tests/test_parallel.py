@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tutorial_lib import parallel
+from tutorial_lib.errors import InputError
 from tutorial_lib.parallel import for_each
 
 
@@ -62,7 +63,9 @@ def fail(number):
 
 
 def test_a_worker_that_dies_is_an_error():
-    with pytest.raises(Exception, match=r"terminated|abruptly"):
+    with pytest.raises(
+        InputError, match=r"^worlds: a worker process was ended from outside.*; close"
+    ):
         for_each(fail, range(4), label="worlds", jobs=2)
 
 

@@ -1,4 +1,4 @@
-"""The error whose message is meant for users."""
+"""The error whose message is meant for users, and the warning."""
 
 MAX_MESSAGE = 1_000
 """Characters of a message, at most: it quotes what is wrong, which may be a megabyte."""
@@ -12,6 +12,16 @@ class InputError(ValueError):
 
     The command line prints it without a traceback. Line ends, control characters and halves of
     characters in what the message quotes are replaced, and a long message is cut in its middle.
+    """
+
+    def __init__(self, message: object) -> None:
+        super().__init__(one_line(str(message)))
+
+
+class Notice(UserWarning):
+    """What was done about input that is not quite in order; the command line prints it as a line.
+
+    To be given to `warnings.warn`.
     """
 
     def __init__(self, message: object) -> None:

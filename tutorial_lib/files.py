@@ -4,8 +4,8 @@ import errno
 import io
 import os
 import re
+import secrets
 import shutil
-import tempfile
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -33,7 +33,9 @@ def atomic_paths(*paths: str | Path) -> Iterator[list[Path]]:
 
     If the block raises or is interrupted, or the disk does not take what was written, all of
     `paths` stay as they were and the temporary files are removed. Where several processes write the
-    same path, each reader finds one whole file or another, and the last one stays.
+    same path, each reader finds one whole file or another, and the last one stays. A file keeps its
+    rights, and a new one gets those that the umask leaves; where a path is a symbolic link, what it
+    leads to is replaced.
 
     Only a killed process leaves temporary files behind: see `sweep`, which this calls.
 
@@ -46,10 +48,12 @@ def atomic_paths(*paths: str | Path) -> Iterator[list[Path]]:
     Raises:
         InputError: when a file cannot be written.
     """
-    places = [Path(path) for path in paths]
+    places = [_destination(Path(path)) for path in paths]
     with _temporaries(places) as temporaries:
         yield temporaries
-        for temporary in temporaries:
+        for temporary, path in zip(temporaries, places, strict=True):
+            if path.exists():
+                shutil.copymode(path, temporary)
             _settle(temporary)
         for temporary, path in zip(temporaries, places, strict=True):
             os.replace(temporary, path)
@@ -84,11 +88,11 @@ def check_writable(path: str | Path) -> None:
 
     Raises:
         InputError: when its folder is missing or read-only, its disk is full, or `path` is itself a
-            folder.
+            folder or a device.
     """
-    path = Path(path)
-    if path.is_dir() or not os.access(path.parent, os.W_OK):
-        raise InputError(f"{path}: cannot be written; give a file's name in an existing folder")
+    path = _destination(Path(path))
+    if not os.access(path.parent, os.W_OK):
+        raise _not_writable(path)
     with _temporaries([path]) as (temporary,):
         temporary.write_bytes(bytes(_SOME))
         _settle(temporary)
@@ -130,6 +134,18 @@ def save_arrays(
     write_files({Path(path): buffer.getvalue()})
 
 
+def _destination(path: Path) -> Path:
+    """The file that a path leads to, by links or not; it may be missing."""
+    found = Path(os.path.realpath(path)) if path.is_symlink() else path
+    if found.is_symlink() or (found.exists() and not found.is_file()):  # a circle; a folder, device
+        raise _not_writable(path)
+    return found
+
+
+def _not_writable(path: Path) -> InputError:
+    return InputError(f"{path}: cannot be written; give a file's name in an existing folder")
+
+
 @contextmanager
 def _temporaries(places: list[Path]) -> Iterator[list[Path]]:
     """Empty files beside `places`, of which none is left at the end."""
@@ -147,16 +163,14 @@ def _temporaries(places: list[Path]) -> Iterator[list[Path]]:
 
 def _temporary(path: Path) -> Path:
     """An empty file beside `path`, with its suffix and a name of `_TEMPORARY`."""
-    handle, name = tempfile.mkstemp(
-        suffix=f".tmp{path.suffix}", prefix=f".{path.stem}-", dir=path.parent
-    )
-    os.close(handle)
-    return Path(name)
+    # Not by `tempfile`, whose files nobody else may read whatever the umask says.
+    temporary = path.with_name(f".{path.stem}-{secrets.token_hex(4)}.tmp{path.suffix}")
+    temporary.open("xb").close()
+    return temporary
 
 
 def _settle(temporary: Path) -> None:
     """Have the system put a file on its disk: some say only now that there is no room."""
-    temporary.chmod(0o644)
     with temporary.open("r+b") as file:
         os.fsync(file.fileno())
 

@@ -6,10 +6,13 @@ import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures.process import BrokenProcessPool
 from typing import Any
 
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
+
+from tutorial_lib.errors import InputError
 
 LINE_INTERVAL = 10.0
 """Seconds from one line of progress in a log file to the next, at least."""
@@ -36,6 +39,9 @@ def for_each(
         arguments: the same for all.
         label: of the progress bar.
         jobs: processes; -1 for as many as there are cores.
+
+    Raises:
+        InputError: when the system ends a worker, as it does where memory runs out.
     """
     items = list(items)
     run_all = Parallel(n_jobs=jobs, return_as="generator")
@@ -44,7 +50,13 @@ def for_each(
         # is killed is no warning but an error.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
         found = run_all(delayed(work)(item, *arguments) for item in items)
-        return list(progress(found, len(items), label))
+        try:
+            return list(progress(found, len(items), label))
+        except BrokenProcessPool as error:
+            raise InputError(
+                f"{label}: a worker process was ended from outside, most likely since memory ran "
+                "out; close other programs, or let fewer work at once: LOKY_MAX_CPU_COUNT=1"
+            ) from error
 
 
 def progress(found: Iterable[Any], total: int, label: str) -> Iterable[Any]:

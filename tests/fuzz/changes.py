@@ -1,7 +1,10 @@
 """How a file is altered: its bytes, what its text says, its arrays, what it is at all."""
 
+import hashlib
+import io
 import json
 import os
+import re
 import struct
 from collections.abc import Callable
 from pathlib import Path
@@ -172,6 +175,59 @@ def alter_sealed(path: Path, rng: Rng) -> str:
     return MEANT
 
 
+def alter_weights(path: Path, rng: Rng) -> str:
+    """Put another tensor, or none, or one of another kind, into weights whose card agrees."""
+    from safetensors.numpy import load_file, save
+
+    if rng.random() < 0.5:
+        tensors = load_file(path)
+        name = str(rng.choice(list(tensors)))
+        changed = corpus.altered(tensors[name], rng)
+        if changed is None or changed.dtype.kind not in "biufc" or changed.dtype == ">f8":
+            del tensors[name]
+        else:
+            tensors[name] = np.ascontiguousarray(changed)
+        data = save(tensors)
+    else:
+        kinds = [b"F4", b"F6_E2M3", b"F8_E4M3", b"F8_E8M0", b"BF16", b"F32", b"I64", b"C64", b"U16"]
+        data = path.read_bytes()
+        places = [found.start() for found in re.finditer(rb'"F16"', data)]
+        at = int(rng.choice(places))
+        data = data[:at] + b'"%s"' % _any_of(kinds, rng) + data[at + 5 :]
+        length = int.from_bytes(data[:8], "little") + len(data) - path.stat().st_size
+        data = length.to_bytes(8, "little") + data[8:]
+    path.write_bytes(data)
+    card = path.with_suffix(".json")
+    content = json.loads(card.read_bytes()) | {"sha256": hashlib.sha256(data).hexdigest()}
+    content.pop(CHECKSUM, None)
+    card.write_text(json.dumps(with_checksum(content)))
+    return MEANT
+
+
+def alter_state(path: Path, rng: Rng) -> str:
+    """Put something else somewhere into the state of a training, and seal it again."""
+    import torch
+
+    state = torch.load(io.BytesIO(unsealed(path.read_bytes())), weights_only=True)
+    parent, key = _place_in(state, rng)
+    if parent is None:
+        state = _any_of(corpus.VALUES, rng)
+    elif isinstance(parent[key], torch.Tensor) and rng.random() < 0.8:
+        changed = corpus.altered(parent[key].numpy(), rng)
+        if changed is None or changed.dtype.kind not in "biufc" or changed.dtype == ">f8":
+            del parent[key]
+        else:
+            parent[key] = torch.from_numpy(np.ascontiguousarray(changed))
+    elif rng.random() < 0.2:
+        del parent[key]
+    else:
+        parent[key] = _any_of(corpus.VALUES, rng)
+    buffer = io.BytesIO()
+    torch.save(state, buffer)
+    path.write_bytes(sealed(buffer.getvalue()))
+    return MEANT
+
+
 def make_special(path: Path, rng: Rng) -> str:
     """Put something that is no file, or a huge one, in the file's place."""
     path.unlink()
@@ -207,6 +263,10 @@ def alter(path: Path, rng: Rng) -> tuple[str, str]:
         return "arrays", alter_arrays(path, rng)
     if dice < 0.15 and path.suffix == ".pt":
         return "sealed", alter_sealed(path, rng)
+    if dice < 0.6 and path.suffix == ".pt":
+        return "state", alter_state(path, rng)
+    if dice < 0.5 and path.suffix == ".safetensors":
+        return "weights", alter_weights(path, rng)
     change = RAW[int(rng.integers(len(RAW)))]
     path.write_bytes(change(path.read_bytes(), rng))
     # What replaces a whole file may be whole itself, with checksums of its own.

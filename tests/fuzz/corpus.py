@@ -42,6 +42,21 @@ SNIPPETS: list[bytes] = [
     *(b"!!python/object/apply:os.system ['true']", b"!!timestamp 5", b"!!set {a}", b"&a [*a, *a]"),
     *(b"&a", b"*a", b"<<: {a: 1}", b"!<tag:yaml.org,2002:bool> x", b"? [a]\n: b\n", b"\\ud800"),
     *(b"[" * 2_000, b"{" * 2_000, b'{"a":' * 2_000, b"- " * 2_000, b'"\\' * 2_000, b"[" * 60_000),
+    *(
+        b"010",
+        b"0o17",
+        b"0_1",
+        b"1e-1_0",
+        b"1:30",
+        b"0b11",
+        b"-0x1",
+        b".5",
+        b"no",
+        b"\xc3\xb4",
+        b"\\",
+    ),
+    *(b"~/map.png", b"/nowhere/map.png", b"C:\\maps\\map.png", b"../map.png", b"raw", b"scale"),
+    *(b"\nnegate: 0\n", b'"a": 1, "a": 2, ', b"tRNS", b"\xff\xd9", b"II*\0", b"P6 9 9 255\n"),
     *(b"99999 99999", b"2147483647", b"20000 20000", b"a" * 20_000, b"IEND", b"PK\x05\x06"),
 ]
 """Pieces to be put into a file."""
@@ -63,11 +78,15 @@ def _merges() -> bytes:
     return b"\n".join(lines)
 
 
-def png(width: int, height: int, body: bytes = b"", kind: int = 0) -> bytes:
-    """A PNG whose header says anything at all."""
+def png(
+    width: int, height: int, body: bytes = b"", kind: int = 0, named: bytes = b"", depth: int = 8
+) -> bytes:
+    """A PNG whose header says anything at all; `named` is what it says to be transparent."""
     data = b"\x89PNG\r\n\x1a\n"
-    head = struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
-    for name, content in ((b"IHDR", head), (b"IDAT", zlib.compress(body, 1)), (b"IEND", b"")):
+    head = struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, 0)
+    clear = [(b"tRNS", named)] if named else []
+    chunks = [(b"IHDR", head), *clear, (b"IDAT", zlib.compress(body, 1)), (b"IEND", b"")]
+    for name, content in chunks:
         checksum = struct.pack(">I", zlib.crc32(name + content))
         data += struct.pack(">I", len(content)) + name + content + checksum
     return data
@@ -94,6 +113,38 @@ def zip_bomb(megabytes: int = 600, members: int = 1, honest: bool = True) -> byt
                 for _ in range(megabytes if honest else 1):
                     member.write(bytes(1_000_000))
     return out.getvalue()
+
+
+@cache
+def method_bomb(method: int, megabytes: int = 600) -> bytes:
+    """An `.npz` file of some kilobytes, compressed otherwise, that unpacks to so many megabytes."""
+    out, small = io.BytesIO(), 1_000
+    with zipfile.ZipFile(out, "w", method) as archive:
+        archive.writestr("poses.npy", bytes(megabytes * 1_000_000))
+    data = bytearray(out.getvalue())
+    for mark, place in ((b"PK\x03\x04", 22), (b"PK\x01\x02", 24)):  # it says that it is small
+        start = data.index(mark) + place
+        data[start : start + 4] = struct.pack("<I", small)
+    return bytes(data)
+
+
+def _tiff(width: int, height: int, tile: int = 0, compression: int = 1) -> bytes:
+    """A TIFF of one strip, or of tiles, whose header says anything at all."""
+    body = zlib.compress(bytes(1_000_000)) if compression == 8 else bytes(64)
+    place = {322: (4, tile), 323: (4, tile), 324: (4, 8), 325: (4, len(body))} if tile else {}
+    place = place or {273: (4, 8), 278: (4, height), 279: (4, len(body))}
+    tags = {256: (4, width), 257: (4, height), 258: (3, 8), 259: (3, compression), 262: (3, 1)}
+    entries = sorted((tags | {277: (3, 1)} | place).items())
+    packed = b"".join(struct.pack("<HHII", tag, kind, 1, v) for tag, (kind, v) in entries)
+    head = struct.pack("<2sHI", b"II", 42, 8 + len(body))
+    return head + body + struct.pack("<H", len(entries)) + packed + bytes(4)
+
+
+def _jpeg(width: int, height: int, components: int = 1) -> bytes:
+    """A JPEG whose header says anything at all, and nothing behind it."""
+    frame = struct.pack(">BHHB", 8, height, width, components)
+    frame += b"".join(bytes([i + 1, 0x44, 0]) for i in range(components))
+    return b"\xff\xd8\xff\xc0" + struct.pack(">H", len(frame) + 2) + frame + b"\xff\xd9"
 
 
 def _many_members() -> bytes:
@@ -168,9 +219,22 @@ BY_SUFFIX: dict[str, tuple[Any, ...]] = {
         lambda: _comb(4_096),
         lambda: _comb(500),
     ),
+    ".jpg": (
+        *(*_ANY, b"\xff\xd8\xff\xd9", b"\xff\xd8" + b"\xff\xe0\0\2" * 5_000),
+        *(_jpeg(65_000, 65_000), _jpeg(4_096, 4_096, 4), _jpeg(0, 7)),
+    ),
+    ".tiff": (
+        *(*_ANY, b"II*\0", b"MM\0*\0\0\0\x08\0\0", b"II*\0\x08\0\0\0\xff\xff"),
+        *(_tiff(20_000, 20_000), _tiff(2**31, 2**31), _tiff(4_096, 4_096), _tiff(0, 3)),
+        *(_tiff(4_096, 4_096, 20_000, 8), _tiff(9, 9, 2**30, 8), _tiff(4_096, 4_096, 0, 8)),
+    ),
+    ".ppm": (b"P6 20000 20000 255\n", b"P6 1 1 255\n\0\0", b"P3 1500 1500 255 " + b"1 " * 9_000),
     ".npz": (
         *(*_ANY, b"\x93NUMPY\x01\0", b"\x80\x04K*."),
         zip_bomb,
+        lambda: method_bomb(zipfile.ZIP_BZIP2),
+        lambda: method_bomb(zipfile.ZIP_LZMA),
+        lambda: method_bomb(zipfile.ZIP_DEFLATED),
         lambda: zip_bomb(1, 5, honest=False),
         lambda: zip_bomb(1, 1, honest=False),
         _many_members,

@@ -12,7 +12,7 @@ from tests.fuzz.plain import plain
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, _State
-from tutorial_lib.learning.weights import Card, save_network
+from tutorial_lib.learning.weights import Card, load_card, load_network, save_network
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
 TINY = Architecture(0, "pair", outputs="action")
@@ -91,6 +91,13 @@ def write_weights(folder: Path) -> None:
     save_network(make_network(), card, folder)
 
 
+def loaded_weights(folder: Path) -> Any:
+    """Weights and their card as plain data; they must be numbers, however they were altered."""
+    state = dict(load_network("some", folder).state_dict())
+    assert all(value.isfinite().all() for value in state.values())
+    return plain([state, load_card("some", folder)])
+
+
 class Trained:
     """A training that a checkpoint belongs to."""
 
@@ -99,6 +106,9 @@ class Trained:
             make_network(), Settings(max_steps=4), types.SimpleNamespace(recipe={"worlds": 2}), ""
         )
         self.state.progress.step = 3
+        for _ in range(3):  # Adam keeps what it saw of each parameter
+            sum(value.square().sum() for value in self.state.network.parameters()).backward()
+            self.state.optimizer.step()
         self.state.progress.history.append({"step": 2, "training": 0.5, "validation": 0.25})
         self.whole = self._copy()
 

@@ -8,6 +8,7 @@ from tests.fuzz.learned import (
     Indifferent,
     Trained,
     contents,
+    loaded_weights,
     make_agent,
     make_topomap,
     write_weights,
@@ -34,7 +35,6 @@ from tutorial_lib.experiments.common.agents import custom
 from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
-from tutorial_lib.learning.weights import load_card, load_network
 from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.world.importers import import_map
@@ -65,6 +65,10 @@ def targets() -> list[Target]:
         "ros_pgm": (".pgm", {}),
         "ros_plain": (".txt.pgm", {}),
         "ros_bmp": (".bmp", {}),
+        "ros_ppm": (".ppm", {"negate": '"no"'}),
+        "ros_raw": (".tiff", {"mode": "raw"}),
+        "ros_jpeg": (".jpg", {"image": r"C:\maps\map.jpg"}),
+        "ros_clear": (".clear.png", {"free_thresh": 0.5, "occupied_thresh": 0.5}),
     }
     return [
         Target("plan", write_plan, lambda folder: plain(import_map(folder / "plan.json"))),
@@ -108,9 +112,7 @@ def targets() -> list[Target]:
         Target(
             "weights",
             write_weights,
-            lambda folder: plain(
-                [dict(load_network("some", folder).state_dict()), load_card("some", folder)]
-            ),
+            loaded_weights,
             (".safetensors", ".json"),
         ),
         Target("checkpoint", trained.save, trained.load, (".pt",)),

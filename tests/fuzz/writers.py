@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from tests.conftest import make_box, make_trajectory
+from tests.fuzz.corpus import png
 from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, save_outcomes
 from tutorial_lib.driving.data.trajectories import save_trajectories
@@ -30,6 +31,15 @@ def draw_map(suffix: str, **keys: Any) -> Callable[[Path], None]:
             path.write_text(f"P2\n# plain\n48 40\n255\n{rows}\n", encoding="ascii")
         elif suffix == ".pgm":
             path.write_bytes(b"P5\n48 40\n255\n" + cells.tobytes())
+        elif suffix == ".clear.png":
+            body = b"".join(b"\0" + row.tobytes() for row in cells)
+            path.write_bytes(png(48, 40, body, named=b"\0\xcd"))  # 205 is transparent
+        elif suffix == ".tiff":
+            per_cent = np.choose(cells // 100, [100, 100, 255])
+            per_cent[cells == 254] = 0
+            assert cv2.imwrite(str(path), per_cent.astype(np.uint8))
+        elif suffix == ".ppm":
+            assert cv2.imwrite(str(path), np.dstack([cells] * 3))
         elif suffix == ".rgba.png":
             opaque = np.full_like(cells, 255)
             assert cv2.imwrite(str(path), np.dstack([cells, cells, cells, opaque]))

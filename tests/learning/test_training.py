@@ -585,6 +585,74 @@ def test_what_is_no_checkpoint_is_refused(source, validation, checkpoint, conten
         train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
 
 
+def moments(key, change):
+    """A checkpoint in which something else stands for what Adam keeps of one parameter."""
+
+    def alter(state):
+        kept = state["optimizer"]["state"][3]
+        kept[key] = change(kept[key])
+
+    return alter
+
+
+def replaced(*path, value):
+    """A checkpoint in which something else stands at a place."""
+
+    def alter(state):
+        for key in path[:-1]:
+            state = state[key]
+        state[path[-1]] = value(state[path[-1]]) if callable(value) else value
+
+    return alter
+
+
+UNFIT = {
+    "moment_shape": (moments("exp_avg", lambda value: value[..., None]), "tensor exp_avg: shape"),
+    "square_shape": (moments("exp_avg_sq", lambda _: torch.zeros(2)), "tensor exp_avg_sq: shape"),
+    "moment_nan": (moments("exp_avg", lambda value: value * np.nan), "exp_avg: holds what is no"),
+    "square_negative": (moments("exp_avg_sq", lambda value: value - 1), "negative square"),
+    "moment_kind": (moments("exp_avg", lambda value: value.to(torch.int32)), "another kind"),
+    "moment_number": (moments("exp_avg", lambda _: 0.5), "what is no tensor"),
+    "moment_step": (moments("step", lambda value: value + 100), "another number of steps"),
+    "moment_missing": (lambda s: s["optimizer"]["state"][3].pop("exp_avg"), "optimizer: .* has"),
+    "no_moments": (replaced("optimizer", "state", value={}), "other parameters"),
+    "more_moments": (lambda s: s["optimizer"]["state"].update({999: {}}), "other parameters"),
+    "betas": (replaced("optimizer", "param_groups", 0, "betas", value=(0.5, 0.9)), "settings"),
+    "groups": (lambda s: s["optimizer"]["param_groups"].append({}), "other settings"),
+    "weights_nan": (replaced("network", "heads.bias", value=lambda v: v * np.nan), "heads.bias"),
+    "best_nan": (replaced("best", "heads.bias", value=lambda v: v / 0), "heads.bias"),
+    "best_shape": (replaced("best", "heads.bias", value=lambda v: v[:1]), "heads.bias: shape"),
+    "best_kind": (replaced("best", "heads.bias", value=lambda v: v.half()), "best: .*heads.bias"),
+    "best_missing": (lambda s: s["best"].pop("heads.bias"), "best: other tensors"),
+    "best_list": (replaced("best", value=[1]), "best: other tensors"),
+    "step_large": (replaced("step", value=10**9), "step: 1000000000 of 20"),
+    "step_negative": (replaced("step", value=-1), "step: -1"),
+    "step_half": (replaced("step", value=1.5), "step: 1.5"),
+    "seconds": (replaced("seconds", value=float("nan")), "seconds: nan"),
+    "history_none": (replaced("history", value=None), "history: not a list"),
+    "history_text": (replaced("history", 0, "validation", value="low"), "history: "),
+    "history_nan": (replaced("history", 0, "validation", value=float("nan")), "validation nan"),
+    "history_key": (lambda s: s["history"][0].pop("validation"), "history: "),
+    "history_twice": (lambda s: s["history"].append(s["history"][0]), "evaluations at steps"),
+    "history_later": (replaced("history", 0, "step", value=21), "evaluations at steps"),
+}
+
+
+@pytest.mark.parametrize("fault", UNFIT)
+def test_a_checkpoint_that_does_not_fit_its_network_is_refused(
+    source, validation, checkpoint, fault
+):
+    state = torch.load(io.BytesIO(unsealed(checkpoint.read_bytes())), weights_only=True)
+    alter, words = UNFIT[fault]
+    alter(state)
+    write_sealed(checkpoint, state)
+    before = checkpoint.read_bytes()
+    with pytest.raises(InputError, match=rf"tiny\.pt: a damaged .*{words}.*; delete it") as caught:
+        train(TINY, source, validation, replace(SETTINGS, eval_interval=20), checkpoint)
+    assert "\n" not in str(caught.value)
+    assert checkpoint.read_bytes() == before
+
+
 class Fixed(Source):
     """The same block again and again."""
 

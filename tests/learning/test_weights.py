@@ -234,21 +234,68 @@ def test_weights_of_another_architecture_are_refused(folder, other):
     refused(folder, "does not fit")
 
 
+def entry(value):
+    """Weights in which one tensor is another."""
+    return lambda values: values.update({"heads.bias": value(values["heads.bias"])})
+
+
+def of_zeros(value, kind):
+    return torch.zeros(value.shape, dtype=kind)
+
+
 @pytest.mark.parametrize(
-    "change",
+    ("change", "words"),
     [
-        lambda values: values.pop("heads.bias"),
-        lambda values: values.update(more=torch.zeros(3)),
-        lambda values: values.update({"heads.bias": torch.zeros(7)}),
-        lambda values: values.clear(),
+        (lambda values: values.pop("heads.bias"), "tensor heads.bias: missing"),
+        (lambda values: values.update(more=torch.zeros(3)), "tensor more: not known"),
+        (entry(lambda _: torch.zeros(7)), r"tensor heads.bias: shape \(7,\) instead of"),
+        (entry(lambda value: value[None]), "tensor heads.bias: shape"),
+        (lambda values: values.clear(), "missing"),
+        (entry(lambda value: value * np.nan), "tensor heads.bias: holds what is no finite number"),
+        (entry(lambda value: value - np.inf), "tensor heads.bias: holds what is no finite number"),
+        *(
+            (entry(partial(of_zeros, kind=kind)), f"tensor heads.bias: of {name}, not one of")
+            for kind, name in (
+                *((torch.int8, "I8"), (torch.int64, "I64"), (torch.bool, "BOOL")),
+                *((torch.complex64, "C64"), (torch.bfloat16, "BF16")),
+                *((torch.float8_e4m3fn, "F8_E4M3"), (torch.uint8, "U8")),
+            )
+        ),
     ],
-    ids=["missing", "more", "shape", "none"],
 )
-def test_weights_that_are_not_all_there_are_refused(folder, tmp_path, change):
+def test_weights_that_are_not_all_there_or_no_numbers_are_refused(folder, change, words):
     path = folder / "some.safetensors"
     content = edited(change)(path.read_bytes(), path)
     damaged(folder, lambda _: content, sha256=None)
+    refused(folder, f"does not fit .*{words}")
+
+
+@pytest.mark.parametrize("kind", ["F4", "F6_E2M3", "F6_E3M2", "F8_E8M0", "F128"])
+def test_kinds_that_torch_does_not_know_are_refused(folder, kind):
+    content = (folder / "some.safetensors").read_bytes()
+    length = int.from_bytes(content[:8], "little")
+    head = json.loads(content[8 : 8 + length])
+    head["heads.bias"]["dtype"] = kind
+    said = json.dumps(head).encode()
+    said += b" " * (-len(said) % 8)
+    again = len(said).to_bytes(8, "little") + said + content[8 + length :]
+    damaged(folder, lambda _: again, sha256=None)
     refused(folder, "does not fit")
+
+
+@pytest.mark.parametrize("kind", [torch.float32, torch.float64])
+def test_weights_may_have_more_digits(folder, kind):
+    before, path = outputs_of(load_network("some", folder)), folder / "some.safetensors"
+    change = edited(lambda values: values.update({k: v.to(kind) for k, v in values.items()}))
+    content = change(path.read_bytes(), path)
+    damaged(folder, lambda _: content, sha256=None)
+    assert torch.equal(outputs_of(load_network("some", folder)), before)
+
+
+@pytest.mark.parametrize("other", [-1, 0, 10**9])
+def test_a_card_that_counts_other_parameters_is_refused(folder, other):
+    damaged(folder, lambda content: content, parameters=other)
+    refused(folder, rf"parameters, of which its card says {other}")
 
 
 def test_what_is_no_safetensors_file_is_refused(folder):

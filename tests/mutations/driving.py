@@ -66,14 +66,14 @@ MUTATIONS = [
     ),
     (
         "a car that backs up turns round as soon as it may",
-        "driving/control/rmp_arcs.py",
+        "driving/control/arc_kernels.py",
         "(0.5 * miss if leaving else miss)",
         "miss",
         "driving/control/test_rmp.py",
     ),
     (
         "a metre in reverse costs as much as one ahead",
-        "driving/control/rmp_arcs.py",
+        "driving/control/arc_kernels.py",
         "back = reverse_cost * distance +",
         "back = distance +",
         "driving/control/test_rmp.py",

@@ -37,6 +37,13 @@ MUTATIONS = [
         "test_files.py",
     ),
     (
+        "a link is replaced by the file",
+        "files.py",
+        "Path(os.path.realpath(path)) if path.is_symlink() else path",
+        "path",
+        "test_files.py",
+    ),
+    (
         "temporary files of runs under way are swept",
         "files.py",
         "_KEPT = 24 * 3600.0",
@@ -65,8 +72,8 @@ MUTATIONS = [
     (
         "a folder counts as a file that can be written",
         "files.py",
-        "path.is_dir() or not os.access",
-        "not os.access",
+        "(found.exists() and not found.is_file())",
+        "False",
         "test_files.py",
     ),
     (

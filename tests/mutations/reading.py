@@ -51,6 +51,20 @@ MUTATIONS = [
         "reading/test_arrays.py -k unpacked",
     ),
     (
+        "an archive may be compressed by any method",
+        "reading/arrays.py",
+        "if member.compress_type not in _METHODS:",
+        "if member.compress_type < 0:",
+        "reading/test_arrays.py -k unpacked",
+    ),
+    (
+        "of a key that is given twice the last one counts",
+        "reading/documents.py",
+        "if len(found) < len(node.value):",
+        "if not found:",
+        "reading/test_documents.py -k yaml",
+    ),
+    (
         "a picture's checksums are not compared",
         "reading/pictures.py",
         'if data[end : end + 4] != struct.pack(">I", zlib.crc32(view[start + 4 : end])):',

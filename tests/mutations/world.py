@@ -163,10 +163,17 @@ MUTATIONS = [
         "world/test_sensors.py",
     ),
     (
-        "opacity counts as much as all colours",
-        "world/importers/ros_map.py",
-        "(3.0 * shade + alpha) / 4.0",
-        "(shade + alpha) / 2.0",
+        "a point's region is all that is free",
+        "world/importers/regions.py",
+        "return labels == label",
+        "return free",
+        "world/test_importers.py -k region",
+    ),
+    (
+        "what is half transparent is known",
+        "world/importers/map_cells.py",
+        "(levels[:, colours:] >= 1.0)",
+        "(levels[:, colours:] > 0.0)",
         "world/test_importers.py",
     ),
     (

@@ -9,7 +9,7 @@ import pytest
 LIBRARY = Path(__file__).resolve().parents[2] / "tutorial_lib"
 LAYERS = (
     ("errors",),
-    ("validation",),
+    ("validation", "shapes"),
     ("observation",),
     ("geometry", "interfaces", "files", "memory", "reading", "parallel", "course"),
     ("world",),
@@ -25,6 +25,7 @@ LAYERS = (
 LAYER = {part: number for number, parts in enumerate(LAYERS) for part in parts}
 DRAWING = {"matplotlib", "ipywidgets", "IPython", "PIL"}
 NEVER = {part: DRAWING for part in LAYER if LAYER[part] < LAYER["viz"]}
+NEVER["reading"] = DRAWING - {"PIL"}  # whose decoders read pictures
 for part in ("driving", "learning", "topology", "exploration", "agents"):
     NEVER[part] = DRAWING | {"cv2"}  # the world may use it for grids and reading maps
 SEPARATE = {

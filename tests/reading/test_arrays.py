@@ -145,3 +145,14 @@ def test_two_arrays_of_one_name_are_refused(path):
         data = archive(("poses", (1,), bytes(8)), ("poses", (1,), bytes(8)))
     path.write_bytes(data)
     assert refused(path, "two arrays of one name")
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA, 9, 93, 99])
+def test_arrays_that_can_be_unpacked_without_bound_are_refused_before(path, monkeypatch, method):
+    data = bytearray(archive(("poses", (2,), bytes(16))))
+    for mark, place in ((b"PK\x03\x04", 8), (b"PK\x01\x02", 10)):
+        start = data.index(mark) + place
+        data[start : start + 2] = method.to_bytes(2, "little")
+    path.write_bytes(data)
+    monkeypatch.setattr(zipfile.ZipFile, "open", None)
+    assert refused(path, f"'poses.npy' is compressed by method {method}; only stored and deflated")

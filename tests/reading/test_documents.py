@@ -1,6 +1,7 @@
 """JSON and YAML: whatever is more than plain data of a sane depth is refused."""
 
 import json
+import math
 
 import pytest
 from hypothesis import given
@@ -8,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.fuzz.corpus import _aliases, _merges, nested
 from tutorial_lib.errors import InputError
-from tutorial_lib.reading.documents import parse_json, read_json, read_yaml
+from tutorial_lib.reading.documents import parse_json, read_json, read_yaml, scalar_of
 from tutorial_lib.reading.limits import MAX_DEPTH, MAX_JSON, MAX_YAML
 
 
@@ -32,6 +33,40 @@ def test_depth_has_a_limit():
             parse_json(text, "here")
         with pytest.raises(InputError, match="32 lists and mappings within"):
             parse_json(text.replace("[", '{"a":').replace("]", "}"), "here")
+
+
+@pytest.mark.parametrize("text", ['{"a": 1, "a": 1}', '[{"b": {"a": 1, "c": 2, "a": 3}}]'])
+def test_a_key_that_is_given_twice_is_named(text):
+    with pytest.raises(InputError, match=r"here: .* \(the key 'a' is given twice\)"):
+        parse_json(text, "here")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *(("010", 10), ("-0", 0), ("+12", 12), ("0o17", 15), ("0x1F", 31), ("08", 8)),
+        *((".5", 0.5), ("1.", 1.0), ("5e-2", 0.05), ("1E3", 1000.0), ("-.inf", -math.inf)),
+        *((".INF", math.inf), ("true", True), ("FALSE", False), ("~", None), ("null", None)),
+        *(("0_1", "0_1"), ("1e-1_0", "1e-1_0"), ("1:30", "1:30"), ("0b11", "0b11")),
+        *(("-0x1", "-0x1"), ("0O7", "0O7"), ("yes", "yes"), ("off", "off"), ("tRUE", "tRUE")),
+        *(("2001-12-14", "2001-12-14"), ("inf", "inf"), (".", "."), ("1e", "1e"), ("=", "=")),
+    ],
+)
+def test_values_are_those_of_yaml_1_2(tmp_path, text, value):
+    found = yaml_of(tmp_path, f"a: {text}\nb: [{text}]\n'{text}': c\nd: '{text}'".encode())
+    assert found == {"a": value, "b": [value], text: "c", "d": text}
+    assert type(found["a"]) is type(scalar_of(text)) is type(value)
+
+
+def test_a_value_that_is_not_a_number_is_none(tmp_path):
+    assert math.isnan(yaml_of(tmp_path, b"a: .NaN")["a"])
+    assert yaml_of(tmp_path, b"a:\nb: ''") == {"a": None, "b": ""}
+
+
+def test_a_mark_before_the_text_is_no_part_of_it(tmp_path):
+    (tmp_path / "a.json").write_bytes(b'\xef\xbb\xbf{"a": "\xef\xbb\xbf"}')
+    assert read_json(tmp_path / "a.json") == {"a": "\ufeff"}
+    assert yaml_of(tmp_path, b"\xef\xbb\xbfa: 1") == {"a": 1}
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1,]", "9" * 5_000, '"' + '\\"' * 100_000, "\ud800"])
@@ -77,7 +112,9 @@ def test_plain_yaml_is_read(tmp_path):
         (b"[" * 2_000, "32 lists"),
         (b"- " * 2_000 + b"a", "32 lists"),
         (b"{a: " * 40 + b"1" + b"}" * 40, "32 lists"),
-        (b"a: 2001-99-99", "month"),
+        (b"a: 1\nb: 2\na: 1", "line 3 .the key 'a' is given twice"),
+        (b"a: {b: 1, 'b': 2}", "line 1 .the key 'b' is given twice"),
+        (b"1: a\n0x1: b", "line 2 .the key 1 is given twice"),
         (b"a: [", "line"),
         (b"a: " + b"9" * 5_000, "limit"),
         (b"? [a]\n: b", "unhashable"),

@@ -12,6 +12,8 @@ from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.occupancy import check_closed
 from tutorial_lib.world.plan_json import load_plan, save_plan
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import Simulation
 
 
 def without(plan, walls):
@@ -107,8 +109,66 @@ def test_a_long_building_is_no_large_one():
 def test_a_corner_far_off_the_walls_is_refused(corner):
     plan = make_box()
     outline = (*plan.rooms[0].outline, corner)
-    with pytest.raises(InputError, match=r"rooms\[0\]\.outline: a corner is not finite or more"):
+    with pytest.raises(InputError, match=r"rooms\[0\]\.outline: it is not finite, or lies off"):
         replace(plan, rooms=(Room("living", outline),))
+
+
+@pytest.mark.parametrize("shift", [(20.0, 0.0), (0.0, -10.5), (-11.0, -9.0), (10.2, 0.0)])
+def test_a_room_that_no_wall_is_about_is_named_before_it_is_drawn(shift):
+    plan = make_box()
+    outline = tuple((x + shift[0], y + shift[1]) for x, y in plan.rooms[0].outline)
+    rooms = (*plan.rooms, Room("kitchen", outline))
+    with pytest.raises(
+        InputError, match=r"rooms\[1\]\.outline: .* off the walls, which reach from"
+    ):
+        check_closed(replace(plan, rooms=rooms))
+
+
+@pytest.mark.parametrize("place", [1e15, -1e15, 3e7])
+def test_a_plan_where_numbers_are_too_coarse_is_refused(place):
+    plan = make_box()
+    with pytest.raises(InputError, match=r"walls\[0\]: .*; give metres, 2e\+07 at most"):
+        replace(plan, walls=plan.walls + place)
+
+
+def test_a_plan_in_utm_is_as_good_as_one_at_the_origin():
+    """A car drives and sees the same 5,400 km off the origin."""
+    found = []
+    for place in (np.zeros(2), np.array([500_000.0, 5_400_000.0])):
+        plan = make_box(pillars=[(2.0, 1.5, 0.3)])
+        shifted = replace(
+            plan,
+            walls=plan.walls + np.tile(place, 2),
+            rooms=tuple(Room(r.kind, tuple(map(tuple, r.outline + place))) for r in plan.rooms),
+            furniture=tuple(
+                replace(f, outline=tuple(map(tuple, f.outline + place))) for f in plan.furniture
+            ),
+        )
+        check_closed(shifted)
+        simulation = Simulation(Scene(shifted), np.append(place + 1.0, 0.3)[None])
+        for _ in range(30):
+            simulation.step(np.array([[0.5, 0.2]]))
+        seen = simulation.observe()
+        found.append([simulation.poses[0] - [*place, 0.0], seen.laser, seen.image.astype(float)])
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-6 if one.size < 1000 else 1.0)
+
+
+@pytest.mark.parametrize(("width", "fits"), [(300.0, True), (1000.0, True), (1001.0, False)])
+def test_a_building_may_be_as_long_as_the_limit_says_wherever_its_walls_are(width, fits):
+    walls = np.array(
+        [[0, 0, 1, 0]] * 9 + [[0, 0, width, 0], [width, 0, width, 9], [width, 9, 0, 9]]
+    )
+    plan = make_box()
+    shape = {"walls": walls, "wall_materials": (plan.wall_materials[0],) * len(walls)}
+    shape |= {"wall_offsets": np.zeros(len(walls)), "furniture": ()}
+    if fits:
+        assert replace(plan, **shape).bounds[2] == width
+    else:
+        with pytest.raises(
+            InputError, match=r"spans 1,001 m x 9 m, more than 1,000 m; give metres"
+        ):
+            replace(plan, **shape)
 
 
 def test_rooms_that_lie_on_each_other_are_not_drawn_for_ever():

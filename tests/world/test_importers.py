@@ -1,6 +1,8 @@
 """Imported maps: where the walls land, what the rays see, and the message for each mistake."""
 
 import json
+import re
+import unicodedata
 
 import cv2
 import numpy as np
@@ -8,13 +10,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tutorial_lib.errors import InputError
+from tests.fuzz.corpus import png
+from tutorial_lib.errors import InputError, Notice
 from tutorial_lib.geometry import distance_to_segments, to_local, to_world
 from tutorial_lib.world.importers import (
     contours,
     import_houseexpo,
     import_map,
     import_ros_map,
+    parse_region,
     surfaces,
 )
 from tutorial_lib.world.importers.contours import free_loops, signed_area, trace_loops
@@ -197,19 +201,343 @@ def test_scale_keeps_graded_and_transparent_cells_out(tmp_path):
     assert len(import_ros_map(yaml_path).walls) == 8
 
 
-def test_trinary_averages_alpha_in(tmp_path):
-    picture = np.repeat(box()[..., None], 4, axis=2)
-    picture[..., 3] = 255
-    picture[10:14, 10:18, 3] = 0  # (3 * 254 + 0) / 4: occupancy 0.253
-    write_png(tmp_path, picture)
-    assert len(import_ros_map(write_yaml(tmp_path, image="map.png")).walls) == 8
-    plan = import_ros_map(write_yaml(tmp_path, image="map.png", free_thresh=0.26))
+MODES = ["trinary", "scale", "raw"]
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("colours", [1, 3])
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_opaque_pixels_count_as_their_grey_and_all_others_are_unknown(
+    tmp_path, mode, colours, kind
+):
+    pixels = box(value=UNKNOWN)
+    pixels[20:24, 20:28] = OCCUPIED
+    if mode == "raw":
+        pixels = np.choose(pixels == FREE, [np.where(pixels == OCCUPIED, 100, 255), 3])
+    top = np.iinfo(kind).max
+    levels = (pixels / 255 * top).round().astype(kind)
+    plain = import_ros_map(write_picture(tmp_path, levels, "map.tiff", mode=mode))
+    assert len(plain.walls) == 8
+    clear = np.full_like(levels, top)
+    clear[10:14, 10:18] = top - 1  # as good as opaque, and yet not
+    for opacity, walls in ((np.full_like(levels, top), 8), (clear, 12)):
+        picture = np.dstack([levels] * colours + [opacity])
+        plan = import_ros_map(write_picture(tmp_path, picture, "map.png", mode=mode))
+        assert len(plan.walls) == walls
+    assert {(1.0, 1.6), (1.8, 2.0)} < corners(plan)
+
+
+def write_picture(folder, values, name, **changes):
+    """A map with a picture by its numbers (H, W, C); the path of its YAML file."""
+    data = grey_alpha_png(values) if values.shape[2:] == (2,) else None
+    if data is None:
+        assert cv2.imwrite(str(folder / name), values)
+    else:
+        (folder / name).write_bytes(data)
+    return write_yaml(folder, image=name, **changes)
+
+
+def grey_alpha_png(values):
+    """A PNG of grey and opacity, which OpenCV cannot write."""
+    height, width, _ = values.shape
+    rows = values.astype(values.dtype.newbyteorder(">")).reshape(height, -1)
+    body = b"".join(b"\0" + row.tobytes() for row in rows)
+    return png(width, height, body, kind=4, depth=8 * values.itemsize)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_a_grey_that_a_png_names_as_transparent_is_unknown(tmp_path, mode):
+    grey = {"trinary": 254, "scale": 254, "raw": 0}[mode]
+    pixels = np.full((30, 40), grey, np.uint8)
+    pixels[10:14, 10:18] = grey + 1
+    body = b"".join(b"\0" + row.tobytes() for row in pixels)
+    for named, walls in ((b"", 4), (b"\0" + bytes([grey + 1]), 8), (b"\0\7", 4)):
+        (tmp_path / "map.png").write_bytes(png(40, 30, body, named=named))
+        plan = import_ros_map(write_yaml(tmp_path, image="map.png", mode=mode))
+        assert len(plan.walls) == walls
+    for depth, named in ((1, b"\0\1"), (4, b"\0\x0f")):  # white; fewer bits are spread
+        body = b"".join(b"\0" + bytes([255] * (40 * depth // 8)) for _ in range(30))
+        (tmp_path / "map.png").write_bytes(png(40, 30, body, named=named, depth=depth))
+        with pytest.raises(InputError, match="no free region"):
+            import_ros_map(write_yaml(tmp_path, image="map.png", mode=mode))
+
+
+def test_a_colour_that_a_png_names_as_transparent_is_unknown(tmp_path):
+    pixels = np.full((30, 40, 3), 254, np.uint8)
+    pixels[10:14, 10:18] = (250, 251, 252)
+    body = b"".join(b"\0" + row.tobytes() for row in pixels)
+    for named, walls in (((250, 251, 252), 8), ((252, 251, 250), 4)):
+        named = np.array(named, ">u2").tobytes()
+        (tmp_path / "map.png").write_bytes(png(40, 30, body, kind=2, named=named))
+        assert len(import_ros_map(write_yaml(tmp_path, image="map.png")).walls) == walls
+
+
+@pytest.mark.parametrize(
+    ("value", "walls"), [(0, 4), (19, 4), (20, 8), (66, 8), (100, 8), (101, 8), (254, 8)]
+)
+def test_a_raw_pixel_is_the_occupancy_in_per_cent(tmp_path, value, walls):
+    pixels = np.full((30, 40), 5, np.uint8)
+    pixels[10:14, 10:18] = value
+    for negate in (0, 1):  # which says nothing of raw maps
+        path = write_map(tmp_path, pixels, mode="raw", negate=negate)
+        assert len(import_ros_map(path).walls) == walls
+    colour = np.repeat(pixels[..., None], 3, axis=2)
+    path = write_picture(tmp_path, colour, "map.png", mode="raw")
+    assert len(import_ros_map(path).walls) == walls
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".tif", ".ppm", ".bmp", ".png"])
+def test_every_kind_of_picture_says_the_same(tmp_path, suffix):
+    pixels = np.full((48, 64), UNKNOWN, np.uint8)
+    pixels[8:-8, 8:-8] = FREE
+    pixels[16:24, 24:32] = OCCUPIED  # squares of 8 x 8 pixels, as JPEG has them
+    expected = import_ros_map(write_map(tmp_path, pixels)).walls
+    colour = np.repeat(pixels[..., None], 3, axis=2)
+    assert cv2.imwrite(str(tmp_path / f"map{suffix}"), colour, [cv2.IMWRITE_JPEG_QUALITY, 100])
+    found = import_ros_map(write_yaml(tmp_path, image=f"map{suffix}"))
+    np.testing.assert_array_equal(found.walls, expected)
+
+
+def test_equal_thresholds_leave_nothing_unknown(tmp_path):
+    pixels = box()
+    pixels[10:14, 10:18] = UNKNOWN  # occupancy 0.196
+    path = write_map(tmp_path, pixels, free_thresh=0.5, occupied_thresh=0.5)
+    assert len(import_ros_map(path).walls) == 4
+    pixels[10:14, 10:18] = 127
+    path = write_map(tmp_path, pixels, free_thresh=0.5, occupied_thresh=0.5)
+    assert len(import_ros_map(path).walls) == 8
+
+
+@pytest.mark.parametrize(
+    ("said", "negated"),
+    [
+        *(('"0"', False), ("'1'", True), ("no", False), ("Yes", True), ("off", False)),
+        *(("on", True), ("n", False), ("0x0", False), ("FALSE", False), ("2", True)),
+    ],
+)
+def test_negate_is_read_as_yaml_cpp_does(tmp_path, said, negated):
+    pixels = 255 - box() if negated else box()
+    assert len(import_ros_map(write_map(tmp_path, pixels, negate=said)).walls) == 4
+
+
+@pytest.mark.parametrize(
+    ("said", "metres"),
+    [('"0.1"', 0.1), ("1e-1", 0.1), (".1", 0.1), ("+1.e-1", 0.1), ("01", 1.0), ("0o1", 1.0)],
+)
+def test_numbers_are_those_of_yaml_1_2(tmp_path, said, metres):
+    plan = import_ros_map(write_map(tmp_path, box(), resolution=said))
+    assert plan.bounds == pytest.approx(np.multiply((2, 2, 38, 28), metres))
+
+
+@pytest.mark.parametrize("said", ["0_1", "1e-1_0", "0b1", "1:30", "1,0", "0.1m", "''", "true", "~"])
+def test_what_is_no_number_of_yaml_1_2_is_refused(tmp_path, said):
+    for key, value in (("resolution", said), ("origin", f"[{said.replace(',', '_')}, 0, 0]")):
+        expect_error(
+            import_ros_map, write_map(tmp_path, box(), **{key: value}), [f"map.yaml: {key}"]
+        )
+
+
+def test_a_key_that_is_given_twice_is_named(tmp_path):
+    path = write_map(tmp_path, box())
+    path.write_text(path.read_text() + "resolution: 0.2\n")
+    expect_error(import_ros_map, path, ["map.yaml", "line 7", "'resolution' is given twice"])
+
+
+# --- ROS: where the picture is ------------------------------------------------------------------
+
+ELSEWHERE = [
+    "/opt/robot/maps/map.pgm",
+    r"C:\robot\map.pgm",
+    r"..\maps\map.pgm",
+    "maps/map.pgm",
+    "~/map.pgm",
+    "~nobody/map.pgm",
+    "file:///maps/map.pgm",
+    "package://maps/map.pgm",
+    "MAP.PGM",
+]
+
+
+@pytest.mark.parametrize("named", ELSEWHERE)
+def test_a_picture_beside_its_file_is_taken_whatever_its_path_was_and_that_is_said(
+    tmp_path, named, monkeypatch
+):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    expected = import_ros_map(write_map(tmp_path, box())).walls
+    for other in ("other.pgm", "map.png"):
+        (tmp_path / other).write_bytes(b"")
+    path = write_yaml(tmp_path, image=f"'{named}'")
+    with pytest.warns(Notice) as said:
+        plan = import_ros_map(path)
+    np.testing.assert_array_equal(plan.walls, expected)
+    assert [str(word.message) for word in said] == [
+        f"map.yaml: image: {named!r} is not there; took 'map.pgm' beside it"
+    ]
+
+
+def test_a_picture_that_is_where_it_is_said_to_be_is_taken_without_a_word(
+    tmp_path, monkeypatch, recwarn
+):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    write_map(tmp_path, np.zeros((30, 40)))  # beside it
+    for folder in (tmp_path / "home", tmp_path):
+        (folder / "room.pgm").write_bytes(p5(box()))
+    (tmp_path / "room.pgm").rename(tmp_path / r"a\map.pgm")
+    for named in ("~/room.pgm", str(tmp_path / "home" / "room.pgm"), "home/room.pgm", r"a\map.pgm"):
+        assert len(import_ros_map(write_yaml(tmp_path, image=f"'{named}'")).walls) == 4
+    assert not recwarn
+
+
+def test_windows_separators_lead_into_folders(tmp_path):
+    (tmp_path / "sub dir").mkdir()
+    (tmp_path / "sub dir" / "rôom 1.pgm").write_bytes(p5(box()))
+    write_map(tmp_path, np.zeros((30, 40)))
+    with pytest.warns(Notice, match="took 'rôom 1.pgm'"):
+        plan = import_ros_map(write_yaml(tmp_path, image=r"'sub dir\rôom 1.pgm'"))
     assert len(plan.walls) == 4
 
 
-def test_numbers_that_yaml_takes_for_text(tmp_path):
-    plan = import_ros_map(write_map(tmp_path, box(), resolution="1e-1"))
-    assert plan.bounds == pytest.approx((0.2, 0.2, 3.8, 2.8))
+def test_accents_may_be_stored_apart(tmp_path):
+    (tmp_path / unicodedata.normalize("NFD", "rôom.pgm")).write_bytes(p5(box()))
+    path = write_yaml(tmp_path, image=unicodedata.normalize("NFC", "rôom.pgm"))
+    with pytest.warns(Notice):
+        assert len(import_ros_map(path).walls) == 4
+
+
+def test_of_another_machine_s_path_the_only_picture_of_its_kind_is_meant(tmp_path):
+    (tmp_path / "renamed.pgm").write_bytes(p5(box()))
+    foreign = write_yaml(tmp_path, image="/opt/robot/map.pgm")
+    with pytest.warns(Notice, match=r"took 'renamed\.pgm'"):
+        assert len(import_ros_map(foreign).walls) == 4
+    own = ["map.pgm", "maps/map.pgm", "/opt/robot/map.png", "/opt/robot/"]
+    for named in own:  # nobody knows which is meant, or it may be mistyped
+        expect_error(import_ros_map, write_yaml(tmp_path, image=named), ["map.yaml: image"])
+    (tmp_path / "second.pgm").write_bytes(p5(box()))
+    foreign = write_yaml(tmp_path, image="/opt/robot/map.pgm")
+    expect_error(import_ros_map, foreign, ["map.yaml: image", "beside the YAML file"])
+
+
+# --- ROS: size, and regions ---------------------------------------------------------------------
+
+
+def test_a_long_building_is_read(tmp_path):
+    pixels = np.full((60, 3020), OCCUPIED, np.uint8)
+    pixels[5:-5, 10:-10] = FREE
+    pixels[20:24, 20:60:8] = OCCUPIED  # most walls at one end
+    plan = import_ros_map(write_map(tmp_path, pixels))
+    assert plan.bounds == pytest.approx((1.0, 0.5, 301.0, 5.5))
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7])
+@pytest.mark.parametrize(
+    ("shape", "words"),
+    [
+        ((44, 2020), ["2,016 x 40 pixels at 1 m", "more than 1,000 m;"]),
+        ((254, 254), ["250 x 250 pixels at 1 m", "m² and more than the 41,943 m² that fit"]),
+    ],
+)
+def test_a_map_that_is_too_large_is_named_with_its_pixels(tmp_path, shape, words, yaw):
+    path = write_map(tmp_path, box(*shape), resolution=1.0, origin=[0, 0, yaw])
+    expect_error(import_ros_map, path, ["map.yaml: image", "resolution", "region", *words])
+
+
+def test_what_is_not_free_does_not_count(tmp_path):
+    pixels = np.full((400, 400), UNKNOWN, np.uint8)
+    pixels[100:140, 300:330] = FREE
+    plan = import_ros_map(write_map(tmp_path, pixels, resolution=1.0))
+    assert plan.bounds == pytest.approx((300, 260, 330, 300))
+
+
+def test_a_map_at_the_end_of_the_world_is_named(tmp_path):
+    path = write_map(tmp_path, box(), origin="[1e15, 0, 0]")
+    expect_error(import_ros_map, path, ["map.yaml: image", "1e+15 m from the origin", "correct"])
+
+
+def three_parts(folder, **changes):
+    """Rooms of 2 x 3, 1.5 x 1.5 and 3 x 3 m, side by side; the path of the YAML file."""
+    pixels = np.full((40, 90), OCCUPIED, np.uint8)
+    pixels[5:35, 5:25] = FREE
+    pixels[20:35, 30:45] = FREE
+    pixels[5:35, 50:80] = FREE
+    return write_map(folder, pixels, **changes)
+
+
+@pytest.mark.parametrize(
+    ("region", "areas"),
+    [
+        (None, [6.0, 2.25, 9.0]),
+        ((1.0, 2.0), [6.0]),
+        ((3.5, 1.0), [2.25]),
+        ([6.0, 3.0], [9.0]),
+        ((0.0, 0.0, 4.6, 4.0), [6.0, 2.25]),
+        ((4.6, 4.0, 0.0, 0.0), [6.0, 2.25]),
+        ((1.0, 1.0, 7.0, 2.5), [1.5 * 1.5, 1.5, 2.0 * 1.5]),
+        ((-100, -100, 100, 100), [6.0, 2.25, 9.0]),
+        ((1.04, 0.0, 2.06, 4.0), [1.1 * 3.0]),  # a cell belongs to it by its middle
+    ],
+)
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (500_000.0, -30.0, 0.0)])
+def test_a_region_can_be_chosen(tmp_path, region, areas, pose):
+    path = three_parts(tmp_path, origin=list(pose))
+    if region is not None:
+        region = np.add(region, np.tile(pose[:2], len(region) // 2))
+    plan = import_map(path, region=region)
+    assert [room.area for room in plan.rooms] == pytest.approx(areas)
+    check_closed(plan)
+
+
+def test_a_region_is_in_the_frame_of_the_map_which_may_be_turned(tmp_path):
+    pose = [2.0, -1.0, 0.6]
+    path = three_parts(tmp_path, origin=pose)
+    plan = import_ros_map(path, region=to_world(pose, [3.5, 1.0]))
+    assert [room.area for room in plan.rooms] == pytest.approx([2.25])
+    x0, y0, x1, y1 = plan.bounds
+    part = import_ros_map(path, region=(x0, y0, x1, (y0 + y1) / 2))
+    assert 0.4 * 2.25 < part.area < 0.6 * 2.25
+    assert part.bounds[3] <= (y0 + y1) / 2 + 0.1
+
+
+@pytest.mark.parametrize(
+    ("region", "words"),
+    [
+        ((2.7, 1.0), ["map.yaml: region: 2.7,1 is in no free part", "m²", "6.45,1.95 (9.0 m²) or"]),
+        ((100.0, 1.0), ["100,1 is in no free part"]),
+        ((10.0, 0.0, 20.0, 9.0), ["map.yaml: image: no free region", "and the region"]),
+        ((1.0, 2.0, 3.0), ["region: [1.0, 2.0, 3.0]; give x0, y0, x1, y1 of a box, or x, y"]),
+        ((1.0, 2.0, 1.0, 3.0), ["region: [1.0, 2.0, 1.0, 3.0]"]),
+        ((), ["region: "]),
+        ((float("nan"), 0.0), ["region: nan"]),
+        (((1.0, 2.0),), ["region: shape (1, 2)"]),
+        ("1,2", ["region: '1,2'"]),
+    ],
+)
+def test_a_region_that_is_none_is_named(tmp_path, region, words):
+    expect_error(import_map, three_parts(tmp_path), words, region=region)
+
+
+def test_a_point_that_is_named_for_a_part_is_in_it(tmp_path):
+    path = three_parts(tmp_path)
+    with pytest.raises(InputError) as caught:
+        import_ros_map(path, region=(100.0, 0.0))
+    named = re.findall(r"([\d.]+,[\d.]+) \(([\d.]+) m²\)", str(caught.value))
+    assert [float(area) for _, area in named] == [9.0, 6.0, pytest.approx(2.25, abs=0.06)]
+    for point, area in named:
+        plan = import_ros_map(path, region=parse_region(point))
+        assert plan.area == pytest.approx(float(area), abs=0.06)
+
+
+def test_other_kinds_of_maps_have_no_regions(tmp_path):
+    expect_error(
+        import_map, write_house(tmp_path), ["region: house.json is no ROS map"], region=(1, 1)
+    )
+
+
+@pytest.mark.parametrize("text", ["", "1", "1,2,3", "a,b", "1,2,3,4,5", "1,nan", "1 2", "1,,2"])
+def test_a_region_s_text_is_read_or_refused(text):
+    with pytest.raises(InputError, match=r"region: .*give x0,y0,x1,y1 or x,y in metres"):
+        parse_region(text)
+    assert parse_region("-1, 2.5") == (-1.0, 2.5)
 
 
 # --- ROS: rays ----------------------------------------------------------------------------------
@@ -407,14 +735,14 @@ NAN, INF = ".nan", ".inf"
         ({"resolution": -0.1}, ["resolution"]),
         ({"resolution": NAN}, ["resolution", "finite"]),
         ({"resolution": "wide"}, ["resolution"]),
-        ({"resolution": 50}, ["resolution", "2000 m across"]),
+        ({"resolution": 50}, ["resolution", "spans 1,800 m x 1,300 m"]),
         ({"resolution": 0.001}, ["free region"]),
         ({"origin": [0, 0]}, ["origin", "yaw"]),
         ({"origin": f"[0, {INF}, 0]"}, ["origin[1]"]),
         ({"negate": "maybe"}, ["negate"]),
-        ({"mode": "raw"}, ["mode", "raw"]),
+        ({"mode": "raw"}, ["free region", "mode"]),
         ({"mode": "binary"}, ["mode", "trinary"]),
-        ({"free_thresh": 0.65}, ["free_thresh", "occupied_thresh"]),
+        ({"free_thresh": 0.66}, ["free_thresh", "at most occupied_thresh, 0.65"]),
         ({"free_thresh": -0.1}, ["free_thresh"]),
         ({"occupied_thresh": 1.1}, ["occupied_thresh"]),
         ({"negate": 1}, ["free region", "negate"]),
@@ -573,6 +901,13 @@ def test_order_and_repeated_corners_do_not_matter(tmp_path):
         assert set(plan.rooms[0].outline) == expected <= corners(plan)
 
 
+def test_a_mark_before_the_text_is_no_part_of_it(tmp_path):
+    path = write_house(tmp_path)
+    expected = plan_to_json(import_houseexpo(path))
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert plan_to_json(import_map(path)) == expected
+
+
 def test_a_house_survives_json(tmp_path):
     for palette in ("standard", "shifted"):
         plan = import_houseexpo(write_house(tmp_path), 1, palette)
@@ -656,7 +991,11 @@ def test_an_outline_of_too_many_corners_is_refused(tmp_path, monkeypatch):
     corners = sum(len(loop) for loop, _ in trace_loops(blobs(0)[::-1] > 250))
     assert corners > 40
     monkeypatch.setattr(contours, "MAX_CORNERS", 40)
-    expect_error(import_ros_map, path, ["the outline of its free space has", "more than the 40"])
+    expect_error(
+        import_ros_map,
+        path,
+        ["map.yaml: image: the outline of its free space has", "more than the 40"],
+    )
 
 
 def test_an_outline_that_needs_too_many_materials_is_refused(tmp_path, monkeypatch):

@@ -174,7 +174,7 @@ def test_sight_by_brute_force(seed):
         (lambda: Fan([]), "finite angles"),
         (lambda: Raycaster([[0, 0, 1, 1]]).cast(np.zeros((2, 2)), Fan([0.0])), "x, y, heading"),
         (lambda: Raycaster([[0, 0, 1, 1]]).sees([[0.0, 0.0]], [1.0, 1.0, 1.0]), "rows x, y"),
-        (lambda: Discs(np.zeros((2, 3)), np.zeros(1, np.int32), np.zeros((2, 3))), "as many"),
+        (lambda: Discs(np.zeros((2, 3)), np.zeros(1, np.int32), np.zeros((2, 3))), "owners"),
     ],
 )
 def test_bad_input_is_named(make, words):

@@ -6,13 +6,14 @@ import argparse
 from pathlib import Path
 
 from tutorial_lib.commands.constants import MISSED
+from tutorial_lib.commands.map_options import add_map
 from tutorial_lib.commands.narrator import Narrator
 from tutorial_lib.errors import InputError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the options."""
-    parser.add_argument("--map", type=Path, help="a ROS map's YAML, a HouseExpo or a plan's JSON")
+    add_map(parser)
     parser.add_argument(
         "--family",
         default="apartment",
@@ -37,6 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
+    if options.region is not None and options.map is None:
+        raise InputError("--region: is that of a map's file; give --map, or leave it out")
     reached = _explore(options) if options.explore else _navigate(options)
     return 0 if reached else MISSED
 
@@ -54,7 +57,7 @@ def _explore(options: argparse.Namespace) -> bool:
         from tutorial_lib.world.worlds import TRAINING_SEEDS
 
         if options.map is not None:
-            plan = import_map(options.map, seed=options.seed)
+            plan = import_map(options.map, seed=options.seed, region=options.region)
         else:
             # What is wrong with the seed is said of the seed that was given.
             number = options.seed + (TRAINING_SEEDS.stop if options.seed >= 0 else 0)
@@ -79,7 +82,7 @@ def _navigate(options: argparse.Namespace) -> bool:
         from tutorial_lib.world.importers import import_map
 
         if options.map is not None:
-            plan = import_map(options.map, seed=options.seed)
+            plan = import_map(options.map, seed=options.seed, region=options.region)
         else:
             plan = generate(options.family, options.seed)
         outcome = run_demo(

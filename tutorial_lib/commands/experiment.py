@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.commands.constants import WRONG_INPUT
+from tutorial_lib.commands.map_options import add_map
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
 from tutorial_lib.experiments.protocols.drives import parse_drives
@@ -22,7 +23,7 @@ from tutorial_lib.world.generators.palette import PALETTES
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the experiments and their options."""
     add_common(parser, EXPERIMENTS)
-    parser.add_argument("--map", type=Path, help="a map's file, in place of worlds")
+    add_map(parser)
     known = dict.fromkeys(name for entry in EXPERIMENTS.values() for name in entry.ablations)
     parser.add_argument("--ablation", choices=known, default="")
     parser.add_argument("--palette", choices=PALETTES, default=STANDARD)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from threading import Event, Thread
 from types import TracebackType
 
@@ -40,7 +41,8 @@ class Narrator:
     def _keep_talking(self) -> None:
         while not self._over.wait(max(0.0, self._said + QUIET - time.monotonic())):
             if time.monotonic() - self._said >= QUIET:
-                self._print(f"still {self._doing}")
+                with suppress(BrokenPipeError):  # which the next word of the work itself meets
+                    self._print(f"still {self._doing}")
 
     def _print(self, text: str) -> None:
         self._said = time.monotonic()

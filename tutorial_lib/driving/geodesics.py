@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.shapes import fit_together
 from tutorial_lib.world.occupancy import ClearanceGrid
 from tutorial_lib.world.raycast import Raycaster
 
@@ -171,8 +172,13 @@ class GridPaths:
         return csr_array((np.concatenate([weights, weights]), both), shape=shape)
 
     def nearest(self, points: ArrayLike) -> tuple[NDArray[np.int32], Array]:
-        """The node nearest to each point (..., 2), -1 where none is near, and the gap in metres."""
+        """The node nearest to each point (..., 2), -1 where none is near, and the gap in metres.
+
+        Raises:
+            InputError: when they are no points.
+        """
         points = np.asarray(points, dtype=float)
+        fit_together(points=(points, (*points.shape[:-1], 2)))
         cells = self._grid.cells(points).reshape(-1, 2) // 2
         nodes, gap = _nearest(points.reshape(-1, 2), cells, self._number, self.points)
         return nodes.reshape(points.shape[:-1]), gap.reshape(points.shape[:-1])

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, column_bearings
 from tutorial_lib.exploration.grid_kernels import DIAGONAL, KNIGHT, STRAIGHT, spread
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import floats, number, whole
 
 DETOUR = 1.05
 """Times the straight line that a path to an explorable point may be long."""
 CLEARANCE = 0.2
 """Metres of clearance of what is traversable: the robot's radius and a little more."""
 _CELL = 0.1  # metres
+_LARGEST = 50.0  # metres of a radius, whose map has to fit in memory
 
 
 def explorable(
@@ -29,9 +31,15 @@ def explorable(
     Args:
         ranges: (N, W) depth of the panoramas.
         directions: K.
-        radius: metres.
+        radius: metres, up to 50.
+
+    Raises:
+        InputError: when an argument is anything else.
     """
-    ranges = np.ascontiguousarray(ranges, dtype=np.float64)
+    ranges = floats("ranges", ranges, ("N", "W"), least=0.0, infinite=True)
+    ranges = np.ascontiguousarray(ranges)
+    directions = whole("directions", directions, least=1)
+    radius = number("radius", radius, least=0.0, most=_LARGEST)
     bearings = column_bearings(ranges.shape[1])
     found = np.empty((len(ranges), directions), np.bool_)
     _explorable(ranges, bearings, bearing_of(np.arange(directions), directions), radius, found)

@@ -19,6 +19,8 @@ from tutorial_lib.exploration.grid_kernels import (
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.exploration.local_policy import BODY, COMFORT, NEAR
 from tutorial_lib.geometry import Array
+from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import floats, integers
 
 SIDE = 24.0
 """Metres of a metric map; a robot that leaves its middle forgets what is far behind it."""
@@ -55,7 +57,11 @@ def nearest_frontiers(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array
         maps: of N robots.
         robots: (M,) indices.
         odometry: (M, 3) their poses.
+
+    Raises:
+        InputError: when an argument is no such array, or one is shorter than the other.
     """
+    robots, odometry = maps.checked(robots, odometry)
     found = np.full((len(robots), 1), -1)
     metres = np.zeros(found.shape)
     _search(maps.grids, robots, maps.cells(robots, odometry[:, :2]), True, found, metres)
@@ -64,6 +70,7 @@ def nearest_frontiers(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array
 
 def all_frontiers(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array) -> Frontiers:
     """The frontiers that robots can reach, one in every square metre; as `nearest_frontiers`."""
+    robots, odometry = maps.checked(robots, odometry)
     side = maps.grids.shape[1]
     found = np.full((len(robots), (side // _BLOCK + 1) ** 2), -1)
     metres = np.zeros(found.shape)
@@ -72,7 +79,14 @@ def all_frontiers(maps: LocalMaps, robots: NDArray[np.intp], odometry: Array) ->
 
 
 def is_frontier(maps: LocalMaps, robots: NDArray[np.intp], places: Array) -> NDArray[np.bool_]:
-    """(M,) whether a place (M, 2) is a frontier of its robot's map still."""
+    """(M,) whether a place (M, 2) is a frontier of its robot's map still.
+
+    Raises:
+        InputError: when an argument is no such array, or one is shorter than the other.
+    """
+    places = floats("places", places, ("M", 2))
+    robots = integers("robots", robots, ("M",), least=0, most=len(maps.grids) - 1)
+    fit_together(robots=(robots, ("M",)), places=(places, ("M", 2)))
     return _are_frontiers(maps.grids, robots, maps.cells(robots, places))
 
 

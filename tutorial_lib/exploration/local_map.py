@@ -6,9 +6,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import RADIUS, column_bearings
 from tutorial_lib.exploration.grid_kernels import OCCUPIED, UNKNOWN, Bytes, draw_rays
 from tutorial_lib.geometry import Array
+from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import floats, integers
 
 RESOLUTION = 0.1
 """Metres of a cell."""
@@ -47,12 +50,30 @@ class LocalMaps:
         Args:
             robots: (M,) indices.
             odometry: (M, 3) their poses.
-            ranges: (M, W) metres in each column of the panorama.
+            ranges: (M, W) metres in each column of the panorama, at least two.
+
+        Raises:
+            InputError: when an argument is no such array, or one is shorter than another.
         """
+        robots, odometry = self.checked(robots, odometry)
+        ranges = np.ascontiguousarray(floats("ranges", ranges, ("M", "W"), infinite=True))
+        fit_together(robots=(robots, ("M",)), ranges=(ranges, ("M", "W")))
+        if ranges.shape[1] < 2:
+            raise InputError(f"ranges: {ranges.shape[1]} columns; give two at least")
         self._follow(robots, odometry)
-        ranges = np.ascontiguousarray(ranges, dtype=np.float64)
         rays = (ranges, column_bearings(ranges.shape[1]), self._reach)
-        _draw(self.grids, self.corners, robots, np.ascontiguousarray(odometry), *rays)
+        _draw(self.grids, self.corners, robots, odometry, *rays)
+
+    def checked(self, robots: NDArray[np.intp], odometry: Array) -> tuple[NDArray[np.intp], Array]:
+        """Indices (M,) of robots that have a grid, and their poses (M, 3).
+
+        Raises:
+            InputError: when an argument is no such array, or one is shorter than the other.
+        """
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.grids) - 1)
+        odometry = np.ascontiguousarray(floats("odometry", odometry, ("M", 3)))
+        fit_together(robots=(robots, ("M",)), odometry=(odometry, ("M", 3)))
+        return robots, odometry
 
     def cells(self, robots: NDArray[np.intp], points: Array) -> NDArray[np.intp]:
         """Flat indices (M,) of the cells with points (M, 2), clipped to the grids."""

@@ -8,9 +8,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.exploration.grid_kernels import Bytes, costs_of, in_sight, spread
+from tutorial_lib.exploration.grid_kernels import DEAREST, Bytes, costs_of, in_sight, spread
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import floats, whole
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT
 
 BODY, COMFORT = 2.3, 3.7
@@ -60,7 +62,14 @@ def find_paths(
         odometry: (M, 3) their poses.
         targets: (M, 2) in the frames of their odometry.
         unseen: times its length that a cell not seen costs; 0 if it is not to be entered.
+
+    Raises:
+        InputError: when an argument is no such array, or one is shorter than another.
     """
+    robots, odometry = maps.checked(robots, odometry)
+    targets = floats("targets", targets, ("M", 2))
+    fit_together(robots=(robots, ("M",)), targets=(targets, ("M", 2)))
+    unseen = whole("unseen", unseen, least=0, most=DEAREST)
     starts, ends = maps.cells(robots, odometry[:, :2]), maps.cells(robots, targets)
     ahead = starts.copy()
     _find(maps.grids, robots, starts, ends, unseen, ahead)

@@ -7,6 +7,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array, to_local, to_world, wrap
+from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import floats
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
 
 ACTIONS = (STOP, FORWARD, LEFT, RIGHT)
@@ -54,7 +56,13 @@ def move(
 
     Returns:
         The poses (N, 3) after it, and whether each robot (N,) was stopped.
+
+    Raises:
+        InputError: when an argument is no such array, or one is shorter than another.
     """
+    poses, motions = floats("poses", poses, ("N", 3)), floats("motions", motions, ("N", 3))
+    segments = floats("segments", segments, ("S", 4))
+    fit_together(poses=(poses, ("N", 3)), motions=(motions, ("N", 3)))
     wanted = to_world(poses, motions[:, :2])
     places, stopped = np.empty((len(poses), 2)), np.empty(len(poses), np.bool_)
     starts = np.ascontiguousarray(poses[:, :2])

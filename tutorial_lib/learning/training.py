@@ -14,6 +14,7 @@ from tqdm.auto import tqdm
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder, write_files
 from tutorial_lib.learning.batches import Batch, Blocks, batches
+from tutorial_lib.learning.checkpoints import check_optimizer, check_weights, progress_of
 from tutorial_lib.learning.losses import CONTEXT_WEIGHT, EVALUATION_LOSSES, LOSSES, context_loss
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.settings import Progress, Settings
@@ -190,18 +191,21 @@ class _State:
         """Resume from what `save` wrote.
 
         Raises:
-            InputError: when the file is damaged, has no checksum (as those of older versions), or
-                belongs to another training.
+            InputError: when the file is damaged, has no checksum (as those of older versions), does
+                not fit the network, or belongs to another training.
         """
         advice = "delete it to begin again"
         data = read_bytes(path, MAX_CHECKPOINT, advice)
         try:
             state = torch.load(io.BytesIO(unsealed(data)), weights_only=True)
             if state["recipe"] == self.recipe:
+                # All of it is looked at before any of it is taken over.
+                progress = progress_of(state, self.settings)
+                check_weights(state, self.network.state_dict())
+                check_optimizer(state, self.optimizer, self.network)
                 self.network.load_state_dict(state["network"])
                 self.optimizer.load_state_dict(state["optimizer"])
-                self.best = state["best"]
-                self.progress = Progress(state["step"], state["history"], state["seconds"])
+                self.best, self.progress = state["best"], progress
                 return
         # torch, zipfile and pickle have a dozen errors for a damaged file, some many lines long.
         except Exception as error:

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import torch
-from safetensors import SafetensorError
+from safetensors import SafetensorError, deserialize
 from safetensors.torch import load, save
-from torch import nn
+from torch import Tensor, nn
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder, write_files
@@ -38,6 +38,8 @@ KINDS: dict[str, tuple[type, type[nn.Module]]] = {
 }
 """Architecture and network by the kind that a card's architecture names; "local" if it has none."""
 Network = TypeVar("Network", bound=nn.Module)
+_FLOATS = ("F16", "F32", "F64")
+"""What tensors may consist of, in the words of safetensors."""
 _LARGE = 1e12  # no number on a card is
 
 
@@ -160,8 +162,9 @@ def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = Local
         wanted: the class that it must have.
 
     Raises:
-        InputError: when file or card is missing, the hash differs, or shapes or camera do not fit;
-            it names the command that trains it again.
+        InputError: when file or card is missing, the hash differs, the camera does not fit, or a
+            tensor is missing, has another shape, or does not consist of finite real numbers; it
+            names the tensor and the command that trains it again.
     """
     settle_threads()
     card = load_card(name, folder)
@@ -172,14 +175,43 @@ def load_network(name: str, folder: Path = FOLDER, wanted: type[Network] = Local
         raise InputError(f"{path}: not the file that its card describes (SHA-256 differs); {again}")
     network = _network_of(card, wanted, path)
     try:
-        weights = {key: value.float() for key, value in load(data).items()}
-        network.load_state_dict(weights)
-    except (SafetensorError, RuntimeError) as error:
-        raise InputError(f"{path}: does not fit {card.architecture}; {again}") from error
+        network.load_state_dict(_weights_of(data, network.state_dict(), card.parameters))
+    except (SafetensorError, InputError) as error:
+        raise InputError(f"{path}: does not fit {card.architecture} ({error}); {again}") from error
     camera = camera_of(card.architecture)
     if card.camera not in ({}, camera):  # older cards do not say
         raise InputError(f"{path}: learned with the camera {card.camera}, not {camera}; {again}")
     return network.eval().to(memory_format=torch.channels_last)
+
+
+def _weights_of(data: bytes, own: dict[str, Tensor], parameters: int) -> dict[str, Tensor]:
+    """The tensors of a safetensors file, if they are those of a network whose `own` these are."""
+    for name, described in deserialize(data):  # before torch sees kinds that it does not know
+        if described["dtype"] not in _FLOATS:
+            raise InputError(f"tensor {name}: of {described['dtype']}, not one of {_FLOATS}")
+    found = {name: value.float() for name, value in load(data).items()}
+    for name in own.keys() | found.keys():
+        if name not in found or name not in own:
+            raise InputError(f"tensor {name}: {'missing' if name in own else 'not known'}")
+    check_like(found, own)
+    count = sum(value.numel() for value in found.values())
+    if count != parameters:
+        raise InputError(f"{count} parameters, of which its card says {parameters}")
+    return found
+
+
+def check_like(found: dict[str, Tensor], own: dict[str, Tensor]) -> None:
+    """Check that tensors have the shapes of others by the same names, and are finite.
+
+    Raises:
+        InputError: naming the tensor.
+    """
+    for name, value in found.items():
+        if value.shape != own[name].shape:
+            shapes = tuple(value.shape), tuple(own[name].shape)
+            raise InputError(f"tensor {name}: shape {shapes[0]} instead of {shapes[1]}")
+        if not value.isfinite().all():
+            raise InputError(f"tensor {name}: holds what is no finite number")
 
 
 def _network_of(card: Card, wanted: type[Network], path: Path) -> Network:

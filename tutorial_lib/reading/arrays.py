@@ -16,6 +16,8 @@ from tutorial_lib.reading.regular import failure, open_regular
 
 _END = struct.Struct("<4s4xHHIIH")  # of an archive: mark, arrays twice, its table, its comment
 _ANOTHER_END = b"PK\x06\x07"  # stands before it in archives of more than 4 GB
+_METHODS = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED
+"""How arrays are compressed: of these no more is unpacked than is asked for."""
 _HEADERS = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
 
 
@@ -63,6 +65,12 @@ def _read_arrays(file: BinaryIO) -> dict[str, NDArray[Any]]:
                 f"its arrays would have {unpacked / MEGABYTE:,.0f} MB, more than the "
                 f"{MAX_ARRAYS / MEGABYTE:g} MB that they may have"
             )
+        for member in members:
+            if member.compress_type not in _METHODS:
+                raise InputError(
+                    f"{member.filename!r} is compressed by method {member.compress_type}; only "
+                    "stored and deflated arrays are read, as numpy writes them"
+                )
         names = [member.filename.removesuffix(".npy") for member in members]
         if len(set(names)) < len(names):
             raise ValueError("two arrays of one name")

@@ -18,7 +18,7 @@ MAX_PIXELS = 4_096**2
 """Of a picture, and cells of the grid that a floor plan needs. 4,096 cells of 5 cm are 205 m; ROS's
 gmapping saves 4,000 x 4,000. Distances to walls take 30 bytes a cell, half a gigabyte."""
 MAX_PLAIN_PIXELS = 2_000_000
-"""Of a PGM whose pixels are text (P2), each of which is 40 bytes in Python."""
+"""Of a PGM whose pixels are text (P2), each of which is 40 bytes in Python; a third in colour."""
 MAX_PICTURE = 160 * MEGABYTE
 """Bytes of a picture's file: so many pixels, each four numbers of 16 bits, not compressed."""
 MAX_ARRAYS = 512 * MEGABYTE

@@ -65,13 +65,15 @@ def read_bytes(path: str | Path, limit: int, advice: str = "") -> bytes:
 
 
 def read_text(path: str | Path, limit: int = MAX_TEXT, advice: str = "") -> str:
-    """The text of a file in UTF-8; line ends of Windows become those of all others.
+    """The text of a file in UTF-8, without the mark that editors of Windows put before it.
+
+    Line ends of Windows become those of all others.
 
     Raises:
         InputError: as `open_regular`, and when it is no text.
     """
     try:
-        text = read_bytes(path, limit, advice).decode("utf-8")
+        text = read_bytes(path, limit, advice).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise failure(path, f"cannot be read (no UTF-8 text: {error})", advice) from None
     return text.replace("\r\n", "\n")

@@ -14,10 +14,14 @@ from tutorial_lib.world.materials import Look, Material, texture_atlas
 
 ROOM_KINDS = ("hallway", "living", "kitchen", "bedroom", "bathroom", "office", "storage", "open")
 """What a room can be; "open" is a space of unknown use, as an imported map has."""
-FARTHEST = 250.0
-"""Metres from the middle of a plan to its farthest wall, at most: more is a mistake in the unit."""
+MAX_EXTENT = 1000.0
+"""Metres that a plan may measure along x or y: more is a mistake in the unit."""
 MAX_AREA = MAX_PIXELS * 0.05**2
 """Square metres of the box around all walls: its grid has to fit in memory, with cells of 5 cm."""
+FARTHEST = 2e7
+"""Metres of a coordinate, at most: more than any that a map in UTM has. Beyond, numbers would
+become too coarse."""
+_OUTSIDE = 10.0  # metres that rooms, furniture and doors may reach beyond the box around the walls
 
 
 @dataclass(frozen=True)
@@ -175,6 +179,26 @@ def _sides(outline: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
     return np.concatenate([corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
+Bounds = tuple[float, float, float, float]
+
+
+def too_far(bounds: Bounds) -> str:
+    """What is wrong with the box x0, y0, x1, y1 around all walls; empty where nothing is."""
+    x0, y0, x1, y1 = bounds
+    farthest = max(map(abs, bounds))
+    if not farthest <= FARTHEST:
+        return f"lies {farthest:g} m from the origin, more than {FARTHEST:g} m"
+    if max(x1 - x0, y1 - y0) > MAX_EXTENT:
+        return f"spans {x1 - x0:,.0f} m x {y1 - y0:,.0f} m, more than {MAX_EXTENT:,.0f} m"
+    area = (x1 - x0) * (y1 - y0)
+    if area > MAX_AREA:
+        return (
+            f"spans {x1 - x0:,.0f} m x {y1 - y0:,.0f} m, {area:,.0f} m² and more than the "
+            f"{MAX_AREA:,.0f} m² that fit in memory"
+        )
+    return ""
+
+
 def _check_walls(plan: FloorPlan) -> None:
     walls, count = plan.walls, len(plan.walls)
     if walls.ndim != 2 or walls.shape[1] != 4 or count < 3:
@@ -185,35 +209,29 @@ def _check_walls(plan: FloorPlan) -> None:
         bad = np.flatnonzero(~np.isfinite(array.reshape(count, -1)).all(axis=1))
         if bad.size:
             raise InputError(f"{name}[{bad[0]}]: {array[bad[0]].tolist()} is not finite")
-    with np.errstate(over="ignore"):
-        middle = np.median(walls.reshape(-1, 2), axis=0)
-        far = np.flatnonzero(~(np.abs(walls - np.tile(middle, 2)).max(axis=1) <= FARTHEST))
-    if far.size:
-        raise InputError(
-            f"walls[{far[0]}]: {walls[far[0]].tolist()} is more than {FARTHEST:.0f} m away from "
-            "the others; give metres"
-        )
+        far = np.flatnonzero(np.abs(array.reshape(count, -1)).max(axis=1) > FARTHEST)
+        if far.size:
+            raise InputError(
+                f"{name}[{far[0]}]: {array[far[0]].tolist()}; give metres, {FARTHEST:g} at most"
+            )
+    problem = too_far(plan.bounds)
+    if problem:
+        raise InputError(f"walls: the box around them {problem}; give metres")
     short = np.flatnonzero(np.hypot(walls[:, 2] - walls[:, 0], walls[:, 3] - walls[:, 1]) < 1e-6)
     if short.size:
         raise InputError(f"walls[{short[0]}]: has no length; give two different ends")
-    x0, y0, x1, y1 = plan.bounds
-    if (x1 - x0) * (y1 - y0) > MAX_AREA:
-        raise InputError(
-            f"walls: they span {x1 - x0:.0f} m x {y1 - y0:.0f} m; give at most {MAX_AREA:,.0f} m²"
-        )
 
 
-Bounds = tuple[float, float, float, float]
-
-
-def _check_near(where: str, points: ArrayLike, bounds: Bounds) -> None:
-    """Check that points (N, 2) are finite, and not far outside of the box around the walls."""
+def _check_near(where: str, points: ArrayLike, bounds: Bounds, whole: bool = True) -> None:
+    """Check that points (N, 2) are finite, near the box around the walls, not `whole` beside it."""
     points = np.asarray(points, dtype=float)
-    near = (points > np.subtract(bounds[:2], FARTHEST)) & (points < np.add(bounds[2:], FARTHEST))
-    if not near.all():
+    low, high = np.array(bounds[:2]), np.array(bounds[2:])
+    near = (points >= low - _OUTSIDE) & (points <= high + _OUTSIDE)
+    beside = (points < low).all(axis=0) | (points > high).all(axis=0)
+    if not near.all() or (whole and beside.any()):
         raise InputError(
-            f"{where}: a corner is not finite or more than {FARTHEST:.0f} m off the walls; "
-            "give numbers in metres"
+            f"{where}: it is not finite, or lies off the walls, which reach from "
+            f"({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g}); give numbers in metres"
         )
 
 
@@ -232,7 +250,7 @@ def _check_material(where: str, name: str, known: set[str]) -> None:
 
 
 def _check_door(where: str, door: Door, rooms: int, bounds: Bounds) -> None:
-    _check_near(where, [door.start, door.end], bounds)
+    _check_near(where, [door.start, door.end], bounds, whole=False)
     if door.width < 0.3:
         raise InputError(f"{where}: runs from {door.start} to {door.end}; give an opening >= 0.3 m")
     if not all(0 <= room < rooms for room in door.rooms):

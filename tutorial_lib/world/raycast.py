@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.shapes import fit_together
 from tutorial_lib.world.grid_kernels import cast_grid, see
 from tutorial_lib.world.ray_kernels import cast_all, cast_discs
 
@@ -35,6 +36,9 @@ class Discs:
         circles: (K, 3) x, y, radius in metres.
         owners: (K,) int32, index of the robot for which the disc exists, or -1 for all robots.
         colours: (K, 3) float32 RGB, 0 to 255.
+
+    Raises:
+        InputError: when they have other shapes.
     """
 
     circles: NDArray[np.float64]
@@ -42,8 +46,11 @@ class Discs:
     colours: NDArray[np.float32]
 
     def __post_init__(self) -> None:
-        if not len(self.circles) == len(self.owners) == len(self.colours):
-            raise InputError("discs: give as many owners and colours as circles")
+        fit_together(
+            circles=(self.circles, ("K", 3)),
+            owners=(self.owners, ("K",)),
+            colours=(self.colours, ("K", 3)),
+        )
 
 
 class Fan:
@@ -156,8 +163,7 @@ class Raycaster:
             cast_all(self.rows, *rays)
         if discs is not None and len(discs.circles):
             viewers = np.arange(len(poses), dtype=np.int32) if viewers is None else viewers
-            if viewers.shape != (len(poses),):
-                raise InputError(f"viewers: shape {viewers.shape}; give one for each pose")
+            fit_together(poses=(poses, ("N", 3)), viewers=(viewers, ("N",)))
             shapes = (discs.circles, discs.owners, len(self.segments), viewers)
             cast_discs(*shapes, poses, fan.directions, distance, wall, along)
         return Hits(distance, wall, along)
@@ -166,8 +172,8 @@ class Raycaster:
         """Whether no wall stands between pairs of points.
 
         Args:
-            origins: (N, 2).
-            points: (N, 2).
+            origins: (N, 2), or one for all points.
+            points: (N, 2), or one for all origins.
             slack: metres before each point that do not count, so that points on a wall can be seen.
 
         Returns:
@@ -177,6 +183,8 @@ class Raycaster:
         for ends in (origins, points):
             if ends.ndim != 2 or ends.shape[1] != 2:
                 raise InputError(f"sight: points of shape {ends.shape}; give (N, 2) rows x, y")
+        if len(origins) != len(points) and 1 not in (len(origins), len(points)):
+            raise InputError(f"sight: {len(origins)} origins, {len(points)} points; give as many")
         origins, points = (np.ascontiguousarray(e) for e in np.broadcast_arrays(origins, points))
         clear = np.empty(len(points), np.bool_)
         see(self.rows, *self._grid, origins, points, slack, clear)

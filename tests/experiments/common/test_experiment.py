@@ -96,6 +96,7 @@ def test_an_option_is_taken_where_it_is_declared_and_refused_elsewhere(name):
         ({"worlds": (7,)}, Options(worlds=(3, 4)), r"--worlds: trial runs in a single one; .*A\+1"),
         ({}, Options(map=Path("x"), worlds=(3,)), "--map: .*leave out --worlds"),
         ({}, Options(map=Path("x"), palette="shifted"), "--palette: .*leave out --map"),
+        ({}, Options(region=(1.0, 2.0)), "--region: .*give --map"),
     ],
 )
 def test_what_would_have_no_effect_is_refused_before_anything_is_run(changed, options, words):

@@ -193,6 +193,7 @@ class RMPController:
         if (fits := for_robots(self, observations)) is not self:
             return fits.act(observations, waypoints)
         waypoints = checked_waypoints(waypoints, len(observations))
+        moves.check_robots(observations, len(waypoints))
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         controls = np.stack([observations.speed, observations.steering], axis=1)
         carrots, gears, steerings = self._aim(lasers, controls, waypoints)

@@ -65,6 +65,7 @@ class Experiment:
         rows, notes = self.run(replace(options, worlds=worlds), settings)
         changed = {"odometry": "" if options.drifts else options.odometry}
         changed["palette"] = "" if options.palette == STANDARD else options.palette
+        changed["region"] = ", ".join(f"{number:g}" for number in options.region or ())
         noted = ("family", "starts", "goals", "remedies")
         changed |= {name: getattr(options, name) for name in noted}
         notes = [*notes, *(f"{name}: {value}" for name, value in changed.items() if value)]
@@ -100,6 +101,8 @@ class Experiment:
             if is_given and name not in self.accepts:
                 known = ", ".join(self.options()) or "none but --seed, --quick and --json"
                 raise InputError(f"--{name}: {self.name} cannot use it; its options: {known}")
+        if options.region is not None and options.map is None:
+            raise InputError("--region: is that of a map's file; give --map, or leave it out")
         if options.map is not None and options.worlds:
             raise InputError("--map: replaces the generated worlds; leave out --worlds")
         for name in ("palette", "family"):

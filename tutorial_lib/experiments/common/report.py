@@ -29,6 +29,7 @@ class Options:
         seed: of everything random except the worlds.
         quick: at most five minutes: the same code with fewer episodes, where it takes longer.
         map: a file to run on instead of generated worlds.
+        region: of the map, see `world.import_map`; the whole map unless given.
         ablation: to run instead of the experiment itself.
         palette: of generated worlds.
         family: of generated worlds, or "all"; the experiment's own, by seed, unless given.
@@ -44,6 +45,7 @@ class Options:
     seed: int = 0
     quick: bool = False
     map: Path | None = None
+    region: tuple[float, ...] | None = None
     ablation: str = ""
     palette: str = "standard"
     family: str = ""

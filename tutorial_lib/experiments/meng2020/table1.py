@@ -81,8 +81,8 @@ def run_world(place: Any, count: int, options: Options) -> tuple[Results, Fault 
     """
     found: Results = {}
     factories = controllers(seeds_of(place, options.seed))
-    given, fault = conditions(place, count, options.seed, options.family), None
-    for name, condition in given.items():
+    given, fault = (place, count, options.seed, options.family, options.region), None
+    for name, condition in conditions(*given).items():
         if options.agent and fault is None:
             own = or_fault(options.agent, lambda c: attempt(c, custom(options.agent)), condition)
             if isinstance(own, Fault):

@@ -72,7 +72,8 @@ def run_world(
         options: have the seed of trajectories and episodes, and the family.
         settings: the controllers, the shares and how many episodes.
     """
-    condition = clean_condition(place, settings.episodes, options.seed, options.family)
+    world = (place, settings.episodes, options.seed, options.family, options.region)
+    condition = clean_condition(*world)
     found = {}
     for name in settings.controllers:
         predictor = WaypointNetwork(CONTROLLERS[name])

@@ -134,6 +134,7 @@ def _together(
         options.palette,
         drifts=options.drifts,
         family=options.family,
+        region=options.region,
     )
     seeds = [options.seed, place if isinstance(place, int) else 0, 1]
     rng = np.random.default_rng(seeds)

@@ -16,7 +16,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, rollout
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, Odometry
 from tutorial_lib.geometry import Array, to_local
-from tutorial_lib.world.importers import import_map
+from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, Sensors, Simulation
@@ -82,12 +82,13 @@ def conditions(
     count: int,
     seed: int,
     family: str = "",
+    region: Region | None = None,
 ) -> dict[str, Condition]:
-    """The conditions of one world; shifted colours only where a world is generated.
+    """The conditions of one world, or of a region of a map; only a generated one is shifted.
 
     Episodes with obstacles are drawn from those that are long enough and leave room to pass.
     """
-    recorded, paths, rng = _explored(place, seed, family)
+    recorded, paths, rng = _explored(place, seed, family, region)
     episodes, seeds = draw_episodes(recorded, paths, count, rng), seeds_of(place, seed)
     found = {
         "clean": Condition(episodes, [], seed=seeds),
@@ -109,9 +110,10 @@ def clean_condition(
     count: int,
     seed: int,
     family: str = "",
+    region: Region | None = None,
 ) -> Condition:
     """The first of `conditions` alone."""
-    recorded, paths, rng = _explored(place, seed, family)
+    recorded, paths, rng = _explored(place, seed, family, region)
     return Condition(draw_episodes(recorded, paths, count, rng), [], seed=seeds_of(place, seed))
 
 
@@ -123,12 +125,13 @@ def seeds_of(place: Any, seed: int) -> tuple[int, int]:  # noqa: ANN401
 def _explored(
     place: Any,  # noqa: ANN401
     seed: int,
-    family: str = "",
+    family: str,
+    region: Region | None,
 ) -> tuple[RecordedWorld, GridPaths, np.random.Generator]:
     """A world with recorded trajectories, its geodesics, and the generator for all else."""
     generated = isinstance(place, int)
     name = local_world(place, family=family) if generated else str(place)
-    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
+    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed, region=region))
     rng = np.random.default_rng(seeds_of(place, seed))
     trajectories = demonstrate(name, scene, CARS, int(rng.integers(2**31)))
     return RecordedWorld(scene, trajectories), GridPaths(scene.clearance), rng

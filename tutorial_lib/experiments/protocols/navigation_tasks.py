@@ -18,7 +18,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.odometry import RECORDING, USUAL, Odometry
 from tutorial_lib.geometry import Array
 from tutorial_lib.world.bodies import BicycleCar
-from tutorial_lib.world.importers import import_map
+from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.placing import is_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import map_world, scene_of
@@ -104,6 +104,7 @@ def make_building(
     *,
     drifts: bool = True,
     family: str = "",
+    region: Region | None = None,
 ) -> Building:
     """Choose places that cover a world, and record a trajectory for each ordered pair of them.
 
@@ -114,13 +115,14 @@ def make_building(
         palette: of a generated world.
         drifts: whether the robots' odometry does.
         family: of a generated world; that of its seed unless given.
+        region: of a map, see `import_map`.
 
     Raises:
         InputError: when the world is too small for so many places.
     """
     generated = not isinstance(place, Path)
     name = map_world(place, palette, family) if generated else place.name
-    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed))
+    scene = scene_of(name) if generated else Scene(import_map(place, seed=seed, region=region))
     seeds = (seed, place if generated else 0)
     rng, odometry = np.random.default_rng(seeds), Odometry(drifts, seeds)
     return explored(name, scene, rng, count, odometry)

@@ -18,7 +18,7 @@ from tutorial_lib.parallel import for_each
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import FAMILIES, area_limits, generate
-from tutorial_lib.world.importers import import_map
+from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.occupancy import check_closed
 from tutorial_lib.world.placing import random_free_poses
 from tutorial_lib.world.plan_json import plan_from_json, plan_to_json
@@ -55,7 +55,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     jobs = [(family, world, world in driven) for family in families for world in worlds]
     if options.map is not None:
         jobs = [(str(options.map), 0, True)]
-    found = for_each(examine, jobs, settings.goals, options.seed, label="plans")
+    found = for_each(examine, jobs, settings.goals, options.seed, options.region, label="plans")
     rows, notes = [], []
     for family in dict.fromkeys(job[0] for job in jobs):
         mine = [(job, f) for job, f in zip(jobs, found, strict=True) if job[0] == family]
@@ -74,22 +74,25 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, notes
 
 
-def examine(job: tuple[str, int, bool], goals: int, seed: int) -> dict[str, Any]:
+def examine(
+    job: tuple[str, int, bool], goals: int, seed: int, region: Region | None
+) -> dict[str, Any]:
     """Validate one plan and, if the job says so, drive in it to random goals.
 
     Args:
         job: family, one of `FAMILIES`, or a map's file; seed of the plan; whether to drive.
         goals: of the rollouts.
         seed: of starts and goals.
+        region: of a map's file, see `import_map`.
     """
     family, world, driven = job
     found = {"fault": "", "rollouts": 0, "reached": 0, "walls_crossed": 0}
     rng = np.random.default_rng([seed, world])
     try:
-        plan = make_plan(family, world)
+        plan = make_plan(family, world, region)
         scene = Scene(plan)
         paths = GridPaths(scene.clearance)
-        again = plan_to_json(make_plan(family, world))
+        again = plan_to_json(make_plan(family, world, region))
         found["fault"] = find_fault(plan, again, scene, paths, rng)
         rollouts = drive_about(scene, paths, goals, rng) if driven else None
     except InputError as error:
@@ -103,9 +106,10 @@ def examine(job: tuple[str, int, bool], goals: int, seed: int) -> dict[str, Any]
     return found
 
 
-def make_plan(family: str, world: int) -> FloorPlan:
+def make_plan(family: str, world: int, region: Region | None) -> FloorPlan:
     """The plan of a family and seed, or of a map's file."""
-    return generate(family, world) if family in FAMILIES else import_map(family, world)
+    known = family in FAMILIES
+    return generate(family, world) if known else import_map(family, world, region=region)
 
 
 def find_fault(

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from tutorial_lib.geometry import Array, inverse, wrap
+from tutorial_lib.shapes import fit_together
 from tutorial_lib.world.sensors import full_circle
 
 _NEAR = 4.0  # metres; what is farther looks different from where the other scan was taken
@@ -65,7 +66,12 @@ def match_scans(first: Array, second: Array, starts: Array) -> tuple[Array, Arra
     Returns:
         Poses (P, 3), and agreements (P,) from 0 to 1, -1 where no two can be compared; see
         `agreement`.
+
+    Raises:
+        InputError: when an array has another shape.
     """
+    scans = {name: (scan, ("P", "B")) for name, scan in (("first", first), ("second", second))}
+    fit_together(**scans, starts=(starts, ("P", "R", 3)))
     angles = full_circle(first.shape[1])
     best, scores = starts[:, 0].copy(), np.full(len(first), -1.0)
     for start in range(starts.shape[1]):
@@ -86,7 +92,12 @@ def agreement(first: Array, second: Array, poses: Array) -> Array:
         first: (P, B) metres.
         second: (P, B).
         poses: (P, 3) of the second in the frames of the first.
+
+    Raises:
+        InputError: when an array has another shape.
     """
+    scans = {name: (scan, ("P", "B")) for name, scan in (("first", first), ("second", second))}
+    fit_together(**scans, poses=(poses, ("P", 3)))
     angles = full_circle(first.shape[1])
     there = _confirmed(first, second, angles, np.ascontiguousarray(poses))
     back = _confirmed(second, first, angles, np.ascontiguousarray(inverse(poses)))

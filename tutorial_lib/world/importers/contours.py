@@ -60,7 +60,7 @@ def trace_loops(free: NDArray[np.bool_]) -> list[tuple[NDArray[np.int64], NDArra
     count = np.count_nonzero(corner)
     if count > MAX_CORNERS:
         raise InputError(
-            f"map: the outline of its free space has {count:,} corners, more than the "
+            f"the outline of its free space has {count:,} corners, more than the "
             f"{MAX_CORNERS:,} that are read; clean or scale down the picture"
         )
     rows, columns = np.nonzero(corner)

@@ -12,12 +12,10 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_BOXES, MAX_OUTLINE
 from tutorial_lib.world.fields import Field
-from tutorial_lib.world.floorplan import FloorPlan, Room
+from tutorial_lib.world.floorplan import FloorPlan, Room, too_far
 from tutorial_lib.world.importers.contours import signed_area
 from tutorial_lib.world.importers.surfaces import check_choice, dress_loops, imported_look
 
-MAX_EXTENT = 1000.0
-"""Metres across, above which a plan's unit is taken for a mistake."""
 _SAME = 1e-3  # metres within which two corners are one
 _MIN_ROOM = 0.5  # square metres below which what is left of a room's box is dropped
 _KINDS = {
@@ -54,7 +52,10 @@ def import_houseexpo(path: str | Path, seed: int = 0, palette: str = "standard")
     outline = _outline(root["verts"])
     rng = np.random.default_rng(seed)
     look = imported_look(rng, palette)
-    walls, names, offsets, materials = dress_loops([outline], rng, palette)
+    try:
+        walls, names, offsets, materials = dress_loops([outline], rng, palette)
+    except InputError as error:
+        raise InputError(f"{root['verts'].where}: {error}") from error
     rooms = _rooms(root["room_category"], outline) if "room_category" in root else ()
     rooms = rooms or (_room("open", outline),)
     return FloorPlan("houseexpo", int(seed), walls, names, offsets, materials, rooms, look=look)
@@ -69,9 +70,9 @@ def _outline(verts: Field) -> NDArray[np.float64]:
         points = points[np.hypot(*(points - np.roll(points, 1, axis=0)).T) > _SAME]
     if len(points) < 3:
         raise verts.fail("give at least three different corners [x, y]")
-    extent = float(np.ptp(points, axis=0).max())
-    if extent > MAX_EXTENT:
-        raise InputError(f"{verts.where}: span {extent:g} m; give metres, at most {MAX_EXTENT:g}")
+    problem = too_far((*points.min(axis=0).tolist(), *points.max(axis=0).tolist()))
+    if problem:
+        raise InputError(f"{verts.where}: the outline {problem}; give metres")
     crossing = _crossing(points)
     if crossing is not None:
         i, j = crossing

@@ -89,7 +89,7 @@ def dress_loops(
             count += spans
         if count > MAX_SURFACES:
             raise InputError(
-                f"map: its outlines need more than {MAX_SURFACES:,} materials, one for each "
+                f"its outlines need more than {MAX_SURFACES:,} materials, one for each "
                 f"{SPAN:g} m; clean or scale down the map"
             )
         walls.append(sides)
