@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework import guard, my_answers
 from tutorial_lib.checks.framework.explanation import place, stops
+from tutorial_lib.errors import InputError, words_of
 
 SLOWEST = 20.0
 """How many times slower than the reference a solution may be and still be used..."""
@@ -142,16 +143,28 @@ class Check:
     def mine(self) -> Function:
         """The student's saved answer if it passes, and the reference otherwise.
 
-        It says why one that is saved is not used.
+        It says why one that is saved is not used, and stops no notebook, whatever is in its file.
         """
-        student = my_answers.load(self.notebook, self.name)
-        if student is None:
-            return self.reference
-        result = self(student)
-        if result.status == "passed":
-            return student
-        print(f"{result}\nThe library's {self.name} is used.")
+        student, said = self._saved()
+        if student is not None:
+            result = self(student)
+            if result.status == "passed":
+                return student
+            said = str(result)
+        if said:
+            print(f"{said}\nThe library's {self.name} is used.")
         return self.reference
+
+    def _saved(self) -> tuple[Function | None, str]:
+        """The saved answer, or None and why there is none."""
+        file = my_answers.path(self.notebook, self.name).absolute()
+        try:
+            return guard.limited(lambda _: my_answers.load(self.notebook, self.name), file), ""
+        except (InputError, MemoryError) as error:
+            return None, str(error) or words_of(error)
+        except guard.TimeUp:
+            words = f"{file} has not ended after {guard.SECONDS:g} seconds"
+            return None, f"{words}; mend it, or delete it and solve the exercise again"
 
     def _repeated(self) -> Result:
         """What to show when the reference itself comes to be judged."""

@@ -49,7 +49,12 @@ def stops(error: BaseException) -> str:
 
 
 def place(error: BaseException) -> str:
-    """The last line of a student's code on the way to an error; empty if there is none."""
+    """The last line of a student's code on the way to an error; empty if there is none.
+
+    An error of another process brings it along, as its `place`.
+    """
+    if isinstance(getattr(error, "place", None), str):
+        return error.place
     own = [f for f in traceback.extract_tb(error.__traceback__) if not _is_others(f.filename)]
     if not own:
         return ""

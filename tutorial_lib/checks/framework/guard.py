@@ -33,8 +33,8 @@ class TimeUp(BaseException):
     """The time is up. No `Exception`, so that a student's ``except Exception`` lets it pass."""
 
 
-def limited(judge: Callable[[Function], Any], student: Function) -> Any:  # noqa: ANN401
-    """What a judge says of a student's function, within `SECONDS`, `WAITING` and `MEMORY`.
+def limited(judge: Callable[[Any], Any], student: Any) -> Any:  # noqa: ANN401
+    """What a judge says of a student's function, or file, within `SECONDS`, `WAITING` and `MEMORY`.
 
     Long output is cut. On Linux the memory is limited, elsewhere only the time.
 
@@ -49,19 +49,22 @@ def limited(judge: Callable[[Function], Any], student: Function) -> Any:  # noqa
 
 
 @contextmanager
-def _alarm(student: Function) -> Iterator[None]:
+def _alarm(student: Any) -> Iterator[None]:  # noqa: ANN401
     """A signal reaches functions that wait, too, as in ``time.sleep``."""
-    file = getattr(getattr(student, "__code__", None), "co_filename", None)
+    called = student if hasattr(student, "__code__") else vars(type(student)).get("__call__")
+    code = getattr(called, "__code__", None)
+    file = str(student) if isinstance(student, Path) else getattr(code, "co_filename", None)
     rung = False
 
     def ring(number: int, frame: FrameType | None) -> None:
         nonlocal rung
         if rung:  # the function caught the first error: now its next line raises one
+            own = list(_frames_of(file, frame))
+            if not own:  # it did not: the first one is on its way
+                return
             sys.settrace(lambda *_: None)
-            while frame is not None:
-                if frame.f_code.co_filename == file:
-                    frame.f_trace = raise_it
-                frame = frame.f_back
+            for caught in own:
+                caught.f_trace = raise_it
         rung = True
         raise TimeUp
 
@@ -87,6 +90,14 @@ def _alarm(student: Function) -> Iterator[None]:
         sys.settrace(tracing)
 
 
+def _frames_of(file: str | None, frame: FrameType | None) -> Iterator[FrameType]:
+    """The frames of a file's code among those that are under way."""
+    while frame is not None:
+        if frame.f_code.co_filename == file:
+            yield frame
+        frame = frame.f_back
+
+
 @contextmanager
 def _watchdog() -> Iterator[None]:
     """Where there is no such signal (Windows, other threads), a thread raises the error here."""
@@ -109,7 +120,7 @@ def _watchdog() -> Iterator[None]:
 @contextmanager
 def _memory() -> Iterator[None]:
     """A loop that fills the memory gets an error before the machine suffers."""
-    before = _limit_memory()
+    before = limit_memory()
     try:
         yield
     finally:
@@ -117,7 +128,7 @@ def _memory() -> Iterator[None]:
             resource.setrlimit(resource.RLIMIT_AS, before)
 
 
-def _limit_memory() -> tuple[int, int] | None:
+def limit_memory() -> tuple[int, int] | None:
     """Limit the memory of this process; the limits before, or None where that is impossible."""
     try:
         pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])

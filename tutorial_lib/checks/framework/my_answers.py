@@ -20,6 +20,7 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.framework import guard
 from tutorial_lib.checks.framework.global_names import global_names
 from tutorial_lib.course import find_course
 from tutorial_lib.errors import InputError, words_of
@@ -63,7 +64,7 @@ def save(notebook: str, name: str, function: Function) -> str:
         return ""
     target = path(notebook, name)
     try:
-        body = _text_of(function)
+        body = _text_of(function, name)
         kept = read_text(target) if target.exists() else ""
         if kept.partition("\n\n")[2] == body:
             return f"It is saved in my_answers/{target.name}."
@@ -78,7 +79,7 @@ def save(notebook: str, name: str, function: Function) -> str:
         now = datetime.now().strftime("%Y-%m-%d %H:%M")
         heading = f"# version {version} of {name}, notebook {notebook}: passed its check on {now}"
         write_text(target, f"{heading}\n\n{body}")
-    except (OSError, TypeError, ValueError) as error:
+    except (OSError, TypeError, ValueError, SyntaxError) as error:
         return f"It could not be saved in my_answers ({error})."
     return f"It is saved in my_answers/{target.name}."
 
@@ -101,18 +102,21 @@ def read(file: Path, name: str) -> Function:
     """
     spec = importlib.util.spec_from_file_location(f"my_answers_{file.stem}", file)
     module = importlib.util.module_from_spec(spec)
+    words = "mend it, or delete it and solve the exercise again"
     try:
         spec.loader.exec_module(module)
-        return getattr(module, name)
-    except KeyboardInterrupt:
+        function = vars(module).get(name)
+    except (KeyboardInterrupt, guard.TimeUp):
         raise
     except BaseException as error:
-        words = f"{file} does not run ({words_of(error)})"
-        raise InputError(f"{words}; mend it, or delete it and solve the exercise again") from error
+        raise InputError(f"{file} does not run ({words_of(error)}); {words}") from error
+    if not callable(function):
+        raise InputError(f"{file} defines no function {name}; {words}")
+    return function
 
 
-def _text_of(function: Function) -> str:
-    """The text of a file that defines a function, with all that it needs.
+def _text_of(function: Function, name: str) -> str:
+    """The text of a file that defines a function by a name, with all that it needs.
 
     Raises:
         TypeError: when it needs a value that is no import, function or plain constant.
@@ -120,6 +124,7 @@ def _text_of(function: Function) -> str:
     """
     needed = _Needed()
     needed.add(function)
+    needed.call(function, name)
     first = sorted(needed.imports, key=lambda line: (line.startswith("from"), line))
     constants = [f"{name} = {value}" for name, value in needed.constants.items()]
     lines = "\n\n".join(filter(None, ["\n".join(first), "\n".join(constants)]))
@@ -133,24 +138,47 @@ class _Needed:
         self.imports: set[str] = set()
         self.constants: dict[str, str] = {}
         self.functions: dict[str, str] = {}
+        self._names: dict[str, Any] = {}
 
     def add(self, function: Function) -> None:
         """Add a function, after what it needs."""
+        if not inspect.isfunction(function):
+            raise TypeError("write it with def")
+        if function.__closure__:
+            around = ", ".join(function.__code__.co_freevars)
+            raise TypeError(f"it uses {around} of the function around it; pass it in")
         text = textwrap.dedent(inspect.getsource(function)).rstrip()
-        self.functions[function.__name__] = text  # it may call itself
-        for name in sorted(global_names(function.__code__) | _names_of_signature(text)):
-            if name in function.__globals__:
-                self._add_value(name, function.__globals__[name], function)
-        self.functions[function.__name__] = self.functions.pop(function.__name__)
+        name = _definition(text).name
+        self._take(name, function)
+        self.functions[name] = text  # it may call itself
+        for used in sorted(global_names(function.__code__) | _names_of_signature(text)):
+            if used in function.__globals__:
+                self._add_value(used, function.__globals__[used], function)
+        self.functions[name] = self.functions.pop(name)
+
+    def call(self, function: Function, name: str) -> None:
+        """Give a function that was added another name."""
+        if self._names.get(name) is not function:
+            self._take(name, function)
+            defined = _definition(textwrap.dedent(inspect.getsource(function))).name
+            self.functions[name] = f"{name} = {defined}"
+
+    def _take(self, name: str, value: Any) -> None:  # noqa: ANN401
+        """Remember what a name stands for, which is one thing in a file."""
+        if self._names.setdefault(name, value) is not value:
+            raise TypeError(f"two different things in it are called {name}; rename one")
 
     def _add_value(self, name: str, value: Any, user: Function) -> None:  # noqa: ANN401 - anything
         own = inspect.isfunction(value) and value.__code__.co_filename.startswith(_cells(user))
+        if own:
+            if all(known is not value for known in self._names.values()):
+                self.add(value)
+            self.call(value, name)
+            return
+        self._take(name, value)
         if isinstance(value, ModuleType):
             named = "" if value.__name__ == name else f" as {name}"
             self.imports.add(f"import {value.__name__}{named}")
-        elif own and value.__name__ == name:
-            if name not in self.functions:
-                self.add(value)
         elif isinstance(value, _PLAIN) or value is None:
             self.constants[name] = repr(value)
         elif isinstance(value, np.ndarray) and value.size <= _LARGEST:
@@ -172,9 +200,7 @@ def _cells(function: Function) -> str:
 
 def _names_of_signature(text: str) -> set[str]:
     """The names that stand in a function's defaults, annotations and decorators."""
-    function = ast.parse(text).body[0]
-    if not isinstance(function, ast.FunctionDef):  # a lambda, within a longer line
-        raise TypeError("write it with def")
+    function = _definition(text)
     parts = [
         function.args,
         *function.decorator_list,
@@ -182,3 +208,11 @@ def _names_of_signature(text: str) -> set[str]:
     ]
     nodes = [node for part in parts for node in ast.walk(part)]
     return {node.id for node in nodes if isinstance(node, ast.Name)}
+
+
+def _definition(text: str) -> ast.FunctionDef:
+    """A function's text, parsed."""
+    function = ast.parse(text).body[0]
+    if not isinstance(function, ast.FunctionDef):  # a lambda, within a longer line
+        raise TypeError("write it with def")
+    return function

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.framework.answers import beside
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.topics import attempt
 from tutorial_lib.checks.nb02.training_mistakes import mistake
@@ -83,7 +84,7 @@ def check_train_network(student: Callable[..., Any]) -> None:
     for about, case in _cases().items():
         what = f"train_network, {about}"
         words = "follow the seven rules above, one after the other"
-        got = attempt(what, words, student, *case, invoke=trace)
+        got = attempt(what, words, student, *case, invoke=beside(trace))
         wrong = mistake(got, trace(train_network, *case), *case[:2])
         if wrong:
             raise WrongAnswer(f"{what}: {wrong}")
