@@ -135,4 +135,25 @@ MUTATIONS = [
         "actions = 0 * self._explorer.act(observations, running)",
         "agents/test_returning.py -k takes_over",
     ),
+    (
+        "a stretch leads back to where it begins",
+        "agents/blockades.py",
+        "self._beside(ahead) - sources",
+        "self._beside(ahead)",
+        "agents/test_blockades.py",
+    ),
+    (
+        "a robot waits where it once stood",
+        "agents/blockades.py",
+        "begins = moved | (self._seconds[robots] <= 0)",
+        "begins = moved",
+        "agents/test_blockades.py",
+    ),
+    (
+        "a robot has less time for each turn",
+        "agents/returning.py",
+        "            self._turning[mine] = 0\n",
+        "",
+        "agents/test_returning.py -k turn",
+    ),
 ]

@@ -365,4 +365,26 @@ MUTATIONS = [
         "full_circle(laser.beams) + 0 * headings[:, None]",
         "exploration/test_turned_views.py",
     ),
+    (
+        "a ghost that was removed comes back from the reserve",
+        "exploration/ghost_graph.py",
+        "        self.ghosts.pop((ghost.node, ghost.direction), None)\n"
+        "        self.reserve.pop((ghost.node, ghost.direction), None)\n",
+        "        self.ghosts.pop((ghost.node, ghost.direction), None)\n",
+        "exploration/test_ghost_graph.py",
+    ),
+    (
+        "the likeliest node is entered however unlikely it is",
+        "exploration/graph_update.py",
+        "if likely[best] >= self._same:",
+        "if likely[best] >= 0:",
+        "exploration/test_global_policy.py",
+    ),
+    (
+        "directions into a wall are kept in reserve",
+        "exploration/graph_update.py",
+        "        free[free < _FREE] = 0.0\n",
+        "",
+        "exploration/test_global_policy.py",
+    ),
 ]

@@ -225,4 +225,18 @@ MUTATIONS = [
         "name",
         "world/test_worlds.py -k training",
     ),
+    (
+        "the last noise of those drawn at a time is skipped",
+        "world/noise.py",
+        "if self._row == len(self._noise):",
+        "if self._row >= len(self._noise) - 1:",
+        "world/test_noise.py",
+    ),
+    (
+        "a room has the accent of its farthest door",
+        "world/generators/wayfinding.py",
+        "self.at(middles).min()",
+        "self.at(middles).max()",
+        "world/test_wayfinding.py",
+    ),
 ]

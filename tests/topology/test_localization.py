@@ -300,3 +300,30 @@ def test_what_is_forgotten_may_be_anywhere():
     robot.forget(0)
     assert np.allclose(robot.belief, 1 / 9)
     assert drive(robot, [4.0], along(0.0))[-1][0] == 4
+
+
+def dues(robot_filter, odometry):
+    """At which steps the belief of one robot is new."""
+    steps = []
+    for number, pose in enumerate(odometry):
+        seen = sensed([pose])
+        if robot_filter.observe(seen, np.array([0]))[0]:
+            steps.append(number)
+    return steps
+
+
+def test_a_slow_robot_is_predicted_each_time_that_it_went_a_stride():
+    """Eighths of a metre are exact: two of them are a stride, not less."""
+    settings = FilterSettings(stride=0.25, interval=1000)
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor(), settings)
+    assert dues(robot, along(*np.arange(0.0, 1.01, 0.125))) == [0, 2, 4, 6, 8]
+
+
+def test_a_robot_that_stands_still_looks_again_after_just_the_interval():
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor(), FilterSettings(interval=3))
+    assert dues(robot, along(*np.zeros(8))) == [0, 3, 6]
+
+
+def test_localized_leaves_a_vertex_that_falls_below_the_share_not_at_it():
+    belief = np.array([[0.25, 0.5, 0.25], [0.25, 0.625, 0.125]])
+    assert localized(belief, np.array([0, 0]), 0.5).tolist() == [0, 1]
