@@ -6,6 +6,7 @@ uniform grid and meets only the walls of the cells it crosses. Moving discs (peo
 on top.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -33,7 +34,8 @@ class Discs:
 
     Attributes:
         circles: (K, 3) x, y, radius in metres.
-        owners: (K,) int32, index of the robot for which the disc exists, or -1 for all robots.
+        owners: (K,) int32, index of the robot for which the disc exists, -1 for all robots, or
+            -2 - i for all but robot i.
         colours: (K, 3) float32 RGB, 0 to 255.
     """
 
@@ -44,6 +46,12 @@ class Discs:
     def __post_init__(self) -> None:
         if not len(self.circles) == len(self.owners) == len(self.colours):
             raise InputError("discs: give as many owners and colours as circles")
+
+    @classmethod
+    def joined(cls, parts: Sequence["Discs"]) -> "Discs":
+        """All discs of the parts, in their order."""
+        columns = zip(*((part.circles, part.owners, part.colours) for part in parts), strict=True)
+        return cls(*(np.concatenate(column) for column in columns))
 
 
 class Fan:
