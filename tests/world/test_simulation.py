@@ -561,9 +561,9 @@ def test_each_robot_appears_in_the_other_s_image_and_scan_but_not_in_its_own(box
     assert changed[:, 31:33].all()
     assert 3 <= changed[0].sum() <= 6  # 0.24 m wide, 1.1 m away
     ahead = np.abs(full_circle(96)).argmin()
-    assert both.laser[:, ahead] == pytest.approx(1.5 - 0.36, abs=0.005)
+    assert both.laser[:, ahead] == pytest.approx(1.5 - 0.36, abs=0.01)
     nearer = both.laser < alone.laser - 1e-9
-    assert (nearer.sum(axis=1) <= 4).all()
+    assert (nearer.sum(axis=1) == 4).all()
     # From behind, a car that looks the other way sees nothing of it.
     away = np.array([[4.0, 5.0, np.pi], [7.0, 5.0, 0.0]])
     images = [Simulation(box, away, interacting=i).observe().image for i in (False, True)]
@@ -586,7 +586,7 @@ def test_a_robot_looks_like_its_outline(box):
     hit = np.isfinite(outline)
     assert (seen >= outline - 1e-9)[hit].all()
     assert np.median((seen - outline)[hit]) < 0.02
-    assert ((seen - outline)[hit] < 0.06).mean() > 0.94
+    assert ((seen - outline)[hit] < 0.06).mean() > 0.9
     own = box.caster.cast(rays, fan, discs, np.zeros(len(rays), np.int32)).distance
     assert (own > 3.0).all()
 
