@@ -13,12 +13,13 @@ from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import compose, relative, wrap
 from tutorial_lib.topology.mapping.anchors import Anchors
+from tutorial_lib.topology.mapping.export import export_graphml
 from tutorial_lib.topology.mapping.scan_matching import (
     agreement,
     likely_rotations,
     match_scans,
 )
-from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
+from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.turn_edges import (
     Turns,
