@@ -256,6 +256,12 @@ def test_a_place_is_where_several_views_agree():
     assert turned_away == pytest.approx([1.6, 0.8, 1.6, 0.99])
 
 
+def test_of_a_view_s_votes_only_the_best_one_supports_a_place():
+    places = np.array([[0.0, 0.0], [0.3, 0.0], [0.6, 0.0]])
+    same = supports(np.array([0, 0, 1]), places, np.zeros(3), np.array([0.7, 0.9, 0.8]))
+    assert same == pytest.approx([1.7, 1.7, 1.7])
+
+
 class _Rows:
     """Observations of vertices, of which only the odometry counts."""
 

@@ -183,6 +183,18 @@ def test_a_robot_stays_in_its_node_enters_another_or_makes_one():
     assert np.allclose(compose(edge, memory.offset), before)  # along the edge, by odometry
 
 
+def test_a_robot_is_looked_for_in_the_four_nearest_nodes_around_it():
+    memory = Memory()
+    memory.node = memory.graph.add_node(NONE)
+    for x in (2.0, -0.5, 1.0, 4.4, -1.5, 3.0, 4.6):
+        memory.graph.add_node(NONE, None, 0, [x, 0.0, 0.0])
+    assert memory.beside() == [2, 3, 5, 1]
+    memory.move(np.array([4.0, 0.0, 0.0]))
+    assert memory.beside() == [4, 7, 6, 1]
+    memory.move(np.array([8.5, 0.0, 0.0]))
+    assert memory.beside() == [7, 4]  # the others are 4.5 m away and more
+
+
 def test_the_most_likely_node_is_not_entered_unless_it_is_likely():
     """Between two nodes, and in none of them: F_L is below the threshold for both."""
     update, memory = GraphUpdate(NearbyFeatures(), 0.5, 0.5), Memory()
