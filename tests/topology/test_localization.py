@@ -160,6 +160,16 @@ def test_edges_have_the_lengths_that_odometry_measured():
     assert np.allclose(model.onward[4], [0.25, 0.25, 0.25, 0.25, 0.0])
 
 
+def test_between_two_drives_an_edge_has_the_usual_length():
+    """The second drive's odometry begins elsewhere: it tells nothing of the first one's."""
+    topomap = table_map(np.ones((4, 4)), 4, paths=[[0, 1], [2, 3]])
+    x = [0.0, 2.0, 70.0, 72.0]
+    topomap.vertices.observations = sensed([[place, 0.0, 0.0] for place in x])
+    for edge in ((0, 1), (2, 3), (1, 2)):
+        topomap.connect(*edge, 0.9)
+    assert np.allclose(motion_model(topomap).lengths[:4], 2.0)
+
+
 def test_removed_vertices_have_no_column():
     topomap = chain(1.0)
     topomap.remove([1])
@@ -292,6 +302,16 @@ def test_a_kidnapped_robot_is_noticed_off_the_map_and_found_again():
 def test_localized_waits_for_a_clear_lead():
     belief = np.array([[0.45, 0.5, 0.05], [0.1, 0.2, 0.7], [0.3, 0.5, 0.2]])
     assert localized(belief, np.array([0, 0, OFF_MAP]), 0.8).tolist() == [0, OFF_MAP, 1]
+
+
+def test_no_view_excludes_a_vertex():
+    """What shows one vertex, and nothing of the others, leaves each of those the least."""
+    settings = FilterSettings(least=0.05, sharpness=2.0, unknown=0.5)
+    sensor = lambda observations: np.eye(8)[[7]]  # noqa: E731
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), sensor, settings)
+    belief = drive(robot, [1.0], along(0.0))[-1][1]
+    assert np.allclose(belief[:7] / belief[7], 0.05**2)
+    assert belief[OFF_MAP] / belief[7] == pytest.approx(0.5**2)
 
 
 def test_what_is_forgotten_may_be_anywhere():

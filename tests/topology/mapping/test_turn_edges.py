@@ -73,6 +73,15 @@ def test_scans_of_different_places_contradict_each_other(scene):
     assert np.isnan(agreement(first, far, np.zeros((1, 3)))[0])
 
 
+def test_the_scan_that_agrees_less_counts():
+    """A round room seen from its middle, and with a recess on one side."""
+    round_room, recess = np.full((1, 96), 3.0), np.full((1, 96), 3.0)
+    recess[0, :32] = 6.0
+    # Nothing that the first one shows is missing in the second, but a third of it is in front.
+    for first, second in ((round_room, recess), (recess, round_room)):
+        assert agreement(first, second, np.zeros((1, 3)))[0] == pytest.approx(2 / 3, abs=0.03)
+
+
 def test_colours_are_compared_where_both_drives_saw_the_wall():
     rng = np.random.default_rng(0)
     points = np.column_stack([np.linspace(0, 4, 40), np.ones(40)])
