@@ -168,6 +168,13 @@ def test_of_the_vertices_around_those_that_agree_best_are_turned_to(scene):
     assert all(abs(x[source] - x[target]) < 1.0 for source, target in topomap.graph.edges)
 
 
+@pytest.mark.parametrize(("reach", "joined"), [(0.2, False), (0.4, True)])
+def test_places_are_joined_up_to_the_reach(scene, reach, joined):
+    """Vertices of the two drives are 0.28 m from each other."""
+    _, added = learned(scene, THERE, BACK, settings=TurnSettings(reach=reach))
+    assert (added[1] > 0) == joined
+
+
 def test_of_headings_alike_the_one_with_the_best_score_is_kept():
     poses = np.array([[0, 0, 2.0], [0, 0, 2.1], [0, 0, -2.0], [0, 0, -2.2], [0, 0, 0.0]])
     turns = Turns(np.zeros(5, int), np.arange(5), poses, np.array([0.96, 0.99, 0.97, 0.96, 0.955]))
