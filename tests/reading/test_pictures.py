@@ -46,6 +46,11 @@ def test_a_pgm_is_read_up_to_its_largest_value(data, top):
     assert found.values.tolist() == [[[0], [top]]]
 
 
+def test_a_deep_pgm_has_the_higher_byte_first():
+    found = decode_picture(b"P5 3 1 1000 \x00\x05\x01\x00\x02\x03")
+    assert found.values.ravel().tolist() == [5, 256, 515]
+
+
 @pytest.mark.parametrize(
     "data",
     [

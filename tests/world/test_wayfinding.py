@@ -148,6 +148,21 @@ def test_each_world_has_hues_of_its_own_and_the_same_seed_the_same():
     assert len(set(firsts)) >= 4
 
 
+def test_hues_rise_along_some_buildings_and_fall_along_others():
+    rising = []
+    for seed in range(40, 48):
+        plan = cached("office", seed, signs="wayfinding")
+        posts = [i for i, name in enumerate(plan.wall_materials) if name.startswith("door frame ")]
+        colour = {material.name: material.colour for material in plan.materials}
+        depths = Depth(plan).at(plan.walls[posts].reshape(-1, 2, 2).mean(axis=1))
+        order = [posts[k] for k in np.argsort(depths)]
+        hues = np.array([hue(colour[plan.wall_materials[i]]) for i in order])
+        steps = (np.diff(hues) + 0.5) % 1.0 - 0.5  # around the circle, the short way
+        assert (steps > -0.01).all() or (steps < 0.01).all()
+        rising.append(steps.sum() > 0)
+    assert len(set(rising)) == 2
+
+
 def test_shifted_accents_are_duller_than_any_that_are_trained_on():
     for palette, (saturation, value) in SHADES.items():
         plan = cached("apartment", 43, palette, signs="wayfinding")
