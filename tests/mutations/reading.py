@@ -85,4 +85,18 @@ MUTATIONS = [
         "np.asarray(values).reshape",
         "reading/test_pictures.py",
     ),
+    (
+        "the bytes of a deep PGM are swapped",
+        "reading/pictures.py",
+        '">u2"',
+        '"<u2"',
+        "reading/test_pictures.py",
+    ),
+    (
+        "comments within a plain PGM are pixels",
+        "reading/pictures.py",
+        're.sub(rb"#[^\\n]*", b"", body)',
+        "body",
+        "reading/test_pictures.py",
+    ),
 ]

@@ -239,4 +239,25 @@ MUTATIONS = [
         "self.at(middles).max()",
         "world/test_wayfinding.py",
     ),
+    (
+        "the heading drifts with the distance",
+        "world/noise.py",
+        "self.drift * np.sqrt(length) *",
+        "self.drift * length *",
+        "world/test_noise.py",
+    ),
+    (
+        "motion and reading share their luck",
+        "world/noise.py",
+        "table[action].motions(luck[rows, number],",
+        "table[action].motions(luck[rows, 0],",
+        "world/test_noise.py",
+    ),
+    (
+        "hues run one way in all worlds",
+        "world/generators/wayfinding.py",
+        "span, shade = sign * rng.uniform(*SPAN)",
+        "span, shade = rng.uniform(*SPAN)",
+        "world/test_wayfinding.py -k rise",
+    ),
 ]
