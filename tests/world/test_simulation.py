@@ -563,7 +563,7 @@ def test_each_robot_appears_in_the_other_s_image_and_scan_but_not_in_its_own(box
     ahead = np.abs(full_circle(96)).argmin()
     assert both.laser[:, ahead] == pytest.approx(1.5 - 0.36, abs=0.01)
     nearer = both.laser < alone.laser - 1e-9
-    assert (nearer.sum(axis=1) == 4).all()
+    assert nearer.sum(axis=1).tolist() == [2, 2]
     # From behind, a car that looks the other way sees nothing of it.
     away = np.array([[4.0, 5.0, np.pi], [7.0, 5.0, 0.0]])
     images = [Simulation(box, away, interacting=i).observe().image for i in (False, True)]
