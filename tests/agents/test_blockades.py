@@ -64,6 +64,17 @@ def test_a_robot_that_gets_on_does_not_wait():
     assert not waiting.step(robot, np.zeros((1, 3)), np.array([True]))[0]
 
 
+def test_a_robot_waits_where_it_began_to_not_where_it_stood_before():
+    went = [[0.02 * step, 0.0, 0.0] for step in range(25)]
+    creeps = [[0.5 + 0.005 * step, 0.0, 0.0] for step in range(60)]
+    steps = waited([False] * 25 + [True] * 60, went + creeps)
+    assert steps == pytest.approx(25 + WAIT / STEP, abs=1)
+    # Blocked while it got on, it waits where it stands in the end.
+    gets_on = [[0.04 * step, 0.0, 0.0] for step in range(30)]
+    steps = waited([True] * 90, gets_on + [gets_on[-1]] * 60)
+    assert 45 < steps < 30 + WAIT / STEP + 1
+
+
 def grid():
     """Two rows of vertices along a corridor, 0 to 4 and 5 to 9, joined to each other."""
     topomap = table_map(np.zeros((10, 10)), 10)
@@ -97,7 +108,8 @@ def test_a_stretch_with_an_edge_back_is_excluded_all_the_same():
     topomap.connect(2, 1, 0.99)
     blockades = Blockades(1, topomap)
     blockades.add(0, [1], [2], PLACE, 10.0)
-    assert {(1, 2), (HERE, 2)} <= blockades.excluded(0, PLACE, 10.0)
+    wanted = {(1, 2), (1, 7), (6, 7), (HERE, 2), (HERE, 7)}
+    assert blockades.excluded(0, PLACE, 10.0) == wanted
 
 
 def test_it_forgets_after_a_time_and_first_steps_once_it_is_elsewhere():

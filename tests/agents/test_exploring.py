@@ -8,6 +8,8 @@ from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.exploration.episodes import Episodes, draw_episodes, exploration_world
+from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
+from tutorial_lib.exploration.frontier import is_frontier
 from tutorial_lib.exploration.grid_kernels import FREE, OCCUPIED
 from tutorial_lib.exploration.labels import relative_polar
 from tutorial_lib.exploration.task import ExplorationTask, explore
@@ -108,6 +110,25 @@ def test_a_frontier_is_given_up_after_a_time_that_grows_with_its_distance():
     assert not len(agent._due(sensed))
     agent._left[0] = 0.0
     assert agent._due(sensed).tolist() == [0]
+
+
+@pytest.mark.parametrize("returns", [False, True])
+def test_a_frontier_that_was_given_up_is_closed_but_a_place_to_return_to_is_not(returns):
+    agent, task = FrontierAgent(Hall()), in_a_hall(30.0)
+    list(steps(task, agent, 1))
+    sensed, robot = agent.search.sense(task.observe(), ~task.done), np.array([0])
+    target = agent._targets.copy()
+    assert is_frontier(agent.search.maps, robot, target)[0]
+    before = agent.search.maps.grids.copy()
+    agent._left[0], agent._returns[0] = 0.0, returns
+    assert agent._due(sensed).tolist() == [0]
+    assert is_frontier(agent.search.maps, robot, target)[0] == returns
+    assert (agent.search.maps.grids == before).all() == returns
+    # What is no frontier any more is left as it is.
+    agent._targets[0] = 0.0
+    before = agent.search.maps.grids.copy()
+    assert agent._due(sensed).tolist() == [0]
+    assert (agent.search.maps.grids == before).all()
 
 
 def test_a_missed_goal_removes_no_ghost():
@@ -251,3 +272,30 @@ def test_without_noise_an_agent_with_true_geometry_finds_all_that_is_near(kind, 
     explore(task, AGENTS[kind](TrueGeometry(task), np.random.default_rng(2)))
     assert task.success.all()
     assert task.spl.mean() > 0.9
+
+
+@pytest.mark.parametrize(("moved", "becomes"), [(0.8, False), (1.2, True)])
+def test_only_a_ghost_that_was_reached_away_from_its_node_becomes_one(moved, becomes):
+    agent, robot = NTSAgent(Hall(), np.random.default_rng(0)), ExploringRobot(None)
+    memory = robot.memory
+    memory.node = memory.graph.add_node([k == 0 for k in range(12)])
+    ghost = memory.graph.ghosts[0, 0]
+    robot.go_to(Destination(0, memory.graph.place_of(ghost), ghost))
+    memory.move(np.array([moved, 0.0, 0.0]))
+    assert agent._resolve(robot) is becomes
+    assert robot.destination is None
+    assert not memory.graph.ghosts
+    robot.go_to(Destination(0, np.zeros(2)))  # a node again
+    assert not agent._resolve(robot)
+
+
+def test_a_goal_is_remembered_from_the_node_that_sees_it_and_from_no_other():
+    agent = NTSAgent(Hall(), np.random.default_rng(0))
+    agent._model.relative = lambda sources, goals: np.column_stack([0 * sources[:, 0], sources])
+    nodes, goal = np.array([[1.0], [2.0]], np.float32), np.zeros(1, np.float32)
+    for likely, node in (([0.2, 0.6], 1), ([0.9, 0.6], 0), ([0.4, 0.49], None)):
+        agent._model.same_node = lambda sources, goals, likely=likely: np.array(likely)
+        found = agent._remembered(nodes, goal)
+        assert (None if found is None else found.node) == node
+        if found is not None:
+            assert found.place.tolist() == [node + 1.0, 0.0]

@@ -18,6 +18,7 @@ from tutorial_lib.agents.remedy_agent import SEQUENCE, RemedyAgent
 from tutorial_lib.agents.remedy_navigation import CYCLE, ENDLESS
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Navigation, Plan
+from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.topology.localization import OFF_MAP
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
@@ -125,6 +126,39 @@ def test_a_path_from_an_unlikely_vertex_is_worth_less():
     assert found[0, 4] == pytest.approx(0.9999)
     assert found[0, 5] == pytest.approx(0.3 * 0.9989)
     assert np.count_nonzero(found) == 2
+
+
+def test_starts_around_the_believed_vertex_are_as_good_and_all_are_off_the_map():
+    guess, seen = agent_on_line("filter").start([goals_at(5)]).guess, Line([0.0]).observe()
+    guess.filter.belief[0] = np.eye(14)[4]
+    assert guess.weights(seen, 0).tolist() == [0.3] * 2 + [1.0] * 5 + [0.3] * 6
+    guess.filter.belief[0] = np.append(np.eye(13)[4] * 0.4, 0.6)
+    assert guess.weights(seen, 0).tolist() == [1.0] * 13
+
+
+def test_a_sequence_has_the_last_four_views_and_they_are_apart():
+    guess = agent_on_line("sequence").start([goals_at(5)]).guess
+    counts = []
+    for x in (0.0, 0.5, 0.8, 1.6, 2.4, 3.2, 4.0):
+        guess.observe(Line([x]).observe(), np.array([0]))
+        counts.append(len(guess._views[0]))
+    assert counts == [1, 1, 2, 3, 4, 4, 4]
+    assert [int(view.argmax()) - 4 for view in guess._views[0]] == [2, 2, 3, 4]
+
+
+@pytest.mark.parametrize(("other", "steps"), [(0.85, 10), (0.8, 20), (0.95, 10)])
+def test_the_longer_a_robot_reckons_the_less_its_plan_is_worth(other, steps):
+    navigation = agent_on_line("replan").start([goals_at(5)])
+    plan, better = Plan((4, 5), 0, (0.9, 1.0, 1.0)), Plan((4,), 0, (other, 1.0))
+    navigation.plans[0] = plan
+    navigation.follower.assign(0, [4, 5, 13])
+    navigation._path = lambda observation, robot: better
+    navigation.follower.memory.state[0] = State.DEAD_RECKONING
+    for _ in range(steps):
+        assert navigation.plans[0] is plan
+        navigation._doubt(Line([0.0]).observe(), 0)
+    assert navigation.plans[0] is None
+    assert navigation._ready[0] is better
 
 
 # Cycles.
@@ -239,6 +273,18 @@ def test_a_plan_that_was_a_guess_is_kept_until_the_belief_has_been_with_it():
     navigation._plan(line.observe()[[0]], 0)  # the next plan is compared anew
     at_plan(navigation, (0, 1, 2), 12)
     assert compare(navigation, 10)
+
+
+def test_while_it_follows_a_robot_between_vertices_keeps_its_plan():
+    navigation = agent_on_line("all").start([goals_at(8)])
+    at_plan(navigation, (0, 1, 2), 1)
+    assert compare(navigation, 1)
+    navigation.guess.filter.belief[0] = np.append(np.eye(13)[12] * 0.4, 0.6)
+    navigation.follower.memory.state[0] = State.FOLLOW
+    assert compare(navigation, 10)
+    navigation.follower.memory.state[0] = State.DEAD_RECKONING
+    assert compare(navigation, 2)
+    assert not compare(navigation, 1)
 
 
 def test_one_of_many_twins_is_as_good_as_the_others():

@@ -21,6 +21,7 @@ from tutorial_lib.exploration.episodes import (
     exploration_world,
 )
 from tutorial_lib.exploration.task import ExplorationTask, explore, explore_on
+from tutorial_lib.exploration.turned_views import turned
 from tutorial_lib.geometry import wrap
 from tutorial_lib.interfaces import HERE, Plan
 from tutorial_lib.topology.following.transitions import State
@@ -226,6 +227,25 @@ def test_a_robot_faces_the_view_in_which_its_path_begins_and_turns_where_the_map
     assert agent.plans[0] is None
 
 
+def test_a_robot_may_turn_for_long_at_each_turn_of_its_path(explored, memory, trials):
+    """At two turns of one path, and on the next path after one on which it was lost."""
+    plan = Plan(some_path(memory), 0, (0.9,) * 4)
+    task, agent, _, _ = begun(explored, memory, trials, plan, plan)
+    memory = agent.follower.memory
+    memory.waypoints[0] = 1.0, 0.0
+    seen, robots = turned(task.observe(), 0.0), np.array([0])
+    for state, actions in ((State.TURN, 30), (State.FOLLOW, 1), (State.TURN, 41)):
+        agent.follower.act = lambda seen, robots, state=state: memory.state.fill(state)
+        for _ in range(actions):
+            assert agent.plans[0] is plan
+            agent._go_on(seen, robots)
+    assert agent.plans[0] is None
+    agent.act(task.observe(), ~task.done)
+    for _ in range(39):
+        assert agent.plans[0] is plan
+        agent._go_on(seen, robots)
+
+
 def test_a_place_is_where_several_views_agree():
     view = np.array([0, 1, 2, 0])
     places = np.array([[0.0, 0.0], [0.5, 0.0], [0.4, 0.3], [8.0, 0.0]])
@@ -234,6 +254,12 @@ def test_a_place_is_where_several_views_agree():
     assert same == pytest.approx([2.4, 2.4, 2.4, 0.99])
     turned_away = supports(view, places, np.array([0.0, 2.0, 0.1, 0.0]), weights)
     assert turned_away == pytest.approx([1.6, 0.8, 1.6, 0.99])
+
+
+def test_of_a_view_s_votes_only_the_best_one_supports_a_place():
+    places = np.array([[0.0, 0.0], [0.3, 0.0], [0.6, 0.0]])
+    same = supports(np.array([0, 0, 1]), places, np.zeros(3), np.array([0.7, 0.9, 0.8]))
+    assert same == pytest.approx([1.7, 1.7, 1.7])
 
 
 class _Rows:

@@ -199,6 +199,15 @@ def test_what_a_node_sees_well_goes_to_the_reserve_and_comes_back():
         assert hidden.ghosts == {(0, 3): Ghost(0, 3)}
 
 
+def test_what_was_removed_does_not_come_back_from_the_reserve():
+    graph, free = GhostGraph(), np.zeros(12)
+    free[[4, 7]] = 1.5, 2.0
+    graph.add_node([False] * 12, free)
+    graph.remove(graph.reserve[0, 4])
+    graph.use_reserve()
+    assert graph.ghosts == {(0, 7): Ghost(0, 7, 2.0)}
+
+
 def test_nodes_hang_together_or_are_refused():
     graph = GhostGraph()
     graph.add_node([True] * 12)

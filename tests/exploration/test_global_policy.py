@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.conftest import make_box
+from tutorial_lib.exploration.bearings import column_bearings
 from tutorial_lib.exploration.ghost_graph import Ghost
 from tutorial_lib.exploration.global_policy import (
     GhostChoice,
@@ -180,6 +181,37 @@ def test_a_robot_stays_in_its_node_enters_another_or_makes_one():
     assert memory.node == 1
     edge = memory.graph.edges[0][1]
     assert np.allclose(compose(edge, memory.offset), before)  # along the edge, by odometry
+
+
+def test_a_robot_is_looked_for_in_the_four_nearest_nodes_around_it():
+    memory = Memory()
+    memory.node = memory.graph.add_node(NONE)
+    for x in (2.0, -0.5, 1.0, 4.4, -1.5, 3.0, 4.6):
+        memory.graph.add_node(NONE, None, 0, [x, 0.0, 0.0])
+    assert memory.beside() == [2, 3, 5, 1]
+    memory.move(np.array([4.0, 0.0, 0.0]))
+    assert memory.beside() == [4, 7, 6, 1]
+    memory.move(np.array([8.5, 0.0, 0.0]))
+    assert memory.beside() == [7, 4]  # the others are 4.5 m away and more
+
+
+def test_the_most_likely_node_is_not_entered_unless_it_is_likely():
+    """Between two nodes, and in none of them: F_L is below the threshold for both."""
+    update, memory = GraphUpdate(NearbyFeatures(), 0.5, 0.5), Memory()
+    ranges = np.full((1, 192), 5.0)
+    for number, feature in enumerate((0.0, 5.0, 2.5)):
+        memory.move(np.array([0.5 * number, 0.0, 0.0]))
+        assert update.update([memory], np.array([[feature]], np.float32), ranges)[0]
+        assert memory.node == number
+
+
+def test_only_directions_that_are_free_for_a_metre_are_kept_in_reserve():
+    memory, ranges = Memory(), np.full((1, 192), 5.0)
+    ranges[:, np.abs(column_bearings(192) - np.pi / 2) < 1.0] = 1.0  # to the left: 0.76 m free
+    GraphUpdate(NearbyFeatures(), 0.5, 0.5).add_nodes([memory], np.zeros((1, 1)), ranges)
+    assert free_metres(ranges)[0, 3] == pytest.approx(0.76, abs=0.01)
+    assert (0, 3) not in memory.graph.reserve
+    assert memory.graph.reserve[0, 6].metres == 3.0
 
 
 def test_a_direction_is_free_as_far_as_the_robot_fits():

@@ -147,6 +147,43 @@ def test_every_place_of_a_missed_goal_is_remembered():
     assert looks((0.7, 0.0))  # what is near may be a goal after all
 
 
+def test_where_a_goal_was_missed_another_is_believed_only_from_near_by():
+    search = GoalSearch(Model((5.0, 7.4)), one_robot((5.0, 7.4)).goals(), SearchSettings())
+    search.found[0], search.places[0], search.left[0] = True, (1.2, 0.0), 0.0
+    search._arrived(np.array([0]), np.zeros((1, 3)))
+    believed = []
+    for metres in (1.1, 0.9):
+        search._model.goal = np.array([5.0 + metres, 5.0])
+        search._look(np.array([0]), np.zeros((1, 3)), np.zeros((1, 3), np.float32))
+        believed.append(bool(search.found[0]))
+    assert believed == [False, True]
+
+
+def looks_at(search, task, x):
+    """Whether a robot looks when its odometry says (x, 0)."""
+    seen = replace(task.observe(), odometry=np.array([[x, 0.0, 0.0]]))
+    return bool(len(search.sense(seen, np.ones(1, bool)).looking))
+
+
+@pytest.mark.parametrize(("goal", "looks"), [(1.0, True), (2.0, False)])
+def test_near_its_goal_a_robot_looks_at_every_step(goal, looks):
+    task = one_robot((5.0 + goal, 5.0))
+    search = GoalSearch(Model((5.0 + goal, 5.0)), task.goals(), SearchSettings())
+    assert looks_at(search, task, 0.0)
+    assert search.found[0]
+    assert looks_at(search, task, 0.05) is False
+    assert looks_at(search, task, 0.25) is looks
+
+
+def test_another_goal_is_looked_for_at_once():
+    task = one_robot((9.0, 9.0))
+    search = GoalSearch(Model((9.0, 9.0), visible=0.5), task.goals(), SearchSettings())
+    assert looks_at(search, task, 0.0)
+    assert not looks_at(search, task, 0.1)
+    search.look_for(task.goals())
+    assert looks_at(search, task, 0.1)
+
+
 def test_robots_look_only_where_they_have_moved():
     model = Model((9.0, 9.0), visible=0.5)
     drive(model, (9.0, 9.0), target=(-0.5, 0.0), steps=19)  # it turns around first

@@ -6,7 +6,7 @@ import pytest
 
 from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
-from tutorial_lib.exploration.bearings import bearing_of, column_bearings
+from tutorial_lib.exploration.bearings import bearing_of, column_bearings, column_of
 from tutorial_lib.exploration.episodes import exploration_world
 from tutorial_lib.exploration.explorable import CLEARANCE, DETOUR, explorable
 from tutorial_lib.exploration.labels import (
@@ -58,6 +58,13 @@ def test_connected_takes_the_largest_depth_about_the_direction():
     assert connected(ranges, np.zeros(3), np.full(3, 2.0)).tolist() == [False, True, False]
     assert connected(ranges, np.full(3, np.pi), np.full(3, 0.9)).all()  # about the seam
     assert not connected(np.full((1, 192), 9.0), np.zeros(1), np.array([3.01])).any()
+
+
+def test_a_goal_is_visible_one_column_beside_its_direction_and_no_farther():
+    for beside in range(-3, 4):
+        ranges, column = np.full((1, 192), 2.0), int(column_of(0.3, 192))
+        ranges[0, column + beside] = 5.0
+        assert connected(ranges, np.array([0.3]), np.array([2.5]))[0] == (abs(beside) <= 1)
 
 
 def test_relative_places_lead_to_the_goals(labels, pairs):

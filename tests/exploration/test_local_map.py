@@ -239,6 +239,18 @@ def test_the_nearest_frontier_is_where_the_known_floor_ends():
     assert len(nearest_frontiers(closed, ONE, np.zeros((1, 3))).robots) == 0
 
 
+def test_a_place_that_is_closed_keeps_what_was_seen_of_it():
+    maps = LocalMaps(2)
+    maps.grids[:, 40:45, 45], maps.grids[:, 46, 40:50] = FREE, OCCUPIED
+    before = maps.grids.copy()
+    maps.close(np.array([1]), np.array([[0.05, 0.05]]))  # the cell (45, 45)
+    assert (maps.grids[0] == before[0]).all()
+    rows, columns = np.nonzero(maps.grids[1] != before[1])
+    assert (before[1, rows, columns] == UNKNOWN).all()
+    assert (maps.grids[1, rows, columns] == OCCUPIED).all()
+    assert (rows.min(), rows.max(), columns.min(), columns.max()) == (42, 48, 42, 48)
+
+
 def test_frontiers_shrink_until_a_building_is_known(scenes, episodes):
     name, scene = next(iter(scenes.items()))
     start = episodes.starts[0]
@@ -257,6 +269,34 @@ def test_frontiers_shrink_until_a_building_is_known(scenes, episodes):
     assert known > 0.6 * (scene.clearance.clearance > 0).mean() * np.prod(
         np.array(scene.clearance.clearance.shape) * 0.05
     )
+
+
+def actions_at(*headings):
+    """What a robot does that stands in the open at these headings (deg), one after the other."""
+    maps = LocalMaps(1)
+    maps.grids[:] = FREE
+    policy, target = LocalPolicy(maps), np.array([[2.0, 0.0]])
+    poses = [np.array([[0.0, 0.0, np.deg2rad(heading)]]) for heading in headings]
+    return [int(policy.act(ONE, pose, target)[0][0]) for pose in poses]
+
+
+def test_a_robot_that_turned_too_far_goes_ahead_rather_than_back():
+    assert actions_at(-30, 15) == [LEFT, FORWARD]
+    assert actions_at(30, -15) == [RIGHT, FORWARD]
+    assert actions_at(-30, -15) == [LEFT, LEFT]
+    assert actions_at(-30, 40) == [LEFT, RIGHT]
+
+
+def test_a_robot_that_did_not_get_on_turns_three_times_before_it_tries_again():
+    assert actions_at(-1, -1, -1, -1, -1, -1) == [FORWARD, LEFT, LEFT, LEFT, FORWARD, LEFT]
+
+
+def test_beyond_the_map_a_crop_is_unknown():
+    maps = LocalMaps(1)
+    maps.grids[:] = FREE
+    crop = crops(maps, ONE, np.array([[4.0, 0.0, 0.0]]), 64)[0]  # 4.5 m from the middle it ends
+    assert (crop[:, :37] == FREE).all()
+    assert (crop[:, 37:] == UNKNOWN).all()
 
 
 def test_crops_turn_with_the_robot():

@@ -85,6 +85,17 @@ def test_metres_are_geodesics_from_the_ends_to_the_goal(scene, world):
     assert np.isfinite(world.metres).any(axis=-1).mean() > 0.5
 
 
+def test_pairs_that_are_too_far_apart_have_no_metres(scene, world, monkeypatch):
+    monkeypatch.setattr(exploration_data, "FARTHEST", 4.0)
+    found = labels_of(scene, world.poses)
+    near = world.far <= 4.0
+    assert near.any()
+    assert (np.isfinite(world.far) & ~near).any()
+    assert (np.isfinite(found["far"]) == near).all()
+    assert np.isinf(found["metres"][~near]).all()
+    assert (found["metres"][near] == world.metres[near]).all()
+
+
 def test_connected_places_are_near_and_in_sight(scene, world):
     source, goal = np.nonzero(world.connected)
     gap = np.linalg.norm(world.poses[source, :2] - world.poses[goal, :2], axis=1)

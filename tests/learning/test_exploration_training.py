@@ -17,6 +17,7 @@ from tutorial_lib.learning import exploration_recipes, recipes
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.exploration_data import panorama_worlds
 from tutorial_lib.learning.exploration_losses import (
+    _position,
     depth_loss,
     listwise_loss,
     pair_losses,
@@ -104,6 +105,25 @@ def test_a_single_direction_is_no_choice():
     loss.backward()
     assert loss.item() == 0.0
     assert logits.grad.isfinite().all()
+
+
+def test_a_place_costs_its_metres_from_the_true_one():
+    """Two goals of a node: 2 m ahead of it, and 0.75 m off at the left end of the bin at 90 deg."""
+    label = {
+        "direction": torch.tensor([0, 3, 5]),
+        "offset": torch.tensor([0.0, 1.0, 0.0]),
+        "nearness": torch.tensor([1 / 3, 0.75, 0.0]),
+    }
+    inside, bearing = torch.tensor([True, True, False]), np.deg2rad(105.0)
+    there = torch.tensor([[2.0, 0.0], [0.75 * np.cos(bearing), 0.75 * np.sin(bearing)]])
+    assert _position(there.float(), label, inside).item() == pytest.approx(2 * 0.1)
+    beside = there.float() + torch.tensor([[0.0, 3.0], [0.0, 0.0]])
+    assert _position(beside, label, inside).item() == pytest.approx(3.0 + 0.1, abs=0.01)
+
+
+def test_what_is_no_choice_does_not_count_in_the_mean():
+    metres, logits = torch.tensor([[1.0, 2.0], [INF, 2.0]]), torch.tensor([[0.0, 1.0], [3.0, 0.2]])
+    assert listwise_loss(logits, metres) == listwise_loss(logits[:1], metres[:1]) > 0.5
 
 
 def test_depth_costs_by_its_ratio():

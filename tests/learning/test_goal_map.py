@@ -15,7 +15,7 @@ from tutorial_lib.learning import exploration_policies, goal_map_data, goal_map_
 from tutorial_lib.learning.baseline_recipes import BaselineRecipe
 from tutorial_lib.learning.exploration_policies import LearnedFrontierScorer
 from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMapSource
-from tutorial_lib.learning.goal_map_data import goal_maps
+from tutorial_lib.learning.goal_map_data import goal_maps, record_maps
 from tutorial_lib.learning.goal_map_network import (
     GoalMapArchitecture,
     GoalMapNetwork,
@@ -70,6 +70,24 @@ def test_maps_are_half_explored_and_have_a_choice(maps, arrays):
     half = len(arrays["poses"])
     assert (maps.crops[:half] == maps.crops[half:]).all()
     assert (maps.pairs[:half] != maps.pairs[half:]).any()
+
+
+def test_maps_with_one_frontier_or_none_are_left_out(seeing, monkeypatch):
+    real, drawn = goal_map_data._looked, []
+
+    def looked(*arguments):
+        found = real(*arguments)
+        if len(drawn) % 2:
+            found["remaining"][:, 1:] = np.inf
+        drawn.append(len(found["remaining"]))
+        return found
+
+    monkeypatch.setattr(goal_map_data, "_looked", looked)
+    scene = scene_of("office/1/standard")
+    rng = np.random.default_rng(2)
+    found = record_maps(scene, "office/1/standard", seeing, {"medium": 2, "hard": 1}, rng)
+    assert 0 < len(found["poses"]) <= sum(drawn[::2])
+    assert (np.isfinite(found["remaining"]).sum(axis=1) > 1).all()
 
 
 def test_frontiers_lie_where_free_space_ends_and_their_metres_are_geodesics(arrays):

@@ -1,5 +1,7 @@
 """Behaviour cloning: the expert, its recording, the recurrent policy and its recipe."""
 
+from dataclasses import replace
+
 import joblib
 import numpy as np
 import pytest
@@ -129,6 +131,17 @@ def test_a_batch_shows_what_was_seen_before_each_action(episodes):
     again = source.block([0])
     assert (again.images == batch.images).all()
     assert (batch.targets(slice(1, 3)).actions == batch.actions[1:3]).all()
+
+
+def test_steps_after_the_end_of_an_episode_are_not_learned_from(episodes):
+    short = replace(episodes, length=np.full_like(episodes.length, 3))
+    batch = ImitationSource([short], worlds=1, targets=2).block([0])
+    assert batch.used[:, :3].all()
+    assert not batch.used[:, 3:].any()
+    network, objective = network_of("rgbd"), ImitationObjective()
+    other = replace(batch, actions=np.where(batch.used, batch.actions, 3 - batch.actions))
+    assert (other.actions != batch.actions).any()
+    assert objective.loss(network, other) == objective.loss(network, batch)
 
 
 @pytest.mark.parametrize("sensor", ["rgb", "rgbd"])

@@ -241,4 +241,32 @@ MUTATIONS = [
         "        raise",
         "experiments/common/test_own.py -k explorer",
     ),
+    (
+        "decisions without a choice count",
+        "experiments/nts/scores.py",
+        "level.any(axis=1) & (np.isfinite(metres).sum(axis=1) > 1)",
+        "level.any(axis=1)",
+        "experiments/nts/test_scores.py -k two_directions",
+    ),
+    (
+        "goals are the places themselves",
+        "experiments/nts/scores.py",
+        "    goal = goal + settings.places\n",
+        "",
+        "experiments/nts/test_scores.py -k two_directions",
+    ),
+    (
+        "overall has no difficulty",
+        "experiments/nts/table2.py",
+        '(found["difficulty"] == number) | (difficulty == "overall")',
+        '(found["difficulty"] == number)',
+        "experiments/nts/test_exploration_tables.py",
+    ),
+    (
+        "a gap is to the agent, not from it",
+        "experiments/nts/fig8.py",
+        'difference(columns["nts"][name][:count].ravel(), values, repeated)',
+        'difference(values, columns["nts"][name][:count].ravel(), repeated)',
+        "experiments/nts/test_comparisons.py -k fig8_subtracts",
+    ),
 ]

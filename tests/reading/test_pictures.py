@@ -66,12 +66,20 @@ def test_pictures_are_read_as_they_were_saved(tmp_path, suffix, shape, kind):
         (b"P5\n2 1\n255\n\x00\xff", 255),
         (b"P5 2 1 # two\n300 \x00\x00\x01\x2c", 300),
         (b"P2\n# plain\n2 1\n9\n0 # zero\n12\n", 9),
+        (b"P2 2 1 9 -3 9", 9),
+        (b"P5 2 1 9 \x00\x0c", 9),
+        (b"P5 2 1 300 \x00\x00\x01\x90", 300),
     ],
 )
 def test_a_pgm_is_read_up_to_its_largest_value(data, top):
     found = decode_picture(data)
     assert found.top == top
     assert found.values.tolist() == [[[0], [top]]]
+
+
+def test_a_deep_pgm_has_the_higher_byte_first():
+    found = decode_picture(b"P5 3 1 1000 \x00\x05\x01\x00\x02\x03")
+    assert found.values.ravel().tolist() == [5, 256, 515]
 
 
 @pytest.mark.parametrize(

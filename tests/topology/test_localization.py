@@ -160,6 +160,16 @@ def test_edges_have_the_lengths_that_odometry_measured():
     assert np.allclose(model.onward[4], [0.25, 0.25, 0.25, 0.25, 0.0])
 
 
+def test_between_two_drives_an_edge_has_the_usual_length():
+    """The second drive's odometry begins elsewhere: it tells nothing of the first one's."""
+    topomap = table_map(np.ones((4, 4)), 4, paths=[[0, 1], [2, 3]])
+    x = [0.0, 2.0, 70.0, 72.0]
+    topomap.vertices.observations = sensed([[place, 0.0, 0.0] for place in x])
+    for edge in ((0, 1), (2, 3), (1, 2)):
+        topomap.connect(*edge, 0.9)
+    assert np.allclose(motion_model(topomap).lengths[:4], 2.0)
+
+
 def test_removed_vertices_have_no_column():
     topomap = chain(1.0)
     topomap.remove([1])
@@ -294,9 +304,46 @@ def test_localized_waits_for_a_clear_lead():
     assert localized(belief, np.array([0, 0, OFF_MAP]), 0.8).tolist() == [0, OFF_MAP, 1]
 
 
+def test_no_view_excludes_a_vertex():
+    """What shows one vertex, and nothing of the others, leaves each of those the least."""
+    settings = FilterSettings(least=0.05, sharpness=2.0, unknown=0.5)
+    sensor = lambda observations: np.eye(8)[[7]]  # noqa: E731
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), sensor, settings)
+    belief = drive(robot, [1.0], along(0.0))[-1][1]
+    assert np.allclose(belief[:7] / belief[7], 0.05**2)
+    assert belief[OFF_MAP] / belief[7] == pytest.approx(0.5**2)
+
+
 def test_what_is_forgotten_may_be_anywhere():
     robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor())
     drive(robot, [1.0], along(0.0))
     robot.forget(0)
     assert np.allclose(robot.belief, 1 / 9)
     assert drive(robot, [4.0], along(0.0))[-1][0] == 4
+
+
+def dues(robot_filter, odometry):
+    """At which steps the belief of one robot is new."""
+    steps = []
+    for number, pose in enumerate(odometry):
+        seen = sensed([pose])
+        if robot_filter.observe(seen, np.array([0]))[0]:
+            steps.append(number)
+    return steps
+
+
+def test_a_slow_robot_is_predicted_each_time_that_it_went_a_stride():
+    """Eighths of a metre are exact: two of them are a stride, not less."""
+    settings = FilterSettings(stride=0.25, interval=1000)
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor(), settings)
+    assert dues(robot, along(*np.arange(0.0, 1.01, 0.125))) == [0, 2, 4, 6, 8]
+
+
+def test_a_robot_that_stands_still_looks_again_after_just_the_interval():
+    robot = BayesFilter(1, motion_model(chain(1.0, 8)), Corridor(), FilterSettings(interval=3))
+    assert dues(robot, along(*np.zeros(8))) == [0, 3, 6]
+
+
+def test_localized_leaves_a_vertex_that_falls_below_the_share_not_at_it():
+    belief = np.array([[0.25, 0.5, 0.25], [0.25, 0.625, 0.125]])
+    assert localized(belief, np.array([0, 0]), 0.5).tolist() == [0, 1]

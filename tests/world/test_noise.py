@@ -9,6 +9,11 @@ from tests.conftest import make_box
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import compose, relative
 from tutorial_lib.world.noise import (
+    ACTUATION,
+    FORWARD,
+    LEFT,
+    ODOMETRY,
+    DiscreteNoise,
     DiscreteOdometry,
     DriftingOdometry,
     NoNoise,
@@ -86,6 +91,31 @@ def test_a_robot_drifts_as_it_does_without_the_others(seed, robots, others, driv
     elsewhere = motions.copy()
     elsewhere[:, robots:] *= -0.5
     assert (estimates(elsewhere, DriftingOdometry(*seed))[:, :robots] == fewer).all()
+
+
+def test_every_number_of_a_robot_s_stream_is_used_in_turn():
+    """Over more steps than are drawn at a time."""
+    motions, streams = random_motions(250, 2, 4), np.random.SeedSequence(8).spawn(2)
+    normal = [np.random.default_rng(one).normal(size=(250, 3)) for one in streams]
+    noise, wheels = DriftingOdometry(8), WheelOdometry()
+    for motion, drawn in zip(motions, np.stack(normal, axis=1), strict=True):
+        assert (noise.measure(motion, None, None) == wheels.disturbed(motion, drawn)).all()
+
+
+def test_every_discrete_action_has_the_next_noise_of_its_robot():
+    noise, streams = DiscreteNoise(2, np.random.default_rng(3)), np.random.default_rng(3).spawn(2)
+    blocks = [[(s.random((100, 2)), s.normal(size=(100, 2, 3))) for _ in range(3)] for s in streams]
+    luck, normal = (
+        np.stack([np.concatenate([block[part] for block in one]) for one in blocks], axis=1)
+        for part in (0, 1)
+    )
+    for step in range(250):
+        motions, errors = noise.draw(np.array([FORWARD, LEFT]))
+        for robot, action in enumerate((FORWARD, LEFT)):
+            chances, drawn = luck[step, robot, :, None], normal[step, robot, :, None]
+            wanted = ACTUATION[action].motions(chances[0], drawn[0])
+            assert (motions[robot] == wanted).all()
+            assert (errors[robot] == ODOMETRY[action].motions(chances[1], drawn[1])).all()
 
 
 def test_robots_of_a_fleet_do_not_drift_alike():

@@ -1,3 +1,8 @@
+import copy
+import pickle
+from functools import cache
+
+import joblib
 import numpy as np
 import pytest
 
@@ -7,11 +12,21 @@ from tutorial_lib.geometry import relative, to_world
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
 from tutorial_lib.world.generators import FAMILIES, generate
-from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP, DiscreteOdometry, WheelOdometry
+from tutorial_lib.world.interaction import robot_discs
+from tutorial_lib.world.noise import (
+    FORWARD,
+    LEFT,
+    RIGHT,
+    STOP,
+    DiscreteOdometry,
+    DriftingOdometry,
+    WheelOdometry,
+)
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.raycast import Fan, Raycaster
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, Laser
+from tutorial_lib.world.sensors import Camera, Laser, full_circle
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 
@@ -435,3 +450,168 @@ def test_a_person_does_not_walk_on_beside_a_robot_that_is_near(box, robot, stops
     act_for(simulation, [0.0, 0.0], 10)
     walked = simulation.crowd.positions[0, 0] - 4.0
     assert walked == pytest.approx(0.0 if stops else 0.45, abs=0.06)
+
+
+# Copies.
+
+
+@cache
+def apartment(seed):
+    return Scene(generate("apartment", seed))
+
+
+def cornered(seed, steps):
+    """Robots of which many push into walls and corners, people, and noise; and their actions."""
+    rng = np.random.default_rng(seed)
+    scene = apartment(seed % 3)
+    starts = free_poses(scene, 14, seed)
+    people = [Person([place, np.add(place, [1.5, 0.2])]) for place in starts[:2, :2]]
+    simulation = Simulation(
+        scene,
+        starts[2:],
+        people=people if seed % 2 else (),
+        interacting=seed % 4 == 0,
+        control_noise=0.2,
+        odometry_noise=DriftingOdometry(seed),
+        rng=np.random.default_rng(seed),
+    )
+    for step in range(steps):
+        if step % 30 == 0:
+            action = np.column_stack([rng.uniform(-0.3, 0.8, 12), rng.uniform(-0.45, 0.45, 12)])
+        simulation.step(action)
+    if seed % 4:
+        simulation.place([3], starts[[5]])
+    return simulation, rng
+
+
+def rest_of(simulation, rng, steps):
+    """All that is to be seen of a simulation that goes on."""
+    seen = []
+    for step in range(steps):
+        if step % 15 == 0:
+            action = np.column_stack([rng.uniform(-0.3, 0.8, 12), rng.uniform(-0.45, 0.45, 12)])
+        simulation.step(action)
+        seen += [simulation.poses, simulation.odometry, simulation.collided, simulation.touching]
+    simulation.act(rng.integers(0, 4, 12))
+    last = simulation.observe()
+    seen += [simulation.crowd.positions, last.image, last.laser, last.odometry]
+    return b"".join(array.tobytes() for array in seen)
+
+
+@pytest.mark.parametrize(("seed", "steps"), [(0, 70), (1, 45), (3, 80), (6, 0), (4, 33)])
+def test_a_copy_goes_on_as_the_original_does(seed, steps):
+    original, rng = cornered(seed, steps)
+    alone, _ = cornered(seed, steps)
+    copies = [copy.copy(original), copy.deepcopy(original), pickle.loads(pickle.dumps(original))]
+    for simulation in (*copies, copy.deepcopy(copies[2])):
+        assert simulation.poses.tobytes() == original.poses.tobytes()
+        assert (simulation.touching == original.touching).all()
+    wanted = rest_of(alone, copy.deepcopy(rng), 60)
+    # In turn: none of them draws another one's noise or moves another one's robots.
+    for simulation in (*copies, original):
+        assert rest_of(simulation, copy.deepcopy(rng), 60) == wanted
+
+
+def test_a_copy_goes_on_alike_in_another_process():
+    original, rng = cornered(3, 40)
+    work = joblib.Parallel(n_jobs=2)
+    for found in work(joblib.delayed(rest_of)(original, copy.deepcopy(rng), 20) for _ in range(2)):
+        assert found == rest_of(copy.copy(original), copy.deepcopy(rng), 20)
+
+
+def test_a_copy_shares_the_scene_and_cannot_be_written_to(box):
+    simulation = act_for(Simulation(box, [[5.0, 5.0, 0.0]]), [0.5, 0.1], 3)
+    for copied in (copy.copy(simulation), copy.deepcopy(simulation)):
+        assert copied.scene is box
+        with pytest.raises(ValueError, match="read-only"):
+            copied.poses[0] = 1.0
+    stored = pickle.loads(pickle.dumps(simulation))
+    with pytest.raises(ValueError, match="read-only"):
+        stored.scene.plan.walls[0] = 1.0
+    assert (stored.observe().image == simulation.observe().image).all()
+
+
+# Robots that see and touch each other.
+
+
+def facing(apart=3.0):
+    return np.array([[4.0, 5.0, 0.0], [4.0 + apart, 5.0, np.pi]])
+
+
+@pytest.mark.parametrize("body", [BicycleCar(), DifferentialDrive()])
+def test_two_robots_that_interact_stop_each_other_head_on(box, body):
+    simulation = Simulation(box, facing(), body=body, interacting=True)
+    act_for(simulation, [0.5, 0.0], 20)
+    assert not simulation.collided.any()
+    act_for(simulation, [0.5, 0.0], 60)
+    assert simulation.touching.tolist() == simulation.collided.tolist() == [True, True]
+    assert np.abs(simulation.speed).max() < 0.02
+    front = body.footprint[:, 0].max()
+    assert simulation.poses[1, 0] - simulation.poses[0, 0] == pytest.approx(2 * front, abs=0.02)
+    act_for(simulation, [-0.3, 0.0], 20)
+    assert simulation.touching.tolist() == [False, False]
+    assert simulation.collided.all()
+    # Others pass through each other.
+    ghosts = act_for(Simulation(box, facing(), body=body), [0.5, 0.0], 80)
+    assert not ghosts.collided.any()
+    assert ghosts.poses[0, 0] > ghosts.poses[1, 0]
+
+
+def test_a_robot_pushes_one_that_stands(box):
+    simulation = Simulation(box, [[4.0, 5.0, 0.0], [5.0, 5.0, 0.0]], interacting=True)
+    for _ in range(60):
+        simulation.step([[0.5, 0.0], [0.0, 0.0]])
+    assert simulation.poses[1, 0] > 5.1
+    assert simulation.odometry[1, 0] > 0.1
+
+
+def test_each_robot_appears_in_the_other_s_image_and_scan_but_not_in_its_own(box):
+    alone = Simulation(box, facing(1.5)).observe()
+    both = Simulation(box, facing(1.5), interacting=True).observe()
+    changed = (both.image != alone.image).any(axis=(1, 3))  # (N, W)
+    assert changed[:, 31:33].all()
+    assert 3 <= changed[0].sum() <= 6  # 0.24 m wide, 1.1 m away
+    ahead = np.abs(full_circle(96)).argmin()
+    assert both.laser[:, ahead] == pytest.approx(1.5 - 0.36, abs=0.01)
+    nearer = both.laser < alone.laser - 1e-9
+    assert nearer.sum(axis=1).tolist() == [2, 2]
+    # From behind, a car that looks the other way sees nothing of it.
+    away = np.array([[4.0, 5.0, np.pi], [7.0, 5.0, 0.0]])
+    images = [Simulation(box, away, interacting=i).observe().image for i in (False, True)]
+    assert (images[0] == images[1]).all()
+    some = Simulation(box, facing(1.5), interacting=True).observe(np.array([1]))
+    assert (some.image == both.image[[1]]).all()
+
+
+def test_a_robot_looks_like_its_outline(box):
+    """From all around, a car is seen where its sides are; its corners are round."""
+    car = np.array([5.0, 5.0, 0.7])
+    discs = robot_discs(BicycleCar(), car[None])
+    sides = to_world(car, BicycleCar().footprint)
+    walls = np.hstack([sides, np.roll(sides, -1, axis=0)])
+    angles = np.linspace(-np.pi, np.pi, 40, endpoint=False)
+    rays = np.column_stack([5 + 1.5 * np.cos(angles), 5 + 1.5 * np.sin(angles), angles + np.pi])
+    fan = Fan(np.linspace(-0.06, 0.06, 9))
+    outline = Raycaster(walls).cast(rays, fan).distance
+    seen = box.caster.cast(rays, fan, discs, np.ones(len(rays), np.int32)).distance
+    hit = np.isfinite(outline)
+    assert (seen >= outline - 1e-9)[hit].all()
+    assert np.median((seen - outline)[hit]) < 0.02
+    assert ((seen - outline)[hit] < 0.06).mean() > 0.9
+    own = box.caster.cast(rays, fan, discs, np.zeros(len(rays), np.int32)).distance
+    assert (own > 3.0).all()
+
+
+def test_robots_that_interact_start_beside_each_other():
+    box = Scene(make_box())
+    crossed = [[5.0, 5.0, 0.0], [2.0, 2.0, 0.0], [5.1, 5.2, 0.8]]
+    Simulation(box, crossed)
+    with pytest.raises(InputError, match="robots 0 and 2 would stand in each other"):
+        Simulation(box, crossed, interacting=True)
+    beside = [[5.0, 5.0, 0.0], [5.0, 5.25, 0.0], [5.46, 5.0, 0.0]]
+    simulation = Simulation(box, beside, interacting=True)
+    with pytest.raises(InputError, match="robots 0 and 1 would stand"):
+        simulation.place([1], [[5.0, 5.2, 0.0]])
+    assert (simulation.poses == beside).all()
+    simulation.place([1], [[5.0, 6.0, 0.0]])
+    assert simulation.poses[1, 1] == 6.0

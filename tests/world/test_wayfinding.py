@@ -1,15 +1,18 @@
 """Signs whose colour follows the distance along the corridors."""
 
 import colorsys
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
+from tests.conftest import make_box
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.world.floorplan import Room
 from tutorial_lib.world.generators import FAMILIES, generate
-from tutorial_lib.world.generators.wayfinding import PITCH, SHADES, SPAN, WIDTH, Depth
+from tutorial_lib.world.generators.wayfinding import PASSABLE, PITCH, SHADES, SPAN, WIDTH, Depth
 from tutorial_lib.world.materials import PERIOD
 from tutorial_lib.world.occupancy import clearance_grid
 
@@ -105,6 +108,27 @@ def test_a_room_has_the_accent_of_its_door():
         assert len({stripe.colour for n in names for stripe in accents[n]}) == 1
 
 
+def test_of_several_doors_the_one_nearest_to_the_root_counts():
+    plan = cached("apartment", 41, signs="wayfinding")
+    depth, several = Depth(plan), 0
+    for number, room in enumerate(plan.rooms):
+        doors = [door for door in plan.doors if number in door.rooms]
+        if room.kind not in PASSABLE and len(doors) > 1:
+            middles = np.array([np.add(door.start, door.end) / 2 for door in doors])
+            inside = np.mean(room.outline, axis=0)[None]
+            assert depth.by_room(inside) == depth.at(middles).min()
+            several += depth.at(middles).min() < depth.at(middles).max()
+    assert several
+
+
+def test_the_longest_path_begins_at_an_end_though_the_search_begins_in_between():
+    """A hallway shaped like a V, whose lowest point is in its middle."""
+    hall = replace(make_box(12.0, 3.0), rooms=(Room("hallway", ((0, 3), (6, 0), (12, 3))),))
+    ends = Depth(hall).at(np.array([[0.4, 2.7], [6.0, 0.4], [11.6, 2.7]]))
+    assert sorted(ends[[0, 2]]) == pytest.approx([0.0, 0.9], abs=0.05)
+    assert ends[1] == pytest.approx(0.5, abs=0.05)
+
+
 def test_every_door_frame_is_one_colour_of_its_own_place():
     plan = cached("office", 42, signs="wayfinding")
     frames = [m for m in plan.materials if m.name.startswith("door frame ")]
@@ -122,6 +146,21 @@ def test_each_world_has_hues_of_its_own_and_the_same_seed_the_same():
         accents = accents_of(plan, cached("maze", seed))
         firsts.append(round(hue(next(s for v in accents.values() for s in v).colour), 2))
     assert len(set(firsts)) >= 4
+
+
+def test_hues_rise_along_some_buildings_and_fall_along_others():
+    rising = []
+    for seed in range(40, 48):
+        plan = cached("office", seed, signs="wayfinding")
+        posts = [i for i, name in enumerate(plan.wall_materials) if name.startswith("door frame ")]
+        colour = {material.name: material.colour for material in plan.materials}
+        depths = Depth(plan).at(plan.walls[posts].reshape(-1, 2, 2).mean(axis=1))
+        order = [posts[k] for k in np.argsort(depths)]
+        hues = np.array([hue(colour[plan.wall_materials[i]]) for i in order])
+        steps = (np.diff(hues) + 0.5) % 1.0 - 0.5  # around the circle, the short way
+        assert (steps > -0.01).all() or (steps < 0.01).all()
+        rising.append(steps.sum() > 0)
+    assert len(set(rising)) == 2
 
 
 def test_shifted_accents_are_duller_than_any_that_are_trained_on():

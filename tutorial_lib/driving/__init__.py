@@ -6,6 +6,7 @@ from tutorial_lib.driving.control.rmp import RMPController, control_jacobian, po
 from tutorial_lib.driving.control.rmp_arcs import cover
 from tutorial_lib.driving.data.demonstrations import demonstrate, demonstrate_between
 from tutorial_lib.driving.data.episodes import draw_episodes
+from tutorial_lib.driving.data.export import export_recording
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.data.reachability_pairs import draw_reachability_pairs, reachability_pairs
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
@@ -30,6 +31,7 @@ __all__ = [
     "demonstrate_between",
     "draw_episodes",
     "draw_reachability_pairs",
+    "export_recording",
     "geodesic_limit",
     "perturbed",
     "point_jacobian",

@@ -4,12 +4,14 @@ Importing this module registers ``tutorial_lib/ImageGoalNav-v0``:
 
     import gymnasium, tutorial_lib.exploration.environment
     environment = gymnasium.make("tutorial_lib/ImageGoalNav-v0", difficulty="hard")
+    at_home = gymnasium.make("tutorial_lib/ImageGoalNav-v0", plan="my_home.yaml")
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, ClassVar
 
 import gymnasium
@@ -21,8 +23,13 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import DIFFICULTIES, draw_episodes, exploration_world
 from tutorial_lib.exploration.motion import ACTIONS
 from tutorial_lib.exploration.task import SENSORS, STEPS, ExplorationTask
+from tutorial_lib.exploration.top_view import top_view
+from tutorial_lib.validation import instance, whole
+from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators import SIGNS
+from tutorial_lib.world.importers import import_map
 from tutorial_lib.world.noise import STOP
+from tutorial_lib.world.occupancy import check_closed
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera
 from tutorial_lib.world.worlds import scene_of
@@ -35,14 +42,21 @@ class ImageGoalNavigation(gymnasium.Env):
     """One episode at a time; actions are stop, forward, left and right, 0 to 3.
 
     The reward is the episode's SPL, when it ends. `info` has "success", "spl" and "steps".
+
+    Rendered images are for people: "rgb_array" is the panorama, "top_view" shows where robot and
+    goal are, which no agent may know.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["rgb_array"], "render_fps": 10}
+    metadata: ClassVar[dict[str, Any]] = {
+        "render_modes": ["rgb_array", "top_view"],
+        "render_fps": 10,
+    }
 
     def __init__(
         self,
         *,
-        worlds: Sequence[int] = tuple(range(100)),
+        worlds: Sequence[int] | None = None,
+        plan: str | Path | FloorPlan | None = None,
         signs: str = "plain",
         difficulty: str = "medium",
         sensor: str = "rgbd",
@@ -52,22 +66,30 @@ class ImageGoalNavigation(gymnasium.Env):
         """Choose what episodes are drawn from.
 
         Args:
-            worlds: seeds; those below 10,000 are for training.
+            worlds: seeds, 0 to 99 unless given; those below 10,000 are for training.
+            plan: a map file of any kind that `world.import_map` reads, or a floor plan, in which
+                all episodes take place instead.
             signs: of the worlds, "plain" or "wayfinding".
             difficulty: one of `episodes.DIFFICULTIES`.
             sensor: "rgbd" or "rgb".
             noise: of motion and odometry.
-            render_mode: None, or "rgb_array" for the panorama.
+            render_mode: None, "rgb_array" or "top_view".
 
         Raises:
-            InputError: where there are no worlds, or one is no seed; for unknown signs, difficulty,
-                sensor or render mode.
+            InputError: where there are no worlds, or one is no seed; for a plan that cannot be read
+                or beside worlds or signs; for unknown signs, difficulty, sensor or render mode.
         """
         _check("signs", signs, SIGNS)
         _check("difficulty", difficulty, tuple(DIFFICULTIES))
         _check("sensor", sensor, SENSORS)
         _check("render_mode", render_mode, (None, *self.metadata["render_modes"]))
-        self._worlds, self._signs, self._difficulty = _seeds(worlds), signs, difficulty
+        if plan is not None and (worlds is not None or signs != "plain"):
+            raise InputError(
+                "plan: it is the only world and has no signs; leave worlds and signs out"
+            )
+        self._plan = None if plan is None else Scene(_floor_plan(plan))
+        self._worlds = _seeds(range(100) if worlds is None else worlds)
+        self._signs, self._difficulty = signs, difficulty
         self._sensor, self._noise, self.render_mode = sensor, noise, render_mode
         self._task: ExplorationTask | None = None
         camera = PanoramicCamera()
@@ -85,13 +107,22 @@ class ImageGoalNavigation(gymnasium.Env):
     ) -> tuple[dict[str, NDArray], dict[str, Any]]:
         """Draw an episode; the same seed draws the same one.
 
+        Args:
+            seed: of this episode and those after it.
+            options: of this episode only: "difficulty", and "world", a seed, unless there is a plan
+                of one's own.
+
         Raises:
-            InputError: when the world drawn is too small for the difficulty.
+            InputError: for an unknown option, and when the world drawn is too small for the
+                difficulty.
         """
         super().reset(seed=seed, options=options)
-        world = exploration_world(int(self.np_random.choice(self._worlds)), self._signs)
-        scene = _scene(world)
-        episode = draw_episodes(world, scene, {self._difficulty: 1}, self.np_random)
+        worlds, difficulty = self._chosen({} if options is None else options)
+        world, scene = "plan", self._plan
+        if scene is None:
+            world = exploration_world(int(self.np_random.choice(worlds)), self._signs)
+            scene = _scene(world)
+        episode = draw_episodes(world, scene, {difficulty: 1}, self.np_random)
         self._task = ExplorationTask(
             {world: scene}, episode, self.np_random, sensor=self._sensor, noise=self._noise
         )
@@ -114,13 +145,27 @@ class ImageGoalNavigation(gymnasium.Env):
         return self._observe(), reward, over and not truncated, truncated, self._info()
 
     def render(self) -> NDArray[np.uint8] | None:
-        """The panorama, if `render_mode` asks for it.
+        """The image that `render_mode` asks for, (H, W, 3), if it does.
 
         Raises:
             InputError: before `reset`.
         """
-        image = self._running().observe().image[0]
-        return image if self.render_mode == "rgb_array" else None
+        task = self._running()
+        if self.render_mode == "top_view":
+            (scene,) = task.scenes.values()
+            return top_view(scene, [poses[0] for poses in task.path], task.goal_poses[0])
+        return task.observe().image[0] if self.render_mode == "rgb_array" else None
+
+    def _chosen(self, options: dict[str, Any]) -> tuple[tuple[int, ...], str]:
+        """Worlds and difficulty of the next episode."""
+        known = ("difficulty", "world") if self._plan is None else ("difficulty",)
+        for name in instance("options", options, dict):
+            _check("options", name, known)
+        difficulty = options.get("difficulty", self._difficulty)
+        _check("options: difficulty", difficulty, tuple(DIFFICULTIES))
+        if "world" not in options:
+            return self._worlds, difficulty
+        return (whole("options: world", options["world"], least=0),), difficulty
 
     def _running(self) -> ExplorationTask:
         if self._task is None:
@@ -145,6 +190,18 @@ class ImageGoalNavigation(gymnasium.Env):
 
 def _metres(depth: NDArray[np.floating]) -> NDArray[np.float32]:
     return np.minimum(depth[0], _FARTHEST).astype(np.float32)
+
+
+def _floor_plan(plan: str | Path | FloorPlan) -> FloorPlan:
+    """A floor plan whose rooms are closed, from a file unless it is one."""
+    if isinstance(plan, FloorPlan):
+        check_closed(plan)
+        return plan
+    if not isinstance(plan, str | Path):
+        raise InputError(
+            f"plan: of type {type(plan).__name__}; give the name of a map's file or a FloorPlan"
+        )
+    return import_map(plan)
 
 
 @lru_cache(maxsize=8)

@@ -7,9 +7,10 @@ from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.topology.localization import BayesFilter, FilterSettings
 from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.export import export_geojson, export_graphml
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
-from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
+from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.motion_model import MotionModel, motion_model, moved
 from tutorial_lib.topology.planner import DijkstraPlanner
@@ -31,6 +32,7 @@ __all__ = [
     "ViewSensor",
     "add_trajectory",
     "anchors_of",
+    "export_geojson",
     "export_graphml",
     "likeness",
     "load_map",

@@ -10,8 +10,16 @@ from tutorial_lib.world.placing import is_free, random_free_poses
 from tutorial_lib.world.plan_json import load_plan, save_plan
 from tutorial_lib.world.raycast import Discs, Fan, Raycaster
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import EYE, WALL_HEIGHT, Camera, Laser, PanoramicCamera, full_circle
-from tutorial_lib.world.simulation import STEP, Sensors, Simulation
+from tutorial_lib.world.sensors import (
+    EYE,
+    WALL_HEIGHT,
+    Camera,
+    Laser,
+    PanoramicCamera,
+    Sensors,
+    full_circle,
+)
+from tutorial_lib.world.simulation import STEP, Simulation
 from tutorial_lib.world.visibility import mutual_overlap
 from tutorial_lib.world.worlds import local_world, map_world, scene_of, training_world, world_name
 

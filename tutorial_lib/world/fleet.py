@@ -1,4 +1,8 @@
-"""The pymunk space: robots that ignore each other, walls, and people."""
+"""The pymunk space: robots, which ignore each other or not, walls, and people."""
+
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -9,6 +13,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.world.people import EVERYBODY, Crowd
 
 _MASS = 1.0
+_FRICTION = 1.0
 _ROBOT, _THING = 1, 2
 _FIELDS = pymunk.batch.BodyFields
 _READ = _FIELDS.POSITION | _FIELDS.ANGLE
@@ -22,32 +27,75 @@ class Fleet:
     velocity; contact then removes the part that is blocked. A velocity moves the robot in the
     substep after it is set.
 
+    A copy repeats all motions from the start: pymunk's own copies lose what the solver remembers
+    of the last step, and a robot in a corner would go on differently.
+
     Attributes:
+        crowd: the people.
         poses: (N, 3), headings not wrapped.
         contacts: (N,) how many things each robot touches now.
         collided: (N,) whether it ever touched one.
     """
 
-    def __init__(self, segments: Array, footprint: Array, poses: Array, crowd: Crowd) -> None:
-        """Put robots at `poses` (N, 3) among wall `segments` (S, 4) and a crowd."""
-        self.poses = poses.copy()
+    def __init__(
+        self,
+        segments: Array,
+        footprint: Array,
+        poses: Array,
+        crowd: Crowd,
+        interacting: bool = False,
+    ) -> None:
+        """Put robots at `poses` (N, 3) among wall `segments` (S, 4) and a crowd.
+
+        Args:
+            segments: of the walls.
+            footprint: (K, 2) of each robot.
+            poses: of the robots.
+            crowd: at the start of its routes.
+            interacting: whether robots touch each other; else they pass through each other.
+        """
+        self._beginning = segments, footprint, poses, crowd.people, interacting
+        self._history: list[tuple[str, tuple[Any, ...]]] = []
+        self.crowd, self.poses = crowd, poses.copy()
         self.contacts = np.zeros(len(poses), dtype=int)
         self.collided = np.zeros(len(poses), dtype=bool)
         self._space = pymunk.Space()
         self._space.damping = 0.0
         self._space.collision_slop = 0.001
         self._robots: list[pymunk.Body] = []
-        self._add_robots(footprint)
+        self._add_robots(footprint, 0 if interacting else 1)
         self._add_things(segments, crowd)
         self._space.on_collision(_ROBOT, _THING, begin=self._begin, separate=self._separate)
+        self._space.on_collision(_ROBOT, _ROBOT, begin=self._meet, separate=self._part)
         self._state = pymunk.batch.Buffer()
         # The space holds the robots first, then the people, which no force moves.
         self._forces = np.zeros((len(poses) + len(crowd.bodies), 3))
         self._orders = pymunk.batch.Buffer()
         self._orders.set_float_buf(self._forces)
 
+    def __getstate__(self) -> tuple[Any, ...]:
+        return self._beginning, self._history
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        (segments, footprint, poses, people, interacting), history = state
+        self.__init__(segments, footprint, poses, Crowd(people), interacting)
+        for name, arguments in history:
+            getattr(self, name)(*arguments)
+
+    def __deepcopy__(self, _memo: dict[int, Any]) -> Fleet:
+        # What was done is never written to: both share it.
+        copied = Fleet.__new__(Fleet)
+        copied.__setstate__(self.__getstate__())
+        return copied
+
+    def walk(self, seconds: float) -> None:
+        """Let people walk on for the next `seconds`."""
+        self._history.append(("walk", (seconds,)))
+        self.crowd.walk(self.poses, seconds)
+
     def substep(self, ahead: Array, aside: Array | float, turn: Array, seconds: float) -> None:
         """Request velocities in the robots' frames, m/s and rad/s (N,), and step."""
+        self._history.append(("substep", (ahead, aside, turn, seconds)))
         # The velocity acts in the next substep; halfway through, it points along the arc's chord.
         heading = self.poses[:, 2] + 1.5 * seconds * turn
         cos, sin = np.cos(heading), np.sin(heading)
@@ -65,6 +113,7 @@ class Fleet:
 
     def place(self, robots: NDArray[np.intp], poses: Array) -> None:
         """Put these robots at rest at `poses` (M, 3)."""
+        self._history.append(("place", (robots.copy(), poses.copy())))
         for number, (x, y, heading) in zip(robots.tolist(), poses.tolist(), strict=True):
             robot = self._robots[number]
             robot.position, robot.angle = (x, y), heading
@@ -72,14 +121,15 @@ class Fleet:
             self._space.reindex_shapes_for_body(robot)
         self.poses[robots] = poses
 
-    def _add_robots(self, footprint: Array) -> None:
-        among_robots = pymunk.ShapeFilter(group=1)
+    def _add_robots(self, footprint: Array, group: int) -> None:
+        among_robots = pymunk.ShapeFilter(group=group)  # shapes of one group ignore each other
         corners = [tuple(corner) for corner in footprint.tolist()]
         for number, (x, y, heading) in enumerate(self.poses.tolist()):
             robot = pymunk.Body(_MASS, _MASS)
             robot.position, robot.angle = (x, y), heading
             shape = pymunk.Poly(robot, corners)
             shape.filter, shape.collision_type, shape.owner = among_robots, _ROBOT, number
+            shape.friction = _FRICTION  # of two robots: walls and people have none
             self._space.add(robot, shape)
             self._robots.append(robot)
 
@@ -102,6 +152,14 @@ class Fleet:
     def _separate(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
         robot, concerned = _parties(arbiter)
         self.contacts[robot] -= concerned
+
+    def _meet(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
+        robots = [shape.owner for shape in arbiter.shapes]
+        self.contacts[robots] += 1
+        self.collided[robots] = True
+
+    def _part(self, arbiter: pymunk.Arbiter, _space: pymunk.Space, _data: object) -> None:
+        self.contacts[[shape.owner for shape in arbiter.shapes]] -= 1
 
 
 def _parties(arbiter: pymunk.Arbiter) -> tuple[int, bool]:

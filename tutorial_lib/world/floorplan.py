@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -129,6 +130,10 @@ class FloorPlan:
             raise InputError("rooms: there are none; a plan needs at least one room to be in")
         for i, door in enumerate(self.doors):
             _check_door(f"doors[{i}]", door, len(self.rooms), bounds)
+
+    def __reduce__(self) -> tuple[type[FloorPlan], tuple[Any, ...]]:
+        # A copy is checked, and cannot be written to either.
+        return type(self), tuple(getattr(self, part.name) for part in fields(self))
 
     @cached_property
     def segments(self) -> NDArray[np.float64]:

@@ -151,14 +151,16 @@ def cast_discs(
 ) -> None:
     """Replace hits by discs that are nearer; disc k gets the wall index `first` + k.
 
-    A disc (x, y, radius) with owner -1 exists for every viewer, else only for the viewer with that
-    index. `along` runs counter-clockwise around the disc, from its +x side.
+    A disc (x, y, radius) with owner -1 exists for every viewer, one with owner -2 - i for every
+    viewer but i, and any other only for the viewer with that index. `along` runs counter-clockwise
+    around the disc, from its +x side.
     """
     for pose in range(len(poses)):
         x, y = poses[pose, 0], poses[pose, 1]
         cos, sin = math.cos(poses[pose, 2]), math.sin(poses[pose, 2])
         for k in range(len(discs)):
-            if owners[k] >= 0 and owners[k] != viewers[pose]:
+            owner, viewer = owners[k], viewers[pose]
+            if (owner >= 0 and owner != viewer) or owner == -2 - viewer:
                 continue
             dx, dy, radius = discs[k, 0] - x, discs[k, 1] - y, discs[k, 2]
             # Into the robot's frame, where the rays are.

@@ -6,6 +6,7 @@ uniform grid and meets only the walls of the cells it crosses. Moving discs (peo
 on top.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,7 +35,8 @@ class Discs:
 
     Attributes:
         circles: (K, 3) x, y, radius in metres.
-        owners: (K,) int32, index of the robot for which the disc exists, or -1 for all robots.
+        owners: (K,) int32, index of the robot for which the disc exists, -1 for all robots, or
+            -2 - i for all but robot i.
         colours: (K, 3) float32 RGB, 0 to 255.
 
     Raises:
@@ -51,6 +53,12 @@ class Discs:
             owners=(self.owners, ("K",)),
             colours=(self.colours, ("K", 3)),
         )
+
+    @classmethod
+    def joined(cls, parts: Sequence["Discs"]) -> "Discs":
+        """All discs of the parts, in their order."""
+        columns = zip(*((part.circles, part.owners, part.colours) for part in parts), strict=True)
+        return cls(*(np.concatenate(column) for column in columns))
 
 
 class Fan:

@@ -16,12 +16,21 @@ SHADE = 0.15
 
 
 class Scene:
-    """The walls of a plan behind a raycaster, and their strips ready to be painted."""
+    """The walls of a plan behind a raycaster, and their strips ready to be painted.
+
+    It never changes: copies of what has one share it, and only its plan is pickled.
+    """
 
     def __init__(self, plan: FloorPlan) -> None:
         """Prepare `plan`."""
         self.plan = plan
         self.caster = Raycaster(plan.segments)
+
+    def __reduce__(self) -> tuple[type["Scene"], tuple[FloorPlan]]:
+        return Scene, (self.plan,)
+
+    def __deepcopy__(self, _memo: dict[int, object]) -> "Scene":
+        return self
 
     @cached_property
     def clearance(self) -> ClearanceGrid:

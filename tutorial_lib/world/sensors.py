@@ -1,6 +1,6 @@
 """Sensors that look at a `Scene` from many poses at once: camera, panorama and laser."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -193,6 +193,27 @@ class Laser:
     ) -> NDArray[np.float64]:
         """Distances (N, B) in metres from every pose, at most `range`."""
         return np.minimum(scene.caster.cast(poses, self.fan, discs, viewers).distance, self.range)
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What a robot carries.
+
+    Attributes:
+        camera: takes the images; None where only the laser is needed.
+        laser: scans the full circle.
+        with_depth: whether observations include depth.
+    """
+
+    camera: Camera | PanoramicCamera | None = field(default_factory=Camera)
+    laser: Laser = field(default_factory=Laser)
+    with_depth: bool = False
+
+    def __post_init__(self) -> None:
+        if self.laser.field_of_view < 2 * np.pi:
+            raise InputError("sensors: a robot's laser scans the full circle; give 2 pi")
+        if self.with_depth and self.camera is None:
+            raise InputError("sensors: depth needs a camera; give one, or with_depth=False")
 
 
 def full_circle(count: int) -> NDArray[np.float64]:

@@ -1,7 +1,8 @@
-"""Motion and contact, simulated by pymunk: one robot, or a fleet whose robots ignore each other."""
+"""Motion and contact, simulated by pymunk: one robot or a fleet."""
 
+import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,6 +12,7 @@ from tutorial_lib.geometry import Array, compose, relative, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.fleet import Fleet
+from tutorial_lib.world.interaction import check_distinct, robot_discs
 from tutorial_lib.world.noise import (
     ACTUATION,
     NoNoise,
@@ -22,7 +24,7 @@ from tutorial_lib.world.people import Crowd, Person
 from tutorial_lib.world.placing import check_apart, check_free
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
+from tutorial_lib.world.sensors import Sensors
 
 STEP = 0.1
 """Seconds between two actions: control at 10 Hz."""
@@ -31,29 +33,11 @@ ACTION_SECONDS = 0.5
 """Seconds that a discrete action takes."""
 
 
-@dataclass(frozen=True)
-class Sensors:
-    """What a robot carries.
-
-    Attributes:
-        camera: takes the images; None where only the laser is needed.
-        laser: scans the full circle.
-        with_depth: whether observations include depth.
-    """
-
-    camera: Camera | PanoramicCamera | None = field(default_factory=Camera)
-    laser: Laser = field(default_factory=Laser)
-    with_depth: bool = False
-
-    def __post_init__(self) -> None:
-        if self.laser.field_of_view < 2 * np.pi:
-            raise InputError("sensors: a robot's laser scans the full circle; give 2 pi")
-        if self.with_depth and self.camera is None:
-            raise InputError("sensors: depth needs a camera; give one, or with_depth=False")
-
-
 class Simulation:
-    """A scene with robots in it, all of one body; they pass through each other.
+    """A scene with robots in it, all of one body.
+
+    Copies, and pickles of it, go on as it does to the last bit, noise included. Making one repeats
+    all motions since the start.
 
     Attributes:
         scene: the world.
@@ -72,6 +56,7 @@ class Simulation:
         *,
         body: Body | None = None,
         people: Sequence[Person] = (),
+        interacting: bool = False,
         control_noise: float = 0.0,
         odometry_noise: OdometryNoise | None = None,
         sensors: Sensors | None = None,
@@ -84,13 +69,15 @@ class Simulation:
             poses: (N, 3) where the robots start.
             body: their model, a `BicycleCar` unless given.
             people: people and obstacles.
+            interacting: whether robots see, touch and push each other, or pass through unseen.
             control_noise: sigma of `scale_controls`.
             odometry_noise: exact odometry unless given; experiments give `DriftingOdometry`.
             sensors: camera and laser.
             rng: needed when there is noise, but for that of `DriftingOdometry`.
 
         Raises:
-            InputError: when a robot would start inside a wall, or there is noise and no `rng`.
+            InputError: when a robot would start inside a wall or one that it interacts with, or
+                there is noise and no `rng`.
         """
         self.scene = scene
         self.body = BicycleCar() if body is None else body
@@ -103,18 +90,25 @@ class Simulation:
             raise InputError(f"simulation: control_noise {control_noise}; give a sigma >= 0")
         if rng is None and (control_noise or self._odometry_noise.needs_rng):
             raise InputError("simulation: noise needs an rng; give np.random.default_rng(seed)")
-        self._rng = rng
+        self._rng, self.interacting = rng, interacting
         count = len(self.poses)
-        self.controls = np.zeros((count, 2))
-        self.odometry = np.zeros((count, 3))
-        self.speed = np.zeros(count)
-        self.seconds = 0.0
-        self.crowd = Crowd(people)
-        if not (self.crowd.owners < count).all():
+        self.controls, self.odometry = np.zeros((count, 2)), np.zeros((count, 3))
+        self.speed, self.seconds = np.zeros(count), 0.0
+        crowd = Crowd(people)
+        if not (crowd.owners < count).all():
             raise InputError(f"people: an owner is beyond the last robot, {count - 1}")
-        check_apart(self.body, self.poses, self.crowd.discs)
-        segments, footprint = scene.plan.segments, self.body.footprint
-        self._fleet = Fleet(segments, footprint, self.poses, self.crowd)
+        check_apart(self.body, self.poses, crowd.discs)
+        if interacting:
+            check_distinct(self.body, self.poses)
+        walls, footprint = scene.plan.segments, self.body.footprint
+        self._fleet = Fleet(walls, footprint, self.poses, crowd, interacting)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        self.poses.setflags(write=False)
+
+    def __copy__(self) -> "Simulation":
+        return copy.deepcopy(self)
 
     def __len__(self) -> int:
         return len(self.poses)
@@ -130,9 +124,16 @@ class Simulation:
         return self._fleet.collided.copy()
 
     @property
+    def crowd(self) -> Crowd:
+        """People and obstacles."""
+        return self._fleet.crowd
+
+    @property
     def discs(self) -> Discs | None:
-        """People and obstacles as the rays meet them."""
-        return self.crowd.discs if self.crowd.people else None
+        """People and obstacles as the rays meet them, and robots where they interact."""
+        if not self.interacting:
+            return self.crowd.discs if self.crowd.people else None
+        return Discs.joined([self.crowd.discs, robot_discs(self.body, self.poses)])
 
     def step(self, actions: ArrayLike) -> None:
         """Drive for `STEP` seconds.
@@ -145,7 +146,7 @@ class Simulation:
         """
         actions = checked_actions(actions, len(self))
         before, wanted = self.poses, scale_controls(actions, self._control_noise, self._rng)
-        self.crowd.walk(before, STEP)
+        self._fleet.walk(STEP)
         for _ in range(SUBSTEPS):
             self.controls = self.body.respond(self.controls, wanted, STEP / SUBSTEPS)
             twists = self.body.twist(self.controls)
@@ -173,7 +174,7 @@ class Simulation:
         rates = sample_motions(ACTUATION, actions, self._rng).T / seconds
         for substep in range(count):
             if substep % SUBSTEPS == 0:
-                self.crowd.walk(self._fleet.poses, STEP)
+                self._fleet.walk(STEP)
             moving = 1.0 if substep < count - 1 else 0.0
             self._fleet.substep(*(moving * rates), STEP / SUBSTEPS)
         self._finish(before, ACTION_SECONDS, actions)
@@ -186,7 +187,8 @@ class Simulation:
             poses: (M, 3) where to.
 
         Raises:
-            InputError: when a robot would stand in a wall or on a person; none is moved then.
+            InputError: when a robot would stand in a wall, on a person, or in a robot that it
+                interacts with; none is moved then.
         """
         robots, poses = np.atleast_1d(np.asarray(robots)), _poses(poses)
         once = robots.dtype.kind in "iu" and robots.shape == np.unique(robots).shape
@@ -202,9 +204,11 @@ class Simulation:
         alone = np.full_like(self.poses, np.nan)
         alone[robots] = poses
         check_apart(self.body, alone, self.crowd.discs)
-        self._fleet.place(robots, poses)
         placed = self.poses.copy()
         placed[robots] = poses
+        if self.interacting:
+            check_distinct(self.body, placed)
+        self._fleet.place(robots, poses)
         placed[:, 2] = wrap(placed[:, 2])
         self.poses = _poses(placed)
         self.controls[robots], self.speed[robots] = 0.0, 0.0

@@ -79,3 +79,19 @@ def test_the_blind_scores_are_compared_with_depth_only(perfect):
     found = choices(WORLD, 0, Settings(places=6, goals=3, sensors=("rgb", "rgbd")))
     assert {score for sensor, score in found.regret if sensor == "rgb"} == {*SCORES} - {"blind"}
     assert set(scores.scores_of("rgbd")) == set(SCORES)
+
+
+def test_only_decisions_between_two_directions_count(perfect, monkeypatch):
+    """Where a direction must be free for 2.9 m, many places have a single one, or none."""
+    monkeypatch.setattr(scores, "SHORTEST", 2.9)
+    scene = scene_of(WORLD)
+    poses = random_poses(scene, 26, np.random.default_rng([0, scene.plan.seed]))
+    labels = PanoramaLabels(scene, poses)
+    source, goal = (index.ravel() for index in np.indices((20, 6)))
+    metres = labels.metres(source, goal + 20)
+    directions = np.isfinite(np.where(labels.lengths[source] >= 2.9, metres[:, :-1], np.inf)).sum(1)
+    possible = (metres[:, -1] >= 1.5) & (metres[:, -1] < 10.0)
+    assert (possible & (directions == 1)).any()
+    found = choices(WORLD, 0, SMALL)
+    assert len(found.difficulty) == (possible & (directions > 1)).sum() > 0
+    assert all(np.isfinite(regret).all() for regret in found.regret.values())

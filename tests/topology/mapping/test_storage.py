@@ -8,7 +8,6 @@ import signal
 import sys
 import time
 
-import networkx as nx
 import numpy as np
 import pytest
 
@@ -19,14 +18,14 @@ from tests.made_up_maps import (
     edges_of,
     sensed,
     street,
-    table_map,
 )
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology.mapping import storage
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.export import export_graphml
 from tutorial_lib.topology.mapping.insertion import add_trajectory
-from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
+from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.planner import DijkstraPlanner
 
@@ -454,29 +453,3 @@ def test_a_process_killed_while_saving_leaves_a_map_that_can_be_read(path):
         os.utime(file, (0, 0))
     save_map(path, maps[1])
     assert list(path.parent.iterdir()) == [path]
-
-
-# GraphML.
-
-
-def test_graphml_is_read_by_networkx(tmp_path):
-    topomap = grown(3, hidden=[3])
-    export_graphml(tmp_path / "flat.graphml", topomap)
-    graph = nx.read_graphml(tmp_path / "flat.graphml", node_type=int)
-    assert list(graph) == topomap.alive.tolist()
-    assert graph.is_directed()
-    found = {(a, b): (e["probability"], e["driven"]) for a, b, e in graph.edges(data=True)}
-    assert found == edges_of(topomap)
-    for a, b, edge in graph.edges(data=True):
-        assert edge["weight"] == topomap.graph.edges[a, b]["weight"]
-        assert isinstance(edge["driven"], int)
-    for vertex, data in graph.nodes(data=True):
-        assert data["trajectory"] == topomap.trajectory[vertex]
-        assert data["place"] == topomap.place[vertex]
-        assert data["timestamp"] == topomap.vertices.timestamps[vertex]
-
-
-def test_a_map_without_edges_is_graphml_too(tmp_path):
-    export_graphml(tmp_path / "flat.graphml", table_map(np.eye(3), 3))
-    graph = nx.read_graphml(tmp_path / "flat.graphml", node_type=int)
-    assert (list(graph), graph.number_of_edges()) == ([0, 1, 2], 0)

@@ -13,20 +13,24 @@ from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import compose, relative, wrap
 from tutorial_lib.topology.mapping.anchors import Anchors
+from tutorial_lib.topology.mapping.export import export_graphml
 from tutorial_lib.topology.mapping.scan_matching import (
     agreement,
     likely_rotations,
     match_scans,
 )
-from tutorial_lib.topology.mapping.storage import export_graphml, load_map, save_map
+from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.turn_edges import (
+    Turns,
     TurnSettings,
+    _apart,
+    _sights,
     add_turns,
     colour_correlation,
 )
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.sensors import Camera, Laser
+from tutorial_lib.world.sensors import Camera, Laser, full_circle
 
 PILLARS = [(3.0, 3.0, 0.5), (6.5, 4.0, 0.3), (5.0, 7.5, 0.8)]
 
@@ -67,6 +71,15 @@ def test_scans_of_different_places_contradict_each_other(scene):
     assert agreement(first, second, np.zeros((1, 3)))[0] < 0.7
     far = np.full_like(first, 10.0)  # nothing in sight
     assert np.isnan(agreement(first, far, np.zeros((1, 3)))[0])
+
+
+def test_the_scan_that_agrees_less_counts():
+    """A round room seen from its middle, and with a recess on one side."""
+    round_room, recess = np.full((1, 96), 3.0), np.full((1, 96), 3.0)
+    recess[0, :32] = 6.0
+    # Nothing that the first one shows is missing in the second, but a third of it is in front.
+    for first, second in ((round_room, recess), (recess, round_room)):
+        assert agreement(first, second, np.zeros((1, 3)))[0] == pytest.approx(2 / 3, abs=0.03)
 
 
 def test_colours_are_compared_where_both_drives_saw_the_wall():
@@ -133,6 +146,50 @@ def test_a_drive_there_and_one_back_are_joined_by_turning_both_ways(scene):
         assert abs(abs(edge["turn"]) - np.pi) < 0.1
         assert edge["probability"] == 0.95
         assert topomap.graph.has_edge(target, source)
+
+
+@pytest.mark.parametrize("heading", [2.0, -2.0])
+def test_a_turn_leads_from_one_heading_to_the_other_to_its_own_side(scene, heading):
+    across = np.array([np.cos(heading), np.sin(heading), 0.0])
+    other = [[5.0, 5.2, heading] + far * across for far in (-1.0, 0.0, 1.0)]
+    topomap, added = learned(scene, THERE, other)
+    assert added[1] >= 2
+    headings = np.array([pose[2] for pose in [*THERE, *other]])
+    for source, target, edge in topomap.graph.edges(data=True):
+        assert abs(wrap(edge["turn"] - (headings[target] - headings[source]))) < 0.1
+
+
+def test_of_the_vertices_around_those_that_agree_best_are_turned_to(scene):
+    """The whole map is near enough, but only one vertex may be compared, and only one joined."""
+    few = TurnSettings(candidates=1, most=1, reach=9.0, agreement=0.3, colours=1e-9)
+    topomap, added = learned(scene, THERE, BACK, settings=few)
+    x = np.array([pose[0] for pose in THERE + BACK])
+    assert added[1] >= 2
+    assert all(abs(x[source] - x[target]) < 1.0 for source, target in topomap.graph.edges)
+
+
+@pytest.mark.parametrize(("reach", "joined"), [(0.2, False), (0.4, True)])
+def test_places_are_joined_up_to_the_reach(scene, reach, joined):
+    """Vertices of the two drives are 0.28 m from each other."""
+    _, added = learned(scene, THERE, BACK, settings=TurnSettings(reach=reach))
+    assert (added[1] > 0) == joined
+
+
+def test_of_headings_alike_the_one_with_the_best_score_is_kept():
+    poses = np.array([[0, 0, 2.0], [0, 0, 2.1], [0, 0, -2.0], [0, 0, -2.2], [0, 0, 0.0]])
+    turns = Turns(np.zeros(5, int), np.arange(5), poses, np.array([0.96, 0.99, 0.97, 0.96, 0.955]))
+    assert _apart(turns, TurnSettings()).vertices.tolist() == [1, 2, 4]
+    assert _apart(turns, TurnSettings(most=2)).vertices.tolist() == [1, 2]
+
+
+def test_only_colours_near_by_are_compared(scene):
+    anchors = along(scene, [[0.5, 5.2, 0.0], [0.6, 5.2, 0.0]], 0.0)
+    points, colours = _sights(anchors.observations, 0, np.array([0]))
+    laser = np.asarray(anchors.observations.laser[0])
+    ahead = laser[np.abs(full_circle(len(laser))) < Camera().field_of_view / 2]
+    assert (ahead >= 5.0).any()
+    assert len(points) == len(colours) == (ahead < 5.0).sum() > 0
+    assert np.linalg.norm(points, axis=1).max() < 5.0
 
 
 def test_drives_that_look_the_same_way_are_not(scene):

@@ -7,18 +7,16 @@ same time, a reader finds one map or another.
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.files import save_arrays, write_files
+from tutorial_lib.files import save_arrays
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.reading.arrays import load_arrays
 from tutorial_lib.reading.documents import parse_json
@@ -86,22 +84,6 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
         return _topomap(graph, arrays, reachability)
     except InputError as error:
         raise InputError(f"{path}: {error}; {advice}") from error
-
-
-def export_graphml(path: str | Path, topomap: TopoMap) -> None:
-    """Write the graph as GraphML, for programs that draw or analyse graphs."""
-    graph = nx.DiGraph()
-    for vertex in sorted(topomap.graph):
-        graph.add_node(
-            vertex,
-            trajectory=int(topomap.trajectory[vertex]),
-            place=int(topomap.place[vertex]),
-            timestamp=float(topomap.vertices.timestamps[vertex]),
-        )
-    graph.add_edges_from(topomap.graph.edges(data=True))
-    buffer = io.BytesIO()
-    nx.write_graphml(graph, buffer)
-    write_files({Path(path): buffer.getvalue()})
 
 
 def _npz(path: str | Path) -> Path:
