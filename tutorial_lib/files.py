@@ -5,6 +5,7 @@ import io
 import os
 import re
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
@@ -71,6 +72,19 @@ def sweep(folder: Path) -> None:
                 with suppress(OSError):  # another process was faster
                     if entry.stat(follow_symlinks=False).st_mtime < latest:
                         os.unlink(entry)
+
+
+def cache_folder() -> Path:
+    """Where the user's programs keep what can be made again; it may not exist yet.
+
+    The variable `TUTORIAL_CACHE` of the environment names it; else it is in the user's folder of
+    caches, as the system has it.
+    """
+    if os.environ.get("TUTORIAL_CACHE"):
+        return Path(os.environ["TUTORIAL_CACHE"]).expanduser()
+    usual = {"darwin": "~/Library/Caches", "win32": "~/AppData/Local"}.get(sys.platform, "~/.cache")
+    named = os.environ.get("LOCALAPPDATA" if os.name == "nt" else "XDG_CACHE_HOME")
+    return Path(named or usual).expanduser() / "topological-navigation"
 
 
 def make_folder(folder: Path) -> None:

@@ -17,9 +17,9 @@ _FADED = 0.6  # of the plan, under the map
 _BESIDE = 570  # pixels of height where agent and oracle are shown beside each other
 
 
-def view_of(building: Building, topomap: TopoMap, poses: Array) -> PlanView:
-    """The plan with the map on it; its walls stay dark."""
-    view = PlanView(building.scene)
+def view_of(building: Building, topomap: TopoMap, poses: Array, bounds: Array) -> PlanView:
+    """The part of the plan within bounds (4,) with the map on it; its walls stay dark."""
+    view = PlanView(building.scene, bounds=bounds)
     view.base = faded(view.base, _FADED)
     for wall in building.scene.plan.walls:
         view.polyline(view.base, wall.reshape(2, 2), colours.SOLID, 1)
