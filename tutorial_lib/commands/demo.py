@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 FAMILY = "apartment"
 EXPLORED = 2
-"""Seed of the usual exploration."""
+"""Seed of the usual exploration: from a bedroom over a corridor into the living room, past several
+ghosts of which it chooses some; with seed 0 it would be one straight corridor."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
 
 
@@ -72,7 +73,7 @@ def _explore(options: argparse.Namespace) -> bool:
         plan, name = _plan(options, seed, number, signs="wayfinding")
         outcome = run_exploration_demo(plan, seed, Path.cwd(), **_ends(options), name=name, say=say)
     print(
-        f"{outcome.plan}, never seen before: {outcome.ending} after {outcome.steps} actions and "
+        f"{outcome.plan}, never seen before: {outcome.ending}, after {outcome.steps} actions and "
         f"{outcome.travelled} m (geodesic {outcome.geodesic} m, SPL {outcome.spl})."
     )
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")

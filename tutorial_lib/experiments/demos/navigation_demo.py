@@ -87,8 +87,9 @@ def run_demo(
     """
     check_folder(folder)
     use_threads(1)  # for one robot, a second thread would mostly wait
-    task = choose_task(Scene(plan), seed, PLACES, say, name=name, start=start, goal=goal)
     agent = agents.meng()
+    asked = {"name": name, "start": start, "goal": goal}
+    task = choose_task(Scene(plan), seed, PLACES, agent, say, **asked)
     file = learn_map(agent, task.building, say, recorded=task.recorded, again=learn)
     beside = drive_oracle(task, say) if oracle else None
     # Together, so that figures are always those of the film beside them.
@@ -110,7 +111,8 @@ def navigate_once(
     The car gets its camera and laser, what was observed on the trajectories, and the goal image; it
     gets neither the floor plan nor its pose.
     """
-    task, agent = choose_task(scene, seed, places), agents.meng()
+    agent = agents.meng()
+    task = choose_task(scene, seed, places, agent)
     learn_map(agent, task.building)
     return drive_by_sight(task, agent, seed)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
@@ -15,6 +16,7 @@ from tutorial_lib.experiments.demos.ends import End, room_names
 from tutorial_lib.experiments.demos.moments import SHARP
 from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
 from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
+from tutorial_lib.experiments.demos.sureness import sureness
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     ROOMY,
     Building,
@@ -32,6 +34,8 @@ from tutorial_lib.world.scene import Scene
 
 TRIP = 20.0
 """Metres of a trip, as nearly as there is one, between those with as many doors."""
+SURE = 0.7
+"""Probability along a drive that makes a good trip; else that with the greatest is taken."""
 PART = 30.0
 """Metres on each side of the part of a larger plan in which a demo takes place."""
 _MARGIN = 8.0  # metres around start and goal that were asked for
@@ -75,6 +79,7 @@ def choose_task(
     scene: Scene,
     seed: int,
     places: int,
+    agent: MengAgent,
     say: Say = silent,
     *,
     name: str = "",
@@ -87,6 +92,7 @@ def choose_task(
         scene: the world.
         seed: of everything that is random.
         places: their number.
+        agent: whose RE tells over which drives it is sure of its way.
         say: is called with what is being done.
         name: of the world; its family and seed unless given.
         start: that was asked for.
@@ -113,13 +119,15 @@ def choose_task(
         fits &= whole.pairs[:, 1] == len(given) - 1
         check_arrival(whole, given[-1], goal.option)
     say("choosing a start and a goal image")
-    for number in _trips(whole, fits):
+    sure = np.array([one.prod() for one in sureness(whole, agent)])
+    for number in _trips(whole, fits, sure):
         arrival = np.append(
             whole.places[whole.pairs[number, 1]], np.nan if ends is None else ends[2]
         )
         trial = _trial(whole, number, begins, arrival, rng)
         if trial is not None:
-            return _task(whole, number, trial, arrival, bounds)
+            building = learned(whole, number, arrival, sure)
+            return _task(building, len(whole.pairs), trial, bounds)
     advice = "choose other places, or turn the goal" if len(given) else "give a larger map"
     raise InputError(f"demo: the car arrives on no drive through {name}; {advice}")
 
@@ -135,15 +143,15 @@ def _trial(
     return trial_to(whole, number, start, goal)
 
 
-def _task(whole: Building, number: int, trial: Trials, goal: Array, bounds: Array) -> Task:
-    """The task of a trial, which a drive of that number would lead along."""
-    scene, first = whole.scene, trial.recorded.first[trial.goals[0]]
+def _task(building: Building, recorded: int, trial: Trials, bounds: Array) -> Task:
+    """The task of a trial, for which the drives of a building are learned."""
+    scene, first = building.scene, trial.recorded.first[trial.goals[0]]
     ends = trial.starts[:, :2], trial.goal_poses[:, :2]
     rooms, doors = _doors(scene.plan, *ends)
     names = room_names(scene.plan)
     return Task(
-        building=learned(whole, number, goal),
-        recorded=len(whole.pairs),
+        building=building,
+        recorded=recorded,
         trial=trial,
         rooms=(names[rooms[0, 0]], names[rooms[1, 0]]),
         away=int(doors[0]),
@@ -174,11 +182,18 @@ def _doors(
     return room, np.where(np.isfinite(doors), doors, 0).astype(int)
 
 
-def _trips(building: Building, fits: NDArray[np.bool_]) -> list[int]:
-    """The drives that could be trips, those first that lead as far as a demo should."""
+def _trips(building: Building, fits: NDArray[np.bool_], sure: Array) -> list[int]:
+    """The drives that could be trips, those first that a demo should show.
+
+    Args:
+        building: with all drives.
+        fits: (D,) those that join a start and a goal that were asked for.
+        sure: (D,) probability along each.
+    """
     lengths = np.array([one.arc_length[-1] for one in building.recorded.trajectories])
     _, doors = _doors(building.scene.plan, *building.places[building.pairs.T])
-    order = np.lexsort((np.abs(lengths - TRIP), np.abs(doors - ROOMS_AWAY)))
+    unsure = np.maximum(SURE - sure, 0.0)
+    order = np.lexsort((np.abs(lengths - TRIP), np.abs(doors - ROOMS_AWAY), unsure))
     return order[fits[order]][:_TRIED].tolist()
 
 

@@ -1,6 +1,5 @@
 """One frame of a film: the plan, the camera's and the laser's view, and the robot's state."""
 
-import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -31,7 +30,6 @@ LEGEND: Legend = (
 )
 """Names of what moves, by its colour."""
 _LASER_REACH = 4.0  # metres shown around the robot
-_LINE = 68  # letters of a line across the plan
 _HALO = 0.5  # metres around the robot at which a ring shows where it is
 
 
@@ -49,7 +47,7 @@ class Moment:
         discs: people and obstacles.
         lines: names and values, written beside the laser's view.
         target: (H, W, 3) image of the goal, where the robot is given one.
-        ending: how the rollout ended, written across the plan.
+        ending: how the rollout ended, written below the plan.
     """
 
     pose: Array
@@ -91,8 +89,7 @@ def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEN
     height, width = MAP + 2 * MARGIN, MAP + SIDE + 3 * MARGIN
     picture = np.full((height, width, 3), colours.PAPER, np.uint8)
     picture[MARGIN : MARGIN + MAP, MARGIN : MARGIN + MAP] = draw_map(view, moment)
-    if moment.ending:
-        draw_ending(picture, moment.ending)
+    label(picture, moment.ending, MARGIN, height - 6, 0.62, colours.INK)
     left = MAP + 2 * MARGIN
     label(picture, title, left, MARGIN + 16, 0.6, colours.INK)
     top = MARGIN + 36
@@ -116,15 +113,6 @@ def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEN
         cv2.circle(picture, (x + 6, y - 5), 6, colour, cv2.FILLED, cv2.LINE_AA)
         label(picture, name, x + 18, y, 0.5, colours.INK)
     return picture
-
-
-def draw_ending(picture: Picture, text: str) -> None:
-    """Write how a rollout ended on a bar across the plan, in as many lines as it takes."""
-    lines = textwrap.wrap(text, _LINE)
-    top = MARGIN + MAP - 28 * len(lines) - 14
-    picture[top : MARGIN + MAP, MARGIN : MARGIN + MAP] = colours.PAPER
-    for i, line in enumerate(lines):
-        label(picture, line, MARGIN + 14, top + 28 * (i + 1), 0.75, colours.INK)
 
 
 def draw_map(view: PlanView, moment: Moment) -> Picture:
