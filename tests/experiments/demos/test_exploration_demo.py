@@ -186,14 +186,14 @@ def test_an_episode_leads_between_the_places_asked_for():
     episode = episode_between("x", scene, start, goal, 0)
     assert plan.rooms[1].contains(episode.starts[0, :2])
     assert plan.rooms[2].contains(episode.goals[0, :2])
-    x, y, heading = episode.starts[0]
+    x, y, heading = episode.starts[0].tolist()
     exact = parse_end("--start", f"{x!r},{y!r},{heading!r}")
     again = episode_between("x", scene, exact, None, 1)
     assert np.array_equal(again.starts, episode.starts)
     assert 5.0 <= again.shortest[0] < 10.0
     backward = episode_between("x", scene, None, goal, 1)
     assert np.array_equal(backward.goals[0, :2], episode.goals[0, :2])
-    with pytest.raises(InputError, match="--goal: 0.0 m from the start; choose places 1 m apart"):
+    with pytest.raises(InputError, match=r"--goal: 0\.0 m from the start; choose places 1 m apart"):
         episode_between("x", scene, start, parse_end("--goal", where[1]), 0)
 
 

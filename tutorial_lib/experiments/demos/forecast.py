@@ -1,47 +1,53 @@
-"""How long a map takes to learn: from the lengths of its drives, corrected by the first ones."""
+"""How long a map takes to learn: from its drives, corrected by the first that are learned."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from tutorial_lib.geometry import Array
 
-_METRE, _AGAIN = 0.05, 0.02
-"""Seconds on a usual laptop for each metre of a drive, and more for each metre where as many were
-learned on a square metre before."""
+_METRE, _ANCHOR = 0.006, 0.011
+"""Seconds on a usual laptop for each metre of a drive, and for each of its anchors."""
+_ANCHORS = (0.97, 0.99, 1.0), (5.0, 3.5, 0.2)
+"""RE over a step of `sureness.STEP` frames, and how many of these become anchors."""
 _SPOKEN = 4.0  # seconds from one word to the next, at least
 
 
 class Forecast:
     """Of the time that is left, while drives are learned one after the other."""
 
-    def __init__(self, lengths: Array, area: float) -> None:
+    def __init__(self, lengths: Sequence[float], sure: Sequence[Array]) -> None:
         """Forecast.
 
         Args:
             lengths: (D,) metres of the drives, in order.
-            area: square metres of the plan: where there is little room, drives meet more often.
+            sure: (S,) of each drive, RE from step to step: where it is low, more has to be learned.
         """
-        before = np.cumsum(lengths) - lengths
-        self._costs = lengths * (_METRE + _AGAIN * before / area)
-        self._metres, self._done, self._seconds, self._spoken = lengths, 0, 0.0, 0.0
+        self._metres = np.array(lengths, dtype=float)
+        anchors = [float(np.interp(one, *_ANCHORS).sum()) for one in sure]
+        self._costs = _METRE * self._metres + _ANCHOR * np.array(anchors)
+        self._done, self._seconds, self._spoken = 0, 0.0, 0.0
 
     def learned(self, seconds: float) -> bool:
-        """Note that one more drive was learned, and since when; whether to say what is left."""
+        """Note that one more drive was learned, after so many seconds; whether to say what is left.
+
+        It is said after the first drive, and then from time to time.
+        """
         self._done, self._seconds = self._done + 1, seconds
-        due = seconds - self._spoken >= _SPOKEN and self._done < len(self._costs)
+        due = self._done == 1 or seconds - self._spoken >= _SPOKEN
         self._spoken = seconds if due else self._spoken
-        return due
+        return due and self._done < len(self._costs)
 
     @property
     def left(self) -> float:
-        """Seconds: what the drives that are left cost, as those that were learned did."""
-        known = self._costs[: self._done].sum()
-        pace = self._seconds / known if self._done else 1.0
+        """Seconds: what the drives that are left cost, at the pace of those that were learned."""
+        pace = self._seconds / self._costs[: self._done].sum() if self._done else 1.0
         return float(pace * self._costs[self._done :].sum())
 
     def words(self) -> str:
-        """What is left, in metres and seconds."""
+        """What is left, in drives, metres and seconds."""
         left = self._metres[self._done :]
         drives = f"{len(left)} drives left, " if self._done else ""
-        return f"{drives}{left.sum():.0f} m, about {max(self.left, 1):.0f} s"
+        return f"{drives}{left.sum():.0f} m, about {max(self.left, 1.0):.0f} s"

@@ -8,8 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-import numpy as np
-
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
@@ -29,6 +27,7 @@ from tutorial_lib.experiments.demos.outcome import (
 )
 from tutorial_lib.experiments.demos.pictures import Beside, view_of
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
+from tutorial_lib.experiments.demos.sureness import sureness
 from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
 from tutorial_lib.experiments.protocols.navigation import (
     K,
@@ -140,7 +139,8 @@ def learn_map(
         say(f"loading the learned map {file.name}: {len(agent.topomap)} images")
         return file
     drives = building.recorded.trajectories
-    forecast = Forecast(np.array([one.arc_length[-1] for one in drives]), building.scene.plan.area)
+    lengths = [one.arc_length[-1] for one in drives]
+    forecast = Forecast(lengths, sureness(building, agent))
     some = f"{len(drives)} of {recorded}" if recorded > len(drives) else f"{len(drives)}"
     say(f"learning a map from {some} drives, {forecast.words()}")
     begun = time.monotonic()

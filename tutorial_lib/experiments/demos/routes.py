@@ -29,6 +29,7 @@ LEARNED = 160.0
 """Metres of drives that a demo learns at most, unless the two of its trip are longer."""
 _JOINED, _LEFT = 1 / 3, 2 / 3  # of the trip
 _ASIDE = 2.0  # metres at least from where a drive leaves the trip to where it ends
+_EARLIER = 12  # frames before a drive's end, where it may turn to stop beside a wall
 _BEHIND = (1.8, 1.4, 1.0)
 """Metres before a goal from which a car drives straight to it; the first that is free is taken."""
 
@@ -85,16 +86,18 @@ def composing(building: Building, number: int, goal: Array) -> list[Trajectory]:
 
 
 def trial_to(building: Building, number: int, start: Array, goal: Array) -> Trials | None:
-    """The trial of a drive from a pose (3,) to a goal (3,), whose heading may be NaN.
+    """The trial of a drive from a pose (3,) to a goal (3,).
 
-    There is none where no car arrives.
+    Where the goal's heading is NaN, its image is taken on the way, a little before the car stops.
+    There is no trial where no car arrives.
     """
     drive = _drive(building, start, [*_before(building, goal), goal[:2]])
     if drive is None or not long_enough(drive):
         return None
     recorded = RecordedWorld(building.scene, [drive])
-    seconds = drive.timestamps[-1:]
-    return Trials(building.pairs[[number]], start[None], recorded, recorded.last[:1], seconds)
+    goals = recorded.last[:1] - (_EARLIER if np.isnan(goal[2]) else 0)
+    seconds = drive.timestamps[goals]
+    return Trials(building.pairs[[number]], start[None], recorded, goals, seconds)
 
 
 def check_arrival(building: Building, goal: Array, option: str) -> None:
