@@ -86,5 +86,5 @@ def test_a_place_that_is_cut_off_is_named():
     scene = Scene(halves)
     paths = GridPaths(scene.clearance)
     assert parse_end("--goal", "2,2,0").find(scene, paths, BicycleCar()).tolist() == [2.0, 2.0, 0.0]
-    with pytest.raises(InputError, match="--goal: at .* cut off from the rest of the plan"):
+    with pytest.raises(InputError, match=r"--goal: at .* cut off from the rest of the plan"):
         parse_end("--goal", "6.8,2,0").find(scene, paths, BicycleCar())

@@ -10,7 +10,7 @@ from tutorial_lib.geometry import Array
 
 _METRE, _ANCHOR = 0.006, 0.011
 """Seconds on a usual laptop for each metre of a drive, and for each of its anchors."""
-_ANCHORS = (0.97, 0.99, 1.0), (5.0, 3.5, 0.2)
+_ANCHORS = (0.97, 0.99, 0.997), (5.0, 3.0, 0.2)
 """RE over a step of `sureness.STEP` frames, and how many of these become anchors."""
 _SPOKEN = 4.0  # seconds from one word to the next, at least
 

@@ -1,22 +1,38 @@
-"""How sure RE is along recorded drives: on open floor, where it hardly is, a trip shows little."""
+"""How sure RE is along recorded drives, and of a goal: where it hardly is, a trip shows little."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.experiments.protocols.navigation_tasks import Building
+from tutorial_lib.experiments.protocols.navigation import goals_of
+from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.sparsify import contextified
+from tutorial_lib.topology.planner import DijkstraPlanner
 from tutorial_lib.topology.query import query
 
 STEP = 5
 """Frames from one place on a drive to the next: about half a metre."""
+_ELSEWHERE = 4.0  # metres from the goal
 
 
 def sureness(building: Building, agent: MengAgent) -> list[Array]:
     """RE (S,) from each place on a drive to the next, for all drives of a building."""
     return [_along(building, number, agent) for number in range(len(building.pairs))]
+
+
+def mistaken(building: Building, trial: Trials, agent: MengAgent) -> bool:
+    """Whether RE takes the goal's image for a place on some drive that is elsewhere."""
+    frames = np.concatenate(
+        [building.recorded.frames_of(i)[::STEP] for i in range(len(building.pairs))]
+    )
+    goals = goals_of(trial, agent.predictor.view, agent.predictor.k)[0]
+    prepared = agent.reachability.prepare(goals.contexts)
+    seen = building.recorded.observe(frames)
+    sure = query(agent.reachability, seen, prepared[np.zeros(len(frames), dtype=np.intp)])
+    gaps = np.linalg.norm(building.recorded.poses[frames, :2] - trial.goal_poses[0, :2], axis=1)
+    return bool((gaps[sure > DijkstraPlanner.p_goal] > _ELSEWHERE).any())
 
 
 def _along(building: Building, number: int, agent: MengAgent) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from tutorial_lib.experiments.demos.ends import End, room_names
 from tutorial_lib.experiments.demos.moments import SHARP
 from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
 from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
-from tutorial_lib.experiments.demos.sureness import sureness
+from tutorial_lib.experiments.demos.sureness import mistaken, sureness
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     ROOMY,
     Building,
@@ -40,7 +40,7 @@ PART = 30.0
 """Metres on each side of the part of a larger plan in which a demo takes place."""
 _MARGIN = 8.0  # metres around start and goal that were asked for
 _NEAREST = 3.0  # metres between those
-_TRIED = 12  # trips, of which the first on which a car arrives is run
+_TRIED = 6  # trips, of which the first that will do is run
 
 Say = Callable[[str], None]
 """Is called with what is being done."""
@@ -120,16 +120,40 @@ def choose_task(
         check_arrival(whole, given[-1], goal.option)
     say("choosing a start and a goal image")
     sure = np.array([one.prod() for one in sureness(whole, agent)])
-    for number in _trips(whole, fits, sure):
-        arrival = np.append(
-            whole.places[whole.pairs[number, 1]], np.nan if ends is None else ends[2]
-        )
-        trial = _trial(whole, number, begins, arrival, rng)
-        if trial is not None:
-            building = learned(whole, number, arrival, sure)
-            return _task(building, len(whole.pairs), trial, bounds)
-    advice = "choose other places, or turn the goal" if len(given) else "give a larger map"
-    raise InputError(f"demo: the car arrives on no drive through {name}; {advice}")
+    heading = np.nan if ends is None else float(ends[2])
+    trips = _trips(whole, fits, sure)
+    found = _first_trip(whole, trips, begins, heading, sure, agent, rng)
+    if found is None:
+        advice = "choose other places, or turn the goal" if len(given) else "give a larger map"
+        raise InputError(f"demo: the car arrives on no drive through {name}; {advice}")
+    return _task(*found, len(whole.pairs), bounds)
+
+
+def _first_trip(
+    whole: Building,
+    trips: Sequence[int],
+    start: Array | None,
+    heading: float,
+    sure: Array,
+    agent: MengAgent,
+    rng: np.random.Generator,
+) -> tuple[Building, Trials] | None:
+    """The first trip whose goal is not mistaken for another place, else the first of all.
+
+    Returns:
+        The building with the drives that are learned, and the trial; none if no car arrives.
+    """
+    first = None
+    for number in trips:
+        goal = np.append(whole.places[whole.pairs[number, 1]], heading)
+        trial = _trial(whole, number, start, goal, rng)
+        if trial is None:
+            continue
+        found = learned(whole, number, goal, sure), trial
+        if not mistaken(*found, agent):
+            return found
+        first = first or found
+    return first
 
 
 def _trial(
@@ -143,7 +167,7 @@ def _trial(
     return trial_to(whole, number, start, goal)
 
 
-def _task(building: Building, recorded: int, trial: Trials, bounds: Array) -> Task:
+def _task(building: Building, trial: Trials, recorded: int, bounds: Array) -> Task:
     """The task of a trial, for which the drives of a building are learned."""
     scene, first = building.scene, trial.recorded.first[trial.goals[0]]
     ends = trial.starts[:, :2], trial.goal_poses[:, :2]
