@@ -24,6 +24,13 @@ def test_the_first_drives_correct_it():
     assert forecast.words().startswith("2 drives left, 40 m, about ")
 
 
+def test_a_busy_machine_is_known_from_how_long_it_took_to_ask():
+    idle, busy = (Forecast([20.0], [SURE], asked) for asked in (0.03, 0.15))
+    assert busy.left == pytest.approx(5 * idle.left)
+    busy.learned(1.0)
+    assert busy.left == 0.0
+
+
 def test_what_is_left_is_said_after_the_first_drive_and_from_time_to_time():
     forecast = Forecast([20.0] * 6, [SURE] * 6)
     said = [forecast.learned(seconds) for seconds in (1.0, 2.0, 5.5, 6.0, 12.0, 20.0)]

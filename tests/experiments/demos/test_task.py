@@ -1,5 +1,7 @@
 """Which trip a demo shows, in which part of a plan, and which drives it learns."""
 
+import types
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos import task as tasks
 from tutorial_lib.experiments.demos.ends import parse_end
 from tutorial_lib.experiments.demos.routes import LEARNED
-from tutorial_lib.experiments.demos.sureness import sureness
+from tutorial_lib.experiments.demos.sureness import STEP, recognised, sureness
 from tutorial_lib.experiments.demos.task import PART, SURE, choose_task
 from tutorial_lib.geometry import wrap
 from tutorial_lib.world.generators import generate
@@ -123,3 +125,48 @@ def test_places_outside_the_part_widen_it():
     part, bounds = tasks._part_of(scene, paths, both, rng)
     assert bounds[0] == pytest.approx(2.0)
     assert bounds[2] == pytest.approx(68.0)
+
+
+class SureFrom:
+    """RE that is sure from given numbers of the observations, and of nothing else."""
+
+    def __init__(self, places):
+        self.places = places
+
+    def prepare(self, contexts):
+        return np.zeros(len(contexts))
+
+    def probability(self, observations, prepared):
+        del observations
+        return np.where(np.isin(np.arange(len(prepared)), self.places), 0.99, 0.98)
+
+
+def test_a_goal_is_recognised_from_several_places_near_it_and_from_nowhere_else(usual, agent):
+    building, goal = usual.building, usual.trial.goal_poses[0]
+    frames = np.concatenate(
+        [building.recorded.frames_of(i)[::STEP] for i in range(len(building.pairs))]
+    )
+    gaps = np.linalg.norm(building.recorded.poses[frames, :2] - goal[:2], axis=1)
+    near, far = np.argsort(gaps)[:3], gaps.argmax()
+    for places, expected in ((near, True), (near[:2], False), ([*near, far], False), ([], False)):
+        sure = types.SimpleNamespace(predictor=agent.predictor, reachability=SureFrom(places))
+        assert recognised(building, usual.trial, sure) is expected
+
+
+def test_a_trip_whose_goal_is_not_recognised_gives_way_to_the_next_if_there_is_one(
+    flat, agent, monkeypatch
+):
+    asked = []
+
+    def only_the_second(building, trial, _):
+        asked.append(trial)
+        return len(asked) == 2
+
+    monkeypatch.setattr(tasks, "recognised", only_the_second)
+    task = choose_task(flat, 0, 4, agent)
+    assert len(asked) == 2
+    assert task.trial is asked[1]
+    asked[:] = []
+    monkeypatch.setattr(tasks, "recognised", lambda _, trial, __: asked.append(trial))
+    assert choose_task(flat, 0, 4, agent).trial is asked[0]
+    assert len(asked) > 2

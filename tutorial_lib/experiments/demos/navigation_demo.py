@@ -140,7 +140,8 @@ def learn_map(
         return file
     drives = building.recorded.trajectories
     lengths = [one.arc_length[-1] for one in drives]
-    forecast = Forecast(lengths, sureness(building, agent))
+    begun = time.monotonic()
+    forecast = Forecast(lengths, sureness(building, agent), time.monotonic() - begun)
     some = f"{len(drives)} of {recorded}" if recorded > len(drives) else f"{len(drives)}"
     say(f"learning a map from {some} drives, {forecast.words()}")
     begun = time.monotonic()

@@ -16,7 +16,7 @@ from tutorial_lib.experiments.demos.ends import End, room_names
 from tutorial_lib.experiments.demos.moments import SHARP
 from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
 from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
-from tutorial_lib.experiments.demos.sureness import mistaken, sureness
+from tutorial_lib.experiments.demos.sureness import recognised, sureness
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     ROOMY,
     Building,
@@ -138,7 +138,7 @@ def _first_trip(
     agent: MengAgent,
     rng: np.random.Generator,
 ) -> tuple[Building, Trials] | None:
-    """The first trip whose goal is not mistaken for another place, else the first of all.
+    """The first trip whose goal is recognised, and not elsewhere; else the first of all.
 
     Returns:
         The building with the drives that are learned, and the trial; none if no car arrives.
@@ -150,7 +150,7 @@ def _first_trip(
         if trial is None:
             continue
         found = learned(whole, number, goal, sure), trial
-        if not mistaken(*found, agent):
+        if recognised(*found, agent):
             return found
         first = first or found
     return first
