@@ -12,8 +12,8 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos import task as tasks
 from tutorial_lib.experiments.demos.ends import parse_end
 from tutorial_lib.experiments.demos.routes import LEARNED
-from tutorial_lib.experiments.demos.sureness import STEP, recognised, sureness
-from tutorial_lib.experiments.demos.task import PART, SURE, choose_task
+from tutorial_lib.experiments.demos.sureness import STEP, recognised_from, sureness
+from tutorial_lib.experiments.demos.task import PART, RECOGNISED, SURE, choose_task
 from tutorial_lib.geometry import wrap
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.scene import Scene
@@ -141,32 +141,35 @@ class SureFrom:
         return np.where(np.isin(np.arange(len(prepared)), self.places), 0.99, 0.98)
 
 
-def test_a_goal_is_recognised_from_several_places_near_it_and_from_nowhere_else(usual, agent):
+def test_a_goal_is_recognised_from_places_near_it_unless_from_elsewhere(usual, agent):
     building, goal = usual.building, usual.trial.goal_poses[0]
     frames = np.concatenate(
         [building.recorded.frames_of(i)[::STEP] for i in range(len(building.pairs))]
     )
     gaps = np.linalg.norm(building.recorded.poses[frames, :2] - goal[:2], axis=1)
     near, far = np.argsort(gaps)[:3], gaps.argmax()
-    for places, expected in ((near, True), (near[:2], False), ([*near, far], False), ([], False)):
+    for places, expected in ((near, 3), (near[:2], 2), ([*near, far], 0), ([], 0)):
         sure = types.SimpleNamespace(predictor=agent.predictor, reachability=SureFrom(places))
-        assert recognised(building, usual.trial, sure) is expected
+        assert recognised_from(building, usual.trial, sure) == expected
 
 
-def test_a_trip_whose_goal_is_not_recognised_gives_way_to_the_next_if_there_is_one(
+def test_the_first_trip_whose_goal_is_recognised_well_is_taken_else_the_best(
     flat, agent, monkeypatch
 ):
     asked = []
 
-    def only_the_second(building, trial, _):
-        asked.append(trial)
-        return len(asked) == 2
+    def give(*counts):
+        asked[:] = []
+        answers = iter([*counts, *[0] * 10])
 
-    monkeypatch.setattr(tasks, "recognised", only_the_second)
-    task = choose_task(flat, 0, 4, agent)
+        def recognised(building, trial, _):
+            asked.append(trial)
+            return next(answers)
+
+        monkeypatch.setattr(tasks, "recognised_from", recognised)
+        return choose_task(flat, 0, 4, agent).trial
+
+    assert give(2, RECOGNISED, 9) is asked[1]
     assert len(asked) == 2
-    assert task.trial is asked[1]
-    asked[:] = []
-    monkeypatch.setattr(tasks, "recognised", lambda _, trial, __: asked.append(trial))
-    assert choose_task(flat, 0, 4, agent).trial is asked[0]
-    assert len(asked) > 2
+    assert give(1, 0, 3, 2) is asked[2]
+    assert len(asked) > 4

@@ -14,7 +14,7 @@ from tutorial_lib.topology.query import query
 
 STEP = 5
 """Frames from one place on a drive to the next: about half a metre."""
-_NEAR, _SEVERAL = 4.0, 3  # metres from the goal, and places
+_NEAR = 4.0  # metres from the goal
 
 
 def sureness(building: Building, agent: MengAgent) -> list[Array]:
@@ -22,8 +22,8 @@ def sureness(building: Building, agent: MengAgent) -> list[Array]:
     return [_along(building, number, agent) for number in range(len(building.pairs))]
 
 
-def recognised(building: Building, trial: Trials, agent: MengAgent) -> bool:
-    """Whether RE is sure of the goal from several places on the drives, all of them near it."""
+def recognised_from(building: Building, trial: Trials, agent: MengAgent) -> int:
+    """From how many places on the drives RE is sure of the goal; 0 if one of them is elsewhere."""
     frames = np.concatenate(
         [building.recorded.frames_of(i)[::STEP] for i in range(len(building.pairs))]
     )
@@ -33,7 +33,7 @@ def recognised(building: Building, trial: Trials, agent: MengAgent) -> bool:
     sure = query(agent.reachability, seen, prepared[np.zeros(len(frames), dtype=np.intp)])
     gaps = np.linalg.norm(building.recorded.poses[frames, :2] - trial.goal_poses[0, :2], axis=1)
     from_where = gaps[sure > DijkstraPlanner.p_goal]
-    return len(from_where) >= _SEVERAL and float(from_where.max()) <= _NEAR
+    return len(from_where) if (from_where <= _NEAR).all() else 0
 
 
 def _along(building: Building, number: int, agent: MengAgent) -> Array:

@@ -16,7 +16,7 @@ from tutorial_lib.experiments.demos.ends import End, room_names
 from tutorial_lib.experiments.demos.moments import SHARP
 from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
 from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
-from tutorial_lib.experiments.demos.sureness import recognised, sureness
+from tutorial_lib.experiments.demos.sureness import recognised_from, sureness
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     ROOMY,
     Building,
@@ -36,11 +36,13 @@ TRIP = 20.0
 """Metres of a trip, as nearly as there is one, between those with as many doors."""
 SURE = 0.7
 """Probability along a drive that makes a good trip; else that with the greatest is taken."""
+RECOGNISED = 6
+"""Places on the drives from which RE is sure of a good trip's goal."""
 PART = 30.0
 """Metres on each side of the part of a larger plan in which a demo takes place."""
 _MARGIN = 8.0  # metres around start and goal that were asked for
 _NEAREST = 3.0  # metres between those
-_TRIED = 6  # trips, of which the first that will do is run
+_TRIED = 8  # trips, of which the first that will do is run
 
 Say = Callable[[str], None]
 """Is called with what is being done."""
@@ -138,22 +140,24 @@ def _first_trip(
     agent: MengAgent,
     rng: np.random.Generator,
 ) -> tuple[Building, Trials] | None:
-    """The first trip whose goal is recognised, and not elsewhere; else the first of all.
+    """The first trip whose goal is recognised well; else that whose goal is recognised best.
 
     Returns:
         The building with the drives that are learned, and the trial; none if no car arrives.
     """
-    first = None
+    best, most = None, -1
     for number in trips:
         goal = np.append(whole.places[whole.pairs[number, 1]], heading)
         trial = _trial(whole, number, start, goal, rng)
         if trial is None:
             continue
         found = learned(whole, number, goal, sure), trial
-        if recognised(*found, agent):
-            return found
-        first = first or found
-    return first
+        places = recognised_from(*found, agent)
+        if places > most:
+            best, most = found, places
+        if places >= RECOGNISED:
+            break
+    return best
 
 
 def _trial(
