@@ -78,16 +78,24 @@ def demo(folder):
         return main(["demo", "--seed", "3"])
 
 
-def made_up_drive(task, agent, seed, say, beside, write):
+def made_up_drive(task, agent, seed, say, beside, write, file):
     """Sixty frames that a film can hardly make smaller."""
-    del task, agent, beside
+    del task, agent, beside, file
     frames = np.random.default_rng(seed).integers(0, 256, (60, 120, 160, 3), np.uint8)
     for frame in frames:
         say("driving")
         write(frame)
-    numbers = dict.fromkeys(("rooms_away", "people", "plans", "vertices", "edges"), 1)
-    drive = {"reached": True, "collided": False, "seconds": 1.0, "driven": 1.0}
-    words = {"name": "demo", "plan": "apartment 3", "rooms": ("hallway", "kitchen")}
+    counts = ("rooms_away", "people", "plans", "drives", "composed_of", "vertices", "edges")
+    numbers = dict.fromkeys(counts, 1)
+    drive = {
+        "reached": True,
+        "ending": "reached the goal",
+        "collided": False,
+        "seconds": 1.0,
+        "driven": 1.0,
+    }
+    words = {"name": "demo", "plan": "apartment 3", "rooms": ("hallway", "kitchen"), "map": None}
+    words |= {"start": (0.0, 0.0, 0.0), "goal": (1.0, 0.0, 0.0)}
     return frames, Outcome(**drive, **words, **numbers, seed=seed, geodesic=1.0, probability=0.9)
 
 

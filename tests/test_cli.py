@@ -1,6 +1,7 @@
 import errno
 import json
 import os
+import re
 import select
 import signal
 import subprocess
@@ -16,10 +17,11 @@ from tests.conftest import in_turn, make_box
 from tutorial_lib.cli import main
 from tutorial_lib.commands import narrator
 from tutorial_lib.commands.lab import lab_arguments
-from tutorial_lib.course import CHECKOUT
+from tutorial_lib.course import CHECKOUT, cache_folder
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.demos import choose_places, navigation_demo, place_people, recorder
+from tutorial_lib.experiments.demos.learned_map import SHIPPED
 from tutorial_lib.experiments.demos.outcome import Outcome
 from tutorial_lib.experiments.robustness import plans
 from tutorial_lib.world.generators import generate
@@ -38,8 +40,9 @@ OUTPUTS = ("demo.json", "demo.png", "demo.webm")
 
 
 @pytest.fixture(autouse=True)
-def _in_a_folder_of_its_own(tmp_path, monkeypatch):
+def _in_a_folder_of_its_own(tmp_path, tmp_path_factory, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("TUTORIAL_CACHE", str(tmp_path_factory.mktemp("cache")))
 
 
 def test_the_demo_navigates_by_sight_beside_an_oracle_on_the_same_task(
@@ -50,6 +53,7 @@ def test_the_demo_navigates_by_sight_beside_an_oracle_on_the_same_task(
     saved = json.loads((tmp_path / "demo.json").read_text())
     for drive in (saved, saved["oracle"]):
         assert drive["reached"]
+        assert drive["ending"].startswith("reached the goal, 0.")
         assert drive["driven"] > 0.8 * saved["geodesic"] > 4.0
     assert saved["people"] == 2
     assert 0.5 < saved["probability"] < 1.0
@@ -61,7 +65,11 @@ def test_the_demo_navigates_by_sight_beside_an_oracle_on_the_same_task(
     assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
     assert sorted(p.name for p in tmp_path.iterdir()) == sorted(OUTPUTS)
     said = capsys.readouterr().out
-    assert "loading the learned map" in said
+    (shipped,) = SHIPPED.iterdir()
+    assert saved["map"] == shipped.name
+    assert f"loading the learned map {shipped.name}" in said
+    assert f"composed of {saved['composed_of']} of {saved['drives']} learned drives" in said
+    assert saved["composed_of"] >= 2
     assert said.index("driving by the oracle") < said.index("driving by sight")
     assert said.count("reached the goal") == 2
 
@@ -74,22 +82,47 @@ def test_the_demo_drives_on_a_map_of_the_user_s(tmp_path, monkeypatch, capsys):
     text = "image: hall.png\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
     (tmp_path / "hall.yaml").write_text(text + "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
     monkeypatch.setattr(navigation_demo, "PLACES", 3)
-    code = main(["demo", "--map", "hall.yaml"])
+    shipped = {file: file.read_bytes() for file in SHIPPED.iterdir()}
+    code = main(["demo", "--map", "hall.yaml", "--learn"])
     saved = json.loads((tmp_path / "demo.json").read_text())
     assert saved["oracle"] is None
     assert code == (0 if saved["reached"] else 1)
     said = capsys.readouterr().out
-    assert "learning a map from" in said
-    assert ("reached the goal" if saved["reached"] else "MISSED the goal") in said
+    assert re.search(r"learning a map from \d+ of 6 drives, \d+ m, about \d+ s", said)
+    assert f"hall, from open to open:\n  by sight: {saved['ending']}, after" in said
+    assert re.fullmatch(r"hall-[0-9a-f]{12}\.npz", saved["map"])
+    kept = cache_folder() / "learned_maps" / saved["map"]
+    assert f"kept as {kept}" in said
+    assert kept.exists()
+    assert {file: file.read_bytes() for file in SHIPPED.iterdir()} == shipped
+
+
+def test_options_that_do_not_count_are_refused_by_name(tmp_path, capsys):
+    for arguments, words in {
+        "--map x.yaml --family maze": "--family: the demo cannot use it beside --map",
+        "--explore --learn": "--learn: the demo cannot use it with --explore",
+        "--start 1,2": "--start 1,2: give x,y,heading in metres and radians",
+        "--goal ballroom": "--goal: no room is called 'ballroom'; there are hallway",
+        "--explore --goal ballroom": "--goal: no room is called 'ballroom'; there are",
+        "--explore --start 900,0,0": "--start: at (900.00, 0.00) heading 0.00",
+        "--family castle": "castle",
+    }.items():
+        assert main(["demo", *arguments.split()]) == 2
+        assert words in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_missed_goal_sets_the_exit_code(monkeypatch, capsys):
+    ending, ends = "stopped 3.0 m from the goal, believing 89.9%", ((0, 0, 0), (5, 0, 0))
     missed = Outcome(
-        *(False, False, 9.0, 2.0, "demo", "box 0", 0, ("open", "open"), 0, 5.0, 2, 0.9, 1, 30, 60)
+        *(False, ending, False, 9.0, 2.0, "demo", "box 0", 0, ("open", "open"), 0, *ends),
+        *(5.0, 2, 0.9, 1, 8, 2, None, 30, 60),
     )
     monkeypatch.setattr(navigation_demo, "run_demo", lambda *_, **__: missed)
     assert main(["demo"]) == 1
-    assert "MISSED the goal" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "by sight: stopped 3.0 m from the goal, believing 89.9%, after 9.0 s and 2.0 m" in said
+    assert "composed of 2 of 8 learned drives; the map was not kept: --learn keeps it" in said
 
 
 @pytest.mark.parametrize(

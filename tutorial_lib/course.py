@@ -12,6 +12,8 @@ CHECKOUT = Path(__file__).resolve().parents[1]
 """The folder above the library: of an installed course, that of all packages."""
 NAME = "topological-navigation"
 """Of the command, and of folders that belong to the course."""
+CACHE = "TUTORIAL_CACHE"
+"""The environment variable that names the folder of caches."""
 _FIRST = Path("notebooks", "00_start_here.ipynb")
 
 
@@ -42,7 +44,13 @@ def course_folder() -> Path:
 
 
 def cache_folder() -> Path:
-    """Where the system wants files that can be made again, in a folder of the course's own."""
+    """Where files are kept that can be made again; it may not exist yet.
+
+    The variable `TUTORIAL_CACHE` of the environment names it; else it is a folder of the course's
+    own where the system wants such files.
+    """
+    if os.environ.get(CACHE):
+        return Path(os.environ[CACHE]).expanduser()
     if sys.platform == "win32":
         usual = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
     elif sys.platform == "darwin":

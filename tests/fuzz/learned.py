@@ -14,6 +14,7 @@ from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.training import Settings, _State
 from tutorial_lib.learning.weights import Card, load_card, load_network, save_network
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.world.generators import generate
 
 TINY = Architecture(0, "pair", outputs="action")
 
@@ -66,8 +67,10 @@ def contents(topomap: TopoMap | None) -> Any:
     return [plain(edges), topomap.paths, plain(topomap.settings), seen, contexts, times]
 
 
-_FRAMES = types.SimpleNamespace(trajectories=[[1, 2, 3]])
-BUILDING = types.SimpleNamespace(name="a building", recorded=_FRAMES)
+_DRIVE = types.SimpleNamespace(poses=np.zeros((3, 3)), odometry=np.zeros((3, 3)))
+_DRIVES = types.SimpleNamespace(trajectories=[_DRIVE])
+_SCENE = types.SimpleNamespace(plan=generate("apartment", 3))
+BUILDING = types.SimpleNamespace(name="a building", scene=_SCENE, recorded=_DRIVES)
 
 
 def make_agent() -> Any:
@@ -78,6 +81,7 @@ def make_agent() -> Any:
         settings=topomap.settings,
         turns=None,
         p_sparsify=0.99,
+        predictor=types.SimpleNamespace(k=5),
     )
 
 

@@ -106,7 +106,7 @@ def targets() -> list[Target]:
         Target(
             "learned_map",
             lambda folder: keep_learned(BUILDING, make_agent(), folder),
-            lambda folder: contents(load_learned(BUILDING, make_agent(), folder)),
+            lambda folder: contents((load_learned(BUILDING, make_agent(), folder) or [None])[0]),
             (".npz",),
         ),
         Target(

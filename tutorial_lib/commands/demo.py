@@ -4,11 +4,23 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from tutorial_lib.commands.constants import MISSED
 from tutorial_lib.commands.map_options import add_map
 from tutorial_lib.commands.narrator import Narrator
 from tutorial_lib.errors import InputError
+
+if TYPE_CHECKING:
+    from tutorial_lib.experiments.demos.ends import End
+    from tutorial_lib.world.floorplan import FloorPlan
+
+
+FAMILY = "apartment"
+EXPLORED = 2
+"""Seed of the usual exploration: from a bedroom over a corridor into the living room, past several
+ghosts of which it chooses some; with seed 0 it would be one straight corridor."""
+_PLACE = "x,y,heading in metres and radians, or a room's name"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,10 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_map(parser)
     parser.add_argument(
         "--family",
-        default="apartment",
-        help="apartment, office, symmetric_office, loop_corridor, maze, hall or scanned",
+        help=f"{FAMILY} unless given; or office, symmetric_office, loop_corridor, maze, hall, "
+        "scanned",
     )
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, help="of the plan, and of all that is random")
+    parser.add_argument("--start", metavar="PLACE", help=f"where to begin: {_PLACE}")
+    parser.add_argument("--goal", metavar="PLACE", help="where the goal's image is taken, likewise")
     parser.add_argument(
         "--oracle",
         action="store_true",
@@ -40,6 +54,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
     if options.region is not None and options.map is None:
         raise InputError("--region: is that of a map's file; give --map, or leave it out")
+    if options.map is not None and options.family is not None:
+        raise InputError("--family: the demo cannot use it beside --map; leave one of them out")
     reached = _explore(options) if options.explore else _navigate(options)
     return 0 if reached else MISSED
 
@@ -49,23 +65,18 @@ def _explore(options: argparse.Namespace) -> bool:
     for name in ("oracle", "learn"):
         if getattr(options, name):
             raise InputError(f"--{name}: the demo cannot use it with --explore; leave it out")
+    seed = EXPLORED if options.seed is None else options.seed
     with Narrator() as say:
         say("importing the library: the demo takes about 30 s on two idle cores")
         from tutorial_lib.experiments.demos.exploration_demo import run_exploration_demo
-        from tutorial_lib.world.generators import generate
-        from tutorial_lib.world.importers import import_map
         from tutorial_lib.world.worlds import TRAINING_SEEDS
 
-        if options.map is not None:
-            plan = import_map(options.map, seed=options.seed, region=options.region)
-        else:
-            # What is wrong with the seed is said of the seed that was given.
-            number = options.seed + (TRAINING_SEEDS.stop if options.seed >= 0 else 0)
-            plan = generate(options.family, number, signs="wayfinding")
-        outcome = run_exploration_demo(plan, options.seed, Path.cwd(), say=say)
-    verdict = "found the goal" if outcome.reached else "MISSED the goal"
+        # What is wrong with the seed is said of the seed that was given.
+        number = seed + (TRAINING_SEEDS.stop if seed >= 0 else 0)
+        plan, name = _plan(options, seed, number, signs="wayfinding")
+        outcome = run_exploration_demo(plan, seed, Path.cwd(), **_ends(options), name=name, say=say)
     print(
-        f"{outcome.plan}, never seen before: {verdict} after {outcome.steps} actions and "
+        f"{outcome.plan}, never seen before: {outcome.ending}, after {outcome.steps} actions and "
         f"{outcome.travelled} m (geodesic {outcome.geodesic} m, SPL {outcome.spl})."
     )
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
@@ -74,25 +85,52 @@ def _explore(options: argparse.Namespace) -> bool:
 
 def _navigate(options: argparse.Namespace) -> bool:
     """Navigate over a map; whether the goal was reached."""
-    takes = 30 if options.oracle else 20
+    seed = options.seed or 0
     with Narrator() as say:
-        say(f"importing the library: the demo takes about {takes} s on two idle cores")
+        say("importing the library")
         from tutorial_lib.experiments.demos.navigation_demo import run_demo
-        from tutorial_lib.world.generators import generate
-        from tutorial_lib.world.importers import import_map
 
-        if options.map is not None:
-            plan = import_map(options.map, seed=options.seed, region=options.region)
-        else:
-            plan = generate(options.family, options.seed)
+        plan, name = _plan(options, seed, seed)
         outcome = run_demo(
-            plan, options.seed, Path.cwd(), oracle=options.oracle, learn=options.learn, say=say
+            plan,
+            seed,
+            Path.cwd(),
+            **_ends(options),
+            name=name,
+            oracle=options.oracle,
+            learn=options.learn,
+            say=say,
         )
     drives = [("by sight", outcome), *([("oracle", outcome.oracle)] if outcome.oracle else [])]
     print(f"{outcome.plan}, from {outcome.rooms[0]} to {outcome.rooms[1]}:")
     for name, drive in drives:
-        verdict = "reached the goal" if drive.reached else "MISSED the goal"
         words = f"after {drive.seconds} s and {drive.driven} m (geodesic {outcome.geodesic} m)"
-        print(f"  {name}: {verdict} {words}")
+        print(f"  {name}: {drive.ending}, {words}")
+    kept = f"the map is {outcome.map}" if outcome.map else "the map was not kept: --learn keeps it"
+    print(
+        f"The first plan is composed of {outcome.composed_of} of {outcome.drives} learned drives; "
+        f"{kept}."
+    )
     print(f"Look at {outcome.film} and {outcome.strip}; the figures are in demo.json.")
     return outcome.reached
+
+
+def _plan(
+    options: argparse.Namespace, seed: int, number: int, signs: str = "plain"
+) -> tuple[FloorPlan, str]:
+    """The plan that was asked for, and its name: of a map that of its file."""
+    from tutorial_lib.world.generators import generate
+    from tutorial_lib.world.importers import import_map
+
+    if options.map is not None:
+        return import_map(options.map, seed=seed, region=options.region), options.map.stem
+    plan = generate(options.family or FAMILY, number, signs=signs)
+    return plan, f"{plan.family} {plan.seed}"
+
+
+def _ends(options: argparse.Namespace) -> dict[str, End | None]:
+    """Start and goal that were asked for."""
+    from tutorial_lib.experiments.demos.ends import parse_end
+
+    given = {name: getattr(options, name) for name in ("start", "goal")}
+    return {name: text and parse_end(f"--{name}", text) for name, text in given.items()}

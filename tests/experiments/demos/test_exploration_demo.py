@@ -1,6 +1,7 @@
 """The demo of exploration with the true geometry in place of the network."""
 
 import json
+import types
 
 import cv2
 import numpy as np
@@ -9,12 +10,15 @@ import pytest
 from tests.conftest import make_box
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.cli import main
+from tutorial_lib.commands.demo import EXPLORED
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common import explorers
 from tutorial_lib.experiments.demos import exploration_demo, exploration_film
+from tutorial_lib.experiments.demos.endings import exploration_ending
+from tutorial_lib.experiments.demos.ends import parse_end, room_names
+from tutorial_lib.experiments.demos.episodes import draw_episode, episode_between
 from tutorial_lib.experiments.demos.exploration_demo import (
     ExplorationRecorder,
-    draw_episode,
     explore_recorded,
     run_exploration_demo,
 )
@@ -25,6 +29,7 @@ from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.world.generators import generate
 from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.worlds import TRAINING_SEEDS
 
 FILES = ["demo.json", "demo.png", "demo.webm"]
 
@@ -51,6 +56,8 @@ def test_the_demo_leaves_film_strip_and_figures(tmp_path, capsys):
     assert (saved["difficulty"], saved["plan"]) == ("hard", "apartment 10000")
     assert saved["travelled"] > saved["geodesic"] - 1.0 > 4.0
     assert saved["nodes"] >= 2
+    assert saved["ending"] == outcome.ending
+    assert saved["ending"].startswith("reached the goal, 0.")
     film = cv2.VideoCapture(str(tmp_path / "demo.webm"))
     assert film.get(cv2.CAP_PROP_FRAME_COUNT) > saved["steps"] / exploration_demo.EVERY
     assert cv2.imread(str(tmp_path / "demo.png")).std() > 10
@@ -84,7 +91,7 @@ def test_a_moment_holds_the_graph_where_the_robot_believes_it_to_be(recorded):
     assert len(last.graph.edges) >= len(last.graph.nodes) - 1
     assert (last.grid > 0).sum() > (first.grid > 0).sum() > 0
     assert last.goal_seen is not None
-    assert dict(last.lines)["the robot"].startswith("stopped, 0.")
+    assert dict(last.lines)["the robot"].startswith("reached the goal, 0.")
     assert first.lines[0] == ("action", "0 of 500")
 
 
@@ -142,13 +149,59 @@ def test_the_command_explores_a_plan_in_which_no_network_learned(tmp_path, monke
     monkeypatch.chdir(tmp_path)
     plans = []
 
-    def run(plan, seed, folder, *, say):
-        plans.append(plan)
+    def run(plan, seed, folder, *, say, name, start, goal):
+        assert (name, start) == ("office 10004", None)
+        plans.append((plan, goal))
+        ends = (0.0, 0.0, 0.0), (7.0, 0.0, 0.0)
         return exploration_demo.Explored(
-            *(False, "demo --explore", "office 10004", seed, "hard", 500, 9.0, 7.5, 0.0, 0, 9, 2)
+            *(False, "no steps left, 3.4 m from the goal", "demo --explore", name, seed, *ends),
+            *("hard", 500, 9.0, 7.5, 0.0, 0, 9, 2),
         )
 
     monkeypatch.setattr(exploration_demo, "run_exploration_demo", run)
-    assert main(["demo", "--explore", "--family", "office", "--seed", "4"]) == 1
-    assert (plans[0].family, plans[0].seed) == ("office", 10_004)
-    assert "MISSED the goal after 500 actions and 9.0 m" in capsys.readouterr().out
+    office = ["demo", "--explore", "--family", "office", "--seed", "4", "--goal", "office 2"]
+    assert main(office) == 1
+    ((plan, goal),) = plans
+    assert (plan.family, plan.seed, goal.room) == ("office", 10_004, "office 2")
+    said = capsys.readouterr().out
+    assert "no steps left, 3.4 m from the goal, after 500 actions and 9.0 m" in said
+
+
+def test_the_usual_exploration_leads_from_room_to_room_with_a_choice():
+    """Without the network; which ghosts it chooses was looked at in the film."""
+    plan = generate("apartment", TRAINING_SEEDS.stop + EXPLORED, signs="wayfinding")
+    scene = Scene(plan)
+    episode = draw_episode("usual", scene, EXPLORED)
+    ends = np.stack([episode.starts[0, :2], episode.goals[0, :2]])
+    rooms = [[room.kind for room in plan.rooms if room.contains(end)] for end in ends]
+    assert rooms == [["bedroom"], ["living"]]
+    assert episode.difficulty == ("hard",)
+
+
+def test_an_episode_leads_between_the_places_asked_for():
+    plan = generate("apartment", 10_003)
+    scene, where = Scene(plan), room_names(plan)
+    start, goal = parse_end("--start", where[1]), parse_end("--goal", where[2])
+    episode = episode_between("x", scene, start, goal, 0)
+    assert plan.rooms[1].contains(episode.starts[0, :2])
+    assert plan.rooms[2].contains(episode.goals[0, :2])
+    x, y, heading = episode.starts[0].tolist()
+    exact = parse_end("--start", f"{x!r},{y!r},{heading!r}")
+    again = episode_between("x", scene, exact, None, 1)
+    assert np.array_equal(again.starts, episode.starts)
+    assert 5.0 <= again.shortest[0] < 10.0
+    backward = episode_between("x", scene, None, goal, 1)
+    assert np.array_equal(backward.goals[0, :2], episode.goals[0, :2])
+    with pytest.raises(InputError, match=r"--goal: 0\.0 m from the start; choose places 1 m apart"):
+        episode_between("x", scene, start, parse_end("--goal", where[1]), 0)
+
+
+def test_every_ending_of_an_exploration_is_said():
+    task = types.SimpleNamespace(
+        poses=np.zeros((1, 3)), goal_poses=np.array([[3.4, 0.0, 0.0]]), success=[False], steps=[500]
+    )
+    assert exploration_ending(task) == "no steps left, 3.4 m from the goal"
+    task.steps = [77]
+    assert exploration_ending(task) == "stopped 3.4 m from the goal"
+    task.success, task.poses = [True], np.array([[3.0, 0.0, 0.0]])
+    assert exploration_ending(task) == "reached the goal, 0.40 m from it"

@@ -10,25 +10,25 @@ from pathlib import Path
 import numpy as np
 
 from tutorial_lib.agents.nts import NTSAgent
-from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.explorers import check_shipped, shipped
+from tutorial_lib.experiments.demos.endings import exploration_ending
+from tutorial_lib.experiments.demos.ends import End
+from tutorial_lib.experiments.demos.episodes import draw_episode, episode_between
 from tutorial_lib.experiments.demos.exploration_film import (
     SHARP,
     ExplorationFilm,
     ExplorationMoment,
 )
-from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_folder
+from tutorial_lib.experiments.demos.outcome import FIGURES, FILM, STRIP, check_folder, rounded
 from tutorial_lib.experiments.demos.recorder import FILM_RATE
 from tutorial_lib.experiments.demos.task import Say, silent
 from tutorial_lib.experiments.protocols.ghost_moments import ghost_moment
-from tutorial_lib.exploration.episodes import DIFFICULTIES, Episodes, draw_episodes
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.task import STEPS, ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
 from tutorial_lib.files import atomic_paths
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
-from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.observation import Observation
 from tutorial_lib.viz.figures.film import exact_png, film_encoder
 from tutorial_lib.viz.figures.panels import evenly, stacked
@@ -47,6 +47,9 @@ class Explored:
 
     Attributes:
         reached: stopped within 1 m of the goal.
+        ending: what happened, in words.
+        start: x, y and heading.
+        goal: x, y and heading at which its picture was taken.
         steps: actions, of 500 at most.
         travelled: by the robot.
         geodesic: of the shortest path.
@@ -57,9 +60,12 @@ class Explored:
     """
 
     reached: bool
+    ending: str
     name: str
     plan: str
     seed: int
+    start: tuple[float, float, float]
+    goal: tuple[float, float, float]
     difficulty: str
     steps: int
     travelled: float
@@ -113,10 +119,8 @@ class ExplorationRecorder:
         """What the robot does, in words."""
         robot, search = self._agent.robots[0], self._agent.search
         graph, going = robot.memory.graph, robot.destination
-        gap = float(np.linalg.norm(self._task.poses[0, :2] - self._task.goal_poses[0, :2]))
         if last:
-            ended = "stopped" if self._task.steps[0] < STEPS else "no steps left"
-            doing = f"{ended}, {gap:.2f} m from the goal"
+            doing = exploration_ending(self._task)
         elif search.found[0]:
             doing = "sees the goal, and goes there"
         elif going is None or going.ghost is None:
@@ -136,6 +140,9 @@ def run_exploration_demo(
     seed: int,
     folder: Path,
     *,
+    name: str = "",
+    start: End | None = None,
+    goal: End | None = None,
     geometry: bool = False,
     say: Say = silent,
 ) -> Explored:
@@ -145,19 +152,25 @@ def run_exploration_demo(
         plan: of the world.
         seed: of everything else that is random.
         folder: for the files.
+        name: of the world; the plan's family and seed unless given.
+        start: that was asked for.
+        goal: that was asked for.
         geometry: the true geometry stands in for the network.
         say: is called with what is being done.
 
     Raises:
-        InputError: when the network's weights are not there, or the plan is too small.
+        InputError: when the network's weights are not there, the plan is too small, or a start or
+            goal cannot be had.
     """
     check_folder(folder)
     if not geometry:
         check_shipped(("nts",), "rgbd")
-    use_threads(1)
     say("drawing an episode")
-    scene, name = Scene(plan), f"{plan.family} {plan.seed}"
-    episode = draw_episode(name, scene, seed)
+    scene, name = Scene(plan), name or f"{plan.family} {plan.seed}"
+    if start is None and goal is None:
+        episode = draw_episode(name, scene, seed)
+    else:
+        episode = episode_between(name, scene, start, goal, seed)
     task = ExplorationTask({name: scene}, episode, np.random.default_rng([seed, 1]))
     say("loading the network")
     model: ExplorationModel = TrueGeometry(task) if geometry else shipped("nts", "rgbd")
@@ -197,27 +210,16 @@ def explore_recorded(
     recorder.moments += recorder.moments[-1:] * round(FILM_RATE)  # stays on screen for a second
 
 
-def draw_episode(name: str, scene: Scene, seed: int) -> Episodes:
-    """One episode, as difficult as the world allows.
-
-    Raises:
-        InputError: when not even an easy one fits.
-    """
-    for difficulty in reversed(DIFFICULTIES):
-        try:
-            return draw_episodes(name, scene, {difficulty: 1}, np.random.default_rng(seed))
-        except InputError:
-            continue
-    raise InputError(f"demo: {name} has no two places 1.5 m apart; give a larger map")
-
-
 def _outcome(name: str, seed: int, task: ExplorationTask, agent: NTSAgent) -> Explored:
     graph = agent.robots[0].memory.graph
     return Explored(
         reached=bool(task.success[0]),
+        ending=exploration_ending(task),
         name="demo --explore",
         plan=name,
         seed=seed,
+        start=rounded(task.episodes.starts[0]),
+        goal=rounded(task.goal_poses[0]),
         difficulty=task.episodes.difficulty[0],
         steps=int(task.steps[0]),
         travelled=_rounded(task.travelled),

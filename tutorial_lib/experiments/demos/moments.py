@@ -28,12 +28,14 @@ class BySight:
         vertices: (V, 3) poses at which the map's vertices were recorded.
         goal: (3,) pose at which the goal image was taken.
         image: of the goal.
+        map: name of the map's file.
     """
 
     navigation: MapNavigation
     vertices: Array
     goal: Array
     image: Picture
+    map: str
 
     def __call__(self, simulation: Simulation, track: Array) -> Moment:
         """The plan over its anchors to the goal, and its probability."""
@@ -48,6 +50,7 @@ class BySight:
             ("probability of the plan", f"{plans[-1].probability:.1%}"),
             ("anchor", f"{min(here + 1, count)} of {count}" if here < count else "the goal"),
             ("state", doing),
+            ("map", self.map),
         )
         return _moment(simulation, track, path, self.goal, lines, self.image)
 

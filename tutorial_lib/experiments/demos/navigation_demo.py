@@ -8,11 +8,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from tqdm import tqdm
-
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.demos.endings import drive_ending
+from tutorial_lib.experiments.demos.ends import End
+from tutorial_lib.experiments.demos.forecast import Forecast
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
 from tutorial_lib.experiments.demos.moments import ByOracle, BySight
 from tutorial_lib.experiments.demos.outcome import (
@@ -22,9 +23,11 @@ from tutorial_lib.experiments.demos.outcome import (
     Drive,
     Outcome,
     check_folder,
+    rounded,
 )
 from tutorial_lib.experiments.demos.pictures import Beside
 from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
+from tutorial_lib.experiments.demos.sureness import sureness
 from tutorial_lib.experiments.demos.task import Say, Task, choose_task, silent
 from tutorial_lib.experiments.protocols.navigation import (
     K,
@@ -33,12 +36,9 @@ from tutorial_lib.experiments.protocols.navigation import (
     navigate,
     vertex_poses,
 )
-from tutorial_lib.experiments.protocols.navigation_tasks import (
-    Building,
-)
+from tutorial_lib.experiments.protocols.navigation_tasks import Building
 from tutorial_lib.files import atomic_paths
-from tutorial_lib.interfaces import Navigation
-from tutorial_lib.learning.threads import use_threads
+from tutorial_lib.interfaces import Navigation, Plan
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import hue
@@ -60,6 +60,9 @@ def run_demo(
     seed: int,
     folder: Path,
     *,
+    name: str = "",
+    start: End | None = None,
+    goal: End | None = None,
     oracle: bool = False,
     learn: bool = False,
     say: Say = silent,
@@ -70,23 +73,27 @@ def run_demo(
         plan: of the world.
         seed: of everything that is random.
         folder: for the files.
+        name: of the world; the plan's family and seed unless given.
+        start: that was asked for.
+        goal: that was asked for.
         oracle: drive the same task by an oracle, too, and show both beside each other.
-        learn: learn the map even if one comes with the demo, and keep it in its place.
+        learn: learn the map even if one was kept, and keep it for later demos.
         say: is called with what is being done.
 
     Raises:
-        InputError: when the plan is too small for `PLACES` places.
+        InputError: when the plan is too small for `PLACES` places, or a start or goal cannot be
+            had.
     """
     check_folder(folder)
-    use_threads(1)  # for one robot, a second thread would mostly wait
-    task = choose_task(Scene(plan), seed, PLACES, say)
     agent = agents.meng()
-    learn_map(agent, task.building, say, again=learn)
+    asked = {"name": name, "start": start, "goal": goal}
+    task = choose_task(Scene(plan), seed, PLACES, agent, say, **asked)
+    file = learn_map(agent, task.building, say, recorded=task.recorded, again=learn)
     beside = drive_oracle(task, say) if oracle else None
     # Together, so that figures are always those of the film beside them.
     with atomic_paths(*(folder / name for name in (FILM, STRIP, FIGURES))) as (film, *others):
         with film_encoder(folder / FILM, film, FILM_RATE) as write:
-            shown, outcome = drive_by_sight(task, agent, seed, say, beside, write)
+            shown, outcome = drive_by_sight(task, agent, seed, say, beside, write, file)
             say("writing the film")
         strip = [shown[i] for i in evenly(len(shown), 3)]
         others[0].write_bytes(exact_png(stacked(strip)))
@@ -102,26 +109,51 @@ def navigate_once(
     The car gets its camera and laser, what was observed on the trajectories, and the goal image; it
     gets neither the floor plan nor its pose.
     """
-    task, agent = choose_task(scene, seed, places), agents.meng()
+    agent = agents.meng()
+    task = choose_task(scene, seed, places, agent)
     learn_map(agent, task.building)
     return drive_by_sight(task, agent, seed)
 
 
 def learn_map(
-    agent: MengAgent, building: Building, say: Say = silent, *, again: bool = False
-) -> None:
-    """Give an agent the map of a building: the one that was kept, or learn one."""
+    agent: MengAgent,
+    building: Building,
+    say: Say = silent,
+    *,
+    recorded: int = 0,
+    again: bool = False,
+) -> Path | None:
+    """Give an agent the map of a building: the one that was kept, or learn one; its file.
+
+    Args:
+        agent: with an empty map.
+        building: with the drives that are learned.
+        say: is called with what is being done.
+        recorded: how many drives there are besides.
+        again: learn the map even if one was kept, and keep it.
+    """
     kept = None if again else load_learned(building, agent)
     if kept is not None:
-        say(f"loading the learned map: {len(kept)} images")
-        agent.topomap = kept
-        return
-    seen = list(experiences(building))
-    say(f"learning a map from {len(seen)} trajectories (about {len(seen) / 3:.0f} s)")
-    for one in tqdm(seen, desc="trajectories", leave=False):
-        agent.learn([one])
-    if again:
-        say(f"kept as {keep_learned(building, agent)}")
+        agent.topomap, file = kept
+        say(f"loading the learned map {file.name}: {len(agent.topomap)} images")
+        return file
+    drives = building.recorded.trajectories
+    lengths = [one.arc_length[-1] for one in drives]
+    begun = time.monotonic()
+    forecast = Forecast(lengths, sureness(building, agent), time.monotonic() - begun)
+    some = f"{len(drives)} of {recorded}" if recorded > len(drives) else f"{len(drives)}"
+    say(f"learning a map from {some} drives, {forecast.words()}")
+    begun = time.monotonic()
+    for experience in experiences(building):
+        agent.learn([experience])
+        if forecast.learned(time.monotonic() - begun):
+            say(f"learning a map: {forecast.words()}")
+    say(f"learned {len(agent.topomap)} images in {time.monotonic() - begun:.0f} s")
+    if not again:
+        return None
+    file = keep_learned(building, agent)
+    say(f"kept as {file}")
+    return file
 
 
 def drive_by_sight(
@@ -131,6 +163,7 @@ def drive_by_sight(
     say: Say = silent,
     oracle: tuple[Sequence[Picture], Drive] | None = None,
     write: Callable[[Picture], None] = lambda picture: None,
+    file: Path | None = None,
 ) -> tuple[Sequence[Picture], Outcome]:
     """Navigate with a map; the film, and how it went.
 
@@ -141,12 +174,13 @@ def drive_by_sight(
         say: is called with what is being done.
         oracle: its film, which is shown beside, and how it went.
         write: is called with each picture of the film as soon as there is one.
+        file: of the map, where it was kept.
     """
     building, trial = task.building, task.trial
     poses, goal = vertex_poses(building, agent.topomap), trial.goal_poses[0]
     navigation = agent.start(goals_of(trial, VIEWS["camera16"], K))
     title = f"{building.name}: from {task.rooms[0]} to {task.rooms[1]}"
-    view = map_view(building.scene, agent.topomap, poses)
+    view = map_view(building.scene, agent.topomap, poses, task.bounds)
     said = time.monotonic()
     film: list[Moment] = []
     legend = (*LEGEND, ("map image", hue(0)))
@@ -161,12 +195,12 @@ def drive_by_sight(
             say("driving: " + ", ".join(f"{name} {value}" for name, value in moment.lines))
 
     say("driving by sight")
-    recorder = FilmRecorder(BySight(navigation, poses, goal, task.image), watch)
-    found, simulation = drive(task, lambda _: navigation, recorder)
+    name = file.name if file else "learned now"
+    recorder = FilmRecorder(BySight(navigation, poses, goal, task.image, name), watch)
+    went = drive(task, lambda _: navigation, recorder, navigation.history[0])
     for i in range(len(film), len(shown)):  # the oracle is still under way
         write(shown[i])
-    went = recorder.drive(simulation, reached=found)
-    plans = navigation.history[0]
+    plans, topomap = navigation.history[0], agent.topomap
     outcome = Outcome(
         **asdict(went),
         name="demo",
@@ -174,12 +208,17 @@ def drive_by_sight(
         seed=seed,
         rooms=task.rooms,
         rooms_away=task.away,
+        start=rounded(trial.starts[0]),
+        goal=rounded(goal),
         geodesic=round(float(building.paths.between(trial.starts[:, :2], goal[None, :2])[0]), 2),
         people=len(task.people),
         probability=round(plans[0].probability, 3),
         plans=len(plans),
-        vertices=len(agent.topomap),
-        edges=agent.topomap.graph.number_of_edges(),
+        drives=len(building.recorded.trajectories),
+        composed_of=len({int(topomap.trajectory[vertex]) for vertex in plans[0].vertices}),
+        map=file.name if file else None,
+        vertices=len(topomap),
+        edges=topomap.graph.number_of_edges(),
         oracle=oracle[1] if oracle else None,
     )
     return shown, outcome
@@ -190,17 +229,18 @@ def drive_oracle(task: Task, say: Say = silent) -> tuple[Sequence[Picture], Driv
     say("driving by the oracle, which knows the floor plan and its pose")
     building, goals = task.building, task.trial.goal_poses
     recorder = FilmRecorder(ByOracle(building.paths.fields(goals[0, :2]), task.image))
-    found, simulation = drive(
-        task, lambda sim: OracleNavigation(sim, building.paths, goals), recorder
-    )
-    film = RolloutFilm(PlanView(building.scene), recorder.moments, "oracle: knows plan and pose")
-    return film, recorder.drive(simulation, reached=found)
+    went = drive(task, lambda sim: OracleNavigation(sim, building.paths, goals), recorder)
+    view = PlanView(building.scene, bounds=task.bounds)
+    return RolloutFilm(view, recorder.moments, "oracle: knows plan and pose"), went
 
 
 def drive(
-    task: Task, start: Callable[[Simulation], Navigation], recorder: FilmRecorder
-) -> tuple[bool, Simulation]:
-    """Drive a task; whether the robot says it is at the goal, and is, and the simulation."""
+    task: Task,
+    start: Callable[[Simulation], Navigation],
+    recorder: FilmRecorder,
+    plans: Sequence[Plan] = (),
+) -> Drive:
+    """Drive a task, and say how it went; the robot's plans are read when it is over."""
     started: list[Simulation] = []
 
     def begin(simulation: Simulation) -> Navigation:
@@ -208,5 +248,6 @@ def drive(
         return start(simulation)
 
     found = navigate(task.building, task.trial, begin, task.people, recorder)
-    recorder.finish(started[0])
-    return bool(found.there[0]), started[0]
+    ending = drive_ending(found, plans)
+    recorder.finish(started[0], ending)
+    return recorder.drive(started[0], reached=bool(found.there[0]), ending=ending)

@@ -40,7 +40,7 @@ def choose_places(
     pairs = np.argwhere(doors == away)
     best, best_length = None, _SHORTEST
     for first, second in pairs[rng.permutation(len(pairs))][:_TRIES]:
-        here, there = (_nodes_in(plan, paths, room) for room in (first, second))
+        here, there = (nodes_in(plan, paths, room) for room in (first, second))
         if not len(here) or not len(there):
             continue
         goal = paths.points[rng.choice(there)]
@@ -87,7 +87,7 @@ def doors_between(plan: FloorPlan) -> Array:
     return doors
 
 
-def _nodes_in(plan: FloorPlan, paths: GridPaths, room: int) -> NDArray[np.intp]:
+def nodes_in(plan: FloorPlan, paths: GridPaths, room: int) -> NDArray[np.intp]:
     """Indices of the grid's nodes inside a room, a little off the walls."""
     inside = plan.rooms[room].contains(paths.points)
     return np.flatnonzero(inside & paths.largest & (paths.clearance > CLEARANCE + 0.1))

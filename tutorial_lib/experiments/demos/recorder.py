@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -50,18 +51,19 @@ class FilmRecorder:
         if len(self.track) % EVERY == 1:
             self._add(simulation)
 
-    def finish(self, simulation: Simulation) -> None:
-        """Add the last moment, which stays on screen for a second."""
+    def finish(self, simulation: Simulation, ending: str) -> None:
+        """Add the last moment, which says how it ended and stays on screen for two seconds."""
         self.track.append(simulation.poses[0, :2])
-        self._add(simulation)
-        for _ in range(round(FILM_RATE)):
-            self.moments.append(self.moments[-1])
-            self._watch(self.moments[-1])
+        last = replace(self._make_moment(simulation, np.array(self.track)), ending=ending)
+        for _ in range(round(2 * FILM_RATE)):
+            self.moments.append(last)
+            self._watch(last)
 
-    def drive(self, simulation: Simulation, *, reached: bool) -> Drive:
+    def drive(self, simulation: Simulation, *, reached: bool, ending: str) -> Drive:
         """How the rollout went."""
         return Drive(
             reached=reached,
+            ending=ending,
             collided=bool(simulation.collided[0]),
             seconds=round(simulation.seconds, 1),
             driven=round(float(arc_length(self.track)[-1]), 2),

@@ -1,27 +1,48 @@
-"""The task of a demo: from which room to which the robot navigates, past whom."""
+"""The task of a demo: from which place to which the robot navigates, past whom."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
+from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.demos.ends import End, room_names
 from tutorial_lib.experiments.demos.moments import SHARP
 from tutorial_lib.experiments.demos.places import ROOMS_AWAY, doors_between, place_people
+from tutorial_lib.experiments.demos.routes import check_arrival, learned, trial_to
+from tutorial_lib.experiments.demos.sureness import recognised_from, sureness
 from tutorial_lib.experiments.protocols.navigation_tasks import (
+    ROOMY,
     Building,
     Trials,
-    draw_trials,
-    explored,
+    recorded_between,
+    spread_places,
 )
 from tutorial_lib.experiments.protocols.odometry import Odometry
+from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.world.bodies import BicycleCar
+from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 
-_TRIALS = 20  # of which the one that leads most rooms away is run
+TRIP = 20.0
+"""Metres of a trip, as nearly as there is one, between those with as many doors."""
+SURE = 0.7
+"""Probability along a drive that makes a good trip; else that with the greatest is taken."""
+RECOGNISED = 6
+"""Places on the drives from which RE is sure of a good trip's goal."""
+PART = 30.0
+"""Metres on each side of the part of a larger plan in which a demo takes place."""
+_MARGIN = 8.0  # metres around start and goal that were asked for
+_NEAREST = 3.0  # metres between those
+_TRIED = 8  # trips, of which the first that will do is run
 
 Say = Callable[[str], None]
 """Is called with what is being done."""
@@ -33,50 +54,211 @@ def silent(text: str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """From which room to which an agent navigates, past whom.
+    """From which place to which an agent navigates, past whom.
 
     Attributes:
-        building: explored before.
+        building: with the drives that are learned.
+        recorded: how many drives were recorded.
         trial: the only one.
-        rooms: their kinds.
+        rooms: their names.
         away: doors between them.
         people: who walk beside the path.
         image: (H, W, 3) of the goal.
+        bounds: x0, y0, x1, y1 of the part of the plan in which it takes place.
     """
 
     building: Building
+    recorded: int
     trial: Trials
     rooms: tuple[str, str]
     away: int
     people: list[Person]
     image: Picture
+    bounds: Array
 
 
-def choose_task(scene: Scene, seed: int, places: int, say: Say = silent) -> Task:
-    """Explore a scene, and choose the trial that leads `ROOMS_AWAY` rooms away, or as nearly."""
-    name = f"{scene.plan.family} {scene.plan.seed}"
-    say("recording trajectories between the places of the building")
-    odometry = Odometry(seed=(seed,))
-    building = explored(name, scene, np.random.default_rng(seed), places, odometry)
+def choose_task(
+    scene: Scene,
+    seed: int,
+    places: int,
+    agent: MengAgent,
+    say: Say = silent,
+    *,
+    name: str = "",
+    start: End | None = None,
+    goal: End | None = None,
+) -> Task:
+    """Record drives between places of a scene, choose a trip, and the drives that are learned.
+
+    Args:
+        scene: the world.
+        seed: of everything that is random.
+        places: their number.
+        agent: whose RE tells over which drives it is sure of its way.
+        say: is called with what is being done.
+        name: of the world; its family and seed unless given.
+        start: that was asked for.
+        goal: that was asked for.
+
+    Raises:
+        InputError: when the scene is too small, or a start or goal cannot be had.
+    """
+    rng = np.random.default_rng(seed)
+    say("recording drives between the places of the building")
+    paths = GridPaths(scene.clearance)
+    begins, ends = (end and end.find(scene, paths, BicycleCar()) for end in (start, goal))
+    given = np.array([end for end in (begins, ends) if end is not None]).reshape(-1, 3)
+    _check_apart(paths, given)
+    paths, bounds = _part_of(scene, paths, given[:, :2], rng)
+    spread = spread_places(paths, max(places - len(given), 1), rng)
+    name = name or f"{scene.plan.family} {scene.plan.seed}"
+    chosen = np.concatenate([given[:, :2], spread])
+    whole = recorded_between(name, scene, paths, chosen, Odometry(seed=(seed,)))
+    fits = np.ones(len(whole.pairs), bool)
+    if start is not None:
+        fits &= whole.pairs[:, 0] == 0
+    if goal is not None:
+        fits &= whole.pairs[:, 1] == len(given) - 1
+        check_arrival(whole, given[-1], goal.option)
     say("choosing a start and a goal image")
-    drawn = draw_trials(building, _TRIALS, np.random.default_rng(seed))
-    trial, rooms, away = farthest(building, drawn)
-    first = trial.recorded.first[trial.goals[0]]
-    people = place_people(trial.recorded.poses[first : trial.goals[0] + 1, :2], scene)
-    image = SHARP.look(scene, trial.goal_poses[:1])[0][0]
-    return Task(building, trial, rooms, away, people, image)
+    sure = np.array([one.prod() for one in sureness(whole, agent)])
+    heading = np.nan if ends is None else float(ends[2])
+    trips = _trips(whole, fits, sure)
+    found = _first_trip(whole, trips, begins, heading, sure, agent, rng)
+    if found is None:
+        advice = "choose other places, or turn the goal" if len(given) else "give a larger map"
+        raise InputError(f"demo: the car arrives on no drive through {name}; {advice}")
+    return _task(*found, len(whole.pairs), bounds)
+
+
+def _first_trip(
+    whole: Building,
+    trips: Sequence[int],
+    start: Array | None,
+    heading: float,
+    sure: Array,
+    agent: MengAgent,
+    rng: np.random.Generator,
+) -> tuple[Building, Trials] | None:
+    """The first trip whose goal is recognised well; else that whose goal is recognised best.
+
+    Returns:
+        The building with the drives that are learned, and the trial; none if no car arrives.
+    """
+    best, most = None, -1
+    for number in trips:
+        goal = np.append(whole.places[whole.pairs[number, 1]], heading)
+        trial = _trial(whole, number, start, goal, rng)
+        if trial is None:
+            continue
+        found = learned(whole, number, goal, sure), trial
+        places = recognised_from(*found, agent)
+        if places > most:
+            best, most = found, places
+        if places >= RECOGNISED:
+            break
+    return best
+
+
+def _trial(
+    whole: Building, number: int, start: Array | None, goal: Array, rng: np.random.Generator
+) -> Trials | None:
+    """The trial that a drive would lead along; it starts as was asked for, or perturbed."""
+    if start is None or np.isnan(start[2]):
+        first = whole.recorded.poses[whole.recorded.first_frames[[number]]]
+        starts, found = perturbed(whole.scene, first, PAPER_PERTURBATION, rng)
+        start = starts[0] if found[0] else first[0]
+    return trial_to(whole, number, start, goal)
+
+
+def _task(building: Building, trial: Trials, recorded: int, bounds: Array) -> Task:
+    """The task of a trial, for which the drives of a building are learned."""
+    scene, first = building.scene, trial.recorded.first[trial.goals[0]]
+    ends = trial.starts[:, :2], trial.goal_poses[:, :2]
+    rooms, doors = _doors(scene.plan, *ends)
+    names = room_names(scene.plan)
+    return Task(
+        building=building,
+        recorded=recorded,
+        trial=trial,
+        rooms=(names[rooms[0, 0]], names[rooms[1, 0]]),
+        away=int(doors[0]),
+        people=place_people(trial.recorded.poses[first : trial.goals[0] + 1, :2], scene),
+        image=SHARP.look(scene, trial.goal_poses[:1])[0][0],
+        bounds=bounds,
+    )
 
 
 def farthest(building: Building, trials: Trials) -> tuple[Trials, tuple[str, str], int]:
     """The trial that leads `ROOMS_AWAY` rooms away, or as nearly; the rooms' kinds; the doors."""
-    plan = building.scene.plan
-    ends = np.stack([trials.starts[:, :2], trials.goal_poses[:, :2]])
-    inside = np.stack([room.contains(ends.reshape(-1, 2)) for room in plan.rooms])
-    room = inside.argmax(axis=0).reshape(2, -1)
-    doors = doors_between(plan)[room[0], room[1]]
-    doors = np.where(np.isfinite(doors), doors, 0).astype(int)
     if not len(trials):
-        raise InputError(f"demo: no path between places of {plan.family}; give a larger map")
+        family = building.scene.plan.family
+        raise InputError(f"demo: no path between places of {family}; give a larger map")
+    room, doors = _doors(building.scene.plan, trials.starts[:, :2], trials.goal_poses[:, :2])
     best = int(np.lexsort((-trials.seconds, np.abs(doors - ROOMS_AWAY)))[0])
-    kinds = tuple(plan.rooms[int(number)].kind for number in room[:, best])
+    kinds = tuple(building.scene.plan.rooms[int(number)].kind for number in room[:, best])
     return trials.subset(np.array([best])), (kinds[0], kinds[1]), int(doors[best])
+
+
+def _doors(
+    plan: FloorPlan, starts: Array, goals: Array
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The rooms (2, N) of starts (N, 2) and goals (N, 2), and the doors (N,) between them."""
+    ends = np.concatenate([starts, goals])
+    room = np.stack([one.contains(ends) for one in plan.rooms]).argmax(axis=0).reshape(2, -1)
+    doors = doors_between(plan)[room[0], room[1]]
+    return room, np.where(np.isfinite(doors), doors, 0).astype(int)
+
+
+def _trips(building: Building, fits: NDArray[np.bool_], sure: Array) -> list[int]:
+    """The drives that could be trips, those first that a demo should show.
+
+    Args:
+        building: with all drives.
+        fits: (D,) those that join a start and a goal that were asked for.
+        sure: (D,) probability along each.
+    """
+    lengths = np.array([one.arc_length[-1] for one in building.recorded.trajectories])
+    _, doors = _doors(building.scene.plan, *building.places[building.pairs.T])
+    unsure = np.maximum(SURE - sure, 0.0)
+    order = np.lexsort((np.abs(lengths - TRIP), np.abs(doors - ROOMS_AWAY), unsure))
+    return order[fits[order]][:_TRIED].tolist()
+
+
+def _check_apart(paths: GridPaths, given: Array) -> None:
+    if len(given) == 2:
+        metres = float(paths.between(given[:1, :2], given[1:, :2])[0])
+        if metres < _NEAREST:
+            raise InputError(
+                f"--goal: {metres:.1f} m from the start; choose places {_NEAREST:.0f} m apart"
+            )
+
+
+def _part_of(
+    scene: Scene, paths: GridPaths, given: Array, rng: np.random.Generator
+) -> tuple[GridPaths, Array]:
+    """The paths in a part of a plan, which holds given places (N, 2), and the part's bounds.
+
+    A plan that is not much larger than `PART` is taken as a whole.
+    """
+    whole = np.array(scene.plan.bounds)
+    if (whole[2:] - whole[:2]).max() <= 1.2 * PART:
+        return paths, whole
+    roomy = paths.largest & (paths.clearance >= ROOMY)
+    around = given if len(given) else paths.points[[rng.choice(np.flatnonzero(roomy))]]
+    low, high = around.min(axis=0), around.max(axis=0)
+    half = np.maximum(PART, high - low + 2 * _MARGIN) / 2
+    corner = np.clip(
+        (low + high) / 2 - half, whole[:2], np.maximum(whole[2:] - 2 * half, whole[:2])
+    )
+    bounds = np.concatenate([corner, np.minimum(corner + 2 * half, whole[2:])])
+    grid = scene.clearance
+    (top, left), (bottom, right) = grid.cells(bounds.reshape(2, 2))
+    clearance = np.zeros_like(grid.clearance)
+    inside = np.s_[top : bottom + 1, left : right + 1]
+    clearance[inside] = grid.clearance[inside]
+    part = GridPaths(replace(grid, clearance=clearance))
+    nodes = part.nearest(given)[0]
+    if (nodes < 0).any() or not part.largest[nodes].all():
+        return paths, whole  # start and goal are joined outside
+    return part, bounds

@@ -47,6 +47,7 @@ class Moment:
         discs: people and obstacles.
         lines: names and values, written beside the laser's view.
         target: (H, W, 3) image of the goal, where the robot is given one.
+        ending: how the rollout ended, written below the plan.
     """
 
     pose: Array
@@ -58,6 +59,7 @@ class Moment:
     discs: Discs | None
     lines: Sequence[tuple[str, str]]
     target: Picture | None = None
+    ending: str = ""
 
 
 @dataclass(frozen=True)
@@ -87,6 +89,7 @@ def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEN
     height, width = MAP + 2 * MARGIN, MAP + SIDE + 3 * MARGIN
     picture = np.full((height, width, 3), colours.PAPER, np.uint8)
     picture[MARGIN : MARGIN + MAP, MARGIN : MARGIN + MAP] = draw_map(view, moment)
+    label(picture, moment.ending, MARGIN, height - 6, 0.62, colours.INK)
     left = MAP + 2 * MARGIN
     label(picture, title, left, MARGIN + 16, 0.6, colours.INK)
     top = MARGIN + 36

@@ -16,15 +16,18 @@ from tutorial_lib.world.scene import Scene
 _FADED = 0.6  # of the plan, under the map
 
 
-def map_view(scene: Scene, topomap: TopoMap, poses: ArrayLike) -> PlanView:
+def map_view(
+    scene: Scene, topomap: TopoMap, poses: ArrayLike, bounds: ArrayLike | None = None
+) -> PlanView:
     """The plan with a map on it; its walls stay dark.
 
     Args:
         scene: the world.
         topomap: of V vertices.
         poses: (V, 3) at which they were recorded.
+        bounds: x0, y0, x1, y1 of the part that is shown; all unless given.
     """
-    view = PlanView(scene)
+    view = PlanView(scene, bounds=bounds)
     view.base = faded(view.base, _FADED)
     for wall in scene.plan.walls:
         view.polyline(view.base, wall.reshape(2, 2), colours.SOLID, 1)

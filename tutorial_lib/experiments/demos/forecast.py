@@ -1,0 +1,59 @@
+"""How long a map takes to learn: from its drives, corrected by the first that are learned."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tutorial_lib.geometry import Array
+
+_METRE, _ANCHOR, _ASKED = 0.006, 0.011, 0.0014
+"""Seconds on an idle laptop for each metre of a drive and for each of its anchors; and for each
+metre along which RE is asked."""
+_ANCHORS = (0.97, 0.99, 0.997), (5.0, 3.0, 0.2)
+"""RE over a step of `sureness.STEP` frames, and how many of these become anchors."""
+_SPOKEN = 4.0  # seconds from one word to the next, at least
+
+
+class Forecast:
+    """Of the time that is left, while drives are learned one after the other."""
+
+    def __init__(
+        self, lengths: Sequence[float], sure: Sequence[Array], asked: float | None = None
+    ) -> None:
+        """Forecast.
+
+        Args:
+            lengths: (D,) metres of the drives, in order.
+            sure: (S,) of each drive, RE from step to step: where it is low, more has to be learned.
+            asked: seconds that it took to ask for that, by which a busy machine is known.
+        """
+        self._metres = np.array(lengths, dtype=float)
+        anchors = [float(np.interp(one, *_ANCHORS).sum()) for one in sure]
+        self._costs = _METRE * self._metres + _ANCHOR * np.array(anchors)
+        usual = _ASKED * self._metres.sum()
+        self._pace = 1.0 if asked is None else asked / usual
+        self._done, self._seconds, self._spoken = 0, 0.0, 0.0
+
+    def learned(self, seconds: float) -> bool:
+        """Note that one more drive was learned, after so many seconds; whether to say what is left.
+
+        It is said after the first drive, and then from time to time.
+        """
+        self._done, self._seconds = self._done + 1, seconds
+        due = self._done == 1 or seconds - self._spoken >= _SPOKEN
+        self._spoken = seconds if due else self._spoken
+        return due and self._done < len(self._costs)
+
+    @property
+    def left(self) -> float:
+        """Seconds: what the drives that are left cost, at the pace of those that were learned."""
+        pace = self._seconds / self._costs[: self._done].sum() if self._done else self._pace
+        return float(pace * self._costs[self._done :].sum())
+
+    def words(self) -> str:
+        """What is left, in drives, metres and seconds."""
+        left = self._metres[self._done :]
+        drives = f"{len(left)} drives left, " if self._done else ""
+        return f"{drives}{left.sum():.0f} m, about {max(self.left, 1.0):.0f} s"
