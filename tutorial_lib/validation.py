@@ -229,14 +229,14 @@ def _array(
         wanted = _wanted(words, shape)
         given = _quoted(value) if array.ndim == 0 else f"array of {array.dtype}"
         raise InputError(f"{name}: {given}; give {wanted}")
-    if not _fits(array.shape, shape):
+    if not fits(array.shape, shape):
         raise InputError(f"{name}: shape {array.shape}; give {_wanted(words, shape)}")
     if not (empty or array.size):
         raise InputError(f"{name}: empty; give {_wanted(words, shape)}, one at least")
     return array if array.dtype.kind in kinds else array.astype(float if "f" in kinds else np.uint8)
 
 
-def _fits(found: tuple[int, ...], wanted: Shape) -> bool:
+def fits(found: tuple[int, ...], wanted: Shape) -> bool:
     if wanted[:1] == (...,):
         wanted = wanted[1:]
         found = found[len(found) - len(wanted) :] if len(found) >= len(wanted) else found

@@ -15,6 +15,7 @@ from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.networks import LocalNetwork
 from tutorial_lib.learning.weights import load_card, load_network
+from tutorial_lib.validation import instance, whole
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ class EncodedTargets:
     @classmethod
     def joined(cls, parts: list["EncodedTargets"]) -> "EncodedTargets":
         """Targets of one network end to end."""
+        if not parts:
+            raise InputError("parts: empty; give one EncodedTargets at least")
         return replace(parts[0], encoded=torch.cat([part.encoded for part in parts]))
 
 
@@ -52,14 +55,15 @@ _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cac
 
 def use_threads(count: int) -> None:
     """Let networks use that many threads in this process; one, where processes run side by side."""
-    torch.set_num_threads(count)
+    torch.set_num_threads(whole("count", count, least=1))
 
 
 class _Estimator:
     """A network behind the interfaces."""
 
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
-        self.network = load_network(network) if isinstance(network, str) else network
+        network = load_network(network) if isinstance(network, str) else network
+        self.network = instance("network", network, LocalNetwork)
         self.architecture = self.network.architecture
         self.view, self.k = self.architecture.looks_at, self.architecture.k
         if self.architecture.outputs != outputs:
@@ -77,7 +81,7 @@ class _Estimator:
         Raises:
             InputError: when the images have another size, or k does not fit the network.
         """
-        wanted = self.architecture.images
+        wanted, contexts = self.architecture.images, np.asarray(contexts)
         if contexts.ndim != 5 or contexts.shape[1] != wanted:
             raise InputError(
                 f"targets: shape {contexts.shape}; this network has k = {self.architecture.k}: "
@@ -106,7 +110,7 @@ class _Estimator:
 
         Rows that repeat the one before, as in queries about many targets, are encoded once.
         """
-        images = self.view.of(observations)
+        images = self.view.of(instance("observations", observations, Observation))
         repeats = (images[1:] == images[:-1]).all(axis=(1, 2, 3))
         fresh = np.append(True, ~repeats)[: len(images)]
         encoded = self._encoded(self.network.encode_current, images[fresh])
@@ -115,7 +119,7 @@ class _Estimator:
     @torch.inference_mode()
     def compare(self, current: Tensor, targets: EncodedTargets) -> Array:
         """The network's outputs (N, O) for N encoded observations and as many targets."""
-        if targets.network is not self.network:
+        if instance("targets", targets, EncodedTargets).network is not self.network:
             raise InputError("targets: prepared by another network; prepare them with this one")
         if len(targets) != len(current):
             raise InputError(f"targets: {len(targets)} for {len(current)} robots; give as many")
@@ -125,8 +129,11 @@ class _Estimator:
     @torch.inference_mode()
     def outputs_uncached(self, observations: Observation, contexts: NDArray) -> Array:
         """The same without caching: every pair is encoded for itself, to compare speeds."""
-        current = self.view.numbers(self.view.of(observations))
-        targets = self.view.numbers(contexts)
+        current = self.view.of(instance("observations", observations, Observation))
+        wanted = (len(current), self.architecture.images)
+        if np.shape(contexts)[:2] != wanted:
+            raise InputError(f"contexts: shape {np.shape(contexts)}; give {(*wanted, 'H', 'W', 'C')}")
+        current, targets = self.view.numbers(current), self.view.numbers(contexts)
         parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
         return _joined([self._compared_uncached(*part) for part in parts])
 
@@ -195,7 +202,8 @@ class ReachabilityNetwork(_Estimator):
         super().__init__(network, "reachability")
         if calibration is None and isinstance(network, str):
             calibration = Calibration(**load_card(network).calibration)
-        self.calibration = Calibration() if calibration is None else calibration
+        calibration = Calibration() if calibration is None else calibration
+        self.calibration = instance("calibration", calibration, Calibration)
 
     def probability(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
         """Probabilities (N,) that C reaches each target."""
@@ -216,7 +224,7 @@ class ReachabilityNetwork(_Estimator):
 
         The first was taken about where the target is just reachable.
         """
-        count = prepared.encoded.shape[1]
+        count = instance("prepared", prepared, EncodedTargets).encoded.shape[1]
         some = prepared.encoded[:, sorted({0, count // 2})]
         return self.network.embed(some.flatten(0, 1)).unflatten(0, some.shape[:2]).numpy()
 
