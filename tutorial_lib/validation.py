@@ -35,6 +35,7 @@ def floats(
     least: float = -np.inf,
     most: float = np.inf,
     infinite: bool = False,
+    nan: bool = False,
     empty: bool = True,
 ) -> NDArray[np.float64]:
     """Real numbers as float64.
@@ -45,7 +46,8 @@ def floats(
         shape: that they must have.
         least: the smallest value allowed.
         most: the largest value allowed.
-        infinite: whether infinities may stand among them; NaN never may.
+        infinite: whether infinities may stand among them.
+        nan: whether NaN may, for what is not known.
         empty: whether there may be none.
 
     Raises:
@@ -66,6 +68,8 @@ def floats(
     bad = np.isnan(array) if infinite else ~np.isfinite(array)
     if least > -np.inf or most < np.inf:
         bad |= ~((array >= least) & (array <= most))
+    if nan:
+        bad &= ~np.isnan(array)
     if bad.any():
         allowed = "" if infinite else "finite "
         raise _wrong(name, array[bad].flat[0], f"{allowed}numbers{_span(least, most)}", shape)
@@ -185,8 +189,8 @@ def one_of(name: str, value: object, known: Collection[Kind]) -> Kind:
     raise InputError(f"{name}: {_quoted(value)}; give {choice}")
 
 
-def instance(name: str, value: object, kind: type[Kind]) -> Kind:
-    """An object of a class.
+def instance(name: str, value: object, kind: type[Kind] | tuple[type[Kind], ...]) -> Kind:
+    """An object of a class, or of one of several.
 
     Raises:
         InputError: when it is of another.
@@ -197,8 +201,27 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
     tutorial_lib.errors.InputError: rng: 3; give a Generator
     """
     if not isinstance(value, kind):
-        article = "an" if kind.__name__[0] in "AEIOUaeiou" else "a"
-        raise InputError(f"{name}: {_quoted(value)}; give {article} {kind.__name__}")
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        wanted = " or ".join(one.__name__ for one in kinds)
+        article = "an" if wanted[0] in "AEIOUaeiou" else "a"
+        raise InputError(f"{name}: {_quoted(value)}; give {article} {wanted}")
+    return value
+
+
+def with_methods(name: str, value: Kind, *methods: str) -> Kind:
+    """An object of whatever class that has these methods.
+
+    Raises:
+        InputError: when it has not.
+
+    >>> with_methods("controller", 3, "act")
+    Traceback (most recent call last):
+    ...
+    tutorial_lib.errors.InputError: controller: 3; give an object with the method act
+    """
+    for method in methods:
+        if not callable(getattr(value, method, None)):
+            raise InputError(f"{name}: {_quoted(value)}; give an object with the method {method}")
     return value
 
 

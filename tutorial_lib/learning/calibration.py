@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -190,7 +189,7 @@ def _ranks(values: ArrayLike) -> Array:
 
 
 def _checked(
-    name: str, values: ArrayLike, came_true: ArrayLike, **allowed: Any
+    name: str, values: ArrayLike, came_true: ArrayLike, **allowed: float
 ) -> tuple[Array, Array]:
     """What was predicted (N,) and the share (N,) that came true, as many of both."""
     values = floats(name, values, ("N",), empty=False, **allowed)

@@ -132,7 +132,7 @@ class _Estimator:
         current = self.view.of(instance("observations", observations, Observation))
         wanted = (len(current), self.architecture.images)
         if np.shape(contexts)[:2] != wanted:
-            raise InputError(f"contexts: shape {np.shape(contexts)}; give {(*wanted, 'H', 'W', 'C')}")
+            raise InputError(f"contexts: shape {np.shape(contexts)}; give {wanted} images")
         current, targets = self.view.numbers(current), self.view.numbers(contexts)
         parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
         return _joined([self._compared_uncached(*part) for part in parts])

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array, relative, to_local
+from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.visibility import mutual_overlap
-from tutorial_lib.validation import alike, floats, instance, integers
 
 CLEARANCE = 0.06
 """Metres that the line to a waypoint keeps from every wall."""

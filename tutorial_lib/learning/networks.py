@@ -48,9 +48,7 @@ class Architecture:
         for name, choices in known.items():
             value = getattr(self, name)
             if not isinstance(value, str) or value not in choices:
-                raise InputError(
-                    f"network: {name} {value!r}; give one of {', '.join(choices)}"
-                )
+                raise InputError(f"network: {name} {value!r}; give one of {', '.join(choices)}")
         if not isinstance(self.mirror, bool):
             raise InputError(f"network: mirror {self.mirror!r}; give True or False")
         if self.mirror and (self.outputs != "reachability" or self.encoder == "stacked"):

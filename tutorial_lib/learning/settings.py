@@ -31,9 +31,8 @@ class Settings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("max_steps", "targets", "warmup_steps", "eval_interval", "patience", "threads"):
-            whole(name, getattr(self, name), least=1)
-        whole("seed", self.seed, least=0)
+        for name in vars(self).keys() - {"learning_rate"}:
+            whole(name, getattr(self, name), least=0 if name == "seed" else 1)
         number("learning_rate", self.learning_rate, least=0.0)
 
     def learning_rate_at(self, step: int) -> float:

@@ -5,7 +5,6 @@ Numbers are not looked at: what is not finite spreads to the result, as everywhe
 
 from typing import Any
 
-import torch
 from torch import Tensor
 
 from tutorial_lib.errors import InputError

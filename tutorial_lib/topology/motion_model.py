@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import floats, instance, whole
 
 TURN = 0.5
 """Metres that one rad counts as: turning changes the view as driving does."""
@@ -37,11 +38,10 @@ class MotionModel:
     onward: Array
 
     def __post_init__(self) -> None:
-        count = len(self.lengths)
-        if self.onward.shape != (count, count):
-            raise InputError(f"motion: onward {self.onward.shape}; give ({count}, {count})")
+        count = len(floats("motion: lengths", self.lengths, ("V+1",), empty=False))
+        floats("motion: onward", self.onward, (count, count))
         if not (self.lengths > 0).all():
-            raise InputError("motion: a length is not positive; give metres")
+            raise InputError("motion: lengths: a length is not positive; give metres")
         if not np.allclose(self.onward.sum(axis=1), 1.0) or (self.onward < 0).any():
             raise InputError("motion: a row of onward does not sum to one; give probabilities")
 
@@ -52,6 +52,7 @@ def moved(motion: Array) -> Array:
     >>> moved(np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 1.0]])).tolist()
     [5.0, 0.5]
     """
+    motion = floats("motion", motion, (..., 3))
     return np.linalg.norm(motion[..., :2], axis=-1) + TURN * np.abs(motion[..., 2])
 
 
@@ -62,7 +63,7 @@ def motion_model(topomap: TopoMap) -> MotionModel:
     others have the usual one. Edges on which a robot turns are left out: each rests on one place,
     whose twin would look the same, and would carry the belief there.
     """
-    alive = topomap.alive
+    alive = instance("topomap", topomap, TopoMap).alive
     column = {int(vertex): i for i, vertex in enumerate(alive)}
     count = len(alive)
     length, share = np.zeros((2, count, count))
@@ -82,7 +83,8 @@ def neighbourhoods(topomap: TopoMap, steps: int) -> NDArray[np.bool_]:
 
     Edges on which a robot turns are left out, see `motion_model`.
     """
-    count = len(topomap)
+    count = len(instance("topomap", topomap, TopoMap))
+    whole("steps", steps, least=0)
     joined = np.eye(count, dtype=bool)
     edges = np.array([(v, w) for v, w, _ in _driven(topomap)], dtype=np.intp).reshape(-1, 2)
     joined[tuple(np.searchsorted(topomap.alive, edges).T)] = True

@@ -6,6 +6,8 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.validation import floats, instance
+from tutorial_lib.validation import images as pictures
 
 
 class ImageSimilarity:
@@ -17,12 +19,13 @@ class ImageSimilarity:
 
     def prepare(self, images: NDArray[np.uint8]) -> Array:
         """Images (M, P, H, W, 3) of targets, of which the middle one counts, as rows (M, D)."""
-        if images.ndim != 5:
-            raise InputError(f"targets: shape {images.shape}; give images (M, P, H, W, 3)")
+        images = pictures("images", images, ("M", "P", "H", "W", 3))
         return _rows(images[:, images.shape[1] // 2])
 
     def probability(self, observations: Observation, prepared: Array) -> Array:
         """Similarities (N,) in [0, 1]."""
+        instance("observations", observations, Observation)
+        prepared = floats("prepared", prepared, ("M", "D"))
         if len(prepared) != len(observations):
             raise InputError(f"targets: {len(prepared)} for {len(observations)}; give as many")
         return 0.5 + 0.5 * np.clip((_rows(observations.image) * prepared).sum(axis=1), -1.0, 1.0)

@@ -36,6 +36,7 @@ from tutorial_lib.topology.following.transitions import (
     next_active,
 )
 from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns
+from tutorial_lib.validation import instance, integers, number, whole, with_methods
 from tutorial_lib.world.simulation import STEP
 
 
@@ -70,11 +71,17 @@ class Follower:
         Raises:
             InputError: when a start is beyond its path.
         """
-        self.paths, self.settings = paths, FollowerSettings() if settings is None else settings
-        self.predictor, self.controller, self.reachability = predictor, controller, reachability
+        self.paths = instance("paths", paths, AnchorPaths)
+        settings = FollowerSettings() if settings is None else settings
+        self.settings = instance("settings", settings, FollowerSettings)
+        self.predictor = with_methods("predictor", predictor, "predict")
+        self.controller = with_methods("controller", controller, "act")
+        self.reachability = with_methods("reachability", reachability, "probability")
         count = len(paths)
-        active = np.full(count, -1) if starts is None else np.array(starts)
-        fits = active.shape == (count,) and active.dtype.kind in "iu"
+        active = np.full(count, -1)
+        if starts is not None:
+            active = integers("starts", starts, ("N",)).copy()
+        fits = active.shape == (count,)
         if not (fits and ((active >= -1) & (active < paths.lengths)).all()):
             raise InputError(f"starts: {starts}; give (N,) anchors of {count} paths, -1 to search")
         self.memory = FollowerState.at(active)
@@ -96,7 +103,9 @@ class Follower:
             InputError: when there are not as many indices as observations, or a network returns
                 something of the wrong form.
         """
-        robots, memory = np.asarray(robots), self.memory
+        instance("observations", observations, Observation)
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.paths) - 1)
+        memory = self.memory
         if robots.shape != (len(observations),):
             raise InputError(
                 f"follower: {len(observations)} observations but robots {robots}; give as many"
@@ -133,9 +142,14 @@ class Follower:
             InputError: when the path leads beyond the anchors.
         """
         paths = list(self.paths.paths)
+        whole("robot", robot, least=0, most=len(paths) - 1)
+        turns = instance("turns", {} if turns is None else turns, Mapping)
+        for place, angle in turns.items():
+            whole("turns", place, least=0)
+            number("turns", angle)
         paths[robot] = path
         self.paths = replace(self.paths, paths=paths)
-        self._turns.set(robot, {} if turns is None else turns)
+        self._turns.set(robot, turns)
         self.memory.follow_from_start(robot)
 
     def log(self) -> FollowerLog:

@@ -12,6 +12,7 @@ import numpy as np
 from numba import njit
 
 from tutorial_lib.geometry import Array, inverse, wrap
+from tutorial_lib.validation import floats, number, whole
 from tutorial_lib.world.sensors import full_circle
 
 _NEAR = 4.0  # metres; what is farther looks different from where the other scan was taken
@@ -39,7 +40,11 @@ def likely_rotations(
     Returns:
         (N, M) the best correlation, -1 to 1; and (N, M, R) rad, headings of the other.
     """
+    lasers = floats("lasers", lasers, ("N", "B"), least=0.0)
     beams = lasers.shape[1]
+    others = floats("others", others, ("M", beams), least=0.0)
+    number("least", least)
+    whole("count", count, least=1, most=beams - 1)
     angles = wrap(np.arange(beams) * (2 * np.pi / beams))
     ours, theirs = (np.fft.rfft(_normalised(scans)) for scans in (lasers, others))
     best = np.empty((len(lasers), len(others)))
@@ -66,6 +71,9 @@ def match_scans(first: Array, second: Array, starts: Array) -> tuple[Array, Arra
         Poses (P, 3), and agreements (P,) from 0 to 1, -1 where no two can be compared; see
         `agreement`.
     """
+    first = floats("first", first, ("P", "B"), least=0.0)
+    second = floats("second", second, first.shape, least=0.0)
+    starts = floats("starts", starts, (len(first), "R", 3), empty=not len(first))
     angles = full_circle(first.shape[1])
     best, scores = starts[:, 0].copy(), np.full(len(first), -1.0)
     for start in range(starts.shape[1]):
@@ -87,6 +95,9 @@ def agreement(first: Array, second: Array, poses: Array) -> Array:
         second: (P, B).
         poses: (P, 3) of the second in the frames of the first.
     """
+    first = floats("first", first, ("P", "B"), least=0.0)
+    second = floats("second", second, first.shape, least=0.0)
+    poses = floats("poses", poses, (len(first), 3))
     angles = full_circle(first.shape[1])
     there = _confirmed(first, second, angles, np.ascontiguousarray(poses))
     back = _confirmed(second, first, angles, np.ascontiguousarray(inverse(poses)))

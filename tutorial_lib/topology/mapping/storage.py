@@ -30,6 +30,7 @@ from tutorial_lib.topology.mapping.stored_graph import (
     read_turns,
 )
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, with_methods
 
 VERSION = 2
 """Of the file's layout; maps of version 1 were two files, NAME.json beside NAME-DIGEST.npz."""
@@ -45,7 +46,7 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
             written.
     """
     path = _npz(path)
-    if not len(topomap):
+    if not len(instance("topomap", topomap, TopoMap)):
         raise InputError(f"{path}: an empty map; add a trajectory before saving it")
     alive = topomap.alive
     new = {int(old): number for number, old in enumerate(alive)}
@@ -75,6 +76,7 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
         InputError: when the file is missing, damaged or of another version.
     """
     path = _npz(path)
+    with_methods("reachability", reachability, "prepare", "probability")
     advice = "build the map again and save it"
     names = (*_SEEN, *_OTHERS, "graph", "digest")
     arrays = load_arrays(path, names, version=VERSION, advice=advice)
@@ -90,8 +92,9 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
 
 def export_graphml(path: str | Path, topomap: TopoMap) -> None:
     """Write the graph as GraphML, for programs that draw or analyse graphs."""
+    instance("path", path, (str, Path))
     graph = nx.DiGraph()
-    for vertex in sorted(topomap.graph):
+    for vertex in sorted(instance("topomap", topomap, TopoMap).graph):
         graph.add_node(
             vertex,
             trajectory=int(topomap.trajectory[vertex]),
@@ -105,7 +108,7 @@ def export_graphml(path: str | Path, topomap: TopoMap) -> None:
 
 
 def _npz(path: str | Path) -> Path:
-    path = Path(path)
+    path = Path(instance("path", path, (str, Path)))
     if path.suffix == ".json":
         first = "maps of the first version ended in .json and can no longer be read"
         raise InputError(f"{path}: {first}; build the map again and save it as .npz")
