@@ -25,6 +25,7 @@ Belief = Array
 """(N, V + 1) probabilities; the last column is that of being off the map."""
 Sensor = Callable[[Observation], Array]
 """Likelihoods (N, V), 0 to 1, of what N robots see, were they at each vertex."""
+_MOST = 1_000_000  # robots
 OFF_MAP = -1
 """The column of being off the map, and the vertex of a robot that is there."""
 
@@ -81,7 +82,10 @@ def update(prior: Belief, likelihood: ArrayLike) -> Belief:
     [[0.9, 0.1, 0.0]]
     """
     prior = floats("prior", prior, ("N", "V+1"), least=0.0)
-    return normalize(prior * floats("likelihood", likelihood, prior.shape, least=0.0))
+    likelihood = floats("likelihood", likelihood, ("N", "V+1"), least=0.0)
+    alike(prior=prior, likelihood=likelihood)
+    alike(prior=prior.T, likelihood=likelihood.T)
+    return normalize(prior * likelihood)
 
 
 def argmax(likelihood: ArrayLike) -> Belief:
@@ -121,7 +125,8 @@ def match_sequence(likelihoods: ArrayLike, before: NDArray[np.intp]) -> Array:
     """
     likelihoods = floats("likelihoods", likelihoods, ("T", "V"), least=0.0, empty=False)
     most = likelihoods.shape[1] - 1
-    before = integers("before", before, (most + 1,), least=-1, most=most)
+    before = integers("before", before, ("V",), least=-1, most=most)
+    alike(likelihoods=likelihoods.T, before=before)
     with np.errstate(divide="ignore"):
         logs = np.log(likelihoods)
     total = logs[0]
@@ -183,7 +188,7 @@ class BayesFilter:
         settings: FilterSettings | None = None,
     ) -> None:
         """Robots that may be anywhere, and have not moved."""
-        whole("robots", robots, least=0)
+        whole("robots", robots, least=0, most=_MOST)
         self.model, self.sensor = instance("model", model, MotionModel), sensor
         with_methods("sensor", sensor, "__call__")
         settings = FilterSettings() if settings is None else settings

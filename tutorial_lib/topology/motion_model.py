@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import floats, instance, whole
+from tutorial_lib.validation import alike, floats, instance, whole
 
 TURN = 0.5
 """Metres that one rad counts as: turning changes the view as driving does."""
@@ -38,8 +38,10 @@ class MotionModel:
     onward: Array
 
     def __post_init__(self) -> None:
-        count = len(floats("motion: lengths", self.lengths, ("V+1",), empty=False))
-        floats("motion: onward", self.onward, (count, count))
+        lengths = floats("motion: lengths", self.lengths, ("V+1",), empty=False)
+        onward = floats("motion: onward", self.onward, ("V+1", "V+1"))
+        alike(lengths=lengths, onward=onward)
+        alike(lengths=lengths, onward=onward.T)
         if not (self.lengths > 0).all():
             raise InputError("motion: lengths: a length is not positive; give metres")
         if not np.allclose(self.onward.sum(axis=1), 1.0) or (self.onward < 0).any():
@@ -89,7 +91,7 @@ def neighbourhoods(topomap: TopoMap, steps: int) -> NDArray[np.bool_]:
     edges = np.array([(v, w) for v, w, _ in _driven(topomap)], dtype=np.intp).reshape(-1, 2)
     joined[tuple(np.searchsorted(topomap.alive, edges).T)] = True
     near, joined = np.eye(count, dtype=bool), joined.astype(np.float32)
-    for _ in range(steps):
+    for _ in range(min(steps, count)):
         near = near.astype(np.float32) @ joined > 0  # in numbers, which is much faster
     return near | near.T
 

@@ -76,6 +76,8 @@ class DijkstraPlanner:
         instance("goals", goals, Goals)
         instance("topomap", topomap, TopoMap)
         instance("excluded", excluded, Collection)
+        if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in excluded):
+            raise InputError("excluded: give edges, tuples of two vertices each")
         graph = topomap.graph.copy()
         graph.remove_edges_from(excluded)
         here, reach = self._from_here(topomap, observation)

@@ -1,5 +1,7 @@
 """Plain image similarity, to compare learned reachability with (Meng 2020, IV)."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +35,6 @@ class ImageSimilarity:
 
 def _rows(images: NDArray[np.uint8]) -> Array:
     """Images (N, H, W, 3) as rows (N, D) of mean zero and length one."""
-    rows = images.reshape(len(images), -1).astype(np.float32)
+    rows = images.reshape(len(images), math.prod(images.shape[1:])).astype(np.float32)
     rows -= rows.mean(axis=1, keepdims=True)
     return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-6)

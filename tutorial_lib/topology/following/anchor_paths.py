@@ -150,9 +150,11 @@ class AnchorPaths:
     ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
         instance("observations", observations, Observation)
         robots = integers("robots", robots, ("M",), least=0, most=len(self) - 1)
-        places = integers("places", places, (len(robots), "W"))
-        alike(observations=observations, robots=robots)
-        return robots, places, flags("queried", queried, places.shape)
+        places = integers("places", places, ("M", "W"))
+        queried = flags("queried", queried, ("M", "W"))
+        alike(observations=observations, robots=robots, places=places, queried=queried)
+        alike(places=places.T, queried=queried.T)
+        return robots, places, queried
 
 
 def _array(path: ArrayLike) -> NDArray:

@@ -38,7 +38,7 @@ class Anchors:
 
     def __post_init__(self) -> None:
         instance("observations", self.observations, Observation)
-        with_methods("contexts", self.contexts, "__len__", "__getitem__")
+        instance("contexts", self.contexts, np.ndarray)
         floats("timestamps", self.timestamps, ("A",))
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
         if len(set(counts)) > 1 or counts[0] < 2:

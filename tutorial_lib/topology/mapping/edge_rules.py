@@ -100,7 +100,7 @@ def reusable_edge(
     into = floats("into", into, ("V",), least=0.0, most=1.0)
     onward = floats("onward", onward, ("V",), least=0.0, most=1.0)
     alike(into=into, onward=onward)
-    edges = np.empty((0, 2), np.intp) if not len(np.atleast_1d(edges)) else edges
+    edges = np.empty((0, 2), np.intp) if isinstance(edges, list) and not edges else edges
     edges = integers("edges", edges, ("E", 2), least=0, most=len(into) - 1)
     probabilities = floats("probabilities", probabilities, ("E",), least=0.0, most=1.0)
     alike(edges=edges, probabilities=probabilities)
@@ -156,10 +156,12 @@ def outdated(
     [1]
     """
     seen = flags("seen", seen, ("A", "V"))
-    unseen = flags("unseen", unseen, seen.shape)
-    most = seen.shape[1] - 1
-    before = integers("before", before, (most + 1,), least=-1, most=most)
-    after = integers("after", after, (most + 1,), least=-1, most=most)
+    unseen = flags("unseen", unseen, ("A", "V"))
+    before, after = integers("before", before, ("V",)), integers("after", after, ("V",))
+    alike(seen=seen, unseen=unseen)
+    alike(seen=seen.T, unseen=unseen.T, before=before, after=after)
+    integers("before", before, least=-1, most=len(before) - 1)
+    integers("after", after, least=-1, most=len(after) - 1)
     whole("reach", reach, least=0)
     gone = np.zeros(len(before), dtype=bool)
     inner = np.flatnonzero((before >= 0) & (after >= 0))

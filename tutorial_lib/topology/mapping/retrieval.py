@@ -37,12 +37,14 @@ def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
             "all with the same network"
         )
     count, images, parts, size = shown.shape
+    if not (images and parts and size and seen.shape[1]):
+        raise InputError(f"embeddings: seen {seen.shape}, shown {shown.shape}; give some parts")
     laid = np.ascontiguousarray(shown.transpose(3, 1, 2, 0)).reshape(size, -1)
     found = np.empty((len(seen), count), dtype=np.float32)
     for first in range(0, len(seen), _AT_ONCE):
         some = seen[first : first + _AT_ONCE]
         cosines = some.reshape(-1, size) @ laid
-        cosines = cosines.reshape(len(some), -1, images, parts, count)
+        cosines = cosines.reshape(len(some), seen.shape[1], images, parts, count)
         both = cosines.max(axis=3).mean(axis=1) + cosines.max(axis=1).mean(axis=2)
         found[first : first + _AT_ONCE] = both.max(axis=1)
     return found
@@ -50,8 +52,9 @@ def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
 
 def most_alike(alike: ArrayLike, count: int) -> NDArray[np.intp]:
     """(N, min(count, M)) indices of the most similar targets, of (N, M); in no order."""
-    floats("alike", alike, ("N", "M"), infinite=True)
-    alike = np.asarray(alike)  # of the type that it has: a sort in another breaks ties otherwise
+    checked = floats("alike", alike, ("N", "M"), infinite=True)
+    # Floats are sorted as they are: in another precision ties would be broken otherwise.
+    alike = alike if np.asarray(alike).dtype.kind == "f" else checked
     count = min(whole("count", count, least=0), alike.shape[1])
     return np.argpartition(-alike, max(count - 1, 0), axis=1)[:, :count]
 
@@ -90,6 +93,7 @@ def _checked(name: str, embeddings: ArrayLike, axes: int) -> Embedding:
         found = np.asarray(embeddings, dtype=np.float32)
     except (TypeError, ValueError):
         found = np.empty(0, dtype=np.float32)
+        embeddings = found
     embeddings = np.empty(0, dtype=np.float32) if np.iscomplexobj(embeddings) else found
     if embeddings.ndim != axes or not np.isfinite(embeddings).all():
         wanted = "(N, R, D)" if axes == 3 else "(N, P, R, D)"

@@ -154,7 +154,7 @@ class TopoMap:
             prepared: the contexts from `Reachability.prepare`, if they are prepared already.
         """
         count = len(instance("observations", observations, Observation))
-        with_methods("contexts", contexts, "__len__", "__getitem__")
+        instance("contexts", contexts, np.ndarray)
         timestamps = floats("timestamps", timestamps, (count,))
         trajectory = integers("trajectory", trajectory, (count,), least=0)
         place = integers("place", place, (count,), least=0)
