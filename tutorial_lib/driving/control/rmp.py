@@ -18,7 +18,7 @@ from tutorial_lib.driving.control import rmp_arcs as moves
 from tutorial_lib.driving.control.composed import checked_waypoints
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, moved
 from tutorial_lib.world.sensors import full_circle
 from tutorial_lib.world.simulation import STEP
 
@@ -212,7 +212,7 @@ class RMPController:
         arcs = moves.choose_moves(lasers, angles, points, controls[:, 0], *room, limits)
         curvatures, gears, lengths = arcs.T
         twists = gears[:, None] * np.stack([np.ones(len(arcs)), curvatures], axis=1)
-        ahead = advance(np.zeros((len(arcs), 3)), twists, np.minimum(lengths, self.carrot))
+        ahead = moved(np.zeros((len(arcs), 3)), twists, np.minimum(lengths, self.carrot))
         return ahead[:, :2], gears, np.arctan(body.wheelbase * curvatures)
 
     def _accelerate(
