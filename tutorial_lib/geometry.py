@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from tutorial_lib import se2
 from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array
-from tutorial_lib.validation import floats
+from tutorial_lib.validation import floats, match
 
 __all__ = [
     "Array",
@@ -50,7 +50,7 @@ def to_local(pose: ArrayLike, points: ArrayLike) -> Array:
     [2.0, 0.0]
     """
     pose, points = floats("pose", pose, (..., 3)), floats("points", points, (..., 2))
-    _check_together(pose=pose, points=points)
+    match(pose=pose.shape[:-1], points=points.shape[:-1])
     return se2.to_local(pose, points)
 
 
@@ -61,7 +61,7 @@ def to_world(pose: ArrayLike, points: ArrayLike) -> Array:
     [1.0, 3.0]
     """
     pose, points = floats("pose", pose, (..., 3)), floats("points", points, (..., 2))
-    _check_together(pose=pose, points=points)
+    match(pose=pose.shape[:-1], points=points.shape[:-1])
     return se2.to_world(pose, points)
 
 
@@ -72,7 +72,7 @@ def compose(first: ArrayLike, second: ArrayLike) -> Array:
     [1.0, 1.0, 1.570796]
     """
     first, second = floats("first", first, (..., 3)), floats("second", second, (..., 3))
-    _check_together(first=first, second=second)
+    match(first=first.shape[:-1], second=second.shape[:-1])
     return se2.compose(first, second)
 
 
@@ -83,7 +83,7 @@ def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
     [1.0, 0.0, 0.0]
     """
     origin, pose = floats("origin", origin, (..., 3)), floats("pose", pose, (..., 3))
-    _check_together(origin=origin, pose=pose)
+    match(origin=origin.shape[:-1], pose=pose.shape[:-1])
     return se2.relative(origin, pose)
 
 
@@ -155,15 +155,3 @@ def distance_to_segments(points: ArrayLike, segments: ArrayLike) -> Array:
     length2 = np.maximum((along**2).sum(-1), 1e-300)
     share = np.clip((offset * along).sum(-1) / length2, 0.0, 1.0)
     return np.linalg.norm(offset - share[..., None] * along, axis=-1)
-
-
-def _check_together(**arrays: Array) -> None:
-    """Check that two arrays match in all axes but the last."""
-    (one, first), (other, second) = arrays.items()
-    try:
-        np.broadcast_shapes(first.shape[:-1], second.shape[:-1])
-    except ValueError:
-        raise InputError(
-            f"{one}: shape {first.shape}, {other}: shape {second.shape}; "
-            "give leading axes that match"
-        ) from None

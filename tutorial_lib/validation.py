@@ -151,11 +151,6 @@ def number(
 
     Raises:
         InputError: when the argument is anything else.
-
-    >>> number("radius", 0.0, above=0)
-    Traceback (most recent call last):
-    ...
-    tutorial_lib.errors.InputError: radius: 0.0; give one real number above 0
     """
     if type(value) is float and least <= value <= most and above < value < np.inf:
         return value
@@ -241,26 +236,29 @@ def instances(
 
 
 def path_of(name: str, value: object) -> Path:
-    """A path of a file or a folder.
-
-    Raises:
-        InputError: when the argument is none.
-    """
+    """The path of a file or a folder, or an `InputError`."""
     if not isinstance(value, (str, PathLike)):
         raise InputError(f"{name}: {quoted(value)}; give the path of a file")
     return Path(value)
 
 
 def with_methods(name: str, value: Kind, *methods: str) -> Kind:
-    """An object of whatever class that has these methods.
-
-    Raises:
-        InputError: when it has not.
-    """
+    """An object of whatever class that has these methods, or an `InputError`."""
     for method in methods:
         if not callable(getattr(value, method, None)):
             raise InputError(f"{name}: {quoted(value)}; give an object with the method {method}")
     return value
+
+
+def match(**axes: tuple[int, ...]) -> None:
+    """Leading axes of arrays that go together fit as numpy's do; an `InputError` names both."""
+    if len(set(axes.values())) == 1:
+        return
+    try:
+        np.broadcast_shapes(*axes.values())
+    except ValueError:
+        shapes = ", ".join(f"{name}: {shape}" for name, shape in axes.items())
+        raise InputError(f"{shapes}; give leading axes that match") from None
 
 
 def alike(**arrays: NDArray[Any]) -> None:

@@ -145,7 +145,7 @@ DOORS = {
         field().distance,
         numbers,
         points=floats(POINTS, ("N", 2)),
-        goals=indices(2, takes="no axes"),
+        goals=indices(2, takes="no axes, fewer axes"),
     ),
     "DistanceFields.path": lambda: call(
         field().path,
@@ -287,7 +287,7 @@ DOORS = {
     ),
     "point_jacobian": lambda: call(rmp.point_jacobian, points=floats(POINTS, (..., 2))),
     "control_jacobian": lambda: call(
-        rmp.control_jacobian, numbers, body=a(BicycleCar()), controls=floats(POINTS * 0.1, ("N", 2))
+        rmp.control_jacobian, numbers, body=a(BicycleCar()), controls=floats(POINTS * 0.1, (..., 2))
     ),
     "pull_back": lambda: call(
         rmp.pull_back,

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, compose
-from tutorial_lib.validation import floats, number
+from tutorial_lib.validation import floats, match, number
 
 
 class Body(Protocol):
@@ -133,10 +133,7 @@ def advance(poses: ArrayLike, twists: ArrayLike, seconds: ArrayLike) -> Array:
     """
     poses, twists = floats("poses", poses, (..., 3)), floats("twists", twists, (..., 2))
     seconds = floats("seconds", seconds)
-    try:
-        np.broadcast_shapes(poses.shape[:-1], twists.shape[:-1], seconds.shape)
-    except ValueError as error:
-        raise InputError(f"poses, twists, seconds: {error}; give leading axes that match") from None
+    match(poses=poses.shape[:-1], twists=twists.shape[:-1], seconds=seconds.shape)
     return moved(poses, twists, seconds)
 
 
