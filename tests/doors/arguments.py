@@ -237,9 +237,19 @@ def several(
     return _changed(found, optional, changes)
 
 
-def given(value: Any) -> Argument:
-    """An argument that is not tried."""
-    return Argument(value)
+def tuples(argument: Argument) -> Argument:
+    """The same argument with all arrays as tuples, as the fields of a frozen class are."""
+    argument.value = _tuple(argument.value)
+    for cases in (argument.trials, argument.lengths):
+        for label, (value, expected) in cases.items():
+            if isinstance(value, np.ndarray):
+                cases[label] = (_tuple(value), expected)
+    return argument
+
+
+def _tuple(array: Any) -> Any:
+    listed = array.tolist() if isinstance(array, np.ndarray) else array
+    return tuple(map(_tuple, listed)) if isinstance(listed, list) else listed
 
 
 def _array(array: np.ndarray, shape: tuple, empty: bool) -> Argument:
@@ -285,7 +295,9 @@ def _anything(argument: Argument) -> Argument:
 
 def _with(array: np.ndarray, value: float) -> np.ndarray:
     """A copy whose last number is another."""
-    array = np.array(array)
+    array = np.array(
+        array, dtype=np.result_type(array, float) if isinstance(value, float) else None
+    )
     if array.size:
         array.flat[array.size - 1] = value
     return array

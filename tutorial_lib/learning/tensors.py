@@ -7,8 +7,8 @@ from typing import Any
 
 from torch import Tensor
 
+from tutorial_lib.array_forms import fits
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import fits
 
 
 def tensor(name: str, value: Any, shape: tuple[Any, ...]) -> Tensor:  # noqa: ANN401 - to be checked

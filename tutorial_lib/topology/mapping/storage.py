@@ -30,7 +30,7 @@ from tutorial_lib.topology.mapping.stored_graph import (
     read_turns,
 )
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance, with_methods
+from tutorial_lib.validation import instance, path_of, with_methods
 
 VERSION = 2
 """Of the file's layout; maps of version 1 were two files, NAME.json beside NAME-DIGEST.npz."""
@@ -92,7 +92,7 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
 
 def export_graphml(path: str | Path, topomap: TopoMap) -> None:
     """Write the graph as GraphML, for programs that draw or analyse graphs."""
-    instance("path", path, (str, Path))
+    path = path_of("path", path)
     graph = nx.DiGraph()
     for vertex in sorted(instance("topomap", topomap, TopoMap).graph):
         graph.add_node(
@@ -104,11 +104,11 @@ def export_graphml(path: str | Path, topomap: TopoMap) -> None:
     graph.add_edges_from(topomap.graph.edges(data=True))
     buffer = io.BytesIO()
     nx.write_graphml(graph, buffer)
-    write_files({Path(path): buffer.getvalue()})
+    write_files({path: buffer.getvalue()})
 
 
 def _npz(path: str | Path) -> Path:
-    path = Path(instance("path", path, (str, Path)))
+    path = path_of("path", path)
     if path.suffix == ".json":
         first = "maps of the first version ended in .json and can no longer be read"
         raise InputError(f"{path}: {first}; build the map again and save it as .npz")
