@@ -24,7 +24,7 @@ from tutorial_lib import topology
 from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology import localization, similarity
 from tutorial_lib.topology.following import transitions
-from tutorial_lib.topology.mapping import edge_rules, scan_matching, sparsify, turn_edges
+from tutorial_lib.topology.mapping import edge_rules, sparsify, turn_edges
 from tutorial_lib.topology.motion_model import neighbourhoods
 
 FILE = Path(tempfile.gettempdir()) / f"doors-{os.getpid()}.npz"
@@ -419,26 +419,6 @@ DOORS = {
         anchors=integers([0, 3], ("A",), least=0, most=7),
         frames=whole(8, least=2, either="huge"),
         k=whole(1, least=0),
-    ),
-    "likely_rotations": lambda: call(
-        scan_matching.likely_rotations,
-        lasers=floats(np.ones((2, 8)), ("N", "B"), least=0),
-        others=floats(np.ones((3, 8)), ("M", "B"), least=0),
-        least=number(0.5),
-        count=whole(2, least=1, most=7, either="huge"),
-    ),
-    "match_scans": lambda: call(
-        scan_matching.match_scans,
-        first=floats(np.ones((2, 8)), ("P", "B"), least=0),
-        second=floats(np.ones((2, 8)), ("P", "B"), least=0),
-        starts=floats(np.zeros((2, 2, 3)), ("P", "R", 3)),
-    ),
-    "agreement": lambda: call(
-        scan_matching.agreement,
-        anything,
-        first=floats(np.ones((2, 8)), ("P", "B"), least=0),
-        second=floats(np.ones((2, 8)), ("P", "B"), least=0),
-        poses=floats(np.zeros((2, 3)), ("P", 3)),
     ),
     "TurnSettings": lambda: call(
         turn_edges.TurnSettings,

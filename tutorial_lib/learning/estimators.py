@@ -58,7 +58,7 @@ def use_threads(count: int) -> None:
     torch.set_num_threads(whole("count", count, least=1))
 
 
-class _Estimator:
+class Estimator:
     """A network behind the interfaces."""
 
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
@@ -158,7 +158,7 @@ class _Estimator:
         return _looked_at(self.network, *pairs)
 
 
-class WaypointNetwork(_Estimator):
+class WaypointNetwork(Estimator):
     """C_WP (Meng 2020, III-B), a `WaypointPredictor`."""
 
     def __init__(self, network: LocalNetwork | str) -> None:
@@ -176,7 +176,7 @@ class WaypointNetwork(_Estimator):
         return _waypoints_and_overlaps(self.outputs_uncached(observations, contexts))
 
 
-class DirectNetwork(_Estimator):
+class DirectNetwork(Estimator):
     """Images to speed and steering without a waypoint between, a `LocalController`."""
 
     def __init__(self, network: LocalNetwork | str) -> None:
@@ -188,7 +188,7 @@ class DirectNetwork(_Estimator):
         return self.outputs(observations, targets)
 
 
-class ReachabilityNetwork(_Estimator):
+class ReachabilityNetwork(Estimator):
     """RE (Meng 2020, III-C), a `Reachability`."""
 
     def __init__(self, network: LocalNetwork | str, calibration: Calibration | None = None) -> None:

@@ -23,6 +23,7 @@ from tutorial_lib.learning.outcome_data import kept_outcomes
 from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.weights import digest_of, load_card
 from tutorial_lib.parallel import for_each
+from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 OWN = 3.0
@@ -84,6 +85,10 @@ def all_logits(
 
     Each distinct pose and target is encoded once.
     """
+    instance("reachability", reachability, ReachabilityNetwork)
+    instance("recorded", recorded, RecordedWorld)
+    starts, targets = floats("starts", starts, ("N", 3), empty=False), _frames(recorded, targets)
+    alike(starts=starts, targets=targets)
     poses, which = np.unique(starts, axis=0, return_inverse=True)
     camera = reachability.view.camera
     seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
@@ -95,6 +100,10 @@ def all_logits(
         for rows in np.array_split(np.arange(len(starts)), 1 + len(starts) // _AT_ONCE)
     ]
     return np.concatenate(logits)
+
+
+def _frames(recorded: RecordedWorld, targets: NDArray[np.intp]) -> NDArray[np.intp]:
+    return integers("targets", targets, ("N",), least=0, most=len(recorded.poses) - 1)
 
 
 def mined_outcomes(

@@ -14,14 +14,17 @@ from tutorial_lib.interfaces import LocalController, Policy
 from tutorial_lib.learning.estimators import (
     DirectNetwork,
     EncodedTargets,
+    Estimator,
     ReachabilityNetwork,
     WaypointNetwork,
 )
+from tutorial_lib.validation import instance, integers
 from tutorial_lib.world.simulation import Simulation
 
 
 def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
     """C = C_RMP after C_WP, without memory: what RE learns from."""
+    instance("predictor", predictor, WaypointNetwork)
     return _factory(predictor, ComposedController(predictor, RMPController()))
 
 
@@ -47,6 +50,9 @@ def encoded(
     frames: NDArray[np.intp],
 ) -> EncodedTargets:
     """Recorded frames (N,) in their context as targets; each is rendered and encoded once."""
+    instance("network", network, Estimator)
+    most = len(instance("recorded", recorded, RecordedWorld).poses) - 1
+    frames = integers("frames", frames, ("N",), least=0, most=most)
     own, which = np.unique(frames, return_inverse=True)
     poses = recorded.poses[recorded.context(own, network.k)]
     return network.prepare(network.view.render(recorded.scene, poses))[which]

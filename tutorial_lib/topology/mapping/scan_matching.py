@@ -11,9 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, inverse, wrap
-from tutorial_lib.validation import alike, floats, number, whole
 from tutorial_lib.world.sensors import full_circle
 
 _NEAR = 4.0  # metres; what is farther looks different from where the other scan was taken
@@ -41,12 +39,7 @@ def likely_rotations(
     Returns:
         (N, M) the best correlation, -1 to 1; and (N, M, R) rad, headings of the other.
     """
-    lasers = floats("lasers", lasers, ("N", "B"), least=0.0)
     beams = lasers.shape[1]
-    others = floats("others", others, ("M", "B"), least=0.0)
-    alike(lasers=lasers.T, others=others.T)
-    number("least", least)
-    whole("count", count, least=1, most=beams - 1)
     angles = wrap(np.arange(beams) * (2 * np.pi / beams))
     ours, theirs = (np.fft.rfft(_normalised(scans)) for scans in (lasers, others))
     best = np.empty((len(lasers), len(others)))
@@ -73,11 +66,6 @@ def match_scans(first: Array, second: Array, starts: Array) -> tuple[Array, Arra
         Poses (P, 3), and agreements (P,) from 0 to 1, -1 where no two can be compared; see
         `agreement`.
     """
-    first, second = _scans(first, second)
-    starts = floats("starts", starts, ("P", "R", 3))
-    alike(first=first, starts=starts)
-    if not starts.shape[1]:
-        raise InputError("starts: none of each pair; give (P, R, 3), one at least")
     angles = full_circle(first.shape[1])
     best, scores = starts[:, 0].copy(), np.full(len(first), -1.0)
     for start in range(starts.shape[1]):
@@ -99,22 +87,10 @@ def agreement(first: Array, second: Array, poses: Array) -> Array:
         second: (P, B).
         poses: (P, 3) of the second in the frames of the first.
     """
-    first, second = _scans(first, second)
-    poses = floats("poses", poses, ("P", 3))
-    alike(first=first, poses=poses)
     angles = full_circle(first.shape[1])
     there = _confirmed(first, second, angles, np.ascontiguousarray(poses))
     back = _confirmed(second, first, angles, np.ascontiguousarray(inverse(poses)))
     return np.minimum(there, back)
-
-
-def _scans(first: Array, second: Array) -> tuple[Array, Array]:
-    """Scans (P, B) of pairs."""
-    first = floats("first", first, ("P", "B"), least=0.0)
-    second = floats("second", second, ("P", "B"), least=0.0)
-    alike(first=first, second=second)
-    alike(first=first.T, second=second.T)
-    return first, second
 
 
 def _normalised(lasers: Array) -> Array:

@@ -118,7 +118,7 @@ def stored_frames(anchors: ArrayLike, frames: int, k: int) -> int:
     >>> stored_frames([0, 10], 12, 2)  # 0, 3, 6 and 4, 7, 10, 11
     7
     """
-    _check_frames(whole("frames", frames, most=_MOST_FRAMES))
+    whole("frames", frames, least=1, most=_MOST_FRAMES)
     anchors = integers("anchors", anchors, ("A",), least=0, most=frames - 1)
     _check_context(k)
     return len(np.unique(frames_around(anchors, k, 0, frames - 1)))
