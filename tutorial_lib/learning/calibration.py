@@ -136,7 +136,7 @@ class Calibration:
         raw, mended = floats("raw", self.raw, ("K",)), floats("mended", self.mended, ("K",))
         fits = len(raw) == len(mended) >= 2
         if not (fits and (np.diff(raw) > 0).all() and (np.diff(mended) > 0).all()):
-            raise InputError("calibration: give as many rising finite numbers, two at least, twice")
+            raise InputError("calibration: raw, mended: give as many rising finite numbers")
 
     def __call__(self, logits: ArrayLike) -> Array:
         """Probabilities of a network's logits; beyond the knots the line goes on as it ends."""
@@ -158,10 +158,12 @@ def fit_isotonic(logits: Array, came_true: ArrayLike, knots: int = _KNOTS) -> Ca
     # Logits that differ by less share a bin, so that knots can be rounded and still rise.
     logits, label = _checked("logits", logits, came_true)
     logits = np.round(logits, _PLACES)
-    whole("knots", knots, least=4)
+    whole("knots", knots, least=4, most=1_000)
     shares = np.linspace(0.0, 1.0, knots - 2)[1:-1]
     tail = 1.0 - 0.5 ** np.arange(1, 4) * (1.0 - shares[-1])
     parts = _binned(logits, (np.append(shares, tail) * len(logits)).astype(int))
+    if len(parts) < 2:
+        raise InputError("logits: all alike, and no rising line leads through one point")
     count = np.array([len(part) for part in parts], dtype=float)
     raw = np.array([logits[part].mean() for part in parts]).round(_PLACES)
     share = np.array([(label[part].sum() + 0.5) / (len(part) + 1.0) for part in parts])

@@ -45,6 +45,12 @@ def _merged(columns: Tensor) -> Tensor:
     return columns.unflatten(1, (-1, 2)).flatten(2)
 
 
+def _checked_size(channels: int, rows: int) -> tuple[int, int]:
+    return whole("channels", channels, least=1, most=1_000), whole(
+        "rows", rows, least=1, most=1_000
+    )
+
+
 class PairEncoder(nn.Module):
     """The paper's encoder of ``[cur, tgt, cur - tgt]`` (Meng 2020, III-B).
 
@@ -57,7 +63,7 @@ class PairEncoder(nn.Module):
 
     def __init__(self, channels: int, rows: int) -> None:
         super().__init__()
-        self._size = whole("channels", channels, least=1), whole("rows", rows, least=1), 2 * COLUMNS
+        self._size = (*_checked_size(channels, rows), 2 * COLUMNS)
         self.stacked = rows_away(3 * channels, rows, _FIRST)
         self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
         self.narrow = Narrowing(_WIDTH)

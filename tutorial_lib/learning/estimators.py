@@ -14,6 +14,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.tensors import tensor
 from tutorial_lib.learning.weights import load_card, load_network
 from tutorial_lib.validation import instance, whole
 
@@ -55,10 +56,10 @@ _AT_ONCE = 64  # robots; what is computed for them fits into the processor's cac
 
 def use_threads(count: int) -> None:
     """Let networks use that many threads in this process; one, where processes run side by side."""
-    torch.set_num_threads(whole("count", count, least=1))
+    torch.set_num_threads(whole("count", count, least=1, most=4_096))
 
 
-class Estimator:
+class _Estimator:
     """A network behind the interfaces."""
 
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
@@ -84,7 +85,7 @@ class Estimator:
         wanted, contexts = self.architecture.images, np.asarray(contexts)
         if contexts.ndim != 5 or contexts.shape[1] != wanted:
             raise InputError(
-                f"targets: shape {contexts.shape}; this network has k = {self.architecture.k}: "
+                f"targets: contexts of shape {contexts.shape}; this network has k = {self.architecture.k}: "
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
         if self.network.stacked:
@@ -101,6 +102,7 @@ class Estimator:
     @torch.inference_mode()
     def outputs(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """The network's outputs (N, O) for N robots and as many targets."""
+        _check_targets("targets", targets)
         prepared = targets if isinstance(targets, EncodedTargets) else self.prepare(targets)
         return self.compare(self.encode(observations), prepared)
 
@@ -119,6 +121,7 @@ class Estimator:
     @torch.inference_mode()
     def compare(self, current: Tensor, targets: EncodedTargets) -> Array:
         """The network's outputs (N, O) for N encoded observations and as many targets."""
+        tensor("current", current, (...,))
         if instance("targets", targets, EncodedTargets).network is not self.network:
             raise InputError("targets: prepared by another network; prepare them with this one")
         if len(targets) != len(current):
@@ -158,7 +161,7 @@ class Estimator:
         return _looked_at(self.network, *pairs)
 
 
-class WaypointNetwork(Estimator):
+class WaypointNetwork(_Estimator):
     """C_WP (Meng 2020, III-B), a `WaypointPredictor`."""
 
     def __init__(self, network: LocalNetwork | str) -> None:
@@ -176,7 +179,7 @@ class WaypointNetwork(Estimator):
         return _waypoints_and_overlaps(self.outputs_uncached(observations, contexts))
 
 
-class DirectNetwork(Estimator):
+class DirectNetwork(_Estimator):
     """Images to speed and steering without a waypoint between, a `LocalController`."""
 
     def __init__(self, network: LocalNetwork | str) -> None:
@@ -188,7 +191,7 @@ class DirectNetwork(Estimator):
         return self.outputs(observations, targets)
 
 
-class ReachabilityNetwork(Estimator):
+class ReachabilityNetwork(_Estimator):
     """RE (Meng 2020, III-C), a `Reachability`."""
 
     def __init__(self, network: LocalNetwork | str, calibration: Calibration | None = None) -> None:
@@ -211,6 +214,7 @@ class ReachabilityNetwork(Estimator):
 
     def logits(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
         """Logits (N,) before calibration."""
+        _check_targets("prepared", prepared)
         return self.outputs(observations, prepared)[:, 0]
 
     @torch.inference_mode()
@@ -227,6 +231,12 @@ class ReachabilityNetwork(Estimator):
         count = instance("prepared", prepared, EncodedTargets).encoded.shape[1]
         some = prepared.encoded[:, sorted({0, count // 2})]
         return self.network.embed(some.flatten(0, 1)).unflatten(0, some.shape[:2]).numpy()
+
+
+def _check_targets(name: str, targets: EncodedTargets | NDArray) -> None:
+    if not isinstance(targets, EncodedTargets | np.ndarray):
+        given = type(targets).__name__
+        raise InputError(f"{name}: a {given}; give what `prepare` returned, or images")
 
 
 def _looked_at(

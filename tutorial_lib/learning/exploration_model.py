@@ -19,6 +19,7 @@ from tutorial_lib.learning.panorama_network import Compared, PanoramaNetwork
 from tutorial_lib.learning.weights import load_card, load_network
 from tutorial_lib.validation import floats, instance
 
+_LARGEST = 1e6  # number of a feature
 _AT_ONCE = 64  # panoramas or pairs; what is computed for them fits into the processor's cache
 
 
@@ -137,7 +138,7 @@ class LearnedExploration:
 
 def _tensor(name: str, features: NDArray[np.float32]) -> Tensor:
     """Features (N, FEATURES) as the network computes with them."""
-    rows = floats(name, features, ("N", FEATURES))
+    rows = floats(name, features, ("N", FEATURES), least=-_LARGEST, most=_LARGEST)
     return torch.from_numpy(np.ascontiguousarray(rows, dtype=np.float32))
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative, to_local
 from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.raycast import Raycaster
@@ -53,7 +54,10 @@ def waypoint_labels(
 def in_clear_sight(caster: Raycaster, origins: Array, points: Array) -> NDArray[np.bool_]:
     """Whether a robot at `origins` (..., 2) sees `points` (..., 2), `CLEARANCE` off the walls."""
     points = floats("points", points, (..., 2))
-    origins = floats("origins", origins, points.shape)
+    origins = floats("origins", origins, (..., 2))
+    instance("caster", caster, Raycaster)
+    if origins.shape != points.shape:
+        raise InputError(f"origins: {origins.shape}, points: {points.shape}; give as many of each")
     along = points - origins
     length = np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-9)
     aside = CLEARANCE * np.stack([-along[..., 1], along[..., 0]], axis=-1) / length

@@ -16,6 +16,7 @@ from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs, reac
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
@@ -91,7 +92,10 @@ def all_logits(
     alike(starts=starts, targets=targets)
     poses, which = np.unique(starts, axis=0, return_inverse=True)
     camera = reachability.view.camera
-    seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
+    try:
+        seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
+    except InputError as error:
+        raise InputError(f"starts: {error}") from error
     frames, shown = np.unique(targets, return_inverse=True)
     prepared = encoded(reachability, recorded, frames)
     current = reachability.encode(seen)

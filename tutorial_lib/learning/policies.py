@@ -14,11 +14,10 @@ from tutorial_lib.interfaces import LocalController, Policy
 from tutorial_lib.learning.estimators import (
     DirectNetwork,
     EncodedTargets,
-    Estimator,
     ReachabilityNetwork,
     WaypointNetwork,
 )
-from tutorial_lib.validation import instance, integers
+from tutorial_lib.validation import instance, integers, with_methods
 from tutorial_lib.world.simulation import Simulation
 
 
@@ -50,7 +49,7 @@ def encoded(
     frames: NDArray[np.intp],
 ) -> EncodedTargets:
     """Recorded frames (N,) in their context as targets; each is rendered and encoded once."""
-    instance("network", network, Estimator)
+    with_methods("network", network, "prepare")
     most = len(instance("recorded", recorded, RecordedWorld).poses) - 1
     frames = integers("frames", frames, ("N",), least=0, most=most)
     own, which = np.unique(frames, return_inverse=True)

@@ -96,6 +96,6 @@ def train_network(
 
 def learning_rate_at(step: int, plan: TrainingPlan) -> float:
     """The learning rate of a step: a linear warm-up times half a cosine."""
-    whole("step", step, least=0, most=plan.max_steps)
+    whole("step", step, least=0, most=instance("plan", plan, TrainingPlan).max_steps)
     warmup = min(1.0, (step + 1) / plan.warmup_steps)
     return plan.learning_rate * warmup * 0.5 * (1 + math.cos(math.pi * step / plan.max_steps))
