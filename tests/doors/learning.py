@@ -246,7 +246,7 @@ DOORS = {
     ),
     "Settings": lambda: call(
         learning.Settings,
-        max_steps=whole(10, least=1),
+        max_steps=whole(10, least=0),
         targets=whole(2, least=1),
         learning_rate=number(0.1, least=0),
         warmup_steps=whole(2, least=1),
@@ -256,7 +256,7 @@ DOORS = {
         seed=whole(0, least=0),
     ),
     "Settings.learning_rate_at": lambda: call(
-        settings().learning_rate_at, step=whole(1, least=0, most=1)
+        settings().learning_rate_at, step=whole(0, least=0, most=0)
     ),
     "Source": lambda: call(
         learning.Source,

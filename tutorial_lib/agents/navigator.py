@@ -35,6 +35,7 @@ from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, number, with_methods
 from tutorial_lib.world.simulation import STEP
 
 SEARCH_TIME = 20.0
@@ -208,6 +209,11 @@ class MapAgent(ABC):
     replan_time: float = 240.0
 
     def __post_init__(self) -> None:
+        with_methods("predictor", self.predictor, "prepare", "predict")
+        with_methods("controller", self.controller, "act")
+        with_methods("reachability", self.reachability, "prepare", "probability")
+        instance("follower", self.follower, FollowerSettings)
+        number("replan_time", self.replan_time, least=0.0, infinite=True)
         self.topomap = self.empty_map()
         self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.agents.votes import agreeing
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import bearing_of
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
@@ -25,6 +26,7 @@ from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.validation import flags, instance, whole, with_methods
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 
 DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1, fall=1.0)
@@ -51,6 +53,10 @@ class ReturnSettings:
     losses: int = 6
     pause: int = 25
     turning: int = 40
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            whole(name, value, least=1)
 
 
 class StandStill:
@@ -110,12 +116,16 @@ class ReturningAgent:
                 robot without a path stops once it plans no more.
             settings: when to plan.
         """
-        self._memory, self._explorer = memory, explorer
-        self._settings = ReturnSettings() if settings is None else settings
+        self._memory, self._explorer = instance("memory", memory, MengAgent), explorer
+        if explorer is not None:
+            with_methods("explorer", explorer, "start", "act")
+        settings = ReturnSettings() if settings is None else settings
+        self._settings = instance("settings", settings, ReturnSettings)
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)
 
     def start(self, goals: Observation) -> None:
         """Begin on the way to `goals` (N,), panoramas; see `ExplorerAgent`."""
+        instance("goals", goals, Observation)
         count = len(goals)
         self._goals = [self._looked_for(self._all_around(goals[n])) for n in range(count)]
         first = len(self._memory.topomap.vertices)
@@ -138,6 +148,12 @@ class ReturningAgent:
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
+        instance("observations", observations, Observation)
+        running = flags("running", running, (len(self.plans),))
+        if len(observations) != len(running):
+            raise InputError(
+                f"observations: {len(observations)}; give {len(running)}, of all robots"
+            )
         robots = np.flatnonzero(running)
         actions = self._explore(observations, running)
         here = observations[robots]

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.validation import flags, instance, number, with_methods
 from tutorial_lib.world.noise import STOP
 
 _SAME = 1.5  # metres between two estimates of one goal, at most
@@ -36,6 +38,16 @@ class SearchSettings:
     visible: float = 0.5
     stop_within: float = 0.6
     look_every: float = 0.5
+
+    def __post_init__(self) -> None:
+        for name in ("visible", "stop_within", "look_every"):
+            number(name, getattr(self, name), least=0.0)
+
+
+def checked_model(model: ExplorationModel) -> ExplorationModel:
+    """A model with all functions that exploration asks."""
+    functions = ("embed", "explorable", "same_node", "scores", "relative", "ranges")
+    return with_methods("model", model, *functions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +103,9 @@ class GoalSearch:
 
     def look_for(self, goals: Observation) -> None:
         """Look for other goals (N,), and keep the maps."""
+        instance("goals", goals, Observation)
+        if len(goals) != len(self.left):
+            raise InputError(f"goals: {len(goals)}; give {len(self.left)}, one a robot")
         count = len(goals)
         self.goals = self._model.embed(goals)
         self.found, self.places = np.zeros(count, bool), np.zeros((count, 2))
@@ -109,6 +124,12 @@ class GoalSearch:
             observations: of all N robots.
             running: (N,) which of them are under way.
         """
+        instance("observations", observations, Observation)
+        running = flags("running", running, (len(self.found),))
+        if len(observations) != len(running):
+            raise InputError(
+                f"observations: {len(observations)}; give {len(running)}, of all robots"
+            )
         robots = np.flatnonzero(running)
         here = observations[robots]
         ranges = self._model.ranges(here)

@@ -46,9 +46,8 @@ def _merged(columns: Tensor) -> Tensor:
 
 
 def _checked_size(channels: int, rows: int) -> tuple[int, int]:
-    return whole("channels", channels, least=1, most=1_000), whole(
-        "rows", rows, least=1, most=1_000
-    )
+    channels = whole("channels", channels, least=1, most=1_000)
+    return channels, whole("rows", rows, least=1, most=1_000)
 
 
 class PairEncoder(nn.Module):

@@ -85,7 +85,7 @@ class _Estimator:
         wanted, contexts = self.architecture.images, np.asarray(contexts)
         if contexts.ndim != 5 or contexts.shape[1] != wanted:
             raise InputError(
-                f"targets: contexts of shape {contexts.shape}; this network has k = {self.architecture.k}: "
+                f"targets: contexts {contexts.shape}; this network has k = {self.architecture.k}: "
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
         if self.network.stacked:

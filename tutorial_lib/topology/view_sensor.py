@@ -33,7 +33,7 @@ class ViewSensor:
         self._predictor = with_methods("predictor", predictor, "predict")
         self._targets = with_methods("targets", targets, "__len__", "__getitem__")
         self._candidates = whole("candidates", candidates, least=1)
-        if len(targets) != len(topomap.vertices):
+        if len(targets) < len(topomap.vertices):
             raise InputError(f"targets: {len(targets)}; give {len(topomap.vertices)}, all vertices")
         self._column = np.full(len(topomap.vertices), -1)
         self._column[topomap.alive] = np.arange(len(topomap))
