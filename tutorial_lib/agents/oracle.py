@@ -33,9 +33,8 @@ class OracleNavigation:
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2); a robot that has arrived stands still."""
         instance("observations", observations, Observation)
-        robots = integers(
-            "robots", robots, (len(observations),), least=0, most=len(self.arrived) - 1
-        )
+        most = len(self.arrived) - 1
+        robots = integers("robots", robots, (len(observations),), least=0, most=most)
         gap = self._policy.simulation.poses[robots, :2] - self._policy.goals[robots]
         self.arrived[robots] = np.linalg.norm(gap, axis=1) < REACHED
         actions = self._policy.act(observations, robots)

@@ -151,9 +151,7 @@ class ReturningAgent:
         instance("observations", observations, Observation)
         running = flags("running", running, (len(self.plans),))
         if len(observations) != len(running):
-            raise InputError(
-                f"observations: {len(observations)}; give {len(running)}, of all robots"
-            )
+            raise InputError(f"observations: {len(observations)}; give {len(running)}, of all")
         robots = np.flatnonzero(running)
         actions = self._explore(observations, running)
         here = observations[robots]

@@ -114,6 +114,8 @@ class SPTMAgent(MapAgent):
         instance("observation", observation, Observation)
         instance("goals", goals, Goals)
         instance("excluded", excluded, Collection)
+        if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in excluded):
+            raise InputError("excluded: give edges, tuples of two vertices each")
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")

@@ -127,9 +127,7 @@ class GoalSearch:
         instance("observations", observations, Observation)
         running = flags("running", running, (len(self.found),))
         if len(observations) != len(running):
-            raise InputError(
-                f"observations: {len(observations)}; give {len(running)}, of all robots"
-            )
+            raise InputError(f"observations: {len(observations)}; give {len(running)}, of all")
         robots = np.flatnonzero(running)
         here = observations[robots]
         ranges = self._model.ranges(here)
