@@ -287,7 +287,7 @@ def test_without_knots_of_its_own_a_calibration_changes_nothing():
     ],
 )
 def test_knots_that_do_not_rise_are_refused(raw, mended):
-    with pytest.raises(InputError, match="rising finite numbers|give finite numbers"):
+    with pytest.raises(InputError, match=r"rising finite numbers|give finite numbers"):
         Calibration(raw, mended)
 
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.agents.votes import agreeing
-from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import bearing_of
+from tutorial_lib.exploration.goal_search import of_all
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.exploration.turned_views import turned
@@ -26,7 +26,7 @@ from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
-from tutorial_lib.validation import flags, instance, whole, with_methods
+from tutorial_lib.validation import instance, whole, with_methods
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 
 DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1, fall=1.0)
@@ -119,8 +119,8 @@ class ReturningAgent:
         self._memory, self._explorer = instance("memory", memory, MengAgent), explorer
         if explorer is not None:
             with_methods("explorer", explorer, "start", "act")
-        settings = ReturnSettings() if settings is None else settings
-        self._settings = instance("settings", settings, ReturnSettings)
+        self._settings = ReturnSettings() if settings is None else settings
+        instance("settings", self._settings, ReturnSettings)
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)
 
     def start(self, goals: Observation) -> None:
@@ -148,10 +148,7 @@ class ReturningAgent:
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
-        instance("observations", observations, Observation)
-        running = flags("running", running, (len(self.plans),))
-        if len(observations) != len(running):
-            raise InputError(f"observations: {len(observations)}; give {len(running)}, of all")
+        running = of_all(observations, running, len(self.plans))
         robots = np.flatnonzero(running)
         actions = self._explore(observations, running)
         here = observations[robots]

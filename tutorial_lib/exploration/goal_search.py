@@ -69,6 +69,13 @@ class Sensed:
     features: NDArray[np.float32]
 
 
+def of_all(observations: Observation, running: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+    """Which of so many robots are under way (N,), if all of them are observed."""
+    if len(instance("observations", observations, Observation)) != count:
+        raise InputError(f"observations: {len(observations)}; give {count}, of all robots")
+    return flags("running", running, (count,))
+
+
 class GoalSearch:
     """N robots with a local map each that go to their goal once they see it, and stop there.
 
@@ -124,10 +131,7 @@ class GoalSearch:
             observations: of all N robots.
             running: (N,) which of them are under way.
         """
-        instance("observations", observations, Observation)
-        running = flags("running", running, (len(self.found),))
-        if len(observations) != len(running):
-            raise InputError(f"observations: {len(observations)}; give {len(running)}, of all")
+        running = of_all(observations, running, len(self.found))
         robots = np.flatnonzero(running)
         here = observations[robots]
         ranges = self._model.ranges(here)

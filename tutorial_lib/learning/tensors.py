@@ -17,7 +17,7 @@ def tensor(name: str, value: Any, shape: tuple[Any, ...]) -> Tensor:  # noqa: AN
     Raises:
         InputError: when the argument is anything else.
 
-    >>> tensor("outputs", torch.zeros(5, 3), ("N", 6))
+    >>> tensor("outputs", Tensor(5, 3), ("N", 6))
     Traceback (most recent call last):
     ...
     tutorial_lib.errors.InputError: outputs: shape (5, 3); give a tensor of floats (N, 6)

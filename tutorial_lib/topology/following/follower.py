@@ -18,13 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, to_local, to_world
-from tutorial_lib.interfaces import (
-    Controller,
-    Observation,
-    Reachability,
-    Robots,
-    WaypointPredictor,
-)
+from tutorial_lib.interfaces import Controller, Observation, Reachability, Robots, WaypointPredictor
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.state import FollowerState
@@ -35,8 +29,8 @@ from tutorial_lib.topology.following.transitions import (
     last_visited,
     next_active,
 )
-from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns
-from tutorial_lib.validation import instance, integers, number, whole, with_methods
+from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns, checked_turns
+from tutorial_lib.validation import instance, integers, whole, with_methods
 from tutorial_lib.world.simulation import STEP
 
 
@@ -78,11 +72,9 @@ class Follower:
         self.controller = with_methods("controller", controller, "act")
         self.reachability = with_methods("reachability", reachability, "probability")
         count = len(paths)
-        active = np.full(count, -1)
-        if starts is not None:
-            active = integers("starts", starts, ("N",)).copy()
-        fits = active.shape == (count,)
-        if not (fits and ((active >= -1) & (active < paths.lengths)).all()):
+        starts = np.full(count, -1) if starts is None else starts
+        active = integers("starts", starts, ("N",)).copy()
+        if active.shape != (count,) or not ((active >= -1) & (active < paths.lengths)).all():
             raise InputError(f"starts: {starts}; give (N,) anchors of {count} paths, -1 to search")
         self.memory = FollowerState.at(active)
         self._turns = PathTurns(count)
@@ -105,11 +97,9 @@ class Follower:
         """
         instance("observations", observations, Observation)
         robots = integers("robots", robots, ("M",), least=0, most=len(self.paths) - 1)
-        memory = self.memory
-        if robots.shape != (len(observations),):
-            raise InputError(
-                f"follower: {len(observations)} observations but robots {robots}; give as many"
-            )
+        memory, count = self.memory, len(observations)
+        if robots.shape != (count,):
+            raise InputError(f"follower: {count} observations but robots {robots}; give as many")
         self._predicted[:] = np.nan
         self._search(observations, robots)
         going = np.flatnonzero(~memory.over[robots])
@@ -143,10 +133,7 @@ class Follower:
         """
         paths = list(self.paths.paths)
         whole("robot", robot, least=0, most=len(paths) - 1)
-        turns = instance("turns", {} if turns is None else turns, Mapping)
-        for place, angle in turns.items():
-            whole("turns", place, least=0)
-            number("turns", angle)
+        turns = checked_turns(turns)
         paths[robot] = path
         self.paths = replace(self.paths, paths=paths)
         self._turns.set(robot, turns)
