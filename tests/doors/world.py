@@ -161,9 +161,7 @@ DOORS = {
         gamma=number(1.0, least=0.2, most=5.0),
         noise=number(0.0, least=0.0, most=64.0),
     ),
-    "Look.tone": lambda: call(
-        materials.Look().tone, colours=floats(np.full((2, 3), 9.0), (..., 3))
-    ),
+    "Look.tone": lambda: call(materials.Look().tone, colours=floats(np.full((2, 3), 9.0))),
     "texture_atlas": lambda: call(
         materials.texture_atlas,
         materials=several(list(plan().materials), empty=False),
@@ -315,6 +313,7 @@ DOORS = {
         scene=a(scene()),
         body=a(world.BicycleCar()),
         poses=poses(refuses="negative"),
+        name="poses",
     ),
     "check_apart": lambda: call(
         placing.check_apart, body=a(world.BicycleCar()), poses=poses(), discs=a(discs())

@@ -55,7 +55,7 @@ class _Eye:
         """
         instance("scene", scene, Scene)
         poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
-        hits = scene.caster.cast(poses, self.fan, discs, viewers)
+        hits = scene.caster.meet(poses, self.fan, discs, viewers)
         image = _paint(self, scene, poses, hits, discs)
         return image, np.ascontiguousarray(hits.distance[:, ::-1])
 
@@ -194,7 +194,8 @@ class Laser:
     ) -> NDArray[np.float64]:
         """Distances (N, B) in metres from every pose, at most `range`."""
         instance("scene", scene, Scene)
-        return np.minimum(scene.caster.cast(poses, self.fan, discs, viewers).distance, self.range)
+        poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
+        return np.minimum(scene.caster.meet(poses, self.fan, discs, viewers).distance, self.range)
 
 
 def full_circle(count: int) -> NDArray[np.float64]:

@@ -265,11 +265,7 @@ class Simulation:
 
 
 def checked_actions(actions: ArrayLike, robots: int) -> Array:
-    """Actions (M, 2) as numbers, a copy.
-
-    Raises:
-        InputError: when they are anything but finite real numbers (M, 2), one row for each robot.
-    """
+    """Actions (M, 2) as finite numbers, a copy; an `InputError` where they are anything else."""
     found, robots = floats("actions", actions, ("M", 2)), whole("robots", robots, least=0)
     if len(found) != robots:
         raise InputError(f"actions: {found.shape}; give (M, 2), a row for each of {robots} robots")

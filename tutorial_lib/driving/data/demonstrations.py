@@ -29,7 +29,7 @@ from tutorial_lib.parallel import for_each
 from tutorial_lib.validation import floats, instance, number, whole, with_methods
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.noise import MOST_ROBOTS, DriftingOdometry, OdometryNoise
-from tutorial_lib.world.placing import random_free_poses
+from tutorial_lib.world.placing import check_free, random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
 from tutorial_lib.world.worlds import parse_world, scene_of
@@ -110,6 +110,8 @@ def demonstrate_between(
         InputError: when no path leads from a start to its goal.
     """
     _check_names(world, scene, seed, odometry_noise)
+    starts = floats("starts", starts, ("N", 3))
+    check_free(scene, BicycleCar(), starts, "starts")
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     simulation = _fleet(scene, starts, odometry)
     limit = geodesic_limit(paths, starts, goals)
@@ -143,6 +145,7 @@ def demonstrate_on(
     """
     _check_names(world, scene, seed, odometry_noise)
     start = floats("start", start, (1, 3))
+    check_free(scene, BicycleCar(), start, "start")
     goals = floats("goals", goals, ("G", 2), empty=False)
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     simulation, recorder = _fleet(scene, start, odometry), Recorder()
