@@ -144,7 +144,22 @@ WITHOUT = {
     "make_folder": "of folders whose options the command line checks",
     "write_files": "as write_text",
     **dict.fromkeys(
-        ("alike", "flags", "floats", "images", "instance", "integers", "number", "one_of", "whole"),
+        (
+            "alike",
+            "flag",
+            "flags",
+            "floats",
+            "images",
+            "instance",
+            "instances",
+            "integers",
+            "match",
+            "number",
+            "one_of",
+            "path_of",
+            "whole",
+            "with_methods",
+        ),
         "a check itself: tests/test_validation.py",
     ),
 }

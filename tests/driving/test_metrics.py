@@ -128,6 +128,6 @@ def test_success_is_not_weighted_by_what_is_no_length(metres):
         spl([1, 0], [2.0, metres], [1.0, 1.0])
     with pytest.raises(InputError, match=r"travelled: .*give finite numbers from 0"):
         spl([1, 0], [2.0, 2.0], [metres, 1.0])
-    with pytest.raises(InputError, match="success: 2.0; give finite numbers from 0 to 1"):
+    with pytest.raises(InputError, match=r"success: 2.0; give finite numbers from 0 to 1"):
         spl([1, 2], [2.0, 2.0], [2.0, 2.0])
     assert spl([1, 1], [0.0, 3.0], [0.0, 4.0]).tolist() == [1.0, 0.75]
