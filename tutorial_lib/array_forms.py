@@ -13,6 +13,7 @@ from tutorial_lib.errors import InputError, one_line
 
 Shape = tuple["int | str | EllipsisType", ...]
 """Lengths; a name stands for any length and `...` for any axes in front."""
+_INDEX = np.dtype(np.intp)
 _FLOAT, _FEW = np.dtype(float), 4_096  # numbers, of which the sum of squares says all at once
 _QUOTED = 60  # characters of a value within a message
 
@@ -44,6 +45,19 @@ def is_plain(value: object, shape: Shape) -> bool:
         and 0 < value.size < _FEW
         and fits(value.shape, shape)
         and math.isfinite(np.vdot(value, value))
+    )
+
+
+def is_plain_index(value: object, shape: Shape, most: int | None) -> bool:
+    """Whether a value is seen at a glance to be indices from 0 to `most`."""
+    return (
+        type(value) is np.ndarray
+        and value.dtype is _INDEX
+        and value.size > 0
+        and most is not None
+        and fits(value.shape, shape)
+        # Without a sign, a negative one is greater than any.
+        and bool(value.view(np.uintp).max() <= most)
     )
 
 

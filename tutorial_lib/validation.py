@@ -19,7 +19,15 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.array_forms import Shape, as_array, is_plain, limits, quoted, wrong
+from tutorial_lib.array_forms import (
+    Shape,
+    as_array,
+    is_plain,
+    is_plain_index,
+    limits,
+    quoted,
+    wrong,
+)
 from tutorial_lib.errors import InputError
 
 Kind = TypeVar("Kind")
@@ -87,16 +95,15 @@ def integers(
     most: int | None = None,
     empty: bool = True,
 ) -> NDArray[np.intp]:
-    """Whole numbers, as indices are; floats are refused even if they are whole.
-
-    Raises:
-        InputError: when the argument is anything else.
+    """Whole numbers, as indices are, or an `InputError`, also for floats that are whole.
 
     >>> integers("frames", [3, 99], ("F",), least=0, most=9)
     Traceback (most recent call last):
     ...
     tutorial_lib.errors.InputError: frames: 99; give whole numbers from 0 to 9
     """
+    if least == 0 and is_plain_index(value, shape, most):
+        return value  # type: ignore[return-value]
     array = as_array(name, value, "iu", "whole numbers", shape, empty)
     low, high = _LEAST if least is None else least, _MOST if most is None else most
     bad = ~((array >= low) & (array <= high))
@@ -127,11 +134,7 @@ def flag(name: str, value: object) -> bool:
 
 
 def images(name: str, value: ArrayLike, shape: Shape, *, empty: bool = True) -> NDArray[np.uint8]:
-    """Pictures of bytes.
-
-    Raises:
-        InputError: when the argument is anything else.
-    """
+    """Pictures of bytes, or an `InputError`."""
     array = as_array(name, value, "u", "uint8", shape, empty)
     if array.dtype != np.uint8:
         raise InputError(f"{name}: {array.dtype}; give uint8, 0 to 255")

@@ -95,7 +95,10 @@ def frames(**changes):
 
 
 def under_way():
-    return {"observations": a(robots().observe()), "robots": indices(2, ("M",))}
+    return {
+        "observations": a(robots().observe()),
+        "robots": indices(2, ("M",), refuses="longer M, shorter M, empty"),
+    }
 
 
 def drive_once(ends):
@@ -434,7 +437,7 @@ DOORS = {
         world=text("box"),
         scene=a(scene()),
         paths=a(paths()),
-        starts=floats(POSES[:1], ("N", 3), refuses="huge, negative"),
+        starts=floats(POSES[:1], ("N", 3), refuses="negative"),
         goals=floats(GOALS[:1], ("N", 2), refuses="huge, negative"),
         seed=whole(1, least=0),
         odometry_noise=a(None, optional=True),
@@ -445,8 +448,8 @@ DOORS = {
         world=text("box"),
         scene=a(scene()),
         paths=a(paths()),
-        start=floats(POSES[:1], (1, 3), refuses="huge, negative"),
-        goals=floats(GOALS[:1], ("G", 2), empty=False, refuses="huge, negative"),
+        start=floats(POSES[:1], (1, 3), refuses="negative"),
+        goals=floats(GOALS[:1], ("G", 2), empty=False, refuses="huge, negative, shorter G"),
         seed=whole(1, least=0),
         odometry_noise=a(None, optional=True),
     ),

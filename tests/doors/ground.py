@@ -29,14 +29,17 @@ def seen(count=2):
 
 
 def senses(count=2):
-    """The fields of an observation."""
+    """The fields of an observation: NaN and infinite where a sensor says nothing."""
+    sensed = {"nan": True, "infinite": True}
     return {
-        "image": images(np.zeros((count, 16, 64, 3)), ("N", "H", "W", 3)),
-        "depth": floats(np.ones((count, 64)), ("N", "W"), optional=True, infinite=True),
-        "laser": floats(np.ones((count, 96)), ("N", "B"), nan=True, infinite=True),
-        "odometry": floats(np.zeros((count, 3)), ("N", 3)),
-        "speed": floats(np.zeros(count), ("N",)),
-        "steering": floats(np.zeros(count), ("N",)),
+        "image": images(
+            np.zeros((count, 16, 64, 3)), ("N", "H", "W", "C"), takes="float, int64", either="bool"
+        ),
+        "depth": floats(np.ones((count, 64)), ("N", "D"), optional=True, **sensed),
+        "laser": floats(np.ones((count, 96)), ("N", "B"), **sensed),
+        "odometry": floats(np.zeros((count, 3)), ("N", 3), **sensed),
+        "speed": floats(np.zeros(count), ("N",), **sensed),
+        "steering": floats(np.zeros(count), ("N",), **sensed),
     }
 
 
@@ -65,11 +68,6 @@ def enter(manager):
             pass
 
     return run
-
-
-def square(x):
-    """What `for_each` does with each."""
-    return x * x
 
 
 DOORS = {
@@ -104,7 +102,10 @@ DOORS = {
         anything,
         observations=a(seen()),
         contexts=images(
-            np.zeros((2, 5, 16, 64, 3)), (2, "K", "H", "W", "C"), takes="float, int64, bool"
+            np.zeros((2, 5, 16, 64, 3)),
+            (2, "K", "H", "W", "C"),
+            takes="float, int64",
+            either="bool",
         ),
     ),
     "Experience": lambda: call(
@@ -131,8 +132,8 @@ DOORS = {
     ),
     "for_each": lambda: call(
         parallel.for_each,
-        work=function(square),
-        items=a([1, 2], takes="list"),
+        work=function(str),
+        items=a([1, 2], takes="list", either="text"),
         label=text("squares"),
         jobs=whole(1, refuses="huge"),
     ),
@@ -143,7 +144,22 @@ WITHOUT = {
     "make_folder": "of folders whose options the command line checks",
     "write_files": "as write_text",
     **dict.fromkeys(
-        ("alike", "flags", "floats", "images", "instance", "integers", "number", "one_of", "whole"),
+        (
+            "alike",
+            "flag",
+            "flags",
+            "floats",
+            "images",
+            "instance",
+            "instances",
+            "integers",
+            "match",
+            "number",
+            "one_of",
+            "path_of",
+            "whole",
+            "with_methods",
+        ),
         "a check itself: tests/test_validation.py",
     ),
 }

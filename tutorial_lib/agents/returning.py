@@ -21,9 +21,10 @@ from tutorial_lib.exploration.goal_search import of_all
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.exploration.turned_views import turned
-from tutorial_lib.geometry import Array, wrap
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
+from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.validation import instance, whole, with_methods

@@ -93,8 +93,8 @@ class Look:
         number("look.noise", self.noise, least=0.0, most=64.0)
 
     def tone(self, colours: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Colours (..., 3) in 0 to 255 after gamma."""
-        floats("colours", colours, (..., 3))
+        """Colours (...), in 0 to 255 for each channel, after gamma."""
+        floats("colours", colours)
         return (255.0 * (np.clip(colours, 0, 255) / 255.0) ** self.gamma).astype(np.float32)
 
 

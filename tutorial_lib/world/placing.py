@@ -33,8 +33,8 @@ def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
     return free
 
 
-def check_free(scene: Scene, body: Body, poses: Array) -> None:
-    """Check that a body can stand at each pose (N, 3).
+def check_free(scene: Scene, body: Body, poses: Array, name: str = "poses") -> None:
+    """Check that a body can stand at each pose (N, 3), an argument of that name.
 
     Raises:
         InputError: naming the first pose that is not free.
@@ -43,8 +43,8 @@ def check_free(scene: Scene, body: Body, poses: Array) -> None:
     if bad.size:
         x, y, heading = poses[bad[0]]
         raise InputError(
-            f"poses: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a wall, "
-            "furniture or outside all rooms; choose another start"
+            f"{name}: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a "
+            "wall, furniture or outside all rooms; choose another start"
         )
 
 

@@ -144,7 +144,16 @@ class Raycaster:
             Hits with arrays (N, R).
         """
         poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
-        instance("fan", fan, Fan)
+        return self.meet(poses, instance("fan", fan, Fan), discs, viewers)
+
+    def meet(
+        self,
+        poses: NDArray[np.float64],
+        fan: Fan,
+        discs: Discs | None,
+        viewers: NDArray[np.int32] | None,
+    ) -> Hits:
+        """`cast` for poses that are right already, in one piece."""
         shape = (len(poses), len(fan.angles))
         distance = np.empty(shape)
         wall = np.empty(shape, np.int32)

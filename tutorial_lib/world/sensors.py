@@ -54,8 +54,18 @@ class _Eye:
             the wall along each column's ray.
         """
         instance("scene", scene, Scene)
-        poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
-        hits = scene.caster.cast(poses, self.fan, discs, viewers)
+        return self.render(scene, floats("poses", poses, ("N", 3)), discs, viewers)
+
+    def render(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None,
+        viewers: Viewers | None,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """`look` for poses that are right already."""
+        poses = np.ascontiguousarray(poses)
+        hits = scene.caster.meet(poses, self.fan, discs, viewers)
         image = _paint(self, scene, poses, hits, discs)
         return image, np.ascontiguousarray(hits.distance[:, ::-1])
 
@@ -194,7 +204,18 @@ class Laser:
     ) -> NDArray[np.float64]:
         """Distances (N, B) in metres from every pose, at most `range`."""
         instance("scene", scene, Scene)
-        return np.minimum(scene.caster.cast(poses, self.fan, discs, viewers).distance, self.range)
+        return self.measure(scene, floats("poses", poses, ("N", 3)), discs, viewers)
+
+    def measure(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None,
+        viewers: Viewers | None,
+    ) -> NDArray[np.float64]:
+        """`scan` for poses that are right already."""
+        poses = np.ascontiguousarray(poses)
+        return np.minimum(scene.caster.meet(poses, self.fan, discs, viewers).distance, self.range)
 
 
 def full_circle(count: int) -> NDArray[np.float64]:

@@ -38,7 +38,6 @@ from tutorial_lib.world.sensors import Camera, Laser, PanoramicCamera
 STEP = 0.1
 """Seconds between two actions: control at 10 Hz."""
 SUBSTEPS = 5
-_FAR_AWAY = 1e9  # metres
 ACTION_SECONDS = 0.5
 """Seconds that a discrete action takes."""
 
@@ -58,9 +57,9 @@ class Sensors:
     with_depth: bool = False
 
     def __post_init__(self) -> None:
-        if self.camera is not None:
-            with_methods("camera", self.camera, "look")
-        with_methods("laser", self.laser, "scan")
+        if self.camera is not None and not isinstance(self.camera, Camera | PanoramicCamera):
+            raise InputError(f"camera: a {type(self.camera).__name__}; give a Camera or None")
+        instance("laser", self.laser, Laser)
         flag("with_depth", self.with_depth)
         if self.laser.field_of_view < 2 * np.pi:
             raise InputError("laser: a robot's laser scans the full circle; give 2 pi")
@@ -203,16 +202,14 @@ class Simulation:
         Raises:
             InputError: when a robot would stand in a wall or on a person; none is moved then.
         """
-        robots = integers("robots", robots, (...,), least=0, most=len(self) - 1)
-        robots, poses = np.atleast_1d(robots), _poses(poses)
-        if robots.ndim > 1:
-            raise InputError(f"robots: shape {robots.shape}; give (M,) indices")
-        if len(np.unique(robots)) < len(robots):
-            raise InputError(f"robots: {robots.tolist()}; give each once")
+        robots = np.atleast_1d(integers("robots", robots, least=0, most=len(self) - 1))
+        poses = _poses(poses)
+        if robots.ndim > 1 or len(np.unique(robots)) < len(robots):
+            raise InputError(f"robots: {robots.tolist()}; give (M,) indices, each once")
         alike(robots=robots, poses=poses)
         check_free(self.scene, self.body, poses)
-        # There a robot collides with nobody: only those that move are checked.
-        alone = np.full_like(self.poses, _FAR_AWAY)
+        # So far away a robot collides with nobody: only those that move are checked.
+        alone = np.full_like(self.poses, 1e9)
         alone[robots] = poses
         check_apart(self.body, alone, self.crowd.discs)
         self._fleet.place(robots, poses)
@@ -236,7 +233,7 @@ class Simulation:
         return Observation(
             image=image,
             depth=depth if self.sensors.with_depth else None,
-            laser=self.sensors.laser.scan(self.scene, poses, discs, numbers),
+            laser=self.sensors.laser.measure(self.scene, poses, discs, numbers),
             odometry=self.odometry[numbers],
             speed=self.speed[numbers],
             steering=self.controls[numbers, 1],
@@ -248,7 +245,7 @@ class Simulation:
         """Images and depth; both are empty where there is no camera."""
         if self.sensors.camera is None:
             return np.empty((len(poses), 0, 0, 3), np.uint8), np.empty((len(poses), 0))
-        return self.sensors.camera.look(self.scene, poses, discs, numbers)
+        return self.sensors.camera.render(self.scene, poses, discs, numbers)
 
     def _finish(
         self, before: NDArray[np.float64], seconds: float, actions: NDArray[np.intp] | None
@@ -265,23 +262,16 @@ class Simulation:
 
 
 def checked_actions(actions: ArrayLike, robots: int) -> Array:
-    """Actions (M, 2) as numbers, a copy.
-
-    Raises:
-        InputError: when they are anything but finite real numbers (M, 2), one row for each robot.
-    """
-    found, robots = floats("actions", actions, ("M", 2)), whole("robots", robots, least=0)
-    if len(found) != robots:
+    """Actions (M, 2) as finite numbers, a copy; an `InputError` where they are anything else."""
+    found = floats("actions", actions, ("M", 2))
+    if len(found) != whole("robots", robots, least=0):
         raise InputError(f"actions: {found.shape}; give (M, 2), a row for each of {robots} robots")
     return found.copy()
 
 
 def _poses(poses: ArrayLike) -> Array:
     """Poses (N, 3); a single one is taken, too."""
-    found = np.atleast_2d(floats("poses", poses, (..., 3)))
-    if found.ndim > 2:
-        raise InputError(f"poses: shape {found.shape}; give (N, 3) rows x, y, heading")
-    return found
+    return floats("poses", np.atleast_2d(floats("poses", poses, (..., 3))), ("N", 3))
 
 
 def _frozen(poses: Array) -> Array:

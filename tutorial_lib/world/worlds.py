@@ -92,7 +92,8 @@ def families_of(family: str, usual: tuple[str, ...]) -> tuple[str, ...]:
     >>> families_of("hall", LOCAL_FAMILIES)
     ('hall',)
     """
-    one_of("family", family, ("", "all", *FAMILIES))
+    if instance("family", family, str):
+        one_of("family", family, ("all", *FAMILIES))
     return {"": usual, "all": VALIDATION_FAMILIES}.get(family, (family,))
 
 

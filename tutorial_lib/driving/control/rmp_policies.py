@@ -3,6 +3,7 @@
 from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control import rmp_arithmetic as raw
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.validation import floats, match, number
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
@@ -95,9 +96,13 @@ def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[A
     metrics (..., D, D). Forces (..., 2) and metrics (..., 2, 2) of several policies add up.
     """
     jacobians = floats("jacobians", jacobians, (..., "D", 2))
-    count = jacobians.shape[-2]
-    accelerations = floats("accelerations", accelerations, (..., count))
-    metrics = floats("metrics", metrics, (..., count, count))
+    accelerations = floats("accelerations", accelerations, (..., "D"))
+    metrics = floats("metrics", metrics, (..., "D", "D"))
+    if len({jacobians.shape[-2], accelerations.shape[-1], *metrics.shape[-2:]}) > 1:
+        raise InputError(
+            f"jacobians: {jacobians.shape}, accelerations: {accelerations.shape}, metrics: "
+            f"{metrics.shape}; give (..., D, 2), (..., D) and (..., D, D)"
+        )
     leads = {"jacobians": jacobians.shape[:-2], "metrics": metrics.shape[:-2]}
     match(**leads, accelerations=accelerations.shape[:-1])
     return raw.pull_back(jacobians, accelerations, metrics)

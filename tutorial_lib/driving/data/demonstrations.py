@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import TURN_ROUND, OraclePolicy, TurnFirst
-from tutorial_lib.driving.data.recorder import Recorder
+from tutorial_lib.driving.data.recorder import Recorder, check_recipe
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
     Trajectory,
@@ -26,10 +26,10 @@ from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller
 from tutorial_lib.parallel import for_each
-from tutorial_lib.validation import floats, instance, number, whole, with_methods
+from tutorial_lib.validation import floats, instance, number, whole
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.noise import MOST_ROBOTS, DriftingOdometry, OdometryNoise
-from tutorial_lib.world.placing import random_free_poses
+from tutorial_lib.world.placing import check_free, random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
 from tutorial_lib.world.worlds import parse_world, scene_of
@@ -37,7 +37,6 @@ from tutorial_lib.world.worlds import parse_world, scene_of
 NEAREST, FARTHEST = 4.0, 20.0
 """Metres of geodesic from a demonstration's start to its goal."""
 _LEAST, _SMALL = 2.0, 0.8  # where nothing is so far: metres at least, and share of the farthest
-_MOST_NOISE = 10.0  # sigma of a factor of the controls
 SHORTEST = 2 * 5 * CONTEXT_INTERVAL + 1
 """Frames of a demonstration at least: one context with k = 5."""
 
@@ -69,9 +68,9 @@ def demonstrate(
     Raises:
         InputError: when the world is too small for a geodesic of 2 m.
     """
-    _check_names(world, scene, seed, odometry_noise)
+    check_recipe(world, scene, seed, odometry_noise)
     count = whole("count", count, least=0, most=MOST_ROBOTS)
-    control_noise = number("control_noise", control_noise, least=0, most=_MOST_NOISE)
+    control_noise = number("control_noise", control_noise, least=0, most=10)
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
     starts, goals, limit = _starts_and_goals(scene, paths, count, rng)
@@ -109,7 +108,9 @@ def demonstrate_between(
     Raises:
         InputError: when no path leads from a start to its goal.
     """
-    _check_names(world, scene, seed, odometry_noise)
+    check_recipe(world, scene, seed, odometry_noise)
+    starts = floats("starts", starts, ("N", 3))
+    check_free(scene, BicycleCar(), starts, "starts")
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     simulation = _fleet(scene, starts, odometry)
     limit = geodesic_limit(paths, starts, goals)
@@ -141,8 +142,9 @@ def demonstrate_on(
     Returns:
         The trajectory, None if the car did not arrive everywhere.
     """
-    _check_names(world, scene, seed, odometry_noise)
+    check_recipe(world, scene, seed, odometry_noise)
     start = floats("start", start, (1, 3))
+    check_free(scene, BicycleCar(), start, "start")
     goals = floats("goals", goals, ("G", 2), empty=False)
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     simulation, recorder = _fleet(scene, start, odometry), Recorder()
@@ -200,15 +202,6 @@ def world_seed(seed: int, world: str, count: int, control_noise: float = 0.0) ->
     control_noise = number("control_noise", control_noise, least=0)
     recipe = crc32(f"{world} {count} {control_noise:g}".encode())
     return int(np.random.SeedSequence([seed, recipe]).generate_state(1)[0])
-
-
-def _check_names(world: str, scene: Scene, seed: int, odometry_noise: OdometryNoise | None) -> None:
-    """Check what all demonstrations need."""
-    instance("world", world, str)
-    instance("scene", scene, Scene)
-    whole("seed", seed, least=0)
-    if odometry_noise is not None:
-        with_methods("odometry_noise", odometry_noise, "measure")
 
 
 def _record(
