@@ -21,7 +21,6 @@ from tutorial_lib.exploration.goal_search import of_all
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.exploration.turned_views import turned
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
 from tutorial_lib.se2 import wrap
@@ -58,15 +57,6 @@ class ReturnSettings:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             whole(name, value, least=1)
-
-
-class StandStill:
-    """A `Controller` that leaves the driving to the local policy."""
-
-    def act(self, observations: Observation, waypoints: Array) -> Array:
-        """Actions (N, 2): none."""
-        del observations
-        return np.zeros_like(waypoints)
 
 
 def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
@@ -117,11 +107,10 @@ class ReturningAgent:
                 robot without a path stops once it plans no more.
             settings: when to plan.
         """
-        self._memory, self._explorer = instance("memory", memory, MengAgent), explorer
-        if explorer is not None:
-            with_methods("explorer", explorer, "start", "act")
-        self._settings = ReturnSettings() if settings is None else settings
-        instance("settings", self._settings, ReturnSettings)
+        self._memory = instance("memory", memory, MengAgent)
+        self._explorer = explorer and with_methods("explorer", explorer, "start", "act")
+        settings = ReturnSettings() if settings is None else settings
+        self._settings = instance("settings", settings, ReturnSettings)
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)
 
     def start(self, goals: Observation) -> None:

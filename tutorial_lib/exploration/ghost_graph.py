@@ -152,8 +152,7 @@ class GhostGraph:
         whole("first", first)
         whole("second", second)
         if first == second or not (0 <= first < len(self) and 0 <= second < len(self)):
-            wrong = f"edge: first {first} to second {second}"
-            raise InputError(f"{wrong}; give two of the {len(self)} nodes")
+            raise InputError(f"edge: first {first} to second {second}; give two of {len(self)}")
         pose = floats("pose", pose, (3,))
         self.edges[first][second], self.edges[second][first] = pose, inverse(pose)
         self._forget_paths()

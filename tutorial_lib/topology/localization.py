@@ -19,7 +19,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots
 from tutorial_lib.se2 import relative
-from tutorial_lib.topology.motion_model import MotionModel, moved
+from tutorial_lib.topology.motion_model import MotionModel, length_of
 from tutorial_lib.validation import alike, floats, instance, integers, number, whole, with_methods
 
 Belief = Array
@@ -214,7 +214,7 @@ class BayesFilter:
         alike(observations=odometry, robots=robots)
         fresh = np.isnan(self._pose[robots, 0])
         self._pose[robots[fresh]] = odometry[fresh]
-        motion = moved(relative(self._pose[robots], odometry))
+        motion = length_of(relative(self._pose[robots], odometry))
         far = motion >= self.settings.stride
         self._prior[robots[far]] = predict(self.belief[robots[far]], motion[far], self.model)
         self._pose[robots[far]] = odometry[far]

@@ -55,7 +55,11 @@ def moved(motion: Array) -> Array:
     >>> moved(np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 1.0]])).tolist()
     [5.0, 0.5]
     """
-    motion = floats("motion", motion, (..., 3))
+    return length_of(floats("motion", motion, (..., 3)))
+
+
+def length_of(motion: Array) -> Array:
+    """The same of motions that are right, or not a number where it is not known."""
     return np.linalg.norm(motion[..., :2], axis=-1) + TURN * np.abs(motion[..., 2])
 
 

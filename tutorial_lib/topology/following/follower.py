@@ -132,10 +132,8 @@ class Follower:
         Raises:
             InputError: when the path leads beyond the anchors.
         """
-        paths = list(self.paths.paths)
-        whole("robot", robot, least=0, most=len(paths) - 1)
-        turns = checked_turns(turns)
-        paths[robot] = path
+        paths, turns = list(self.paths.paths), checked_turns(turns)
+        paths[whole("robot", robot, least=0, most=len(paths) - 1)] = path
         self.paths = replace(self.paths, paths=paths)
         self._turns.set(robot, turns)
         self.memory.follow_from_start(robot)
