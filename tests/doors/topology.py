@@ -407,7 +407,7 @@ DOORS = {
         sparsify.sparsify,
         reachability=a(ROBOT),
         observations=a(SEEN),
-        prepared=a(np.arange(3), either="text"),
+        prepared=a(np.arange(3)),
         threshold=unit(0.9),
         window=whole(4, least=1),
     ),
@@ -417,7 +417,7 @@ DOORS = {
     "stored_frames": lambda: call(
         sparsify.stored_frames,
         anchors=integers([0, 3], ("A",), least=0, most=7),
-        frames=whole(8, least=2, either="huge"),
+        frames=whole(8, least=1, most=10**9),
         k=whole(1, least=0),
     ),
     "TurnSettings": lambda: call(

@@ -45,6 +45,8 @@ def sparsify(
     with_methods("reachability", reachability, "probability")
     frames = len(instance("observations", observations, Observation))
     _check_frames(frames)
+    if isinstance(prepared, str):
+        raise InputError("prepared: a text; give what the `prepare` of RE returned")
     if len(with_methods("prepared", prepared, "__len__", "__getitem__")) != frames:
         raise InputError(
             f"sparsify: {len(prepared)} prepared targets for {frames} observations; prepare every "
