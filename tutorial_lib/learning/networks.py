@@ -112,7 +112,9 @@ class LocalNetwork(nn.Module):
         Args:
             encoded: (N, ...) from `encode_current`, or of single images from `encode_targets`.
         """
-        tensor("encoded", encoded, ("N", *self.encoder.shape))
+        tensor(
+            "encoded", encoded, ("N", *self.encoder.shape[:-1], "D")
+        )  # twice as many with a mirror
         if not isinstance(self.encoder, MatchingEncoder):
             return functional.normalize(encoded.flatten(1)[:, None], dim=-1)
         columns = functional.normalize(encoded[..., : self.encoder.sizes[0]], dim=-1)
