@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import flag, instance, path_of, whole
 
 _TEMPORARY = re.compile(r"\..+-\w{8}\.tmp(\.\w+)?")
 """The names of temporary files, by which those that a killed run left are known."""
@@ -48,7 +49,7 @@ def atomic_paths(*paths: str | Path) -> Iterator[list[Path]]:
     Raises:
         InputError: when a file cannot be written.
     """
-    places = [_destination(Path(path)) for path in paths]
+    places = [_destination(path_of("path", path)) for path in paths]
     with _temporaries(places) as temporaries:
         yield temporaries
         for temporary, path in zip(temporaries, places, strict=True):
@@ -90,7 +91,7 @@ def check_writable(path: str | Path) -> None:
         InputError: when its folder is missing or read-only, its disk is full, or `path` is itself a
             folder or a device.
     """
-    path = _destination(Path(path))
+    path = _destination(path_of("path", path))
     if not os.access(path.parent, os.W_OK):
         raise _not_writable(path)
     with _temporaries([path]) as (temporary,):
@@ -109,7 +110,7 @@ def write_files(contents: Mapping[Path, bytes]) -> None:
 
 def write_text(path: str | Path, text: str) -> None:
     """Write `text` to `path` atomically, in UTF-8."""
-    write_files({Path(path): text.encode()})
+    write_files({path_of("path", path): instance("text", text, str).encode()})
 
 
 def save_arrays(
@@ -127,11 +128,17 @@ def save_arrays(
         version: of the file's layout, which `reading.arrays.load_arrays` compares.
         compressed: smaller, but slower to write.
     """
+    path = path_of("path", path)
+    for name in instance("arrays", arrays, Mapping):
+        instance("arrays: a name", name, str)
+    if version is not None:
+        whole("version", version)
+    compressed = flag("compressed", compressed)
     stamp = {} if version is None else {"version": np.array(version)}
     write = np.savez_compressed if compressed else np.savez
     buffer = io.BytesIO()
     write(buffer, **stamp, **arrays)
-    write_files({Path(path): buffer.getvalue()})
+    write_files({path: buffer.getvalue()})
 
 
 def _destination(path: Path) -> Path:

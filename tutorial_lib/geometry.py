@@ -1,13 +1,30 @@
 """Poses in the plane, SE(2).
 
 A pose is ``[x, y, theta]`` in metres and radians: x right, y up, heading 0 along +x and
-counter-clockwise positive. Every function takes arrays of any matching leading shape.
+counter-clockwise positive. Every function takes arrays of any matching leading shape, and raises an
+`InputError` that names the argument which is not finite or has another shape.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from tutorial_lib import se2
+from tutorial_lib.errors import InputError
+from tutorial_lib.se2 import Array
+from tutorial_lib.validation import floats, match
+
+__all__ = [
+    "Array",
+    "arc_length",
+    "compose",
+    "distance_to_segments",
+    "inverse",
+    "log_norm",
+    "relative",
+    "to_local",
+    "to_world",
+    "wrap",
+]
 
 
 def wrap(angle: ArrayLike) -> Array:
@@ -16,7 +33,7 @@ def wrap(angle: ArrayLike) -> Array:
     >>> float(wrap(1.5 * np.pi)) == -0.5 * np.pi
     True
     """
-    return (np.asarray(angle, dtype=float) + np.pi) % (2 * np.pi) - np.pi
+    return se2.wrap(floats("angle", angle))
 
 
 def to_local(pose: ArrayLike, points: ArrayLike) -> Array:
@@ -32,10 +49,9 @@ def to_local(pose: ArrayLike, points: ArrayLike) -> Array:
     >>> to_local([1.0, 1.0, np.pi / 2], [1.0, 3.0]).round(6).tolist()
     [2.0, 0.0]
     """
-    pose, points = np.asarray(pose, dtype=float), np.asarray(points, dtype=float)
-    cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    dx, dy = points[..., 0] - pose[..., 0], points[..., 1] - pose[..., 1]
-    return np.stack([cos * dx + sin * dy, cos * dy - sin * dx], axis=-1)
+    pose, points = floats("pose", pose, (..., 3)), floats("points", points, (..., 2))
+    match(pose=pose.shape[:-1], points=points.shape[:-1])
+    return se2.to_local(pose, points)
 
 
 def to_world(pose: ArrayLike, points: ArrayLike) -> Array:
@@ -44,10 +60,9 @@ def to_world(pose: ArrayLike, points: ArrayLike) -> Array:
     >>> to_world([1.0, 1.0, np.pi / 2], [2.0, 0.0]).round(6).tolist()
     [1.0, 3.0]
     """
-    pose, points = np.asarray(pose, dtype=float), np.asarray(points, dtype=float)
-    cos, sin = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    x, y = points[..., 0], points[..., 1]
-    return np.stack([pose[..., 0] + cos * x - sin * y, pose[..., 1] + sin * x + cos * y], axis=-1)
+    pose, points = floats("pose", pose, (..., 3)), floats("points", points, (..., 2))
+    match(pose=pose.shape[:-1], points=points.shape[:-1])
+    return se2.to_world(pose, points)
 
 
 def compose(first: ArrayLike, second: ArrayLike) -> Array:
@@ -56,10 +71,9 @@ def compose(first: ArrayLike, second: ArrayLike) -> Array:
     >>> compose([1.0, 0.0, np.pi / 2], [1.0, 0.0, 0.0]).round(6).tolist()
     [1.0, 1.0, 1.570796]
     """
-    first, second = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
-    position = to_world(first, second[..., :2])
-    heading = wrap(first[..., 2] + second[..., 2])
-    return np.concatenate([position, heading[..., None]], axis=-1)
+    first, second = floats("first", first, (..., 3)), floats("second", second, (..., 3))
+    match(first=first.shape[:-1], second=second.shape[:-1])
+    return se2.compose(first, second)
 
 
 def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
@@ -68,10 +82,9 @@ def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
     >>> relative([1.0, 0.0, np.pi / 2], [1.0, 1.0, np.pi / 2]).round(6).tolist()
     [1.0, 0.0, 0.0]
     """
-    origin, pose = np.asarray(origin, dtype=float), np.asarray(pose, dtype=float)
-    position = to_local(origin, pose[..., :2])
-    heading = wrap(pose[..., 2] - origin[..., 2])
-    return np.concatenate([position, heading[..., None]], axis=-1)
+    origin, pose = floats("origin", origin, (..., 3)), floats("pose", pose, (..., 3))
+    match(origin=origin.shape[:-1], pose=pose.shape[:-1])
+    return se2.relative(origin, pose)
 
 
 def inverse(pose: ArrayLike) -> Array:
@@ -80,8 +93,8 @@ def inverse(pose: ArrayLike) -> Array:
     >>> inverse([1.0, 0.0, np.pi / 2]).round(6).tolist()
     [-0.0, 1.0, -1.570796]
     """
-    pose = np.asarray(pose, dtype=float)
-    return relative(pose, np.zeros_like(pose))
+    pose = floats("pose", pose, (..., 3))
+    return se2.relative(pose, np.zeros_like(pose))
 
 
 def log_norm(pose: ArrayLike) -> Array:
@@ -99,8 +112,8 @@ def log_norm(pose: ArrayLike) -> Array:
     >>> float(log_norm([3.0, 4.0, 0.0]))
     5.0
     """
-    pose = np.asarray(pose, dtype=float)
-    heading = wrap(pose[..., 2])
+    pose = floats("pose", pose, (..., 3))
+    heading = se2.wrap(pose[..., 2])
     stretch = 1.0 / np.sinc(heading / (2 * np.pi))
     return np.sqrt(2 * heading**2 + (stretch * np.linalg.norm(pose[..., :2], axis=-1)) ** 2)
 
@@ -117,9 +130,10 @@ def arc_length(points: ArrayLike) -> Array:
     >>> arc_length([[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]]).tolist()
     [0.0, 5.0, 6.0]
     """
-    points = np.asarray(points, dtype=float)[:, :2]
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    points = floats("points", points, ("P", "2 or more"), empty=False)
+    if points.shape[1] < 2:
+        raise InputError(f"points: shape {points.shape}; give at least x and y of each")
+    return se2.arc_length(points)
 
 
 def distance_to_segments(points: ArrayLike, segments: ArrayLike) -> Array:
@@ -135,7 +149,7 @@ def distance_to_segments(points: ArrayLike, segments: ArrayLike) -> Array:
     >>> distance_to_segments([[1.0, 2.0], [5.0, 0.0]], [[0.0, 0.0, 2.0, 0.0]]).ravel().tolist()
     [2.0, 3.0]
     """
-    points, segments = np.asarray(points, dtype=float), np.asarray(segments, dtype=float)
+    points, segments = floats("points", points, ("N", 2)), floats("segments", segments, ("S", 4))
     start, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
     offset = points[:, None] - start
     length2 = np.maximum((along**2).sum(-1), 1e-300)

@@ -14,12 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.observation import Experience, Goals, Observation
+from tutorial_lib.validation import floats, instance, integers, whole
 
 Array = NDArray[np.float64]
 Robots = NDArray[np.intp]
 """(M,) indices of robots in a fleet, rising."""
 HERE, Edges = -1, set[tuple[int, int]]
 """Where the robot is, in place of a vertex; and edges, from a vertex or from there to a vertex."""
+
+_ROUNDING = 1e-6  # of a probability in single precision
 
 
 @dataclass(frozen=True)
@@ -37,6 +40,12 @@ class Plan:
     goal: int = 0
     probabilities: tuple[float, ...] = ()
     refusal: str = ""
+
+    def __post_init__(self) -> None:
+        integers("vertices", self.vertices, ("P",), least=0)
+        whole("goal", self.goal, least=0)
+        floats("probabilities", self.probabilities, ("P",), least=0, most=1 + _ROUNDING)
+        instance("refusal", self.refusal, str)
 
     @property
     def probability(self) -> float:

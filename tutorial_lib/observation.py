@@ -10,6 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import alike, floats, instance, instances
+
+# Name, number of axes and kinds of numbers of each array beside the odometry.
+_SENSES = (
+    ("image", 4, "fiu"),
+    ("depth", 2, "fiu"),
+    ("laser", 2, "fiu"),
+    ("speed", 1, "fiu"),
+    ("steering", 1, "fiu"),
+)
 
 
 @dataclass(frozen=True)
@@ -36,6 +46,24 @@ class Observation:
     steering: NDArray[np.float64]
     body: Any = None
     camera: Any = None
+
+    def __post_init__(self) -> None:
+        odometry = instance("odometry", self.odometry, np.ndarray)
+        if odometry.ndim != 2 or odometry.shape[1] != 3 or odometry.dtype.kind not in "fiu":
+            floats("odometry", odometry, ("N", 3), infinite=True, nan=True)
+        for name, axes, kinds in _SENSES:
+            array = getattr(self, name)
+            if array is None and name == "depth":
+                continue
+            right = type(array) is np.ndarray and array.dtype.kind in kinds
+            if not (right and array.ndim == axes and len(array) == len(odometry)):
+                self._check(name, axes)
+
+    def _check(self, name: str, axes: int) -> None:
+        """Look closely at an array that does not seem to be right."""
+        array = instance(name, getattr(self, name), np.ndarray)
+        floats(name, array, ("N", "H", "W", "C")[:axes], infinite=True, nan=True)
+        alike(**{name: array, "odometry": self.odometry})
 
     def __len__(self) -> int:
         return len(self.odometry)
@@ -74,6 +102,7 @@ class Observation:
     @classmethod
     def joined(cls, parts: Sequence[Observation]) -> Observation:
         """The robots of all parts, as one batch; depth, body and camera only where all have it."""
+        parts = instances("parts", parts, cls, empty=False)
         depths = [part.depth for part in parts]
         depth = None if any(d is None for d in depths) else np.concatenate(depths)
         names = ("image", "laser", "odometry", "speed", "steering")
@@ -105,7 +134,11 @@ class Goals:
     contexts: NDArray
 
     def __post_init__(self) -> None:
-        if not len(self.contexts) or len(self.contexts) != len(self.observations):
+        observations = instance("observations", self.observations, Observation)
+        contexts = instance("contexts", self.contexts, np.ndarray)
+        if contexts.dtype.kind not in "fiu":
+            raise InputError(f"contexts: array of {contexts.dtype}; give images or scans")
+        if not contexts.ndim or not len(contexts) or len(contexts) != len(observations):
             raise InputError(
                 f"goals: {len(self.observations)} observations, {len(self.contexts)} contexts; "
                 "give as many of both, one at least"
@@ -132,8 +165,12 @@ class Experience:
     timestamps: NDArray[np.float64]
 
     def __post_init__(self) -> None:
+        instance("observations", self.observations, Observation)
+        times = floats("timestamps", self.timestamps, ("T",))
         if not 2 <= len(self.observations) == len(self.timestamps):
             raise InputError(
                 f"experience: {len(self.observations)} observations, {len(self.timestamps)} "
                 "timestamps; give as many of both, two at least"
             )
+        if not (np.diff(times) > 0).all():
+            raise InputError("timestamps: not rising; give seconds in the order of time")

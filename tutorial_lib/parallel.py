@@ -13,9 +13,12 @@ from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import instance, whole
 
 LINE_INTERVAL = 10.0
 """Seconds from one line of progress in a log file to the next, at least."""
+MOST_JOBS = 1_024
+"""Processes; more are a mistake."""
 
 
 def for_each(
@@ -43,7 +46,14 @@ def for_each(
     Raises:
         InputError: when the system ends a worker, as it does where memory runs out.
     """
-    items = list(items)
+    if not callable(work):
+        raise InputError(f"work: {work!r}; give a function of a module")
+    if not isinstance(items, Iterable) or isinstance(items, str):
+        raise InputError(f"items: {items!r}; give a list")
+    instance("label", label, str)
+    jobs, items = whole("jobs", jobs, least=-MOST_JOBS, most=MOST_JOBS), list(items)
+    if not jobs:
+        raise InputError("jobs: 0; give the number of processes, or -1 for as many as cores")
     run_all = Parallel(n_jobs=jobs, return_as="generator")
     with warnings.catch_warnings():
         # That is intended, and the piece of work that waits is given to the next worker. One that

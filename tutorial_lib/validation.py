@@ -11,19 +11,27 @@ front: ``("N", 3)``, ``(..., 2)``.
 from __future__ import annotations
 
 import operator
-from collections.abc import Collection
-from types import EllipsisType
+from collections.abc import Collection, Iterable
+from os import PathLike
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.errors import InputError, one_line
+from tutorial_lib.array_forms import (
+    Shape,
+    as_array,
+    is_plain,
+    is_plain_index,
+    limits,
+    quoted,
+    wrong,
+)
+from tutorial_lib.errors import InputError
 
-Shape = tuple["int | str | EllipsisType", ...]
 Kind = TypeVar("Kind")
 
-_QUOTED = 60  # characters of a value within a message
 _LEAST, _MOST = np.iinfo(np.intp).min, np.iinfo(np.intp).max
 
 
@@ -35,6 +43,7 @@ def floats(
     least: float = -np.inf,
     most: float = np.inf,
     infinite: bool = False,
+    nan: bool = False,
     empty: bool = True,
 ) -> NDArray[np.float64]:
     """Real numbers as float64.
@@ -45,7 +54,8 @@ def floats(
         shape: that they must have.
         least: the smallest value allowed.
         most: the largest value allowed.
-        infinite: whether infinities may stand among them; NaN never may.
+        infinite: whether infinities may stand among them.
+        nan: whether NaN may, for what is not known.
         empty: whether there may be none.
 
     Raises:
@@ -62,13 +72,17 @@ def floats(
     ...
     tutorial_lib.errors.InputError: share: 1.5; give one real number from 0 to 1
     """
-    array = _array(name, value, "biuf", "real numbers", shape, empty).astype(float, copy=False)
+    if least == -np.inf and most == np.inf and is_plain(value, shape):
+        return value  # type: ignore[return-value]
+    array = as_array(name, value, "biuf", "real numbers", shape, empty).astype(float, copy=False)
     bad = np.isnan(array) if infinite else ~np.isfinite(array)
     if least > -np.inf or most < np.inf:
         bad |= ~((array >= least) & (array <= most))
+    if nan:
+        bad &= ~np.isnan(array)
     if bad.any():
         allowed = "" if infinite else "finite "
-        raise _wrong(name, array[bad].flat[0], f"{allowed}numbers{_span(least, most)}", shape)
+        raise wrong(name, array[bad].flat[0], f"{allowed}numbers{limits(least, most)}", shape)
     return array
 
 
@@ -81,22 +95,21 @@ def integers(
     most: int | None = None,
     empty: bool = True,
 ) -> NDArray[np.intp]:
-    """Whole numbers, as indices are; floats are refused even if they are whole.
-
-    Raises:
-        InputError: when the argument is anything else.
+    """Whole numbers, as indices are, or an `InputError`, also for floats that are whole.
 
     >>> integers("frames", [3, 99], ("F",), least=0, most=9)
     Traceback (most recent call last):
     ...
     tutorial_lib.errors.InputError: frames: 99; give whole numbers from 0 to 9
     """
-    array = _array(name, value, "iu", "whole numbers", shape, empty)
+    if least == 0 and is_plain_index(value, shape, most):
+        return value  # type: ignore[return-value]
+    array = as_array(name, value, "iu", "whole numbers", shape, empty)
     low, high = _LEAST if least is None else least, _MOST if most is None else most
     bad = ~((array >= low) & (array <= high))
     if bad.any():
-        span = _span(-np.inf if least is None else least, np.inf if most is None else most)
-        raise _wrong(name, array[bad].flat[0], f"whole numbers{span}", shape)
+        span = limits(-np.inf if least is None else least, np.inf if most is None else most)
+        raise wrong(name, array[bad].flat[0], f"whole numbers{span}", shape)
     return array.astype(np.intp, copy=False)
 
 
@@ -108,20 +121,21 @@ def flags(
     Raises:
         InputError: when the argument is anything else.
     """
-    array = _array(name, value, "biuf", "truth values", shape, empty)
+    array = as_array(name, value, "biuf", "truth values", shape, empty)
     bad = (array != 0) & (array != 1)
     if bad.any():
-        raise _wrong(name, array[bad].flat[0], "True or False, or 1 and 0", shape)
+        raise wrong(name, array[bad].flat[0], "True or False, or 1 and 0", shape)
     return array.astype(bool, copy=False)
 
 
-def images(name: str, value: ArrayLike, shape: Shape) -> NDArray[np.uint8]:
-    """Pictures of bytes.
+def flag(name: str, value: object) -> bool:
+    """True or False, or 1 and 0; an `InputError` says that it is anything else."""
+    return value if type(value) is bool else bool(flags(name, value, ()))  # type: ignore[arg-type]
 
-    Raises:
-        InputError: when the argument is anything else.
-    """
-    array = _array(name, value, "u", "uint8", shape, empty=True)
+
+def images(name: str, value: ArrayLike, shape: Shape, *, empty: bool = True) -> NDArray[np.uint8]:
+    """Pictures of bytes, or an `InputError`."""
+    array = as_array(name, value, "u", "uint8", shape, empty)
     if array.dtype != np.uint8:
         raise InputError(f"{name}: {array.dtype}; give uint8, 0 to 255")
     return array
@@ -133,13 +147,21 @@ def number(
     *,
     least: float = -np.inf,
     most: float = np.inf,
+    above: float = -np.inf,
     infinite: bool = False,
 ) -> float:
-    """One real number.
+    """One real number, from `least` to `most` and greater than `above`.
 
     Raises:
         InputError: when the argument is anything else.
     """
+    if type(value) is float and least <= value <= most and above < value < np.inf:
+        return value
+    if above > -np.inf:
+        found = number(name, value, least=above, most=most, infinite=infinite)
+        if found == above:
+            raise InputError(f"{name}: {found}; give one real number above {above:g}")
+        return found
     return float(floats(name, value, (), least=least, most=most, infinite=infinite))  # type: ignore[arg-type]
 
 
@@ -149,8 +171,6 @@ def whole(name: str, value: object, *, least: int | None = None, most: int | Non
     Raises:
         InputError: when the argument is anything else.
 
-    >>> whole("k", 2, least=0)
-    2
     >>> whole("k", 2.0)
     Traceback (most recent call last):
     ...
@@ -162,7 +182,7 @@ def whole(name: str, value: object, *, least: int | None = None, most: int | Non
     except TypeError:
         found = None
     if found is None or isinstance(value, (bool, np.bool_)) or not low <= found <= high:
-        raise _wrong(name, value, f"whole numbers{_span(low, high)}", ())
+        raise wrong(name, value, f"whole numbers{limits(low, high)}", ())
     return found
 
 
@@ -182,7 +202,7 @@ def one_of(name: str, value: object, known: Collection[Kind]) -> Kind:
             return one
     *others, last = map(str, known)
     choice = f"{', '.join(others)} or {last}" if others else last
-    raise InputError(f"{name}: {_quoted(value)}; give {choice}")
+    raise InputError(f"{name}: {quoted(value)}; give {choice}")
 
 
 def instance(name: str, value: object, kind: type[Kind]) -> Kind:
@@ -198,8 +218,50 @@ def instance(name: str, value: object, kind: type[Kind]) -> Kind:
     """
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOUaeiou" else "a"
-        raise InputError(f"{name}: {_quoted(value)}; give {article} {kind.__name__}")
+        raise InputError(f"{name}: {quoted(value)}; give {article} {kind.__name__}")
     return value
+
+
+def instances(
+    name: str, values: object, kind: type[Kind], *, empty: bool = True
+) -> tuple[Kind, ...]:
+    """Objects of a class, one after the other.
+
+    Raises:
+        InputError: when they are of another, or there are none.
+    """
+    if not isinstance(values, Iterable) or isinstance(values, (str, bytes)):
+        raise InputError(f"{name}: {quoted(values)}; give a list of {kind.__name__}")
+    found = tuple(instance(f"{name}[{n}]", value, kind) for n, value in enumerate(values))
+    if not (found or empty):
+        raise InputError(f"{name}: there are none; give one {kind.__name__} at least")
+    return found
+
+
+def path_of(name: str, value: object) -> Path:
+    """The path of a file or a folder, or an `InputError`."""
+    if not isinstance(value, (str, PathLike)):
+        raise InputError(f"{name}: {quoted(value)}; give the path of a file")
+    return Path(value)
+
+
+def with_methods(name: str, value: Kind, *methods: str) -> Kind:
+    """An object of whatever class that has these methods, or an `InputError`."""
+    for method in methods:
+        if not callable(getattr(value, method, None)):
+            raise InputError(f"{name}: {quoted(value)}; give an object with the method {method}")
+    return value
+
+
+def match(**axes: tuple[int, ...]) -> None:
+    """Leading axes of arrays that go together fit as numpy's do; an `InputError` names both."""
+    if len(set(axes.values())) == 1:
+        return
+    try:
+        np.broadcast_shapes(*axes.values())
+    except ValueError:
+        shapes = ", ".join(f"{name}: {shape}" for name, shape in axes.items())
+        raise InputError(f"{shapes}; give leading axes that match") from None
 
 
 def alike(**arrays: NDArray[Any]) -> None:
@@ -216,62 +278,3 @@ def alike(**arrays: NDArray[Any]) -> None:
     if len({len(array) for array in arrays.values()}) > 1:
         lengths = ", ".join(f"{name}: {len(array)}" for name, array in arrays.items())
         raise InputError(f"{lengths}; give as many of each")
-
-
-def _array(
-    name: str, value: ArrayLike, kinds: str, words: str, shape: Shape, empty: bool
-) -> NDArray[Any]:
-    try:
-        array = np.asarray(value)
-    except (TypeError, ValueError, RuntimeError) as error:  # ragged lists; a tensor with gradients
-        raise InputError(f"{name}: {one_line(str(error), 200)}; give {words}") from error
-    if array.dtype.kind not in kinds and array.size:
-        wanted = _wanted(words, shape)
-        given = _quoted(value) if array.ndim == 0 else f"array of {array.dtype}"
-        raise InputError(f"{name}: {given}; give {wanted}")
-    if not _fits(array.shape, shape):
-        raise InputError(f"{name}: shape {array.shape}; give {_wanted(words, shape)}")
-    if not (empty or array.size):
-        raise InputError(f"{name}: empty; give {_wanted(words, shape)}, one at least")
-    return array if array.dtype.kind in kinds else array.astype(float if "f" in kinds else np.uint8)
-
-
-def _fits(found: tuple[int, ...], wanted: Shape) -> bool:
-    if wanted[:1] == (...,):
-        wanted = wanted[1:]
-        found = found[len(found) - len(wanted) :] if len(found) >= len(wanted) else found
-    return len(found) == len(wanted) and all(
-        isinstance(length, str) or length == there
-        for length, there in zip(wanted, found, strict=True)
-    )
-
-
-def _wanted(words: str, shape: Shape) -> str:
-    if shape == (...,):
-        return words
-    if shape == ():
-        return f"one {words.removesuffix('s')}"
-    lengths = ", ".join("..." if length is ... else str(length) for length in shape)
-    return f"{words} of shape ({lengths}{',' if len(shape) == 1 else ''})"
-
-
-def _wrong(name: str, value: object, words: str, shape: Shape) -> InputError:
-    if shape == ():
-        words = words.replace("finite numbers", "one real number").replace("numbers", "number")
-        words = words.replace("whole", "one whole")
-    if isinstance(value, np.generic):
-        value = value.item()
-    return InputError(f"{name}: {_quoted(value)}; give {words}")
-
-
-def _span(least: float, most: float) -> str:
-    if least > -np.inf and most < np.inf:
-        return f" from {least:g} to {most:g}"
-    return f" from {least:g} on" if least > -np.inf else f" up to {most:g}" if most < np.inf else ""
-
-
-def _quoted(value: object) -> str:
-    try:
-        return one_line(repr(value), _QUOTED)
-    except Exception:
-        return f"a {type(value).__name__}"

@@ -5,6 +5,7 @@ import gc
 import numpy as np
 import pytest
 
+from tests.made_up_maps import numbered
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.imitation import ImitationAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
@@ -259,14 +260,10 @@ def test_an_imitating_agent_does_what_its_policy_says():
         def act(self, observations, state):
             return np.full(len(observations), FORWARD), state + 1
 
-    class Two:
-        def __len__(self):
-            return 2
-
     agent = ImitationAgent(Policy())
-    agent.start(Two())
+    agent.start(numbered([0, 1]))
     for _ in range(3):
-        assert agent.act(Two(), np.array([True, False])).tolist() == [FORWARD, STOP]
+        assert agent.act(numbered([0, 1]), np.array([True, False])).tolist() == [FORWARD, STOP]
     assert agent._state.tolist() == [3, 3]
 
 

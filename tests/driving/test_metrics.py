@@ -109,8 +109,8 @@ def test_it_is_the_same_wherever_the_world_lies(seed):
 @pytest.mark.parametrize(
     ("path", "track", "words"),
     [
-        (np.zeros((0, 2)), [[0, 0]], "path: shape .0, 2."),
-        ([[0, 0]], np.zeros((0, 2)), "track: shape .0, 2."),
+        (np.zeros((0, 2)), [[0, 0]], "path: empty"),
+        ([[0, 0]], np.zeros((0, 2)), "track: empty"),
         ([0, 0], [[0, 0]], "path: shape .2,."),
         ([[0], [1]], [[0, 0]], "path: shape .2, 1."),
         ([[0, 0], [np.nan, 1]], [[0, 0]], "path: .* finite"),
@@ -124,8 +124,10 @@ def test_what_is_no_path_is_refused(path, track, words):
 
 @pytest.mark.parametrize("metres", [np.inf, np.nan, -1.0])
 def test_success_is_not_weighted_by_what_is_no_length(metres):
-    with pytest.raises(InputError, match=r"shortest: .*give finite metres"):
+    with pytest.raises(InputError, match=r"shortest: .*give finite numbers from 0"):
         spl([1, 0], [2.0, metres], [1.0, 1.0])
-    with pytest.raises(InputError, match=r"travelled: .*give finite metres"):
+    with pytest.raises(InputError, match=r"travelled: .*give finite numbers from 0"):
         spl([1, 0], [2.0, 2.0], [metres, 1.0])
+    with pytest.raises(InputError, match=r"success: 2.0; give finite numbers from 0 to 1"):
+        spl([1, 2], [2.0, 2.0], [2.0, 2.0])
     assert spl([1, 1], [0.0, 3.0], [0.0, 4.0]).tolist() == [1.0, 0.75]

@@ -213,8 +213,8 @@ def test_nodes_hang_together_or_are_refused():
     graph.add_node([True] * 12)
     with pytest.raises(InputError, match="give previous and pose"):
         graph.add_node([True] * 12)
-    with pytest.raises(InputError, match="0 to 0"):
+    with pytest.raises(InputError, match="first 0 to second 0"):
         graph.connect(0, 0, np.zeros(3))
-    with pytest.raises(InputError, match="0 to 5"):
+    with pytest.raises(InputError, match="first 0 to second 5"):
         graph.connect(0, 5, np.zeros(3))
     assert len(graph) == 1

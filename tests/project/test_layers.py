@@ -9,6 +9,7 @@ import pytest
 LIBRARY = Path(__file__).resolve().parents[2] / "tutorial_lib"
 LAYERS = (
     ("errors",),
+    ("array_forms", "se2"),
     ("validation", "shapes"),
     ("observation",),
     ("geometry", "interfaces", "files", "memory", "reading", "parallel", "course"),

@@ -198,7 +198,7 @@ def test_a_turn_counts_as_a_motion():
 @pytest.mark.parametrize(
     ("lengths", "onward", "words"),
     [
-        ([1.0, 1.0], np.eye(3), r"onward \(3, 3\); give \(2, 2\)"),
+        ([1.0, 1.0], np.eye(3), "lengths: 2, onward: 3; give as many"),
         ([1.0, 0.0], np.eye(2), "a length is not positive"),
         ([1.0, 1.0], np.ones((2, 2)), "does not sum to one"),
         ([1.0, 1.0], np.array([[2.0, -1.0], [0.0, 1.0]]), "does not sum to one"),
@@ -211,7 +211,7 @@ def test_a_wrong_motion_model_is_refused(lengths, onward, words):
 
 @pytest.mark.parametrize("wrong", [{"stride": 0.0}, {"unknown": 1.0}, {"least": np.nan}])
 def test_wrong_settings_are_refused(wrong):
-    with pytest.raises(InputError, match=f"filter: {next(iter(wrong))} = "):
+    with pytest.raises(InputError, match=f"filter: {next(iter(wrong))}( =|:) "):
         FilterSettings(**wrong)
 
 

@@ -92,7 +92,7 @@ def test_of_a_context_the_picture_in_the_middle_counts(k):
 
 @pytest.mark.parametrize("shape", [(3, 4, 6, 3), (4, 6, 3), (1, 3, 1, 4, 6, 3)])
 def test_targets_that_are_no_contexts_are_refused(shape):
-    with pytest.raises(InputError, match=r"give images \(M, P, H, W, 3\)"):
+    with pytest.raises(InputError, match=r"images: .*shape \(M, P, H, W, 3\)"):
         SIMILARITY.prepare(np.zeros(shape, np.uint8))
 
 

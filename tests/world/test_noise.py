@@ -127,7 +127,7 @@ def test_robots_of_a_fleet_do_not_drift_alike():
 def test_noise_says_whether_it_needs_a_generator():
     box, here = Scene(make_box()), [[5.0, 5.0, 0.0]]
     for noise in (WheelOdometry(), DiscreteOdometry()):
-        with pytest.raises(InputError, match="noise needs an rng"):
+        with pytest.raises(InputError, match="rng: None, and noise needs one"):
             Simulation(box, here, odometry_noise=noise)
     for noise in (NoNoise(), DriftingOdometry(0)):
         Simulation(box, here, odometry_noise=noise)

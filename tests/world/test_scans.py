@@ -119,18 +119,21 @@ def test_scans_and_panoramas_repeat_byte_for_byte(family):
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: PanoramicCamera(columns=190), "190 columns in 12 patches"),
-        (lambda: PanoramicCamera(patch_columns=193), "patches of 193"),
-        (lambda: PanoramicCamera(patch_columns=0), "patches of 0"),
-        (lambda: PanoramicCamera(patches=0), "in 0 patches"),
-        (lambda: PanoramicCamera(patches=-12), "in -12 patches"),
-        (lambda: PanoramicCamera(rows=0), "0 rows"),
-        (lambda: Laser(beams=0), "beams >= 1"),
-        (lambda: Laser(field_of_view=0.0), "field of view up to 2 pi"),
-        (lambda: Laser(field_of_view=6.3), "field of view up to 2 pi"),
-        (lambda: Laser(range=0.0), "range > 0"),
-        (lambda: Laser(range=np.nan), "range > 0"),
-        (lambda: Laser().scan(coloured_box(), np.zeros((2, 2))), "x, y, heading"),
+        (lambda: PanoramicCamera(columns=190), "columns: 190 in 12 patches"),
+        (
+            lambda: PanoramicCamera(patch_columns=193),
+            "patch_columns: 193; give one whole number from 1 to 192",
+        ),
+        (lambda: PanoramicCamera(patch_columns=0), "patch_columns: 0"),
+        (lambda: PanoramicCamera(patches=0), "patches: 0"),
+        (lambda: PanoramicCamera(patches=-12), "patches: -12"),
+        (lambda: PanoramicCamera(rows=0), "rows: 0"),
+        (lambda: Laser(beams=0), "beams: 0"),
+        (lambda: Laser(field_of_view=0.0), "field_of_view: 0.0"),
+        (lambda: Laser(field_of_view=6.3), "field_of_view: 6.3; .* to 6.28"),
+        (lambda: Laser(range=0.0), "range: 0.0; give one real number above 0"),
+        (lambda: Laser(range=np.nan), "range: nan"),
+        (lambda: Laser().scan(coloured_box(), np.zeros((2, 2))), r"poses: shape \(2, 2\)"),
     ],
 )
 def test_bad_input_is_named(make, words):

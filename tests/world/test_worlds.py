@@ -66,7 +66,7 @@ def test_a_family_can_be_asked_for():
         "loop_corridor",
     }
     assert map_world(20_001, "shifted", "scanned") == "scanned/20001/shifted/large"
-    with pytest.raises(InputError, match="family 'castle'"):
+    with pytest.raises(InputError, match="family: 'castle'"):
         local_world(20_001, family="castle")
 
 
@@ -98,7 +98,7 @@ def test_a_wrong_name_says_what_is_wrong(name, words):
 
 @pytest.mark.parametrize("parts", [("castle", 1), ("maze", True), ("maze", 1.0), ("maze/2", 1)])
 def test_a_name_is_made_of_what_exists(parts):
-    with pytest.raises(InputError, match="world"):
+    with pytest.raises(InputError, match=r"(family|seed): "):
         world_name(*parts)
 
 
@@ -113,7 +113,7 @@ def test_maps_are_made_in_large_worlds_of_three_families():
         "loop_corridor/20003/standard/large",
     ]
     assert map_world(np.int64(3), "shifted") == "apartment/3/shifted/large"
-    with pytest.raises(InputError, match="seed '-1'"):
+    with pytest.raises(InputError, match="seed: -1"):
         map_world(-1)
 
 
@@ -147,10 +147,10 @@ def test_the_name_of_a_large_world_gives_the_large_one():
     ],
 )
 def test_a_wrong_size_is_named(name, words):
-    with pytest.raises(InputError, match=f"world: .*{words}"):
+    with pytest.raises(InputError, match=f"world.*: .*{words}"):
         parse_world(name)
 
 
 def test_a_size_is_one_that_exists():
-    with pytest.raises(InputError, match="size 'huge'"):
+    with pytest.raises(InputError, match="size: 'huge'; give any or large"):
         world_name("office", 12, size="huge")

@@ -14,12 +14,14 @@ from tutorial_lib.exploration.frontier import (
     is_frontier,
     nearest_frontiers,
 )
-from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed
+from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.grid_kernels import FREE
 from tutorial_lib.exploration.local_map import REACH, LocalMaps
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel, FrontierScorer
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import to_local
+from tutorial_lib.validation import instance, number, with_methods
 
 _ARRIVED = 0.4  # metres from a frontier, or from the end of the path to it
 _TIMEOUT = (40, 12)  # steps towards a frontier, and the same for each metre
@@ -57,12 +59,20 @@ class FrontierAgent:
             rng: draws places once no frontier is left, from a stream of its own for each robot;
                 of seed 0 unless given.
         """
-        self._model, self._scorer, self._reach = model, scorer, reach
+        self._model, self._scorer = checked_model(model), scorer
+        if scorer is not None:
+            with_methods("scorer", scorer, "score")
+        if rng is not None:
+            instance("rng", rng, np.random.Generator)
+        if settings is not None:
+            instance("settings", settings, SearchSettings)
+        self._reach = number("reach", reach, least=0.0)
         self._settings = SearchSettings() if settings is None else settings
         self._rng = np.random.default_rng(0) if rng is None else rng
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
+        instance("goals", goals, Observation)
         count = len(goals)
         maps = LocalMaps(count, SIDE, self._reach)
         self.search = GoalSearch(self._model, goals, self._settings, maps)

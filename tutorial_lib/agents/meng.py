@@ -13,6 +13,7 @@ from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings, add_turns
 from tutorial_lib.topology.planner import DijkstraPlanner
+from tutorial_lib.validation import instance, number, with_methods
 
 
 @dataclass(kw_only=True)
@@ -31,6 +32,14 @@ class MengAgent(MapAgent):
     p_sparsify: float = 0.99
     turns: TurnSettings | None = field(default_factory=TurnSettings)
 
+    def __post_init__(self) -> None:
+        with_methods("planner", self.planner, "plan")
+        instance("settings", self.settings, MapSettings)
+        number("p_sparsify", self.p_sparsify, least=0.0, most=1.0)
+        if self.turns is not None:
+            instance("turns", self.turns, TurnSettings)
+        super().__post_init__()
+
     def empty_map(self) -> TopoMap:
         """A map whose edges are RE's."""
         return TopoMap(self.reachability, self.settings)
@@ -46,17 +55,21 @@ class MengAgent(MapAgent):
 
     def sparsified(self, experience: Experience) -> Anchors:
         """The anchors of a trajectory."""
-        view, k, seen = self.predictor.view, self.predictor.k, experience.observations
+        seen = instance("experience", experience, Experience).observations
+        view, k = self.predictor.view, self.predictor.k
         return anchors_of(
             self.reachability, seen, view.of(seen), k, self.p_sparsify, experience.timestamps
         )
 
     def insert(self, anchors: Anchors) -> None:
         """Add a trajectory to the map, and join it by turning to what was there."""
+        instance("anchors", anchors, Anchors)
         added = add_trajectory(self.topomap, anchors)
         if self.turns is not None:
             add_turns(self.topomap, anchors, added.path, self.turns)
 
     def find_path(self, observation: Observation, goals: Goals, excluded: Edges) -> Plan:
         """The planner's path."""
+        instance("observation", observation, Observation)
+        instance("goals", goals, Goals)
         return self.planner.plan(observation, goals, self.topomap, excluded)

@@ -22,7 +22,7 @@ from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.whereabouts import Whereabouts
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
     Controller,
     Edges,
@@ -33,11 +33,12 @@ from tutorial_lib.interfaces import (
     Robots,
     WaypointPredictor,
 )
+from tutorial_lib.se2 import to_local
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance
+from tutorial_lib.validation import instance, number, with_methods
 from tutorial_lib.world.simulation import STEP
 
 SEARCH_TIME = 20.0
@@ -226,6 +227,11 @@ class MapAgent(ABC):
     replan_time: float = 240.0
 
     def __post_init__(self) -> None:
+        with_methods("predictor", self.predictor, "prepare", "predict")
+        with_methods("controller", self.controller, "act")
+        with_methods("reachability", self.reachability, "prepare", "probability")
+        instance("follower", self.follower, FollowerSettings)
+        number("replan_time", self.replan_time, least=0.0, infinite=True)
         self.topomap = self.empty_map()
         self._targets = MapTargets(self.topomap, self.predictor, self.reachability)
 

@@ -12,11 +12,13 @@ from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
 from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.global_policy import GhostChoice, choose_ghost, subgoal
-from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed
+from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.graph_update import GraphUpdate, Memory, free_metres
-from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import to_world
+from tutorial_lib.validation import flag, floats, instance, whole
 
 _APART = 1.0  # metres between a node and a ghost that is explored by a node of its own
 
@@ -49,6 +51,16 @@ class NTSSettings:
     choice: GhostChoice = field(default_factory=GhostChoice)
     search: SearchSettings = field(default_factory=SearchSettings)
 
+    def __post_init__(self) -> None:
+        for name in ("use_graph", "use_score", "explored_by_sight"):
+            flag(name, getattr(self, name))
+        floats("same_node", self.same_node, (), least=0.0)
+        floats("explorable", self.explorable, (), least=0.0)
+        whole("directions", self.directions, least=1, most=10_000)
+        floats("radius", self.radius, (), least=0.1, most=50.0)
+        instance("choice", self.choice, GhostChoice)
+        instance("search", self.search, SearchSettings)
+
 
 class NTSAgent:
     """The `ExplorerAgent` of the paper, over any `ExplorationModel`.
@@ -65,13 +77,16 @@ class NTSAgent:
         settings: NTSSettings | None = None,
     ) -> None:
         """Explore with `model`; `rng` breaks ties, from a stream of its own for each robot."""
-        self._model, self._rng = model, rng
-        self._settings = NTSSettings() if settings is None else settings
+        self._model = checked_model(model)
+        self._rng = instance("rng", rng, np.random.Generator)
+        settings = NTSSettings() if settings is None else settings
+        self._settings = instance("settings", settings, NTSSettings)
         chosen = self._settings
         self._update = GraphUpdate(model, chosen.same_node, chosen.explorable, chosen.radius)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
+        instance("goals", goals, Observation)
         chosen, count = self._settings, len(goals)
         shape = (chosen.directions, chosen.radius)
         self.robots = [

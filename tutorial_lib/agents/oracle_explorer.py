@@ -10,6 +10,7 @@ from tutorial_lib.exploration.motion import actions_towards
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
+from tutorial_lib.validation import flags, instance
 from tutorial_lib.world.noise import STOP
 
 _STOP = 0.6  # metres from the goal
@@ -22,10 +23,11 @@ class OracleExplorer:
 
     def __init__(self, task: ExplorationTask) -> None:
         """Read poses and walls from `task`."""
-        self._task = task
+        self._task = instance("task", task, ExplorationTask)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes; the pictures of the goals are not needed."""
+        instance("goals", goals, Observation)
         task, self._fields = self._task, list[tuple[DistanceFields, NDArray[np.intp]]]()
         worlds = np.array(task.episodes.worlds)
         for name in dict.fromkeys(task.episodes.worlds):
@@ -36,6 +38,8 @@ class OracleExplorer:
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
         task = self._task
+        instance("observations", observations, Observation)
+        running = flags("running", running, (len(task),))
         actions = actions_towards(task.poses, self._waypoints(), _AIM)
         gap = np.linalg.norm(task.goal_poses[:, :2] - task.poses[:, :2], axis=1)
         return np.where((gap < _STOP) | ~running, STOP, actions)

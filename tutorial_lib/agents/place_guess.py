@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.remedies import Tools
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots, Targets
+from tutorial_lib.se2 import relative
 from tutorial_lib.topology.localization import OFF_MAP, BayesFilter, argmax, match_sequence
 from tutorial_lib.topology.mapping.edge_search import along_trajectories
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.topology.motion_model import motion_model, moved, neighbourhoods
+from tutorial_lib.topology.motion_model import length_of, motion_model, neighbourhoods
 from tutorial_lib.topology.view_sensor import ViewSensor
 
 _VIEWS, _APART = 4, 0.7  # views of a sequence, and metres from one to the next
@@ -77,7 +78,7 @@ class PlaceGuess:
         if self._on.filter:
             looked = self.filter.observe(observations, robots)
         elif self._on.sequence:
-            motion = moved(relative(self._pose[robots], observations.odometry))
+            motion = length_of(relative(self._pose[robots], observations.odometry))
             due = np.flatnonzero(~(motion < _APART))
             if due.size:
                 self._remember(observations[due], robots[due])

@@ -19,6 +19,7 @@ from tutorial_lib.interfaces import (
     WaypointPredictor,
 )
 from tutorial_lib.topology.following.transitions import FollowerSettings
+from tutorial_lib.validation import instance, with_methods
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,11 @@ class RandomAgent:
     predictor: WaypointPredictor
     controller: Controller
     rng: np.random.Generator
+
+    def __post_init__(self) -> None:
+        with_methods("predictor", self.predictor, "prepare", "predict")
+        with_methods("controller", self.controller, "act")
+        instance("rng", self.rng, np.random.Generator)
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Nothing, of experiences."""

@@ -6,11 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, bearing_of
-from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings
+from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, checked_model
 from tutorial_lib.exploration.graph_update import free_metres
-from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import to_world
+from tutorial_lib.validation import instance
 
 _ARRIVED = 0.4  # metres from a target at which the next is drawn
 _LONGEST = 40  # steps towards one target
@@ -30,11 +31,14 @@ class RandomWalkAgent:
         settings: SearchSettings | None = None,
     ) -> None:
         """Notice goals with `model`; `rng` draws directions, in a stream for each robot."""
-        self._model, self._rng = model, rng
-        self._settings = SearchSettings() if settings is None else settings
+        self._model = checked_model(model)
+        self._rng = instance("rng", rng, np.random.Generator)
+        settings = SearchSettings() if settings is None else settings
+        self._settings = instance("settings", settings, SearchSettings)
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
+        instance("goals", goals, Observation)
         self.search = GoalSearch(self._model, goals, self._settings)
         self._targets, self._left = np.zeros((len(goals), 2)), np.zeros(len(goals))
         self._streams = self._rng.spawn(len(goals))

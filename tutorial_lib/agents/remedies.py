@@ -12,6 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import WaypointPredictor
 from tutorial_lib.topology.localization import FilterSettings
 from tutorial_lib.topology.planner import DijkstraPlanner
+from tutorial_lib.validation import flag
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,10 @@ class Remedies:
     cycles: bool = True
     filter: bool = True
 
+    def __post_init__(self) -> None:
+        for name in _PARTS:
+            flag(name, getattr(self, name))
+
     @classmethod
     def named(cls, name: str) -> Remedies:
         """Those of a row of the experiment.
@@ -43,8 +48,8 @@ class Remedies:
         >>> Remedies.named("no_filter")
         Remedies(sequence=True, replan=True, cycles=True, filter=False)
         """
-        if name not in REMEDIES:
-            raise InputError(f"remedies: {name!r}; give one of {', '.join(REMEDIES)}")
+        if not isinstance(name, str) or name not in REMEDIES:
+            raise InputError(f"remedies: {name!r}; give one of {', '.join(REMEDIES)} as name")
         which = name.removeprefix("no_")
         if which in ("none", "all"):
             return cls(*[which == "all"] * len(_PARTS))

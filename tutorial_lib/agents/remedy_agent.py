@@ -15,6 +15,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Goals
 from tutorial_lib.topology.localization import FilterSettings
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, whole
 
 SEQUENCE = 4
 """Anchors before and after both ends of an edge, and of one that is replaced, that must match."""
@@ -32,13 +33,18 @@ class RemedyAgent(MengAgent):
     remedies: Remedies = field(default_factory=Remedies)
     filter_settings: FilterSettings = field(default_factory=FilterSettings)
 
+    def __post_init__(self) -> None:
+        instance("remedies", self.remedies, Remedies)
+        instance("filter_settings", self.filter_settings, FilterSettings)
+        super().__post_init__()
+
     def with_remedies(self, remedies: Remedies) -> RemedyAgent:
         """The same agent with other remedies, and what it has learned so far.
 
         Raises:
             InputError: when its map was built with sequences and this one's is not, or conversely.
         """
-        if remedies.sequence != self.remedies.sequence:
+        if instance("remedies", remedies, Remedies).sequence != self.remedies.sequence:
             raise InputError("remedies: a map is built with sequences or without; learn again")
         other = replace(self, remedies=remedies)
         other.topomap, other._targets = self.topomap, self._targets  # encoded once for all
@@ -63,6 +69,7 @@ class RemedyAgent(MengAgent):
 
     def guess(self, robots: int) -> PlaceGuess:
         """Localizes so many robots, which may be anywhere."""
+        whole("robots", robots, least=0, most=1_000_000)
         contexts = self.topomap.vertices.contexts[np.arange(len(self.topomap.vertices))]
         return PlaceGuess(robots, self.topomap, self._tools(), self.predictor.prepare(contexts))
 

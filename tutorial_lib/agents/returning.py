@@ -17,14 +17,16 @@ from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent
 from tutorial_lib.agents.votes import agreeing
 from tutorial_lib.exploration.bearings import bearing_of
+from tutorial_lib.exploration.goal_search import of_all
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.exploration.turned_views import turned
-from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
+from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
+from tutorial_lib.validation import instance, whole, with_methods
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP
 
 DISCRETE = FollowerSettings(at=0.4, facing=0.05, confirm=1, fall=1.0)
@@ -52,14 +54,9 @@ class ReturnSettings:
     pause: int = 25
     turning: int = 40
 
-
-class StandStill:
-    """A `Controller` that leaves the driving to the local policy."""
-
-    def act(self, observations: Observation, waypoints: Array) -> Array:
-        """Actions (N, 2): none."""
-        del observations
-        return np.zeros_like(waypoints)
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            whole(name, value, least=1)
 
 
 def visit(run: Sequence[Observation], robot: int) -> list[Experience]:
@@ -110,12 +107,15 @@ class ReturningAgent:
                 robot without a path stops once it plans no more.
             settings: when to plan.
         """
-        self._memory, self._explorer = memory, explorer
-        self._settings = ReturnSettings() if settings is None else settings
+        self._memory = instance("memory", memory, MengAgent)
+        self._explorer = explorer and with_methods("explorer", explorer, "start", "act")
+        settings = ReturnSettings() if settings is None else settings
+        self._settings = instance("settings", settings, ReturnSettings)
         self._headings = bearing_of(np.arange(self._settings.headings), self._settings.headings)
 
     def start(self, goals: Observation) -> None:
         """Begin on the way to `goals` (N,), panoramas; see `ExplorerAgent`."""
+        instance("goals", goals, Observation)
         count = len(goals)
         self._goals = [self._looked_for(self._all_around(goals[n])) for n in range(count)]
         first = len(self._memory.topomap.vertices)
@@ -138,6 +138,7 @@ class ReturningAgent:
 
     def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
         """Actions (N,) of all robots; those not `running` (N,) stop."""
+        running = of_all(observations, running, len(self.plans))
         robots = np.flatnonzero(running)
         actions = self._explore(observations, running)
         here = observations[robots]

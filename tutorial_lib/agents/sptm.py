@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import networkx as nx
@@ -23,6 +23,7 @@ from tutorial_lib.interfaces import (
 )
 from tutorial_lib.topology.mapping.sparsify import contextified, every_nth
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, number, whole, with_methods
 
 
 @dataclass(kw_only=True)
@@ -46,6 +47,10 @@ class SPTMAgent(MapAgent):
     window: int = 2
 
     def __post_init__(self) -> None:
+        with_methods("similarity", self.similarity, "prepare", "probability")
+        whole("every", self.every, least=1)
+        number("s_shortcut", self.s_shortcut, least=0.0, most=1.0)
+        whole("window", self.window, least=0)
         super().__post_init__()
         self._similarities = np.empty((0, 0), dtype=np.float32)
 
@@ -66,7 +71,8 @@ class SPTMAgent(MapAgent):
 
     def join(self, s_shortcut: float) -> None:
         """Join vertices that are alike; shortcuts that were there before are dropped."""
-        self.s_shortcut, graph = s_shortcut, self.topomap.graph
+        self.s_shortcut = number("s_shortcut", s_shortcut, least=0.0, most=1.0)
+        graph = self.topomap.graph
         driven = nx.get_edge_attributes(graph, "driven")
         graph.remove_edges_from([edge for edge, times in driven.items() if not times])
         alike = self._similarities
@@ -109,6 +115,11 @@ class SPTMAgent(MapAgent):
 
         It begins at no vertex to which the first step is excluded.
         """
+        instance("observation", observation, Observation)
+        instance("goals", goals, Goals)
+        instance("excluded", excluded, Collection)
+        if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in excluded):
+            raise InputError("excluded: give edges, tuples of two vertices each")
         graph, alive = self.topomap.graph, self.topomap.alive
         if not len(alive):
             return Plan(refusal="the map is empty")

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
-from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import alike, flag, floats, instance, integers, number, whole
 from tutorial_lib.world.occupancy import ClearanceGrid
 from tutorial_lib.world.raycast import Raycaster
 
@@ -45,7 +45,10 @@ class DistanceFields:
 
     def distance(self, points: ArrayLike, goals: NDArray[np.intp] | int = 0) -> Array:
         """Cost (N,) from points (N, 2), each to the goal of that index; inf without a path."""
-        points = np.asarray(points, dtype=float)
+        points = floats("points", points, ("N", 2))
+        goals = integers("goals", goals, (...,), least=0, most=len(self.goals) - 1)
+        if goals.ndim:
+            alike(points=points, goals=goals)
         nodes, gap = self.paths.nearest(points)
         cost = np.where(nodes >= 0, self.cost[goals, nodes], np.inf)
         direct = np.linalg.norm(points - self.goals[goals], axis=-1)
@@ -59,11 +62,12 @@ class DistanceFields:
         Raises:
             InputError: when there is none.
         """
-        start = np.asarray(start, dtype=float)
+        start = floats("start", start, (2,))
+        goal = whole("goal", goal, least=0, most=len(self.goals) - 1)
         node = int(self.paths.nearest(start)[0])
         if node < 0 or not np.isfinite(self.cost[goal, node]):
             raise InputError(
-                f"path: no path from {start.round(2).tolist()} to "
+                f"start: no path from {start.round(2).tolist()} to "
                 f"{self.goals[goal].round(2).tolist()}; choose both in one open space"
             )
         nodes = []
@@ -87,7 +91,10 @@ class DistanceFields:
         Returns:
             (N, 2) points of the world; the robot's own place where none is in sight.
         """
-        points = np.asarray(points, dtype=float)
+        points, reach = floats("points", points, ("N", 2)), number("reach", reach, least=0)
+        goals = integers("goals", goals, ("N",), least=0, most=len(self.goals) - 1)
+        alike(points=points, goals=goals)
+        instance("caster", caster, Raycaster)
         nodes, _ = self.paths.nearest(points)
         places, near, gone = [points], [np.ones(len(points), bool)], np.zeros(len(points))
         going = near[0]
@@ -125,14 +132,14 @@ class GridPaths:
             comfort: metres from which on a wall has no influence.
             caution: factor by which a path at the wall counts as longer.
         """
-        cells = grid.clearance[::2, ::2]
+        clearance = number("clearance", clearance, least=0)
+        comfort, caution = number("comfort", comfort, above=0), number("caution", caution, least=0)
+        cells = instance("grid", grid, ClearanceGrid).clearance[::2, ::2]
         self.resolution = 2 * grid.resolution
         self._grid = grid
         rows, columns = np.nonzero(cells >= clearance)
         if not len(rows):
-            raise InputError(
-                f"paths: no place has {clearance} m of clearance; is this a floor plan?"
-            )
+            raise InputError(f"clearance: no place has {clearance} m; is this a floor plan?")
         self._number = np.full(cells.shape, -1, dtype=np.int32)
         self._number[rows, columns] = np.arange(len(rows))
         self.points = grid.centres(np.stack([2 * rows, 2 * columns], axis=1))
@@ -177,9 +184,8 @@ class GridPaths:
         Raises:
             InputError: when they are no points.
         """
-        points = np.asarray(points, dtype=float)
-        fit_together(points=(points, (*points.shape[:-1], 2)))
-        cells = self._grid.cells(points).reshape(-1, 2) // 2
+        points = floats("points", points, (..., 2))
+        cells = self._grid.within(points).reshape(-1, 2) // 2
         nodes, gap = _nearest(points.reshape(-1, 2), cells, self._number, self.points)
         return nodes.reshape(points.shape[:-1]), gap.reshape(points.shape[:-1])
 
@@ -193,12 +199,13 @@ class GridPaths:
         Raises:
             InputError: when a goal is not in free space.
         """
-        goals = np.asarray(goals, dtype=float).reshape(-1, 2)
-        if not np.isfinite(goals).all():
-            raise InputError(f"goal: {goals.tolist()} is not in free space, nor finite")
+        goals = np.atleast_2d(floats("goals", goals, (..., 2)))
+        if goals.ndim > 2:
+            raise InputError(f"goals: shape {goals.shape}; give (G, 2) rows x, y")
+        shortest = flag("shortest", shortest)
         nodes, gaps = self.nearest(goals)
         for goal in goals[nodes < 0]:
-            raise InputError(f"goal: {goal.tolist()} is not in free space; choose another place")
+            raise InputError(f"goals: {goal.tolist()} is not in free space; choose another place")
         graph = self._geodesic if shortest else self._comfortable
         cost, towards = dijkstra(graph, indices=nodes, return_predecessors=True)
         return DistanceFields(self, goals, gaps, cost, towards)
@@ -208,7 +215,8 @@ class GridPaths:
 
         Goals are processed in chunks, since each needs a distance field of the whole world.
         """
-        starts, goals = np.asarray(starts, dtype=float), np.asarray(goals, dtype=float)
+        starts, goals = floats("starts", starts, ("N", 2)), floats("goals", goals, ("N", 2))
+        alike(starts=starts, goals=goals)
         places, which = np.unique(goals, axis=0, return_inverse=True)
         found = np.empty(len(starts))
         for first in range(0, len(places), _AT_ONCE):

@@ -4,7 +4,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.se2 import Array, arc_length
+from tutorial_lib.validation import alike, floats, instance, whole
 from tutorial_lib.world.raycast import Raycaster
 
 REACHED = 0.30
@@ -17,6 +18,7 @@ STRAYED = 1.0
 """Metres from the path beyond which a robot no longer follows it."""
 AHEAD = 3.0
 """Metres of a path that may be cut short, where it turns to and fro within those of `STRAYED`."""
+_LONGEST = 1e6  # metres
 _DENSE = 0.02  # metres between the points at which a path is compared with a track
 
 
@@ -26,7 +28,7 @@ def time_limit(geodesic: ArrayLike) -> Array:
     >>> time_limit([0.0, 3.0]).tolist()
     [5.0, 15.0]
     """
-    return np.asarray(geodesic, dtype=float) / SLOWEST + GRACE
+    return floats("geodesic", geodesic, least=0, infinite=True) / SLOWEST + GRACE
 
 
 def spl(success: ArrayLike, shortest: ArrayLike, travelled: ArrayLike) -> Array:
@@ -38,21 +40,23 @@ def spl(success: ArrayLike, shortest: ArrayLike, travelled: ArrayLike) -> Array:
         travelled: (N,) metres.
 
     Raises:
-        InputError: when a length is negative or not finite.
+        InputError: when a length is negative or not finite, or a success is not from 0 to 1.
 
     >>> spl([1, 1, 0], [2.0, 2.0, 2.0], [4.0, 1.5, 2.0]).tolist()
     [0.5, 1.0, 0.0]
     """
-    shortest, travelled = np.asarray(shortest, float), np.asarray(travelled, float)
-    for name, metres in (("shortest", shortest), ("travelled", travelled)):
-        if not (np.isfinite(metres) & (metres >= 0)).all():
-            raise InputError(f"{name}: {metres.tolist()}; give finite metres from 0 on")
+    success = floats("success", success, ("N",), least=0, most=1)
+    shortest = floats("shortest", shortest, ("N",), least=0)
+    travelled = floats("travelled", travelled, ("N",), least=0)
+    alike(success=success, shortest=shortest, travelled=travelled)
     longest = np.maximum(np.maximum(shortest, travelled), 1e-9)
-    return np.asarray(success, float) * np.maximum(shortest, 1e-9) / longest
+    return success * np.maximum(shortest, 1e-9) / longest
 
 
 def walls_crossed(caster: Raycaster, poses: Array) -> int:
     """How often a track among `poses` (T, N, 3) passes through a wall."""
+    instance("caster", caster, Raycaster)
+    poses = floats("poses", poses, ("T", "N", 3))
     before, after = poses[:-1, :, :2].reshape(-1, 2), poses[1:, :, :2].reshape(-1, 2)
     return int((~caster.sees(before, after)).sum())
 
@@ -78,7 +82,7 @@ def covered(path: ArrayLike, track: ArrayLike, collided_at: int | None = None) -
     """
     path, track = _points("path", path), _points("track", track)
     if collided_at is not None:
-        track = track[: collided_at + 1]
+        track = track[: whole("collided_at", collided_at, least=0) + 1]
     places, miles = _densely(path)
     behind, ahead, now = round(STRAYED / _DENSE), round(AHEAD / _DENSE), 0
     for point in track:
@@ -94,8 +98,8 @@ def covered(path: ArrayLike, track: ArrayLike, collided_at: int | None = None) -
 
 def _points(name: str, points: ArrayLike) -> Array:
     """(P, 2) finite points."""
-    points = np.asarray(points, dtype=float)
-    if points.ndim != 2 or not len(points) or points.shape[1] < 2 or not np.isfinite(points).all():
+    points = floats(name, points, ("P", "2 or more"), empty=False)
+    if points.shape[1] < 2:
         raise InputError(f"{name}: shape {points.shape}; give finite points (P, 2), one at least")
     return points[:, :2]
 
@@ -103,5 +107,7 @@ def _points(name: str, points: ArrayLike) -> Array:
 def _densely(path: Array) -> tuple[Array, Array]:
     """Points (Q, 2) about every `_DENSE` metres of a path, and the metres (Q,) up to each."""
     miles = arc_length(path)
+    if miles[-1] > _LONGEST:
+        raise InputError(f"path: {miles[-1]:g} m; give metres, {_LONGEST:g} at most")
     at = np.linspace(0.0, miles[-1], int(np.ceil(miles[-1] / _DENSE)) + 1)
     return np.stack([np.interp(at, miles, column) for column in path.T], axis=1), at

@@ -14,7 +14,7 @@ from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Navigation, Observation, Policy, Robots
-from tutorial_lib.validation import floats
+from tutorial_lib.validation import alike, flag, floats, instance, number, with_methods
 from tutorial_lib.world.simulation import STEP, Simulation, checked_actions
 
 SETTLED = 1.0
@@ -89,7 +89,11 @@ def rollout(
     Raises:
         InputError: when the policy returns anything but finite (M, 2).
     """
-    count = len(simulation)
+    count = len(instance("simulation", simulation, Simulation))
+    with_methods("policy", policy, "act")
+    with_methods("ends", ends, "after_step")
+    if record is not None and not callable(record):
+        raise InputError(f"record: {record!r}; give a function")
     ending, over = np.full(count, "", dtype="U16"), np.zeros(count, dtype=bool)
     seconds, poses = np.zeros(count), [simulation.poses]
     while not over.all():
@@ -129,23 +133,24 @@ class ReachGoals:
         Raises:
             InputError: when goals or limits are not finite, or do not fit each other.
         """
-        self.goals, self.limit = np.asarray(goals, dtype=float), np.asarray(limit, dtype=float)
-        count = len(np.atleast_2d(self.goals))
-        if self.goals.shape != (count, 2) or not np.isfinite(self.goals).all():
-            raise InputError(f"rollout: goals {self.goals.shape}; give finite (N, 2)")
-        if self.limit.shape not in ((), (count,)) or not np.isfinite(self.limit).all():
-            raise InputError(f"rollout: limit {limit}; give finite seconds for {count} robots")
-        self.reached, self.settle = reached, settle
+        self.goals, self.limit = floats("goals", goals, ("N", 2)), floats("limit", limit, least=0)
+        count = len(self.goals)
+        if self.limit.shape not in ((), (count,)):
+            raise InputError(f"limit: shape {self.limit.shape}; give seconds for {count} goals")
+        self.reached, self.settle = number("reached", reached, above=0), flag("settle", settle)
         self._still = np.zeros(count)
 
     def after_step(
         self, simulation: Simulation, seconds: Array, before: Array
     ) -> dict[str, NDArray[np.bool_]]:
         """See `Ends`."""
-        if len(simulation) != len(self.goals):
+        count = len(self.goals)
+        if len(instance("simulation", simulation, Simulation)) != count:
             raise InputError(
-                f"rollout: {len(self.goals)} goals for {len(simulation)} robots; give as many"
+                f"goals: {count} for {len(simulation)} robots of the simulation; give as many"
             )
+        seconds = floats("seconds", seconds, (count,), least=0)
+        before = floats("before", before, (count, 3))
         poses = simulation.poses
         gap = np.linalg.norm(poses[:, :2] - self.goals, axis=1)
         moved = np.abs(poses - before).max(axis=1) > _STILL
@@ -197,9 +202,15 @@ def geodesic_limit(paths: GridPaths, starts: ArrayLike, goals: ArrayLike) -> Arr
     Raises:
         InputError: when a goal cannot be reached.
     """
-    starts = np.asarray(starts, dtype=float)[:, :2]
-    shortest = paths.fields(goals, shortest=True)
-    limit = time_limit(shortest.distance(starts, np.arange(len(starts))))
+    starts = floats("starts", starts, ("N", "2 or 3"))
+    if starts.shape[1] < 2:
+        raise InputError(f"starts: shape {starts.shape}; give x and y of each")
+    goals = floats("goals", goals, ("N", 2))
+    alike(starts=starts, goals=goals)
+    shortest = instance("paths", paths, GridPaths).fields(goals, shortest=True)
+    limit = time_limit(shortest.distance(starts[:, :2], np.arange(len(starts))))
     for lost in np.flatnonzero(~np.isfinite(limit)):
-        raise InputError(f"goal: no path leads robot {lost} to its goal; choose another goal")
+        raise InputError(
+            f"goals: no path leads from starts[{lost}] to goals[{lost}]; choose others"
+        )
     return limit

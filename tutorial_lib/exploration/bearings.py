@@ -5,12 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import Array, wrap
+from tutorial_lib.geometry import Array
+from tutorial_lib.se2 import wrap
+from tutorial_lib.validation import floats, integers, whole
 
 DIRECTIONS = 12
 """Directions of a node, n_theta of Chaplot et al. 2020."""
 RADIUS = 3.0
 """Metres of a node and of its local map, r of the paper."""
+
+_MOST = 1_000_000  # directions, or columns of a panorama
 
 
 def bin_of(bearings: ArrayLike, directions: int = DIRECTIONS) -> NDArray[np.intp]:
@@ -19,7 +23,8 @@ def bin_of(bearings: ArrayLike, directions: int = DIRECTIONS) -> NDArray[np.intp
     >>> bin_of(np.deg2rad([0.0, 14.0, 16.0, -30.0, 350.0])).tolist()
     [0, 0, 1, 11, 0]
     """
-    bins = np.rint(np.asarray(bearings, dtype=float) * directions / (2 * np.pi))
+    whole("directions", directions, least=1, most=_MOST)
+    bins = np.rint(floats("bearings", bearings) * directions / (2 * np.pi))
     return bins.astype(np.intp) % directions
 
 
@@ -29,7 +34,8 @@ def bearing_of(bins: ArrayLike, directions: int = DIRECTIONS) -> Array:
     >>> np.rad2deg(bearing_of([0, 1, 11])).round(6).tolist()
     [0.0, 30.0, -30.0]
     """
-    return wrap(np.asarray(bins) * (2 * np.pi / directions))
+    whole("directions", directions, least=1, most=_MOST)
+    return wrap(integers("bins", bins) * (2 * np.pi / directions))
 
 
 def column_bearings(columns: int) -> Array:
@@ -38,6 +44,7 @@ def column_bearings(columns: int) -> Array:
     >>> np.rad2deg(column_bearings(4)).tolist()
     [135.0, 45.0, -45.0, -135.0]
     """
+    whole("columns", columns, least=1, most=_MOST)
     return np.pi - (np.arange(columns) + 0.5) * (2 * np.pi / columns)
 
 
@@ -47,5 +54,6 @@ def column_of(bearings: ArrayLike, columns: int) -> NDArray[np.intp]:
     >>> column_of([0.1, -0.1, np.pi - 0.1, -np.pi + 0.1], 192).tolist()
     [92, 99, 3, 188]
     """
-    turns = (np.pi - np.asarray(bearings, dtype=float)) / (2 * np.pi)
+    whole("columns", columns, least=1, most=_MOST)
+    turns = (np.pi - floats("bearings", bearings)) / (2 * np.pi)
     return np.floor(turns * columns).astype(np.intp) % columns

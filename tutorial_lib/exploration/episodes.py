@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import floats, instance, instances, one_of, whole
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import world_name
@@ -23,6 +24,7 @@ SEQUENTIAL = (1.5, 5.0)
 """Metres from each of several goals to the next (section 6.1)."""
 FAMILIES = ("apartment", "office")
 """Of the worlds, by seed."""
+_MOST = 1_000_000  # episodes
 _GOALS = 12  # drawn for one episode, before giving up
 
 
@@ -48,9 +50,16 @@ class Episodes:
     difficulty: tuple[str, ...]
 
     def __post_init__(self) -> None:
+        instances("worlds", self.worlds, str)
+        floats("starts", self.starts, ("N", 3))
+        floats("goals", self.goals, ("N", 3))
+        floats("shortest", self.shortest, ("N",), least=0.0, infinite=True)
+        for name in instances("difficulty", self.difficulty, str):
+            one_of("difficulty", name, (*DIFFICULTIES, ""))
         counts = {len(column) for column in vars(self).values()}
         if len(counts) != 1 or counts == {0}:
-            raise InputError(f"episodes: {sorted(counts)} rows; give as many of all, one at least")
+            lengths = ", ".join(f"{name}: {len(rows)}" for name, rows in vars(self).items())
+            raise InputError(f"episodes: {lengths}; give as many of all, one at least")
 
     def __len__(self) -> int:
         return len(self.worlds)
@@ -69,6 +78,7 @@ class Episodes:
     @classmethod
     def joined(cls, parts: Sequence[Episodes]) -> Episodes:
         """All episodes of the parts, in their order."""
+        parts = instances("parts", parts, Episodes, empty=False)
         return cls(
             sum((part.worlds for part in parts), ()),
             np.concatenate([part.starts for part in parts]),
@@ -87,8 +97,9 @@ def exploration_world(seed: int, signs: str = "plain", palette: str = "standard"
     >>> exploration_world(20_001, "wayfinding")
     'office/20001/standard/wayfinding'
     """
-    if signs not in SIGNS:
+    if not isinstance(signs, str) or signs not in SIGNS:
         raise InputError(f"signs: {signs!r} is unknown; use one of {', '.join(SIGNS)}")
+    whole("seed", seed, least=0)
     return world_name(FAMILIES[seed % len(FAMILIES)], seed, palette, signs=signs)
 
 
@@ -106,8 +117,12 @@ def draw_episodes(
     Raises:
         InputError: when no episode is asked for, or the world is too small for a difficulty.
     """
+    instance("world", world, str)
+    _check_drawn(scene, rng)
+    for difficulty, count in instance("counts", counts, dict).items():
+        whole(f"counts: {difficulty}", count, least=0, most=_MOST)
     if not sum(counts.values()):
-        raise InputError(f"episodes: {counts}; ask for at least one")
+        raise InputError(f"episodes: counts {counts}; ask for at least one")
     places = _Places(scene)
     rows = [places.draw(name, rng) for name, count in counts.items() for _ in range(count)]
     starts, goals, shortest = (np.array(column) for column in zip(*rows, strict=True))
@@ -127,10 +142,18 @@ def draw_sequence(scene: Scene, goals: Array, count: int, rng: np.random.Generat
     Raises:
         InputError: when there is no such place.
     """
+    _check_drawn(scene, rng)
+    goals = floats("goals", goals, ("N", 3), empty=False)
+    whole("count", count, least=1, most=_MOST)
     places, chain = _Places(scene), [goals]
     for _ in range(count - 1):
         chain.append(np.array([places.near(goal, SEQUENTIAL, rng) for goal in chain[-1]]))
     return np.stack(chain)
+
+
+def _check_drawn(scene: Scene, rng: np.random.Generator) -> None:
+    instance("scene", scene, Scene)
+    instance("rng", rng, np.random.Generator)
 
 
 class _Places:

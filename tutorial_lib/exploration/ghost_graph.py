@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of, column_of
-from tutorial_lib.geometry import Array, compose, inverse, to_world
+from tutorial_lib.geometry import Array, inverse
+from tutorial_lib.se2 import compose, to_world
+from tutorial_lib.validation import flag, flags, floats, instance, number, whole
 
 BESIDE = 1.5 * RADIUS
 """Metres within which a node in sight stands in a direction of another one without an edge."""
@@ -18,6 +20,7 @@ SEEN = 0.75 * RADIUS
 """Metres from which a node sees a ghost of another one so well that it is explored."""
 EXPLORED = 1.0
 """Metres from a node within which a ghost is explored, in whatever direction."""
+_MOST = 10_000  # directions
 _AT = 0.05  # metres between two nodes that are at one place: neither is in a direction of the other
 
 
@@ -34,6 +37,11 @@ class Ghost:
     node: int
     direction: int
     metres: float = RADIUS
+
+    def __post_init__(self) -> None:
+        whole("node", self.node, least=0)
+        whole("direction", self.direction, least=0)
+        number("metres", self.metres, least=0.0)
 
 
 class GhostGraph:
@@ -67,7 +75,9 @@ class GhostGraph:
             radius: metres from a node to its ghosts.
             by_sight: ghosts that another node sees well go to the reserve.
         """
-        self.directions, self._radius, self._by_sight = directions, radius, by_sight
+        self.directions = whole("directions", directions, least=1, most=_MOST)
+        self._radius = number("radius", radius, least=0.0)
+        self._by_sight = flag("by_sight", by_sight)
         self.edges: list[dict[int, Array]] = []
         self.ghosts: dict[tuple[int, int], Ghost] = {}
         self.reserve: dict[tuple[int, int], Ghost] = {}
@@ -104,8 +114,13 @@ class GhostGraph:
         """
         if len(self) and (previous is None or pose is None):
             raise InputError("node: link it to the one before; give previous and pose")
-        explorable, node = np.asarray(explorable, dtype=bool), len(self)
-        free = np.zeros(len(explorable)) if free is None else np.asarray(free, dtype=float)
+        explorable, node = flags("explorable", explorable, ("K",)), len(self)
+        free = np.zeros(len(explorable)) if free is None else floats("free", free, ("K",))
+        if previous is not None:
+            whole("previous", previous, least=0, most=node - 1)
+            pose = floats("pose", pose, (3,))
+        if ranges is not None:
+            ranges = floats("ranges", ranges, ("W",), least=0.0, infinite=True)
         if not explorable.shape == free.shape == (self.directions,):
             raise InputError(
                 f"directions: {explorable.shape} explorable, {free.shape} free; a node of this "
@@ -113,7 +128,7 @@ class GhostGraph:
             )
         self.edges.append({})
         self._forget_paths()
-        self._ranges.append(np.empty(0) if ranges is None else np.asarray(ranges, dtype=float))
+        self._ranges.append(np.empty(0) if ranges is None else ranges)
         for direction in np.flatnonzero(explorable).tolist():
             self.ghosts[node, direction] = Ghost(node, direction, self._radius)
         for direction in np.flatnonzero(~explorable & (free > 0)).tolist():
@@ -134,9 +149,11 @@ class GhostGraph:
         Raises:
             InputError: when they are one node, or one of them does not exist.
         """
+        whole("first", first)
+        whole("second", second)
         if first == second or not (0 <= first < len(self) and 0 <= second < len(self)):
-            raise InputError(f"edge: {first} to {second}; give two of the {len(self)} nodes")
-        pose = np.asarray(pose, dtype=float)
+            raise InputError(f"edge: first {first} to second {second}; give two of {len(self)}")
+        pose = floats("pose", pose, (3,))
         self.edges[first][second], self.edges[second][first] = pose, inverse(pose)
         self._forget_paths()
         self._stands(first, pose)
@@ -144,6 +161,7 @@ class GhostGraph:
 
     def remove(self, ghost: Ghost) -> None:
         """Remove a ghost that was explored, or that cannot be reached."""
+        instance("ghost", ghost, Ghost)
         self.ghosts.pop((ghost.node, ghost.direction), None)
         self.reserve.pop((ghost.node, ghost.direction), None)
 
@@ -154,6 +172,7 @@ class GhostGraph:
 
     def promote(self, ghost: Ghost) -> None:
         """Make one direction of the reserve a ghost; nothing changes for one that is."""
+        whole("ghost: node", instance("ghost", ghost, Ghost).node, most=len(self) - 1)
         self.reserve.pop((ghost.node, ghost.direction), None)
         self.ghosts[ghost.node, ghost.direction] = ghost
 
@@ -163,7 +182,7 @@ class GhostGraph:
         Kept until the graph changes. scipy's takes a sparse matrix, which has no place for an edge
         of no length, and with it twice as long for fifteen nodes (1.3 times for forty).
         """
-        return self._dijkstra(node)[:2]
+        return self._dijkstra(self._node("node", node))[:2]
 
     def _dijkstra(self, node: int) -> tuple[Array, NDArray[np.intp], list[int]]:
         """See `shortest`; and the nodes in the order in which they were reached."""
@@ -186,15 +205,15 @@ class GhostGraph:
 
     def path(self, start: int, end: int) -> list[int]:
         """The nodes of the shortest path, both ends included."""
-        _, before = self.shortest(end)
-        nodes = [start]
+        _, before, _ = self._dijkstra(self._node("end", end))
+        nodes = [self._node("start", start)]
         while nodes[-1] != end:
             nodes.append(int(before[nodes[-1]]))
         return nodes
 
     def poses_from(self, node: int) -> Array:
         """(V, 3) poses of all nodes in the frame of one, along shortest paths."""
-        if node not in self._poses:
+        if self._node("node", node) not in self._poses:
             _, before, order = self._dijkstra(node)
             poses = np.zeros((len(self), 3))
             for other in order[1:]:
@@ -203,13 +222,16 @@ class GhostGraph:
             self._poses[node] = poses
         return self._poses[node]
 
+    def _node(self, name: str, node: int) -> int:
+        return whole(name, node, least=0, most=len(self) - 1)
+
     def _forget_paths(self) -> None:
         self._paths.clear()
         self._poses.clear()
 
     def place_of(self, ghost: Ghost) -> Array:
         """(2,) where a ghost is in the frame of its node."""
-        bearing = float(bearing_of(ghost.direction, self.directions))
+        bearing = float(bearing_of(instance("ghost", ghost, Ghost).direction, self.directions))
         return ghost.metres * np.array([np.cos(bearing), np.sin(bearing)])
 
     def _stands(self, node: int, pose: Array) -> None:

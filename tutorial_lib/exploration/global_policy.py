@@ -9,7 +9,9 @@ import numpy as np
 from tutorial_lib.exploration.ghost_graph import Ghost
 from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.exploration.labels import MAX_DISTANCE
-from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.geometry import Array
+from tutorial_lib.se2 import to_world
+from tutorial_lib.validation import flag, number
 
 _ONE_OPENING = 1.0  # metres between ghosts that lead to the same place
 _PASSED = 0.8  # metres from a node on the path at which a robot goes on to the next
@@ -30,6 +32,11 @@ class GhostChoice:
     travel_weight: float = 0.0
     combine_views: bool = False
     reserve_penalty: float = np.inf
+
+    def __post_init__(self) -> None:
+        number("travel_weight", self.travel_weight)
+        flag("combine_views", self.combine_views)
+        number("reserve_penalty", self.reserve_penalty, least=0.0, infinite=True)
 
 
 def choose_ghost(

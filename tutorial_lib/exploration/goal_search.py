@@ -7,11 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
-from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import to_world
+from tutorial_lib.validation import flags, instance, number, with_methods
 from tutorial_lib.world.noise import STOP
 
 _SAME = 1.5  # metres between two estimates of one goal, at most
@@ -37,6 +40,16 @@ class SearchSettings:
     stop_within: float = 0.6
     look_every: float = 0.5
 
+    def __post_init__(self) -> None:
+        for name in ("visible", "stop_within", "look_every"):
+            number(name, getattr(self, name), least=0.0)
+
+
+def checked_model(model: ExplorationModel) -> ExplorationModel:
+    """A model with all functions that exploration asks."""
+    functions = ("embed", "explorable", "same_node", "scores", "relative", "ranges")
+    return with_methods("model", model, *functions)
+
 
 @dataclass(frozen=True, eq=False)
 class Sensed:
@@ -55,6 +68,13 @@ class Sensed:
     ranges: Array
     looking: NDArray[np.intp]
     features: NDArray[np.float32]
+
+
+def of_all(observations: Observation, running: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
+    """Which of so many robots are under way (N,), if all of them are observed."""
+    if len(instance("observations", observations, Observation)) != count:
+        raise InputError(f"observations: {len(observations)}; give {count}, of all robots")
+    return flags("running", running, (count,))
 
 
 class GoalSearch:
@@ -91,6 +111,9 @@ class GoalSearch:
 
     def look_for(self, goals: Observation) -> None:
         """Look for other goals (N,), and keep the maps."""
+        instance("goals", goals, Observation)
+        if len(goals) != len(self.left):
+            raise InputError(f"goals: {len(goals)}; give {len(self.left)}, one a robot")
         count = len(goals)
         self.goals = self._model.embed(goals)
         self.found, self.places = np.zeros(count, bool), np.zeros((count, 2))
@@ -109,6 +132,7 @@ class GoalSearch:
             observations: of all N robots.
             running: (N,) which of them are under way.
         """
+        running = of_all(observations, running, len(self.found))
         robots = np.flatnonzero(running)
         here = observations[robots]
         ranges = self._model.ranges(here)

@@ -14,7 +14,9 @@ from tutorial_lib.exploration.bearings import (
     column_of,
 )
 from tutorial_lib.exploration.explorable import CLEARANCE, explorable
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.geometry import Array
+from tutorial_lib.se2 import to_local
+from tutorial_lib.validation import alike, floats, instance, integers, number, whole
 from tutorial_lib.world.floorplan import ROOM_KINDS, FloorPlan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera
@@ -24,6 +26,7 @@ MAX_DISTANCE = 20.0
 NO_ROOM = len(ROOM_KINDS)
 """Number of the kind of a place in no room, such as a doorway."""
 _STEP = 0.1  # metres between the points of a direction that are tested
+_MOST, _FAR = 10_000, 100.0  # directions, and metres of a node
 _AT_ONCE = 64  # distance fields are held in memory
 
 
@@ -54,7 +57,13 @@ class PanoramaLabels:
             directions: of each panorama; 12 in the paper.
             radius: metres of a node; 3 in the paper.
         """
-        self.scene, self.poses = scene, np.asarray(poses, dtype=float).reshape(-1, 3)
+        self.scene = instance("scene", scene, Scene)
+        self.poses = np.atleast_2d(floats("poses", poses, (..., 3))).reshape(-1, 3)
+        if ranges is not None:
+            rows = floats("ranges", ranges, ("N", "W"), least=0.0, infinite=True)
+            alike(poses=self.poses, ranges=rows)
+        whole("directions", directions, least=1, most=_MOST)
+        number("radius", radius, least=_STEP, most=_FAR)
         self.ranges = panorama_ranges(scene, self.poses) if ranges is None else ranges
         self._directions, self._radius = directions, radius
         self._metres: dict[int, Array] = {}
@@ -91,11 +100,13 @@ class PanoramaLabels:
 
     def connected(self, sources: NDArray[np.intp], goals: NDArray[np.intp]) -> NDArray[np.bool_]:
         """(P,) labels of F_L, see `connected`."""
+        sources, goals = self._pairs(sources, goals)
         bearing, metres = self.relative(sources, goals).T
         return connected(self.ranges[sources], bearing, metres, self._radius)
 
     def relative(self, sources: NDArray[np.intp], goals: NDArray[np.intp]) -> Array:
         """(P, 2) of F_R: bearing in the source's frame in rad, and metres in a straight line."""
+        sources, goals = self._pairs(sources, goals)
         return relative_polar(self.poses[sources], self.poses[goals, :2])
 
     def scores(self, sources: NDArray[np.intp], goals: NDArray[np.intp]) -> Array:
@@ -108,11 +119,20 @@ class PanoramaLabels:
         A shortest path needs a distance field of the goal, which is computed once for each goal:
         pairs that share goals are cheap.
         """
+        sources, goals = self._pairs(sources, goals)
         places, which = np.unique(goals, return_inverse=True)
         if not len(places):
             return np.empty((0, self._directions + 1))
         self._measure(places)
         return np.stack([self._metres[goal] for goal in places.tolist()])[which, sources]
+
+    def _pairs(
+        self, sources: NDArray[np.intp], goals: NDArray[np.intp]
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        sources = integers("sources", sources, ("P",), least=0, most=len(self.poses) - 1)
+        goals = integers("goals", goals, ("P",), least=0, most=len(self.poses) - 1)
+        alike(sources=sources, goals=goals)
+        return sources, goals
 
     @cached_property
     def _paths(self) -> GridPaths:
@@ -156,6 +176,11 @@ def connected(
         metres: (P,) to the goals.
         radius: metres.
     """
+    floats("ranges", ranges, ("P", "W"), least=0.0, infinite=True)
+    bearings = floats("bearings", bearings, ("P",))
+    metres = floats("metres", metres, ("P",), least=0.0)
+    number("radius", radius, least=0.0)
+    alike(ranges=ranges, bearings=bearings, metres=metres)
     count = ranges.shape[-1]
     half = int(np.deg2rad(2.5) / (2 * np.pi / count))
     columns = column_of(bearings, count)[:, None] + np.arange(-half, half + 1)
@@ -177,6 +202,10 @@ def direction_ends(
     Returns:
         ends (P, K, 2), and metres (P, K) up to them; 0 where the first step is blocked.
     """
+    instance("scene", scene, Scene)
+    poses = floats("poses", poses, ("P", 3))
+    whole("directions", directions, least=1, most=_MOST)
+    number("radius", radius, least=_STEP, most=_FAR)
     headings = poses[:, 2:] + np.arange(directions) * 2 * np.pi / directions
     ahead = np.stack([np.cos(headings), np.sin(headings)], axis=-1)
     steps = np.arange(_STEP, radius + _STEP / 2, _STEP)
@@ -188,6 +217,8 @@ def direction_ends(
 
 def room_kinds(plan: FloorPlan, points: Array) -> NDArray[np.intp]:
     """(N,) the kind of the room in which each point (N, 2) lies, as index in `ROOM_KINDS`."""
+    instance("plan", plan, FloorPlan)
+    points = floats("points", points, ("N", 2))
     kinds = np.full(len(points), NO_ROOM)
     for room in plan.rooms:
         kinds[room.contains(points)] = ROOM_KINDS.index(room.kind)

@@ -10,13 +10,13 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import RADIUS, column_bearings
 from tutorial_lib.exploration.grid_kernels import OCCUPIED, UNKNOWN, Bytes, draw_rays
 from tutorial_lib.geometry import Array
-from tutorial_lib.shapes import fit_together
-from tutorial_lib.validation import floats, integers
+from tutorial_lib.validation import alike, floats, integers, number, whole
 
 RESOLUTION = 0.1
 """Metres of a cell."""
 REACH = RADIUS + 1.0
 """Metres up to which ranges are entered into maps."""
+_MOST_ROBOTS, _MOST_SIDE = 100_000, 1_000.0  # and metres
 _ABOUT = 3  # cells around a place that is closed
 
 
@@ -39,6 +39,9 @@ class LocalMaps:
             side: metres of each grid.
             reach: metres up to which ranges are entered.
         """
+        whole("robots", robots, least=0, most=_MOST_ROBOTS)
+        number("side", side, least=RESOLUTION, most=_MOST_SIDE)
+        number("reach", reach, least=0.0)
         cells = round(side / RESOLUTION)
         self._reach = reach
         self.grids = np.full((robots, cells, cells), UNKNOWN, np.uint8)
@@ -55,9 +58,9 @@ class LocalMaps:
         Raises:
             InputError: when an argument is no such array, or one is shorter than another.
         """
-        robots, odometry = self.checked(robots, odometry)
+        robots, odometry = self._checked(robots, "odometry", odometry, 3)
         ranges = np.ascontiguousarray(floats("ranges", ranges, ("M", "W"), infinite=True))
-        fit_together(robots=(robots, ("M",)), ranges=(ranges, ("M", "W")))
+        alike(robots=robots, ranges=ranges)
         if ranges.shape[1] < 2:
             raise InputError(f"ranges: {ranges.shape[1]} columns; give two at least")
         self._follow(robots, odometry)
@@ -70,21 +73,23 @@ class LocalMaps:
         Raises:
             InputError: when an argument is no such array, or one is shorter than the other.
         """
-        robots = integers("robots", robots, ("M",), least=0, most=len(self.grids) - 1)
-        odometry = np.ascontiguousarray(floats("odometry", odometry, ("M", 3)))
-        fit_together(robots=(robots, ("M",)), odometry=(odometry, ("M", 3)))
-        return robots, odometry
+        return self._checked(robots, "odometry", odometry, 3)
 
     def cells(self, robots: NDArray[np.intp], points: Array) -> NDArray[np.intp]:
         """Flat indices (M,) of the cells with points (M, 2), clipped to the grids."""
         side = self.grids.shape[1]
+        robots, points = self._checked(robots, "points", points, 2)
         found = np.floor((points - self.corners[robots]) / RESOLUTION).astype(np.intp)
         found = np.clip(found, 0, side - 1)
         return found[:, 1] * side + found[:, 0]
 
     def centres(self, robots: NDArray[np.intp], cells: NDArray[np.integer]) -> Array:
         """The middles (M, 2) of cells (M,), each in its robot's grid."""
-        row, column = np.divmod(cells, self.grids.shape[1])
+        side = self.grids.shape[1]
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.grids) - 1)
+        cells = integers("cells", cells, ("M",), least=0, most=side * side - 1)
+        alike(robots=robots, cells=cells)
+        row, column = np.divmod(cells, side)
         return self.corners[robots] + (np.stack([column, row], axis=1) + 0.5) * RESOLUTION
 
     def close(self, robots: NDArray[np.intp], points: Array) -> None:
@@ -93,12 +98,22 @@ class LocalMaps:
         A robot that stands there and does not see it never will.
         """
         side = self.grids.shape[1]
+        robots, points = self._checked(robots, "points", points, 2)
         for robot, cell in zip(robots, self.cells(robots, points), strict=True):
             row, column = divmod(int(cell), side)
             rows = slice(max(row - _ABOUT, 0), row + _ABOUT + 1)
             columns = slice(max(column - _ABOUT, 0), column + _ABOUT + 1)
             part = self.grids[robot, rows, columns]
             part[part == UNKNOWN] = OCCUPIED
+
+    def _checked(
+        self, robots: NDArray[np.intp], name: str, values: Array, columns: int
+    ) -> tuple[NDArray[np.intp], Array]:
+        """Robots (M,) and what belongs to each, (M, columns)."""
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.grids) - 1)
+        values = np.ascontiguousarray(floats(name, values, ("M", columns)))
+        alike(robots=robots, **{name: values})
+        return robots, values
 
     def _follow(self, robots: NDArray[np.intp], odometry: Array) -> None:
         """Move the grids whose robots left the middle, by whole cells."""

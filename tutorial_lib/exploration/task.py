@@ -12,9 +12,11 @@ from tutorial_lib.driving.metrics import spl
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import SUCCESS, Episodes
 from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
-from tutorial_lib.geometry import Array, compose, relative
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorerAgent, SequentialExplorer
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import compose, relative
+from tutorial_lib.validation import flag, floats, instance, integers, whole, with_methods
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.noise import STOP, DiscreteNoise
 from tutorial_lib.world.scene import Scene
@@ -70,10 +72,17 @@ class ExplorationTask:
         Raises:
             InputError: when a world is missing, or the sensor is unknown.
         """
+        for name, scene in instance("scenes", scenes, Mapping).items():
+            instance(f"scenes: {name}", scene, Scene)
+        instance("episodes", episodes, Episodes)
+        instance("rng", rng, np.random.Generator)
+        flag("noise", noise)
+        flag("stops_itself", stops_itself)
+        whole("limit", limit, least=1)
         missing = sorted(set(episodes.worlds) - scenes.keys())
         if missing:
             raise InputError(f"episodes: in {', '.join(missing)}; give these scenes as well")
-        if sensor not in SENSORS:
+        if not isinstance(sensor, str) or sensor not in SENSORS:
             raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
         self.episodes, self.scenes, count = episodes, scenes, len(episodes)
         self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
@@ -128,9 +137,7 @@ class ExplorationTask:
         Raises:
             InputError: when an action is none of these.
         """
-        actions = np.asarray(actions)
-        if actions.shape != (len(self),) or not np.isin(actions, ACTIONS).all():
-            raise InputError(f"actions: {actions.tolist()}; give (N,) numbers from 0 to 3")
+        actions = integers("actions", actions, (len(self),), least=min(ACTIONS), most=max(ACTIONS))
         running = ~self.done
         actions = np.where(running, actions, STOP)
         wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
@@ -156,7 +163,7 @@ class ExplorationTask:
         Raises:
             InputError: when there are not as many, or no path leads to one of them.
         """
-        goals = np.asarray(goals, dtype=float)
+        goals = floats("goals", goals)
         if goals.shape != (len(self), 3):
             raise InputError(f"goals: shape {goals.shape}; give ({len(self)}, 3), a pose a robot")
         shortest = np.empty(len(self))
@@ -223,6 +230,8 @@ def _shortest(scene: Scene, starts: Array, goals: Array) -> Array:
 
 def explore(task: ExplorationTask, agent: ExplorerAgent) -> None:
     """Let an agent act until all episodes of a task are over."""
+    instance("task", task, ExplorationTask)
+    with_methods("agent", agent, "start", "act")
     agent.start(task.goals())
     while not task.done.all():
         task.step(agent.act(task.observe(), ~task.done))
@@ -244,6 +253,8 @@ def explore_on(
     Raises:
         InputError: when the agent cannot go on to another goal.
     """
+    instance("task", task, ExplorationTask)
+    goals = floats("goals", goals, ("K", len(task), 3))
     if not isinstance(agent, SequentialExplorer):
         raise InputError(f"agent: a {type(agent).__name__} has no look_for; it takes one goal only")
     agent.start(task.goals())

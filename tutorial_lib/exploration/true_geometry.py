@@ -19,6 +19,7 @@ from tutorial_lib.exploration.labels import (
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
+from tutorial_lib.validation import alike, floats, instance, number, whole
 from tutorial_lib.world.sensors import PanoramicCamera
 
 
@@ -39,7 +40,9 @@ class TrueGeometry:
             directions: K of each panorama; 12 in the paper.
             radius: metres of a node; 3 in the paper.
         """
-        self._task, self._directions, self._radius = task, directions, radius
+        self._task = instance("task", task, ExplorationTask)
+        self._directions = whole("directions", directions, least=1, most=10_000)
+        self._radius = number("radius", radius, least=0.1, most=50.0)
         self._names = list(dict.fromkeys(task.episodes.worlds))
         self._number = np.array([self._names.index(name) for name in task.episodes.worlds])
         self._paths = {name: GridPaths(task.scenes[name].clearance) for name in self._names}
@@ -54,6 +57,7 @@ class TrueGeometry:
             InputError: when a picture was taken elsewhere, or earlier.
         """
         task = self._task
+        instance("observations", observations, Observation)
         if self._goals is not task.goal_poses:
             self._goals, self._seen = task.goal_poses, self._rows(task.goals(), task.goal_poses)
         known = self._seen | self._rows(task.observe(), task.poses)
@@ -61,7 +65,7 @@ class TrueGeometry:
             found = [known[image.tobytes()] for image in observations.image]
         except KeyError:
             raise InputError(
-                "true geometry: knows pictures of this moment and goals only"
+                "observations: true geometry knows pictures of this moment and goals only"
             ) from None
         return np.array(found, np.float32).reshape(len(observations), 4)
 
@@ -72,21 +76,25 @@ class TrueGeometry:
 
     def explorable(self, features: NDArray[np.float32]) -> Array:
         """The labels of F_G (N, K)."""
+        features = self._checked("features", features)
         likely = explorable(self._ranges(features), self._directions, self._radius)
         return likely.astype(float)
 
     def same_node(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
         """The labels of F_L (P,)."""
+        sources, goals = self._pairs(sources, goals)
         bearing, metres = self.relative(sources, goals).T
         ranges = self._ranges(sources)
         return connected(ranges, bearing, metres, self._radius).astype(float)
 
     def relative(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
         """True bearings and metres (P, 2)."""
+        sources, goals = self._pairs(sources, goals)
         return relative_polar(sources[:, 1:].astype(float), goals[:, 1:3].astype(float))
 
     def scores(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
         """The labels of F_S (P, K)."""
+        sources, goals = self._pairs(sources, goals)
         found = np.zeros((len(sources), self._directions))
         for row, (source, goal) in enumerate(zip(sources, goals, strict=True)):
             scene = self._task.scenes[self._names[int(source[0])]]
@@ -97,9 +105,23 @@ class TrueGeometry:
 
     def ranges(self, observations: Observation) -> Array:
         """What depth cameras measure (N, W), or would measure."""
-        if observations.depth is not None:
+        if instance("observations", observations, Observation).depth is not None:
             return np.asarray(observations.depth, dtype=float)
         return self._ranges(self.embed(observations))
+
+    def _checked(self, name: str, features: NDArray[np.float32]) -> Array:
+        """Features (N, 4), each with the number of a world."""
+        features = floats(name, features, ("N", 4))
+        if not np.isin(features[:, 0], np.arange(len(self._names))).all():
+            raise InputError(f"{name}: of no world of this task; give rows that `embed` returned")
+        return features
+
+    def _pairs(
+        self, sources: NDArray[np.float32], goals: NDArray[np.float32]
+    ) -> tuple[Array, Array]:
+        sources, goals = self._checked("sources", sources), self._checked("goals", goals)
+        alike(sources=sources, goals=goals)
+        return sources, goals
 
     def _ranges(self, features: NDArray[np.float32]) -> Array:
         """(N, W) metres around the places of features."""

@@ -17,6 +17,7 @@ from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import Controller, Observation
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.waypoint_pairs import WaypointPairs, draw_waypoint_pairs
+from tutorial_lib.validation import instance, instances, integers, number, whole, with_methods
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import Laser
 
@@ -96,6 +97,18 @@ class Source:
     clutter: float = 0.3
     vary: bool = True
 
+    def __post_init__(self) -> None:
+        instances("recorded_worlds", self.recorded_worlds, RecordedWorld, empty=False)
+        instance("architecture", self.architecture, Architecture)
+        if self.demonstrator is not None:
+            with_methods("demonstrator", self.demonstrator, "act")
+        instance("perturbation", self.perturbation, Perturbation)
+        for name in ("worlds", "targets", "starts"):
+            whole(name, getattr(self, name), least=1)
+        for name in ("close", "clutter"):
+            number(name, getattr(self, name), least=0.0, most=1.0)
+        instance("vary", self.vary, bool)
+
     @property
     def recipe(self) -> dict[str, Any]:
         """What its blocks depend on, in brief."""
@@ -110,7 +123,7 @@ class Source:
 
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` worlds, shuffled."""
-        rng = np.random.default_rng(seed)
+        rng = np.random.default_rng(integers("seed", seed, ("N",), least=0).tolist())
         parts = [
             self._world(self.recorded_worlds[i], rng)
             for i in rng.integers(len(self.recorded_worlds), size=self.worlds)

@@ -11,6 +11,7 @@ from scipy.special import expit
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import alike, floats, whole
 
 BINS = 10
 _KNOTS = 20
@@ -51,9 +52,8 @@ def reliability(predicted: ArrayLike, came_true: ArrayLike, bins: int = BINS) ->
     >>> round(reliability([0.2, 0.2, 0.8, 0.8], [0, 0, 1, 1], bins=2).ece, 3)
     0.2
     """
-    predicted, came_true = _checked(predicted, came_true)
-    if not 1 <= bins <= len(predicted):
-        raise InputError(f"reliability: {bins} bins for {len(predicted)} predictions; give fewer")
+    predicted, came_true = _checked("predicted", predicted, came_true, least=0.0, most=1.0)
+    whole("bins", bins, least=1, most=len(predicted))
     dealt = np.array_split(np.arange(len(predicted)), bins)
     parts = _binned(predicted, [rows[0] for rows in dealt])
     return Reliability(
@@ -69,17 +69,20 @@ def brier(predicted: ArrayLike, came_true: ArrayLike) -> float:
     >>> brier([1.0, 0.5], [1, 0])
     0.125
     """
-    predicted, came_true = _checked(predicted, came_true)
+    predicted, came_true = _checked("predicted", predicted, came_true, least=0.0, most=1.0)
     return float(((predicted - came_true) ** 2).mean())
 
 
 def auc(scores: ArrayLike, came_true: ArrayLike) -> float:
     """How often something that came true has the higher score (N,) than something that did not.
 
+    Not a number where all of them came true, or none.
+
     >>> auc([0.1, 0.4, 0.35, 0.8], [0, 0, 1, 1])
     0.75
     """
-    true = np.asarray(came_true) > 0.5
+    scores, came_true = _checked("scores", scores, came_true, infinite=True)
+    true = came_true > 0.5
     if true.all() or not true.any():
         return float("nan")
     ranks = _ranks(scores)
@@ -89,12 +92,12 @@ def auc(scores: ArrayLike, came_true: ArrayLike) -> float:
 
 def sigmoid(logits: ArrayLike) -> Array:
     """Probabilities of logits."""
-    return expit(np.asarray(logits, dtype=float))
+    return expit(floats("logits", logits, infinite=True))
 
 
 def logit(probability: ArrayLike) -> Array:
     """Logits of probabilities."""
-    probability = np.asarray(probability, dtype=float)
+    probability = floats("probability", probability, least=0.0, most=1.0)
     return np.log(probability) - np.log1p(-probability)
 
 
@@ -104,7 +107,7 @@ def fit_temperature(logits: Array, came_true: ArrayLike) -> tuple[float, float]:
     The loss is convex in 1 / T and the offset. They are bounded, since what is always right or
     never is fitted best by infinite ones.
     """
-    label = np.asarray(came_true, dtype=float)
+    logits, label = _checked("logits", logits, came_true)
 
     def loss(x: Array) -> tuple[float, Array]:
         z = logits * x[0] + x[1]
@@ -130,19 +133,20 @@ class Calibration:
     mended: tuple[float, ...] = (-1.0, 1.0)
 
     def __post_init__(self) -> None:
-        raw, mended = np.asarray(self.raw), np.asarray(self.mended)
-        fits = len(raw) == len(mended) >= 2 and np.isfinite([*raw, *mended]).all()
+        raw, mended = floats("raw", self.raw, ("K",)), floats("mended", self.mended, ("K",))
+        fits = len(raw) == len(mended) >= 2
         if not (fits and (np.diff(raw) > 0).all() and (np.diff(mended) > 0).all()):
-            raise InputError("calibration: give as many rising finite numbers, two at least, twice")
+            raise InputError("calibration: raw, mended: give as many rising finite numbers")
 
     def __call__(self, logits: ArrayLike) -> Array:
         """Probabilities of a network's logits; beyond the knots the line goes on as it ends."""
-        logits, raw, mended = np.asarray(logits, float), np.array(self.raw), np.array(self.mended)
+        logits = floats("logits", logits, infinite=True)
+        raw, mended = np.array(self.raw), np.array(self.mended)
         line = np.interp(logits, raw, mended)
         first = (mended[1] - mended[0]) / (raw[1] - raw[0])
         last = (mended[-1] - mended[-2]) / (raw[-1] - raw[-2])
         line += np.minimum(logits - raw[0], 0.0) * first + np.maximum(logits - raw[-1], 0.0) * last
-        return sigmoid(line)
+        return expit(line)
 
 
 def fit_isotonic(logits: Array, came_true: ArrayLike, knots: int = _KNOTS) -> Calibration:
@@ -152,10 +156,14 @@ def fit_isotonic(logits: Array, came_true: ArrayLike, knots: int = _KNOTS) -> Ca
     half a little, as if each bin had one more pair that half succeeded: none is 0 or 1.
     """
     # Logits that differ by less share a bin, so that knots can be rounded and still rise.
-    logits, label = np.round(logits, _PLACES), np.asarray(came_true, dtype=float)
+    logits, label = _checked("logits", logits, came_true)
+    logits = np.round(logits, _PLACES)
+    whole("knots", knots, least=4, most=1_000)
     shares = np.linspace(0.0, 1.0, knots - 2)[1:-1]
     tail = 1.0 - 0.5 ** np.arange(1, 4) * (1.0 - shares[-1])
     parts = _binned(logits, (np.append(shares, tail) * len(logits)).astype(int))
+    if len(parts) < 2:
+        raise InputError("logits: all alike, and no rising line leads through one point")
     count = np.array([len(part) for part in parts], dtype=float)
     raw = np.array([logits[part].mean() for part in parts]).round(_PLACES)
     share = np.array([(label[part].sum() + 0.5) / (len(part) + 1.0) for part in parts])
@@ -182,12 +190,11 @@ def _ranks(values: ArrayLike) -> Array:
     return (np.cumsum(counts) - (counts - 1) / 2)[inverse]
 
 
-def _checked(predicted: ArrayLike, came_true: ArrayLike) -> tuple[Array, Array]:
-    predicted, came_true = np.asarray(predicted, float), np.asarray(came_true, float)
-    if predicted.shape != came_true.shape or predicted.ndim != 1 or not len(predicted):
-        shapes = f"predictions {predicted.shape}, outcomes {came_true.shape}"
-        raise InputError(f"{shapes}; give as many of both, (N,)")
-    for name, values in (("predictions", predicted), ("outcomes", came_true)):
-        if not ((values >= 0) & (values <= 1)).all():
-            raise InputError(f"{name}: not all from 0 to 1; give probabilities, and 0 or 1")
-    return predicted, came_true
+def _checked(
+    name: str, values: ArrayLike, came_true: ArrayLike, **allowed: float
+) -> tuple[Array, Array]:
+    """What was predicted (N,) and the share (N,) that came true, as many of both."""
+    values = floats(name, values, ("N",), empty=False, **allowed)
+    came_true = floats("came_true", came_true, ("N",), least=0.0, most=1.0)
+    alike(**{name: values, "came_true": came_true})
+    return values, came_true

@@ -9,6 +9,9 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
+from tutorial_lib.learning.tensors import tensor
+from tutorial_lib.validation import whole
+
 FEATURES = 96
 """Numbers that describe a pair."""
 COLUMNS = 32
@@ -42,6 +45,11 @@ def _merged(columns: Tensor) -> Tensor:
     return columns.unflatten(1, (-1, 2)).flatten(2)
 
 
+def _checked_size(channels: int, rows: int) -> tuple[int, int]:
+    channels = whole("channels", channels, least=1, most=1_000)
+    return channels, whole("rows", rows, least=1, most=1_000)
+
+
 class PairEncoder(nn.Module):
     """The paper's encoder of ``[cur, tgt, cur - tgt]`` (Meng 2020, III-B).
 
@@ -49,8 +57,12 @@ class PairEncoder(nn.Module):
     either image alone: ``A cur + B tgt + D (cur - tgt) = (A + D) cur + (B - D) tgt``.
     """
 
+    shape = (_FIRST, 1, COLUMNS)
+    """Of an encoded image."""
+
     def __init__(self, channels: int, rows: int) -> None:
         super().__init__()
+        self._size = (*_checked_size(channels, rows), 2 * COLUMNS)
         self.stacked = rows_away(3 * channels, rows, _FIRST)
         self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
         self.narrow = Narrowing(_WIDTH)
@@ -67,12 +79,15 @@ class PairEncoder(nn.Module):
 
     def compare(self, current: Tensor, targets: Tensor) -> Tensor:
         """(N, P, FEATURES) of `current` (N, ...) and the images of `targets` (N, P, ...)."""
+        tensor("current", current, ("N", *self.shape))
+        tensor("targets", targets, (len(current), "P", *self.shape))
         x = (current[:, None] + targets).relu_().flatten(0, 1)
         x = self.mix(x).relu_()[:, :, 0]  # (N * P, 64, 32)
         return self.narrow(x.transpose(1, 2)).unflatten(0, targets.shape[:2])
 
     def _first(self, images: Tensor, weight: Tensor, bias: Tensor | None) -> Tensor:
         layer = self.stacked
+        tensor("images", images, ("N", *self._size))
         return functional.conv2d(images, weight, bias, layer.stride, layer.padding)
 
 
@@ -112,6 +127,7 @@ class MatchingEncoder(nn.Module):
         self.sharpness = nn.Parameter(torch.tensor(3.0))
         self.narrow = Narrowing(width, mixed)
         self.sizes = [match, width]
+        self.shape = (COLUMNS, match + width)
 
     def current(self, images: Tensor) -> Tensor:
         """(N, C, H, 64) to (N, 32, match + width): what a column is found by, and what it knows."""
@@ -149,6 +165,7 @@ class SeparateEncoder(nn.Module):
 
     def __init__(self, channels: int, rows: int) -> None:
         super().__init__()
+        self.shape = (FEATURES,)
         self.rows = rows_away(channels, rows, _FIRST)
         self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))
         self.narrow = Narrowing(_WIDTH)
@@ -172,6 +189,7 @@ class StackedEncoder(nn.Module):
 
     def __init__(self, channels: int, rows: int, images: int) -> None:
         super().__init__()
+        self.shape = PairEncoder.shape
         self.first = rows_away(channels, rows, _FIRST)
         self.others = rows_away(images * channels, rows, _FIRST, bias=False)
         self.mix = nn.Conv2d(_FIRST, _WIDTH, (1, 3), padding=(0, 1))

@@ -14,9 +14,11 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration
 from tutorial_lib.learning.networks import LocalNetwork
+from tutorial_lib.learning.tensors import tensor
 from tutorial_lib.learning.threads import settle_threads
 from tutorial_lib.learning.views import LaserView, check_camera
 from tutorial_lib.learning.weights import load_card, load_network
+from tutorial_lib.validation import instance
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class EncodedTargets:
     @classmethod
     def joined(cls, parts: list["EncodedTargets"]) -> "EncodedTargets":
         """Targets of one network end to end."""
+        if not parts:
+            raise InputError("parts: empty; give one EncodedTargets at least")
         return replace(parts[0], encoded=torch.cat([part.encoded for part in parts]))
 
 
@@ -58,7 +62,8 @@ class _Estimator:
     def __init__(self, network: LocalNetwork | str, outputs: str) -> None:
         settle_threads()
         self.name = network if isinstance(network, str) else "this network"
-        self.network = load_network(network) if isinstance(network, str) else network
+        network = load_network(network) if isinstance(network, str) else network
+        self.network = instance("network", network, LocalNetwork)
         self.architecture = self.network.architecture
         self.view, self.k = self.architecture.looks_at, self.architecture.k
         if self.architecture.outputs != outputs:
@@ -76,10 +81,10 @@ class _Estimator:
         Raises:
             InputError: when the images have another size, or k does not fit the network.
         """
-        wanted = self.architecture.images
+        wanted, contexts = self.architecture.images, np.asarray(contexts)
         if contexts.ndim != 5 or contexts.shape[1] != wanted:
             raise InputError(
-                f"targets: shape {contexts.shape}; this network has k = {self.architecture.k}: "
+                f"targets: contexts {contexts.shape}; this network has k = {self.architecture.k}: "
                 f"give (M, {wanted}, H, W, C), each target with its context"
             )
         if self.network.stacked:
@@ -96,6 +101,7 @@ class _Estimator:
     @torch.inference_mode()
     def outputs(self, observations: Observation, targets: EncodedTargets | NDArray) -> Array:
         """The network's outputs (N, O) for N robots and as many targets."""
+        _check_targets("targets", targets)
         prepared = targets if isinstance(targets, EncodedTargets) else self.prepare(targets)
         return self.compare(self.encode(observations), prepared)
 
@@ -105,6 +111,7 @@ class _Estimator:
 
         Rows that repeat the one before, as in queries about many targets, are encoded once.
         """
+        instance("observations", observations, Observation)
         if not isinstance(self.view, LaserView):
             check_camera(self.name, observations, self.view.camera)
         images = self.view.of(observations)
@@ -116,7 +123,8 @@ class _Estimator:
     @torch.inference_mode()
     def compare(self, current: Tensor, targets: EncodedTargets) -> Array:
         """The network's outputs (N, O) for N encoded observations and as many targets."""
-        if targets.network is not self.network:
+        tensor("current", current, (...,))
+        if instance("targets", targets, EncodedTargets).network is not self.network:
             raise InputError("targets: prepared by another network; prepare them with this one")
         if len(targets) != len(current):
             raise InputError(f"targets: {len(targets)} for {len(current)} robots; give as many")
@@ -126,8 +134,11 @@ class _Estimator:
     @torch.inference_mode()
     def outputs_uncached(self, observations: Observation, contexts: NDArray) -> Array:
         """The same without caching: every pair is encoded for itself, to compare speeds."""
-        current = self.view.numbers(self.view.of(observations))
-        targets = self.view.numbers(contexts)
+        current = self.view.of(instance("observations", observations, Observation))
+        wanted = (len(current), self.architecture.images)
+        if np.shape(contexts)[:2] != wanted:
+            raise InputError(f"contexts: shape {np.shape(contexts)}; give {wanted} images")
+        current, targets = self.view.numbers(current), self.view.numbers(contexts)
         parts = zip(current.split(_AT_ONCE), targets.split(_AT_ONCE), strict=True)
         return _joined([self._compared_uncached(*part) for part in parts])
 
@@ -196,7 +207,8 @@ class ReachabilityNetwork(_Estimator):
         super().__init__(network, "reachability")
         if calibration is None and isinstance(network, str):
             calibration = Calibration(**load_card(network).calibration)
-        self.calibration = Calibration() if calibration is None else calibration
+        calibration = Calibration() if calibration is None else calibration
+        self.calibration = instance("calibration", calibration, Calibration)
 
     def probability(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
         """Probabilities (N,) that C reaches each target."""
@@ -204,6 +216,7 @@ class ReachabilityNetwork(_Estimator):
 
     def logits(self, observations: Observation, prepared: EncodedTargets | NDArray) -> Array:
         """Logits (N,) before calibration."""
+        _check_targets("prepared", prepared)
         return self.outputs(observations, prepared)[:, 0]
 
     @torch.inference_mode()
@@ -217,9 +230,15 @@ class ReachabilityNetwork(_Estimator):
 
         The first was taken about where the target is just reachable.
         """
-        count = prepared.encoded.shape[1]
+        count = instance("prepared", prepared, EncodedTargets).encoded.shape[1]
         some = prepared.encoded[:, sorted({0, count // 2})]
         return self.network.embed(some.flatten(0, 1)).unflatten(0, some.shape[:2]).numpy()
+
+
+def _check_targets(name: str, targets: EncodedTargets | NDArray) -> None:
+    if not isinstance(targets, EncodedTargets | np.ndarray):
+        given = type(targets).__name__
+        raise InputError(f"{name}: a {given}; give what `prepare` returned, or images")
 
 
 def _looked_at(

@@ -14,6 +14,7 @@ from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS
 from tutorial_lib.exploration.labels import MAX_DISTANCE
 from tutorial_lib.learning.panorama_batches import PanoramaBatch
 from tutorial_lib.learning.panorama_network import Compared, Seen
+from tutorial_lib.learning.tensors import tensor
 
 SCORE_WEIGHT = 10.0
 """Of squared errors of scores, as in the paper."""
@@ -79,6 +80,7 @@ def score_loss(scores: Tensor, metres: Tensor) -> Tensor:
         scores: (N, 12) predicted.
         metres: (N, 12) from each direction's end to the goal; infinite for a direction with none.
     """
+    _check_rows(scores=scores, metres=metres)
     possible = metres.isfinite()
     wanted = (1.0 - torch.where(possible, metres, 0.0) / MAX_DISTANCE).clamp(min=0.0)
     return SCORE_WEIGHT * _mean((scores - wanted).square(), possible)
@@ -91,6 +93,7 @@ def listwise_loss(logits: Tensor, metres: Tensor) -> Tensor:
         logits: (N, 12) predicted.
         metres: (N, 12), see `score_loss`; pairs with fewer than two directions do not count.
     """
+    _check_rows(logits=logits, metres=metres)
     possible = metres.isfinite()
     choice = possible.sum(1) > 1
     possible, metres, logits = possible[choice], metres[choice], logits[choice]
@@ -103,7 +106,15 @@ def listwise_loss(logits: Tensor, metres: Tensor) -> Tensor:
 
 def depth_loss(log_ranges: Tensor, depth: Tensor) -> Tensor:
     """Mean absolute error of logarithms of depth; both (N, 192), in log metres and metres."""
+    _check_rows(log_ranges=log_ranges, depth=depth)
     return DEPTH_WEIGHT * (log_ranges - depth.clamp(min=0.05).log()).abs().mean()
+
+
+def _check_rows(**pair: Tensor) -> None:
+    """Check that both are rows, as many and as long."""
+    (first, rows), (second, others) = pair.items()
+    tensor(first, rows, ("N", "K"))
+    tensor(second, others, tuple(rows.shape))
 
 
 def _position(position: Tensor, label: dict[str, Tensor], inside: Tensor) -> Tensor:

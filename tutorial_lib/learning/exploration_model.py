@@ -14,11 +14,13 @@ from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
 from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration, sigmoid
-from tutorial_lib.learning.panorama_encoder import Encoded
+from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PANORAMA, Compared, PanoramaNetwork
 from tutorial_lib.learning.views import check_camera
 from tutorial_lib.learning.weights import load_card, load_network
+from tutorial_lib.validation import floats, instance
 
+_LARGEST = 1e6  # number of a feature
 _AT_ONCE = 64  # panoramas or pairs; what is computed for them fits into the processor's cache
 
 
@@ -44,8 +46,9 @@ class LearnedExploration:
             if calibration is None:
                 calibration = Calibration(**load_card(network).calibration)
             network = load_network(network, wanted=PanoramaNetwork)
-        self.network = network.eval()
-        self.calibration = Calibration() if calibration is None else calibration
+        self.network = instance("network", network, PanoramaNetwork).eval()
+        calibration = Calibration() if calibration is None else calibration
+        self.calibration = instance("calibration", calibration, Calibration)
 
     @property
     def sensor(self) -> str:
@@ -68,6 +71,7 @@ class LearnedExploration:
         Raises:
             InputError: when image or depth do not fit the network.
         """
+        instance("observations", observations, Observation)
         if self.sensor == "rgbd":
             if observations.depth is None:
                 raise InputError("observations: without depth; take the network for rgb")
@@ -81,7 +85,7 @@ class LearnedExploration:
     @torch.inference_mode()
     def explorable(self, features: NDArray[np.float32]) -> Array:
         """F_G: probabilities (N, 12) that a direction leads to explorable area."""
-        encoded = Encoded.of(torch.from_numpy(np.ascontiguousarray(features)))
+        encoded = Encoded.of(_tensor("features", features))
         return sigmoid(self.network.seen(encoded).explorable.numpy())
 
     def same_node(self, sources: NDArray[np.float32], goals: NDArray[np.float32]) -> Array:
@@ -108,6 +112,7 @@ class LearnedExploration:
 
     def _inputs(self, observations: Observation) -> tuple[Tensor, Tensor | None]:
         """Images, and depth for a network that looks at it."""
+        instance("observations", observations, Observation)
         check_camera("the network that explores", observations, PANORAMA)
         images = torch.from_numpy(np.ascontiguousarray(observations.image))
         if self.sensor == "rgb" or observations.depth is None:
@@ -122,15 +127,21 @@ class LearnedExploration:
         part: Callable[[Compared], Tensor],
     ) -> Array:
         """A part of what is predicted of pairs, from rows (P, FEATURES) of either."""
+        first, second = _tensor("sources", sources), _tensor("goals", goals)
         if len(sources) != len(goals):
             raise InputError(f"features: {len(sources)} sources, {len(goals)} goals; give as many")
-        tensors = (torch.from_numpy(np.ascontiguousarray(rows)) for rows in (sources, goals))
-        halves = [rows.split(_AT_ONCE) for rows in tensors]
+        halves = [rows.split(_AT_ONCE) for rows in (first, second)]
         found = [
             part(self.network.compare(Encoded.of(source), Encoded.of(goal)))
             for source, goal in zip(*halves, strict=True)
         ]
         return torch.cat(found).numpy().astype(float)
+
+
+def _tensor(name: str, features: NDArray[np.float32]) -> Tensor:
+    """Features (N, FEATURES) as the network computes with them."""
+    rows = floats(name, features, ("N", FEATURES), least=-_LARGEST, most=_LARGEST)
+    return torch.from_numpy(np.ascontiguousarray(rows, dtype=np.float32))
 
 
 def _joined(

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array, relative, to_local
+from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.visibility import mutual_overlap
 
@@ -33,6 +35,11 @@ def waypoint_labels(
     Returns:
         (N, 2) waypoints in the frames of `starts`, and (N,) whether there is one.
     """
+    instance("caster", caster, Raycaster)
+    starts, track = floats("starts", starts, ("N", 3)), floats("track", track, ("T", 3))
+    sources = integers("sources", sources, ("N",), least=0, most=len(track) - 1)
+    targets = integers("targets", targets, ("N",), least=0, most=len(track) - 1)
+    alike(starts=starts, sources=sources, targets=targets)
     share = np.linspace(0.0, 1.0, CANDIDATES + 1)[1:]
     ahead = (targets > sources)[:, None]
     frames = np.rint(sources[:, None] + share * (targets - sources)[:, None]).astype(int)
@@ -46,6 +53,11 @@ def waypoint_labels(
 
 def in_clear_sight(caster: Raycaster, origins: Array, points: Array) -> NDArray[np.bool_]:
     """Whether a robot at `origins` (..., 2) sees `points` (..., 2), `CLEARANCE` off the walls."""
+    points = floats("points", points, (..., 2))
+    origins = floats("origins", origins, (..., 2))
+    instance("caster", caster, Raycaster)
+    if origins.shape != points.shape:
+        raise InputError(f"origins: {origins.shape}, points: {points.shape}; give as many of each")
     along = points - origins
     length = np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-9)
     aside = CLEARANCE * np.stack([-along[..., 1], along[..., 0]], axis=-1) / length
@@ -73,5 +85,8 @@ class Labels:
 
 def label(caster: Raycaster, starts: Array, goals: Array, waypoints: Array) -> Labels:
     """All labels of pairs: `starts` (N, 3), target poses `goals` (N, 3), `waypoints` (N, 2)."""
+    starts, goals = floats("starts", starts, ("N", 3)), floats("goals", goals, ("N", 3))
+    waypoints = floats("waypoints", waypoints, ("N", 2))
+    alike(starts=starts, goals=goals, waypoints=waypoints)
     overlap = mutual_overlap(caster, starts, goals)
     return Labels(waypoints, relative(starts, goals)[:, 2], overlap)

@@ -4,6 +4,8 @@ from torch import Tensor
 from torch.nn import functional
 
 from tutorial_lib.learning.batches import Batch
+from tutorial_lib.learning.tensors import tensor
+from tutorial_lib.validation import instance
 
 ROUNDED = 0.1
 """Metres below which the loss is quadratic in the error, and above which it is linear."""
@@ -22,12 +24,15 @@ def position_loss(predicted: Tensor, wanted: Tensor) -> Tensor:
     The authors divide the squared error by the distance. That draws uncertain waypoints to zero,
     where the car stops; a pseudo-Huber loss settles for the median.
     """
+    tensor("predicted", predicted, (..., 2))
+    tensor("wanted", wanted, tuple(predicted.shape))
     error = ((predicted - wanted) ** 2).sum(-1)
     return ((error + ROUNDED**2).sqrt() - ROUNDED) / (TOLERANCE * (1.0 + wanted.norm(dim=-1)))
 
 
 def waypoint_loss(outputs: Tensor, batch: Batch) -> Tensor:
     """(N,) waypoint, heading difference and overlaps, 1 : 1 : 1."""
+    _check(outputs, batch, 6)
     waypoint, turn, overlap = outputs.split([2, 2, 2], dim=1)
     position = position_loss(waypoint, batch.tensor("waypoint"))
     heading = ((turn - batch.tensor("turn")) ** 2).sum(1)
@@ -39,12 +44,14 @@ def waypoint_loss(outputs: Tensor, batch: Batch) -> Tensor:
 
 def action_loss(outputs: Tensor, batch: Batch) -> Tensor:
     """(N,) squared error of speed and steering, each as a share of its range."""
+    _check(outputs, batch, 2)
     scale = outputs.new_tensor([0.5, 0.3])
     return (((outputs - batch.tensor("action")) / scale) ** 2).sum(1)
 
 
 def outcome_loss(outputs: Tensor, batch: Batch) -> Tensor:
     """(N,) binary cross-entropy of reachability (Meng 2020, III-C)."""
+    _check(outputs, batch, 3)
     return functional.binary_cross_entropy_with_logits(
         outputs[:, 0], batch.tensor("reached"), reduction="none"
     )
@@ -56,6 +63,7 @@ def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
     The paper's RE predicts one probability. It depends on the overlaps more than on anything else,
     and every pair teaches these, also where its outcome carries little information.
     """
+    _check(outputs, batch, 3)
     shares = functional.binary_cross_entropy_with_logits(
         outputs[:, 1:], batch.tensor("overlap"), reduction="none"
     )
@@ -64,10 +72,15 @@ def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
 
 def context_loss(poses: Tensor, batch: Batch) -> Tensor:
     """(N,) mean loss of the relative poses of the context's images."""
-    wanted = batch.tensor("context_poses")
+    wanted = instance("batch", batch, Batch).tensor("context_poses")
+    tensor("poses", poses, tuple(wanted.shape))
     position = position_loss(poses[..., :2], wanted[..., :2])
     heading = ((poses[..., 2:] - wanted[..., 2:]) ** 2).sum(-1)
     return (position + heading).mean(1)
+
+
+def _check(outputs: Tensor, batch: Batch, count: int) -> None:
+    tensor("outputs", outputs, (len(instance("batch", batch, Batch).reached), count))
 
 
 LOSSES = {"waypoint": waypoint_loss, "action": action_loss, "reachability": reach_loss}

@@ -16,6 +16,7 @@ from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs, reac
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, roll_out_pairs
 from tutorial_lib.driving.geodesics import GridPaths
+from tutorial_lib.errors import InputError
 from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
@@ -23,6 +24,7 @@ from tutorial_lib.learning.outcome_data import kept_outcomes
 from tutorial_lib.learning.policies import by_waypoints, encoded
 from tutorial_lib.learning.weights import digest_of, load_card
 from tutorial_lib.parallel import for_each
+from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.simulation import Sensors, Simulation
 
 OWN = 3.0
@@ -84,9 +86,16 @@ def all_logits(
 
     Each distinct pose and target is encoded once.
     """
+    instance("reachability", reachability, ReachabilityNetwork)
+    instance("recorded", recorded, RecordedWorld)
+    starts, targets = floats("starts", starts, ("N", 3), empty=False), _frames(recorded, targets)
+    alike(starts=starts, targets=targets)
     poses, which = np.unique(starts, axis=0, return_inverse=True)
     camera = reachability.view.camera
-    seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
+    try:
+        seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
+    except InputError as error:
+        raise InputError(f"starts: {error}") from error
     frames, shown = np.unique(targets, return_inverse=True)
     prepared = encoded(reachability, recorded, frames)
     current = reachability.encode(seen)
@@ -95,6 +104,10 @@ def all_logits(
         for rows in np.array_split(np.arange(len(starts)), 1 + len(starts) // _AT_ONCE)
     ]
     return np.concatenate(logits)
+
+
+def _frames(recorded: RecordedWorld, targets: NDArray[np.intp]) -> NDArray[np.intp]:
+    return integers("targets", targets, ("N",), least=0, most=len(recorded.poses) - 1)
 
 
 def mined_outcomes(

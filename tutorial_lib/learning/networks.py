@@ -14,7 +14,9 @@ from tutorial_lib.learning.encoders import (
     SeparateEncoder,
     StackedEncoder,
 )
+from tutorial_lib.learning.tensors import tensor
 from tutorial_lib.learning.views import VIEWS, View
+from tutorial_lib.validation import instance
 
 ENCODERS = ("matching", "pair", "separate", "stacked")
 OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3}
@@ -44,17 +46,16 @@ class Architecture:
     def __post_init__(self) -> None:
         known = {"encoder": ENCODERS, "view": tuple(VIEWS), "outputs": tuple(OUTPUTS)}
         for name, choices in known.items():
-            if getattr(self, name) not in choices:
-                raise InputError(
-                    f"network: {name} {getattr(self, name)!r}; give one of {', '.join(choices)}"
-                )
+            value = getattr(self, name)
+            if not isinstance(value, str) or value not in choices:
+                raise InputError(f"network: {name} {value!r}; give one of {', '.join(choices)}")
         if not isinstance(self.mirror, bool):
             raise InputError(f"network: mirror {self.mirror!r}; give True or False")
         if self.mirror and (self.outputs != "reachability" or self.encoder == "stacked"):
             raise InputError(
                 "network: only reachability is the same in a mirror, and a stacked encoder has none"
             )
-        if not isinstance(self.k, int) or not 0 <= self.k <= 20:
+        if type(self.k) is not int or not 0 <= self.k <= 20:
             raise InputError(f"network: k = {self.k!r}; give a whole number, 0 to 20")
 
     @property
@@ -74,8 +75,9 @@ class LocalNetwork(nn.Module):
     def __init__(self, architecture: Architecture) -> None:
         """Build an untrained network."""
         super().__init__()
-        self.architecture = architecture
-        channels, rows, _ = architecture.looks_at.size
+        self.architecture = instance("architecture", architecture, Architecture)
+        self._size = architecture.looks_at.size
+        channels, rows, _ = self._size
         if architecture.encoder == "stacked":
             self.encoder: nn.Module = StackedEncoder(channels, rows, architecture.images)
         else:
@@ -91,10 +93,12 @@ class LocalNetwork(nn.Module):
 
     def encode_current(self, images: Tensor) -> Tensor:
         """Encode current images (N, C, H, W)."""
-        return self.encoder.current(images)
+        return self.encoder.current(tensor("images", images, ("N", *self._size)))
 
     def encode_targets(self, contexts: Tensor) -> Tensor:
         """Encode targets (M, 2k+1, C, H, W), such as anchors: (M, 2k+1, ...)."""
+        count = self.architecture.images if self.stacked else "P"
+        tensor("contexts", contexts, ("M", count, *self._size))
         if self.stacked:
             return self.encoder.target(contexts.flatten(1, 2))[:, None]
         encoded = self.encoder.target(contexts.flatten(0, 1))
@@ -108,6 +112,9 @@ class LocalNetwork(nn.Module):
         Args:
             encoded: (N, ...) from `encode_current`, or of single images from `encode_targets`.
         """
+        tensor(
+            "encoded", encoded, ("N", *self.encoder.shape[:-1], "D")
+        )  # twice as many with a mirror
         if not isinstance(self.encoder, MatchingEncoder):
             return functional.normalize(encoded.flatten(1)[:, None], dim=-1)
         columns = functional.normalize(encoded[..., : self.encoder.sizes[0]], dim=-1)
@@ -124,6 +131,8 @@ class LocalNetwork(nn.Module):
             (N, O) outputs, and (N, 2k+1, 4) the pose of each context image: x, y, cosine and sine
             of the heading, in the frame of the current pose. Only training needs those.
         """
+        tensor("current", current, ("N", *self.encoder.shape))
+        tensor("targets", targets, (len(current), "P", *self.encoder.shape))
         features = self.encoder.compare(current, targets)
         return self._outputs(features), self.pose(features)
 
@@ -132,6 +141,8 @@ class LocalNetwork(nn.Module):
 
         This is the paper's plain evaluation: each pair is encoded for itself.
         """
+        tensor("current", current, ("N", *self._size))
+        tensor("contexts", contexts, (len(current), self.architecture.images, *self._size))
         if self.stacked:
             return self.compare(self.encode_current(current), self.encode_targets(contexts))[0]
         pairs = contexts.shape[:2]

@@ -15,6 +15,7 @@ from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.interfaces import Controller, LocalController, Policy, Targets, WaypointPredictor
 from tutorial_lib.learning.estimators import WaypointNetwork
 from tutorial_lib.learning.views import View
+from tutorial_lib.validation import instance, integers, with_methods
 from tutorial_lib.world.simulation import Simulation
 
 
@@ -39,6 +40,7 @@ class TargetController(Encoder, LocalController, Protocol):
 
 def by_waypoints(predictor: WaypointNetwork) -> PolicyFactory:
     """C = C_RMP after C_WP, without memory: what RE learns from."""
+    with_methods("predictor", predictor, "prepare", "predict")
     return _factory(predictor, ComposedController(predictor, RMPController()))
 
 
@@ -73,6 +75,9 @@ def encoded(
     frames: NDArray[np.intp],
 ) -> Targets:
     """Recorded frames (N,) in their context as targets; each is rendered and encoded once."""
+    with_methods("network", network, "prepare")
+    most = len(instance("recorded", recorded, RecordedWorld).poses) - 1
+    frames = integers("frames", frames, ("N",), least=0, most=most)
     own, which = np.unique(frames, return_inverse=True)
     poses = recorded.poses[recorded.context(own, network.k)]
     return network.prepare(network.view.render(recorded.scene, poses))[which]

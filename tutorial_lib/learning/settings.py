@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass, field
 
+from tutorial_lib.validation import number, whole
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -28,8 +30,14 @@ class Settings:
     threads: int = 1
     seed: int = 0
 
+    def __post_init__(self) -> None:
+        for name in vars(self).keys() - {"learning_rate"}:
+            whole(name, getattr(self, name), least=0 if name in ("max_steps", "seed") else 1)
+        number("learning_rate", self.learning_rate, least=0.0)
+
     def learning_rate_at(self, step: int) -> float:
         """The learning rate of a step."""
+        whole("step", step, least=0, most=self.max_steps - 1)
         warmup = min(1.0, (step + 1) / self.warmup_steps)
         decay = 0.5 * (1.01 + math.cos(math.pi * step / self.max_steps))
         return self.learning_rate * warmup * decay

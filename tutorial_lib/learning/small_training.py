@@ -9,6 +9,8 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
+from tutorial_lib.validation import instance, number, whole
+
 Evaluation = tuple[int, float, float]
 """Steps made, mean training loss since the last evaluation, validation loss."""
 
@@ -33,6 +35,12 @@ class TrainingPlan:
     eval_interval: int
     patience: int
 
+    def __post_init__(self) -> None:
+        for name in ("max_steps", "warmup_steps", "eval_interval", "patience"):
+            whole(name, getattr(self, name), least=1)
+        number("learning_rate", self.learning_rate, least=0.0)
+        number("max_norm", self.max_norm, least=0.0, infinite=True)
+
 
 def train_network(
     network: nn.Module,
@@ -55,6 +63,7 @@ def train_network(
     Returns:
         The history, an entry for each evaluation.
     """
+    instance("plan", plan, TrainingPlan)
     history: list[Evaluation] = []
     losses: list[float] = []
     weights, best = network.state_dict(), 0
@@ -87,5 +96,6 @@ def train_network(
 
 def learning_rate_at(step: int, plan: TrainingPlan) -> float:
     """The learning rate of a step: a linear warm-up times half a cosine."""
+    whole("step", step, least=0, most=instance("plan", plan, TrainingPlan).max_steps)
     warmup = min(1.0, (step + 1) / plan.warmup_steps)
     return plan.learning_rate * warmup * 0.5 * (1 + math.cos(math.pi * step / plan.max_steps))

@@ -23,6 +23,7 @@ from tutorial_lib.learning.weights import digest_of
 from tutorial_lib.reading.checksums import sealed, unsealed
 from tutorial_lib.reading.limits import MAX_CHECKPOINT
 from tutorial_lib.reading.regular import read_bytes
+from tutorial_lib.validation import instance, instances, path_of, with_methods
 
 
 class Objective(Protocol):
@@ -83,6 +84,15 @@ def train(
     Raises:
         InputError: when the checkpoint belongs to another training.
     """
+    with_methods("source", source, "block")
+    with_methods("validation", validation, "__len__", "__getitem__")
+    instance("settings", settings, Settings)
+    with_methods("objective", objective, "build", "loss", "measure")
+    checkpoint = None if checkpoint is None else path_of("checkpoint", checkpoint)
+    if on_evaluation is not None:
+        with_methods("on_evaluation", on_evaluation, "__call__")
+    if init_from is not None:
+        instance("init_from", init_from, nn.Module)
     use_threads(settings.threads)
     torch.manual_seed(settings.seed)
     fresh = objective.build(architecture)
@@ -228,6 +238,8 @@ def outputs_of(network: LocalNetwork, batch: Batch) -> tuple[Tensor, Tensor]:
 
 def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
     """Training loss, averaged over the pairs by weight."""
+    instance("network", network, LocalNetwork)
+    instance("batch", batch, Batch)
     outputs, poses = outputs_of(network, batch)
     kind = network.architecture.outputs
     loss = LOSSES[kind](outputs, batch)
@@ -240,7 +252,8 @@ def total_loss(network: LocalNetwork, batch: Batch) -> Tensor:
 @torch.inference_mode()
 def validate(network: LocalNetwork, validation: Sequence[Batch]) -> dict[str, float]:
     """Mean loss on validation worlds, and median and mean error of waypoints in metres."""
-    kind = network.architecture.outputs
+    kind = instance("network", network, LocalNetwork).architecture.outputs
+    instances("validation", validation, Batch, empty=False)
     losses, errors = [], []
     for batch in validation:
         outputs, _ = outputs_of(network, batch)

@@ -118,8 +118,8 @@ class LaserView:
 
     def of(self, observations: Observation) -> NDArray[np.float32]:
         """The robots' scans."""
-        if observations.laser.shape[1] != _BEAMS:
-            raise InputError(f"laser: {observations.laser.shape[1]} beams; give {_BEAMS}")
+        if np.shape(observations.laser)[1:] != (_BEAMS,):
+            raise InputError(f"laser: {np.shape(observations.laser)[-1]} beams; give {_BEAMS}")
         return self._middle(observations.laser)[:, None, :, None]
 
     def vary(self, images: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
@@ -130,6 +130,8 @@ class LaserView:
     def numbers(self, images: NDArray) -> Tensor:
         """Distances (..., 1, 64, 1) as (..., 3, 1, 64): near, middling and far ones spread out."""
         _check(images, (1, COLUMNS, 1), np.float32)
+        if not np.isfinite(images).all():
+            raise InputError("images: a distance is no finite number; give metres")
         metres = _tensor(images)[..., 0]
         parts = [0.5 / (metres + 0.25), metres.clamp(max=3.0) / 1.5 - 1.0, metres / 5.0 - 1.0]
         return torch.stack(parts, dim=-3)
@@ -172,6 +174,7 @@ def _tensor(images: NDArray) -> Tensor:
 
 
 def _check(images: NDArray, size: tuple[int, ...], kind: type) -> None:
+    images = np.asarray(images)
     if images.shape[-3:] != size or images.dtype != kind:
         raise InputError(
             f"images: {images.dtype} of shape {images.shape}; this network takes "

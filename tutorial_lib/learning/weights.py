@@ -27,6 +27,7 @@ from tutorial_lib.reading.checksums import CHECKSUM, with_checksum, without_chec
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_WEIGHTS
 from tutorial_lib.reading.regular import read_bytes
+from tutorial_lib.validation import instance, path_of
 
 FOLDER = Path(__file__).resolve().parent.parent / "weights"
 """Of the weights that come with the library."""
@@ -113,7 +114,8 @@ def load_card(name: str, folder: Path = FOLDER) -> Card:
     Raises:
         InputError: when it is missing or damaged.
     """
-    path = folder / f"{name}.json"
+    folder = path_of("folder", folder)
+    path = folder / f"{instance('name', name, str)}.json"
     again = "restore the file, or train it again: python -m tutorial_lib train --help"
     if not path.exists():
         known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"

@@ -16,14 +16,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots
-from tutorial_lib.topology.motion_model import MotionModel, moved
+from tutorial_lib.se2 import relative
+from tutorial_lib.topology.motion_model import MotionModel, length_of
+from tutorial_lib.validation import alike, floats, instance, integers, number, whole, with_methods
 
 Belief = Array
 """(N, V + 1) probabilities; the last column is that of being off the map."""
 Sensor = Callable[[Observation], Array]
 """Likelihoods (N, V), 0 to 1, of what N robots see, were they at each vertex."""
+_MOST = 1_000_000  # robots
 OFF_MAP = -1
 """The column of being off the map, and the vertex of a robot that is there."""
 
@@ -37,7 +40,9 @@ def normalize(weights: ArrayLike) -> Belief:
     >>> normalize([[1.0, 3.0, 0.0], [0.0, 0.0, 0.0]]).tolist()
     [[0.25, 0.75, 0.0], [0.0, 0.0, 1.0]]
     """
-    weights = np.array(weights, dtype=float)
+    weights = floats("weights", weights, ("N", "V+1"), least=0.0).copy()
+    if not weights.shape[1]:
+        raise InputError(f"weights: shape {weights.shape}; give (N, V + 1), a column at least")
     nowhere = weights.sum(axis=1) <= 0.0
     weights[nowhere, OFF_MAP] = 1.0
     return weights / weights.sum(axis=1, keepdims=True)
@@ -59,7 +64,11 @@ def predict(belief: Belief, motion: ArrayLike, model: MotionModel) -> Belief:
     >>> predict(np.array([[1.0, 0.0, 0.0]]), [0.5], model).round(2).tolist()
     [[0.61, 0.39, 0.0]]
     """
-    leave = 1.0 - np.exp(-np.asarray(motion, dtype=float)[:, None] / model.lengths)
+    count = len(instance("model", model, MotionModel).lengths)
+    belief = floats("belief", belief, ("N", count), least=0.0)
+    motion = floats("motion", motion, ("N",), least=0.0)
+    alike(belief=belief, motion=motion)
+    leave = 1.0 - np.exp(-motion[:, None] / model.lengths)
     return belief * (1.0 - leave) + (belief * leave) @ model.onward
 
 
@@ -73,7 +82,11 @@ def update(prior: Belief, likelihood: ArrayLike) -> Belief:
     >>> update(np.array([[0.5, 0.5, 0.0]]), [[0.9, 0.1, 0.2]]).round(2).tolist()
     [[0.9, 0.1, 0.0]]
     """
-    return normalize(prior * np.asarray(likelihood))
+    prior = floats("prior", prior, ("N", "V+1"), least=0.0)
+    likelihood = floats("likelihood", likelihood, ("N", "V+1"), least=0.0)
+    alike(prior=prior, likelihood=likelihood)
+    alike(prior=prior.T, likelihood=likelihood.T)
+    return normalize(prior * likelihood)
 
 
 def argmax(likelihood: ArrayLike) -> Belief:
@@ -85,7 +98,9 @@ def argmax(likelihood: ArrayLike) -> Belief:
     >>> argmax([[0.2, 0.7, 0.1]]).tolist()
     [[0.0, 1.0, 0.0, 0.0]]
     """
-    likelihood = np.asarray(likelihood, dtype=float)
+    likelihood = floats("likelihood", likelihood, ("N", "V"), least=0.0)
+    if not likelihood.shape[1]:
+        raise InputError(f"likelihood: shape {likelihood.shape}; give (N, V), a vertex at least")
     belief = np.zeros((len(likelihood), likelihood.shape[1] + 1))
     belief[np.arange(len(belief)), likelihood.argmax(axis=1)] = 1.0
     return belief
@@ -109,8 +124,12 @@ def match_sequence(likelihoods: ArrayLike, before: NDArray[np.intp]) -> Array:
     >>> match_sequence(twins, np.array([-1, 0, -1, 2])).round(2).tolist()
     [0.3, 0.85, 0.1, 0.28]
     """
+    likelihoods = floats("likelihoods", likelihoods, ("T", "V"), least=0.0, empty=False)
+    most = likelihoods.shape[1] - 1
+    before = integers("before", before, ("V",), least=-1, most=most)
+    alike(likelihoods=likelihoods.T, before=before)
     with np.errstate(divide="ignore"):
-        logs = np.log(np.asarray(likelihoods, dtype=float))
+        logs = np.log(likelihoods)
     total = logs[0]
     for look in logs[1:]:
         come = np.where(before >= 0, total[before], -np.inf)
@@ -142,7 +161,9 @@ class FilterSettings:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
+            value = number(f"filter: {field.name}", getattr(self, field.name))
+            if field.name == "interval":
+                whole(f"filter: {field.name}", self.interval)
             unit = field.name in ("unknown", "least", "hysteresis")
             if not 0.0 < value < (1.0 if unit else np.inf):
                 wanted = "a number between 0 and 1" if unit else "a positive number"
@@ -168,8 +189,11 @@ class BayesFilter:
         settings: FilterSettings | None = None,
     ) -> None:
         """Robots that may be anywhere, and have not moved."""
-        self.model, self.sensor = model, sensor
-        self.settings = FilterSettings() if settings is None else settings
+        whole("robots", robots, least=0, most=_MOST)
+        self.model, self.sensor = instance("model", model, MotionModel), sensor
+        with_methods("sensor", sensor, "__call__")
+        settings = FilterSettings() if settings is None else settings
+        self.settings = instance("settings", settings, FilterSettings)
         count = len(model.lengths)
         self.belief = np.full((robots, count), 1.0 / count)
         self.vertex = np.full(robots, OFF_MAP)
@@ -183,10 +207,14 @@ class BayesFilter:
         Returns:
             (M,) for which robots the belief is new.
         """
-        robots, odometry = np.asarray(robots), np.asarray(observations.odometry)
+        odometry = floats(
+            "observations", instance("observations", observations, Observation).odometry, ("M", 3)
+        )
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.vertex) - 1)
+        alike(observations=odometry, robots=robots)
         fresh = np.isnan(self._pose[robots, 0])
         self._pose[robots[fresh]] = odometry[fresh]
-        motion = moved(relative(self._pose[robots], odometry))
+        motion = length_of(relative(self._pose[robots], odometry))
         far = motion >= self.settings.stride
         self._prior[robots[far]] = predict(self.belief[robots[far]], motion[far], self.model)
         self._pose[robots[far]] = odometry[far]
@@ -198,6 +226,7 @@ class BayesFilter:
 
     def forget(self, robot: int) -> None:
         """Let a robot be anywhere again."""
+        whole("robot", robot, least=0, most=len(self.vertex) - 1)
         self.belief[robot] = self._prior[robot] = 1.0 / self.belief.shape[1]
         self.vertex[robot], self._waited[robot] = OFF_MAP, np.inf
 
@@ -222,6 +251,10 @@ def localized(belief: Belief, before: NDArray[np.intp], hysteresis: float) -> ND
     >>> localized(np.array([[0.40, 0.45, 0.15], [0.2, 0.65, 0.15]]), np.array([0, 0]), 0.8).tolist()
     [0, 1]
     """
+    belief = floats("belief", belief, ("N", "V+1"), least=0.0)
+    before = integers("before", before, ("N",), least=OFF_MAP, most=belief.shape[1] - 1)
+    hysteresis = number("hysteresis", hysteresis, least=0.0, most=1.0)
+    alike(belief=belief, before=before)
     best = belief.argmax(axis=1)
     rows = np.arange(len(belief))
     stays = belief[rows, before] >= hysteresis * belief[rows, best]

@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.geometry import Array
+from tutorial_lib.se2 import relative
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import alike, floats, instance, whole
 
 TURN = 0.5
 """Metres that one rad counts as: turning changes the view as driving does."""
@@ -37,11 +39,12 @@ class MotionModel:
     onward: Array
 
     def __post_init__(self) -> None:
-        count = len(self.lengths)
-        if self.onward.shape != (count, count):
-            raise InputError(f"motion: onward {self.onward.shape}; give ({count}, {count})")
+        lengths = floats("motion: lengths", self.lengths, ("V+1",), empty=False)
+        onward = floats("motion: onward", self.onward, ("V+1", "V+1"))
+        alike(lengths=lengths, onward=onward)
+        alike(lengths=lengths, onward=onward.T)
         if not (self.lengths > 0).all():
-            raise InputError("motion: a length is not positive; give metres")
+            raise InputError("motion: lengths: a length is not positive; give metres")
         if not np.allclose(self.onward.sum(axis=1), 1.0) or (self.onward < 0).any():
             raise InputError("motion: a row of onward does not sum to one; give probabilities")
 
@@ -52,6 +55,11 @@ def moved(motion: Array) -> Array:
     >>> moved(np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 1.0]])).tolist()
     [5.0, 0.5]
     """
+    return length_of(floats("motion", motion, (..., 3)))
+
+
+def length_of(motion: Array) -> Array:
+    """The same of motions that are right, or not a number where it is not known."""
     return np.linalg.norm(motion[..., :2], axis=-1) + TURN * np.abs(motion[..., 2])
 
 
@@ -62,7 +70,7 @@ def motion_model(topomap: TopoMap) -> MotionModel:
     others have the usual one. Edges on which a robot turns are left out: each rests on one place,
     whose twin would look the same, and would carry the belief there.
     """
-    alive = topomap.alive
+    alive = instance("topomap", topomap, TopoMap).alive
     column = {int(vertex): i for i, vertex in enumerate(alive)}
     count = len(alive)
     length, share = np.zeros((2, count, count))
@@ -82,12 +90,13 @@ def neighbourhoods(topomap: TopoMap, steps: int) -> NDArray[np.bool_]:
 
     Edges on which a robot turns are left out, see `motion_model`.
     """
-    count = len(topomap)
+    count = len(instance("topomap", topomap, TopoMap))
+    whole("steps", steps, least=0)
     joined = np.eye(count, dtype=bool)
     edges = np.array([(v, w) for v, w, _ in _driven(topomap)], dtype=np.intp).reshape(-1, 2)
     joined[tuple(np.searchsorted(topomap.alive, edges).T)] = True
     near, joined = np.eye(count, dtype=bool), joined.astype(np.float32)
-    for _ in range(steps):
+    for _ in range(min(steps, count)):
         near = near.astype(np.float32) @ joined > 0  # in numbers, which is much faster
     return near | near.T
 

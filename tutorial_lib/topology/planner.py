@@ -16,6 +16,7 @@ from tutorial_lib.interfaces import HERE, Goals, Localizer, Observation, Plan
 from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
+from tutorial_lib.validation import instance, number, whole, with_methods
 
 _HERE, _GOAL = "here", "goal"
 Edge = tuple[Any, Any, float]
@@ -42,6 +43,13 @@ class DijkstraPlanner:
     candidates: int = 64
     localizer: Localizer | None = None
 
+    def __post_init__(self) -> None:
+        for name in ("least", "p_query", "p_goal"):
+            number(name, getattr(self, name), least=0.0, most=1.0)
+        whole("candidates", self.candidates, least=1)
+        if self.localizer is not None:
+            with_methods("localizer", self.localizer, "localize")
+
     def plan(
         self,
         observation: Observation,
@@ -63,8 +71,13 @@ class DijkstraPlanner:
         Raises:
             InputError: when there is not one observation, or a probability is none.
         """
-        if len(observation) != 1:
-            raise InputError(f"plan: {len(observation)} observations; give one")
+        if len(instance("observation", observation, Observation)) != 1:
+            raise InputError(f"plan: {len(observation)} observations; give one observation")
+        instance("goals", goals, Goals)
+        instance("topomap", topomap, TopoMap)
+        instance("excluded", excluded, Collection)
+        if not all(isinstance(edge, tuple) and len(edge) == 2 for edge in excluded):
+            raise InputError("excluded: give edges, tuples of two vertices each")
         graph = topomap.graph.copy()
         graph.remove_edges_from(excluded)
         here, reach = self._from_here(topomap, observation)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Targets, WaypointPredictor
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, whole, with_methods
 
 
 class ViewSensor:
@@ -27,13 +29,18 @@ class ViewSensor:
             targets: all vertices as it prepared them, the removed ones as well.
             candidates: vertices that are compared with a view, those most alike.
         """
-        self._map, self._predictor, self._targets = topomap, predictor, targets
-        self._candidates = candidates
+        self._map = instance("topomap", topomap, TopoMap)
+        self._predictor = with_methods("predictor", predictor, "predict")
+        self._targets = with_methods("targets", targets, "__len__", "__getitem__")
+        self._candidates = whole("candidates", candidates, least=1)
+        if len(targets) < len(topomap.vertices):
+            raise InputError(f"targets: {len(targets)}; give {len(topomap.vertices)}, all vertices")
         self._column = np.full(len(topomap.vertices), -1)
         self._column[topomap.alive] = np.arange(len(topomap))
 
     def __call__(self, observations: Observation) -> Array:
         """(N, V) likelihoods, 0 for vertices that are not alike at all."""
+        instance("observations", observations, Observation)
         near = self._map.nearby(observations, self._candidates)
         likelihood = np.zeros((len(observations), len(self._map)))
         if near.size:

@@ -4,13 +4,15 @@ A body has a footprint and two functions. `respond` turns commanded into actual 
 limits of motors and servos; `twist` turns controls into a velocity ahead and a turning rate.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tutorial_lib.geometry import Array, compose
+from tutorial_lib.errors import InputError
+from tutorial_lib.se2 import Array, compose
+from tutorial_lib.validation import floats, match, number
 
 
 class Body(Protocol):
@@ -51,6 +53,11 @@ class BicycleCar:
     max_reverse: float = 0.3
     max_speed: float = 0.8
     acceleration: float = 2.0
+
+    def __post_init__(self) -> None:
+        _check_amounts(self, "max_reverse")
+        if not self.max_steering < np.pi / 2:
+            raise InputError(f"max_steering: {self.max_steering}; give rad below pi / 2")
 
     @property
     def footprint(self) -> Array:
@@ -97,6 +104,9 @@ class DifferentialDrive:
     acceleration: float = 2.0
     turn_acceleration: float = 10.0
 
+    def __post_init__(self) -> None:
+        _check_amounts(self)
+
     @property
     def footprint(self) -> Array:
         """(12, 2) a regular polygon just around the robot's circle."""
@@ -121,12 +131,30 @@ def advance(poses: ArrayLike, twists: ArrayLike, seconds: ArrayLike) -> Array:
     >>> advance([0.0, 0.0, 0.0], [1.0, np.pi / 2], 1.0).round(4).tolist()
     [0.6366, 0.6366, 1.5708]
     """
-    twists = np.asarray(twists, dtype=float)
+    poses, twists = floats("poses", poses, (..., 3)), floats("twists", twists, (..., 2))
+    seconds = floats("seconds", seconds)
+    match(poses=poses.shape[:-1], twists=twists.shape[:-1], seconds=seconds.shape)
+    return moved(poses, twists, seconds)
+
+
+def moved(poses: Array, twists: Array, seconds: ArrayLike) -> Array:
+    """`advance` for arrays that are right already."""
     turn = twists[..., 1] * seconds
     # The chord of the arc is its length times sinc, and points halfway through the turn.
     chord = twists[..., 0] * seconds * np.sinc(turn / (2 * np.pi))
     motion = np.stack([chord * np.cos(turn / 2), chord * np.sin(turn / 2), turn], axis=-1)
     return compose(poses, motion)
+
+
+def _check_amounts(body: "BicycleCar | DifferentialDrive", *may_be_zero: str) -> None:
+    """Check that all that a body is made of are numbers above 0, or 0 where that makes sense.
+
+    Raises:
+        InputError: naming the first that is not.
+    """
+    for field in fields(body):
+        low = {"least": 0.0} if field.name in may_be_zero else {"above": 0.0}
+        number(field.name, getattr(body, field.name), **low)
 
 
 def _approach(values: Array, goals: Array, most: Array) -> Array:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.limits import MAX_PIXELS
+from tutorial_lib.validation import floats, instance, instances, integers, whole
 from tutorial_lib.world.materials import Look, Material, texture_atlas
 
 ROOM_KINDS = ("hallway", "living", "kitchen", "bedroom", "bathroom", "office", "storage", "open")
@@ -40,7 +41,7 @@ class Room:
 
     def contains(self, points: ArrayLike) -> NDArray[np.bool_]:
         """Whether each point (..., 2) lies inside the outline."""
-        x, y = np.moveaxis(np.asarray(points, dtype=float)[..., None, :], -1, 0)
+        x, y = np.moveaxis(floats("points", points, (..., 2))[..., None, :], -1, 0)
         x0, y0 = np.asarray(self.outline).T
         x1, y1 = np.roll(x0, -1), np.roll(y0, -1)
         # A ray to the right crosses the outline an odd number of times.
@@ -106,12 +107,15 @@ class FloorPlan:
     look: Look = field(default_factory=Look)
 
     def __post_init__(self) -> None:
-        for name in ("walls", "wall_offsets"):
-            array = np.array(getattr(self, name), dtype=float)
+        instance("family", self.family, str)
+        whole("seed", self.seed, least=0)
+        for name, kind in _PARTS.items():
+            instances(name, getattr(self, name), kind)
+        instance("look", self.look, Look)
+        for name, shape in (("walls", ("W", 4)), ("wall_offsets", ("W",))):
+            array = floats(name, getattr(self, name), shape, infinite=True, nan=True).copy()
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        if self.seed < 0:
-            raise InputError(f"seed: {self.seed}; give a whole number, 0 or greater")
         _check_walls(self)
         names = {material.name for material in self.materials}
         if len(names) != len(self.materials):
@@ -178,6 +182,15 @@ class FloorPlan:
         return sum(room.area for room in self.rooms)
 
 
+_PARTS: dict[str, type] = {
+    "wall_materials": str,
+    "materials": Material,
+    "rooms": Room,
+    "doors": Door,
+    "furniture": Furniture,
+}
+
+
 def _sides(outline: tuple[tuple[float, float], ...]) -> NDArray[np.float64]:
     """The sides (K, 4) of a polygon of K corners."""
     corners = np.asarray(outline, dtype=float)
@@ -209,7 +222,10 @@ def _check_walls(plan: FloorPlan) -> None:
     if walls.ndim != 2 or walls.shape[1] != 4 or count < 3:
         raise InputError(f"walls: shape {walls.shape}; give at least three rows x0, y0, x1, y1")
     if len(plan.wall_materials) != count or plan.wall_offsets.shape != (count,):
-        raise InputError(f"walls: {count} walls need as many materials and offsets")
+        raise InputError(
+            f"walls: {count}, wall_materials: {len(plan.wall_materials)}, wall_offsets: "
+            f"{len(plan.wall_offsets)}; give as many of each"
+        )
     for name, array in (("walls", walls), ("wall_offsets", plan.wall_offsets)):
         bad = np.flatnonzero(~np.isfinite(array.reshape(count, -1)).all(axis=1))
         if bad.size:
@@ -241,7 +257,7 @@ def _check_near(where: str, points: ArrayLike, bounds: Bounds, whole: bool = Tru
 
 
 def _check_outline(where: str, outline: tuple[tuple[float, float], ...], bounds: Bounds) -> None:
-    corners = np.asarray(outline, dtype=float)
+    corners = floats(where, outline, infinite=True, nan=True)
     if corners.ndim != 2 or corners.shape[1] != 2 or len(corners) < 3:
         raise InputError(f"{where}: give at least three corners [x, y]")
     _check_near(where, corners, bounds)
@@ -255,8 +271,10 @@ def _check_material(where: str, name: str, known: set[str]) -> None:
 
 
 def _check_door(where: str, door: Door, rooms: int, bounds: Bounds) -> None:
-    _check_near(where, [door.start, door.end], bounds, whole=False)
+    ends = floats(where, [door.start, door.end], (2, 2), infinite=True, nan=True)
+    _check_near(where, ends, bounds, whole=False)
     if door.width < 0.3:
         raise InputError(f"{where}: runs from {door.start} to {door.end}; give an opening >= 0.3 m")
+    integers(f"{where}.rooms", door.rooms, (2,))
     if not all(0 <= room < rooms for room in door.rooms):
         raise InputError(f"{where}.rooms: {door.rooms}; the plan has rooms 0 to {rooms - 1}")

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import floats, instance, instances, number, whole
 
 PERIOD = 25.6
 """Metres after which a strip repeats: longer than the perimeter of most rooms."""
@@ -41,10 +42,13 @@ class Material:
     stripes: tuple[Stripe, ...] = ()
 
     def __post_init__(self) -> None:
+        instance("name", self.name, str)
         _check_colour(f"material {self.name!r}: colour", self.colour)
-        for number, stripe in enumerate(self.stripes):
-            where = f"material {self.name!r}: stripes[{number}]"
+        instances("stripes", self.stripes, Stripe)
+        for place, stripe in enumerate(self.stripes):
+            where = f"material {self.name!r}: stripes[{place}]"
             _check_colour(f"{where}.colour", stripe.colour)
+            floats(where, (stripe.start, stripe.end), (2,), infinite=True)
             if not 0.0 <= stripe.start < stripe.end <= PERIOD:
                 raise InputError(
                     f"{where}: runs from {stripe.start} to {stripe.end} m; "
@@ -85,14 +89,12 @@ class Look:
         _check_colour("look.ceiling", self.ceiling)
         if self.palette not in ("standard", "shifted"):
             raise InputError(f"look.palette: {self.palette!r}; give 'standard' or 'shifted'")
-        if not (0.2 <= self.gamma <= 5.0 and 0.0 <= self.noise <= 64.0):
-            raise InputError(
-                f"look: gamma {self.gamma} and noise {self.noise}; "
-                "give a gamma from 0.2 to 5 and a noise from 0 to 64 grey levels"
-            )
+        number("look.gamma", self.gamma, least=0.2, most=5.0)
+        number("look.noise", self.noise, least=0.0, most=64.0)
 
     def tone(self, colours: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Colours (..., 3) in 0 to 255 after gamma."""
+        """Colours (...), in 0 to 255 for each channel, after gamma."""
+        floats("colours", colours)
         return (255.0 * (np.clip(colours, 0, 255) / 255.0) ** self.gamma).astype(np.float32)
 
 
@@ -107,7 +109,9 @@ def texture_atlas(materials: Sequence[Material], look: Look, seed: int) -> NDArr
     Returns:
         (M, TEXELS, 3) RGB, 0 to 255.
     """
-    rng = np.random.default_rng(seed)
+    materials = instances("materials", materials, Material, empty=False)
+    instance("look", look, Look)
+    rng = np.random.default_rng(whole("seed", seed, least=0))
     strips = np.stack([material.texels() for material in materials])
     grain = rng.normal(0.0, 1.0, strips.shape[:2]).astype(np.float32)[..., None]
     return look.tone(strips + look.noise * grain)
@@ -115,5 +119,5 @@ def texture_atlas(materials: Sequence[Material], look: Look, seed: int) -> NDArr
 
 def _check_colour(where: str, colour: object) -> None:
     ok = isinstance(colour, tuple) and len(colour) == 3
-    if not ok or not all(isinstance(c, int) and 0 <= c <= 255 for c in colour):
+    if not ok or not all(type(c) is int and 0 <= c <= 255 for c in colour):
         raise InputError(f"{where}: {colour!r} is no colour; give three whole numbers 0 to 255")

@@ -7,9 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import alike, floats, instance, integers, number, whole
 
 Rng = np.random.Generator
 _STEPS_DRAWN = 100  # at a time, for each robot of a fleet
+MOST_ROBOTS = 1_000_000
+"""In one simulation; more are a mistake, and would fill the memory."""
 
 
 class OdometryNoise(Protocol):
@@ -36,7 +39,10 @@ def scale_controls(actions: Array, sigma: float, rng: Rng) -> Array:
     Returns:
         (N, 2).
     """
-    return actions * rng.normal(1.0, sigma, np.shape(actions)) if sigma else actions
+    actions, sigma = floats("actions", actions, ("N", 2)), number("sigma", sigma, least=0)
+    if not sigma:
+        return actions
+    return actions * instance("rng", rng, Rng).normal(1.0, sigma, np.shape(actions))
 
 
 @dataclass(frozen=True)
@@ -64,12 +70,23 @@ class WheelOdometry:
     turn: float = 0.05
     drift: float = 0.02
 
+    def __post_init__(self) -> None:
+        for name in ("distance", "turn", "drift"):
+            number(name, getattr(self, name), least=0)
+
     def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
         """What the wheels measure for true motions (N, 3) in the robot's frame."""
-        return self.disturbed(motions, rng.normal(size=motions.shape))
+        motions = floats("motions", motions, ("N", 3))
+        return self.read(motions, instance("rng", rng, Rng).normal(size=motions.shape))
 
     def disturbed(self, motions: Array, noise: Array) -> Array:
         """The same with `noise` (N, 3) from the standard normal distribution."""
+        motions, noise = floats("motions", motions, ("N", 3)), floats("noise", noise, ("N", 3))
+        alike(motions=motions, noise=noise)
+        return self.read(motions, noise)
+
+    def read(self, motions: Array, noise: Array) -> Array:
+        """`disturbed` for arrays that are right already."""
         length = np.linalg.norm(motions[:, :2], axis=1)
         read = motions.copy()
         read[:, :2] *= 1 + self.distance * noise[:, :1]
@@ -90,7 +107,11 @@ class DriftingOdometry:
 
     def __init__(self, *seed: int, wheels: WheelOdometry | None = None) -> None:
         """Set the seed, whole numbers from 0 on, and the level; the usual one unless given."""
-        self._wheels = WheelOdometry() if wheels is None else wheels
+        for one in seed:
+            whole("seed", one, least=0)
+        self._wheels = (
+            WheelOdometry() if wheels is None else instance("wheels", wheels, WheelOdometry)
+        )
         self._seed, self._streams = np.random.SeedSequence(seed), list[Rng]()
         self._noise, self._row = np.empty((0, 0, 3)), 0
 
@@ -100,7 +121,7 @@ class DriftingOdometry:
         if self._row == len(self._noise):
             self._draw(len(motions))
         self._row += 1
-        return self._wheels.disturbed(motions, self._noise[self._row - 1])
+        return self._wheels.read(motions, self._noise[self._row - 1])
 
     def _draw(self, count: int) -> None:
         """Draw the noise (S, N, 3) of the next S steps."""
@@ -133,6 +154,13 @@ class Mixture:
     weights: tuple[float, ...]
     means: tuple[tuple[float, float, float], ...]
     deviations: tuple[tuple[float, float, float], ...]
+
+    def __post_init__(self) -> None:
+        alike(
+            weights=floats("weights", self.weights, ("M",), least=0),
+            means=floats("means", self.means, ("M", 3)),
+            deviations=floats("deviations", self.deviations, ("M", 3), least=0),
+        )
 
     def sample(self, count: int, rng: Rng) -> Array:
         """`count` motions (count, 3): metres ahead, metres to the left, rad."""
@@ -179,7 +207,10 @@ ODOMETRY = {
 
 def sample_motions(table: dict[int, Mixture], actions: NDArray[np.intp], rng: Rng) -> Array:
     """Motions (N, 3) of discrete actions (N,), in the robots' frames."""
-    motions = np.zeros((len(actions), 3))
+    actions = integers(
+        "actions", actions, ("N",), least=0, most=max(instance("table", table, dict))
+    )
+    rng, motions = instance("rng", rng, Rng), np.zeros((len(actions), 3))
     for action, mixture in table.items():
         chosen = np.flatnonzero(actions == action)
         motions[chosen] = mixture.sample(len(chosen), rng)
@@ -196,7 +227,8 @@ class DiscreteNoise:
 
     def __init__(self, robots: int, rng: Rng) -> None:
         """Spawn a stream of `rng` for each of N robots."""
-        self._streams = rng.spawn(robots)
+        robots = whole("robots", robots, least=0, most=MOST_ROBOTS)
+        self._streams = instance("rng", rng, Rng).spawn(robots)
         self._luck, self._noise = np.empty((0, robots, 2)), np.empty((0, robots, 2, 3))
         self._row = 0
 
@@ -211,8 +243,8 @@ class DiscreteNoise:
         drawn = np.zeros((2, len(actions), 3))
         for action in np.unique(actions).tolist():
             rows = np.flatnonzero(actions == action)
-            for number, table in enumerate((ACTUATION, ODOMETRY)):
-                drawn[number, rows] = table[action].motions(luck[rows, number], noise[rows, number])
+            for which, table in enumerate((ACTUATION, ODOMETRY)):
+                drawn[which, rows] = table[action].motions(luck[rows, which], noise[rows, which])
         return drawn[0], drawn[1]
 
 

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.reading.limits import MAX_ROOM_CELLS
+from tutorial_lib.reading.limits import MAX_PIXELS, MAX_ROOM_CELLS
+from tutorial_lib.validation import floats, images, instance, integers, number
 from tutorial_lib.world.floorplan import FloorPlan, Room
 
 _SHIFT = 6  # OpenCV draws with coordinates in 1/64 of a cell
@@ -31,15 +32,23 @@ class ClearanceGrid:
     origin: tuple[float, float]
     resolution: float
 
+    def __post_init__(self) -> None:
+        floats("clearance", self.clearance, ("H", "W"))
+        floats("origin", self.origin, (2,))
+        number("resolution", self.resolution, above=0)
+
     def cells(self, points: ArrayLike) -> NDArray[np.intp]:
         """Row and column (..., 2) of the cell with each point (..., 2), clipped to the grid."""
-        points = np.asarray(points, dtype=float)
+        return self.within(floats("points", points, (..., 2)))
+
+    def within(self, points: NDArray[np.float64]) -> NDArray[np.intp]:
+        """`cells` for points that are right already."""
         cells = np.floor((points[..., ::-1] - self.origin[::-1]) / self.resolution).astype(np.intp)
         return np.clip(cells, 0, np.array(self.clearance.shape) - 1)
 
     def centres(self, cells: ArrayLike) -> NDArray[np.float64]:
         """The points (..., 2) in the middle of cells given as row and column (..., 2)."""
-        cells = np.asarray(cells)
+        cells = integers("cells", cells, (..., 2))
         return (cells[..., ::-1] + 0.5) * self.resolution + np.asarray(self.origin)
 
     def at(self, points: ArrayLike) -> NDArray[np.float32]:
@@ -59,7 +68,7 @@ def clearance_grid(plan: FloorPlan, resolution: float = 0.05) -> ClearanceGrid:
         The grid, one cell wider than the plan on every side; clearances are accurate to
         about half a cell.
     """
-    origin, free = _draw_segments(plan, resolution)
+    origin, free = _draw_segments(instance("plan", plan, FloorPlan), resolution)
     for piece in plan.furniture:
         cv2.fillPoly(free, [_to_cells(piece.outline, origin, resolution)], 0, shift=_SHIFT)
     _, labels = cv2.connectedComponents(free, connectivity=4)
@@ -81,6 +90,7 @@ def cells_to_blocked(open_cells: NDArray[np.uint8]) -> NDArray[np.float32]:
     OpenCV's rounding depends on its number of threads. Squared distances are whole numbers, so
     rounding them gives the same bytes everywhere.
     """
+    images("open_cells", open_cells, ("H", "W"), empty=False)
     distance = cv2.distanceTransform(open_cells, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     squared = np.square(distance, dtype=np.float64)
     np.rint(squared, out=squared)
@@ -94,7 +104,7 @@ def check_closed(plan: FloorPlan, resolution: float = 0.05) -> None:
         InputError: naming the room, and the loose wall end nearest to it where there is one; or
             when the rooms overlap so often that they have more than `MAX_ROOM_CELLS`.
     """
-    origin, free = _draw_segments(plan, resolution)
+    origin, free = _draw_segments(instance("plan", plan, FloorPlan), resolution)
     _, labels = cv2.connectedComponents(free, connectivity=4)
     outside = labels[0, 0]
     masks = _room_masks(plan.rooms, origin, resolution, free.shape)
@@ -111,6 +121,10 @@ def _draw_segments(
 ) -> tuple[tuple[float, float], NDArray[np.uint8]]:
     """The grid's origin, and an (H, W) mask that is 0 where a segment runs and 1 elsewhere."""
     x0, y0, x1, y1 = plan.bounds
+    resolution = number("resolution", resolution, above=0)
+    cells = (x1 - x0) / resolution * (y1 - y0) / resolution
+    if cells > MAX_PIXELS or resolution > max(x1 - x0, y1 - y0):
+        raise InputError(f"resolution: {resolution}; give metres per cell that suit the plan")
     origin = (x0 - 2 * resolution, y0 - 2 * resolution)
     width = int(np.ceil((x1 - origin[0]) / resolution)) + 2
     height = int(np.ceil((y1 - origin[1]) / resolution)) + 2

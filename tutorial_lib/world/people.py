@@ -7,8 +7,8 @@ import numpy as np
 import pymunk
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import arc_length
+from tutorial_lib.se2 import arc_length
+from tutorial_lib.validation import floats, integers, number, whole
 from tutorial_lib.world.materials import Colour
 from tutorial_lib.world.raycast import Discs
 
@@ -40,18 +40,13 @@ class Person:
     keep_off: float = 1.3
 
     def __post_init__(self) -> None:
-        route = np.asarray(self.route, dtype=float)
-        if (
-            route.ndim != 2
-            or route.shape[1:] != (2,)
-            or not len(route)
-            or not np.isfinite(route).all()
-        ):
-            raise InputError(f"person: a route of shape {route.shape}; give (K, 2) finite points")
-        if not (self.radius > 0 and self.speed >= 0):
-            raise InputError(
-                f"person: radius {self.radius}, speed {self.speed}; give r > 0, v >= 0"
-            )
+        floats("route", self.route, ("K", 2), empty=False)
+        number("radius", self.radius, above=0)
+        for name in ("speed", "keep_off"):
+            number(name, getattr(self, name), least=0)
+        whole("owner", self.owner, least=EVERYBODY)
+        integers("colour", self.colour, (3,), least=0, most=255)
+        number("distance", self.distance)
 
 
 class Crowd:

@@ -4,8 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.se2 import Array, to_local, to_world
+from tutorial_lib.validation import floats, instance, whole, with_methods
 from tutorial_lib.world.bodies import Body
+from tutorial_lib.world.noise import MOST_ROBOTS
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
 
@@ -14,11 +16,12 @@ _ROUNDS = 100  # of drawing random poses, before giving up
 
 def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
     """(N,) whether a body at each pose (N, 3) is in a room and touches no wall or furniture."""
-    footprint = body.footprint
+    instance("scene", scene, Scene)
+    poses = floats("poses", poses, ("N", 3))
+    footprint = checked_body(body).footprint
     corners = to_world(poses[:, None], footprint)
     starts, ends = corners.reshape(-1, 2), np.roll(corners, -1, axis=1).reshape(-1, 2)
-    free = scene.caster.sees(starts, ends).reshape(len(poses), -1).all(axis=1)
-    free &= np.isfinite(poses).all(axis=1)
+    free = scene.caster.sees(starts, ends).reshape(len(poses), len(footprint)).all(axis=1)
     free[free] = scene.clearance.at(poses[free, :2]) > 0
     # A thin post can stand inside the outline without crossing any of its sides.
     around = np.flatnonzero(free)
@@ -30,21 +33,28 @@ def is_free(scene: Scene, body: Body, poses: Array) -> NDArray[np.bool_]:
     return free
 
 
-def check_free(scene: Scene, body: Body, poses: Array) -> None:
-    """Check that a body can stand at each pose (N, 3).
+def check_free(scene: Scene, body: Body, poses: Array, name: str = "poses") -> None:
+    """Check that a body can stand at each pose (N, 3), an argument of that name.
 
     Raises:
         InputError: naming the first pose that is not free.
     """
-    if not np.isfinite(poses).all():
-        raise InputError(f"start: {poses.tolist()} is not finite; give metres and radians")
     bad = np.flatnonzero(~is_free(scene, body, poses))
     if bad.size:
         x, y, heading = poses[bad[0]]
         raise InputError(
-            f"start: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a wall, "
-            "furniture or outside all rooms; choose another start"
+            f"{name}: at ({x:.2f}, {y:.2f}) heading {heading:.2f} the robot would be inside a "
+            "wall, furniture or outside all rooms; choose another start"
         )
+
+
+def checked_body(body: Body) -> Body:
+    """What a simulation can drive.
+
+    Raises:
+        InputError: when it is no body.
+    """
+    return with_methods("body", body, "respond", "twist")
 
 
 def check_apart(body: Body, poses: Array, discs: Discs) -> None:
@@ -53,7 +63,9 @@ def check_apart(body: Body, poses: Array, discs: Discs) -> None:
     Raises:
         InputError: naming the first that does.
     """
-    footprint = body.footprint
+    footprint = checked_body(body).footprint
+    instance("discs", discs, Discs)
+    poses = floats("poses", poses, ("N", 3))
     low, high = footprint.min(axis=0), footprint.max(axis=0)
     for (x, y, radius), owner in zip(discs.circles, discs.owners, strict=True):
         mine = poses if owner < 0 else poses[[owner]]
@@ -73,6 +85,9 @@ def random_free_poses(
     Raises:
         InputError: when it fits nowhere, or hardly anywhere.
     """
+    places = floats("places", places, ("P", 2), empty=False)
+    count = whole("count", count, least=0, most=MOST_ROBOTS)
+    instance("rng", rng, np.random.Generator)
     poses = np.empty((0, 3))
     for _ in range(_ROUNDS):
         tries = places[rng.integers(len(places), size=4 * count)]
@@ -80,7 +95,7 @@ def random_free_poses(
         poses = np.concatenate([poses, tries[is_free(scene, body, tries)]])
         if len(poses) >= count:
             return poses[:count]
-    raise InputError("start: the robot fits nowhere on this plan; give a larger one")
+    raise InputError("places: the robot fits at none of them; give others, or a larger plan")
 
 
 def _inside(footprint: Array, points: Array) -> NDArray[np.bool_]:

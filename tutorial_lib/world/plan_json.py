@@ -10,6 +10,7 @@ from tutorial_lib.files import write_text
 from tutorial_lib.reading.documents import parse_json
 from tutorial_lib.reading.limits import MAX_JSON
 from tutorial_lib.reading.regular import read_text
+from tutorial_lib.validation import instance, path_of
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import Door, FloorPlan, Furniture, Room
 from tutorial_lib.world.materials import Colour, Look, Material, Stripe
@@ -20,7 +21,7 @@ SCHEMA = 1
 
 def save_plan(plan: FloorPlan, path: str | Path) -> None:
     """Write `plan` to a JSON file, whole or not at all."""
-    write_text(path, plan_to_json(plan))
+    write_text(path_of("path", path), plan_to_json(plan))
 
 
 def load_plan(path: str | Path) -> FloorPlan:
@@ -29,7 +30,7 @@ def load_plan(path: str | Path) -> FloorPlan:
     Raises:
         InputError: when the file is missing or malformed, or a room is open to the outside.
     """
-    text = read_text(path, MAX_JSON, "give a floor plan's JSON file")
+    text = read_text(path_of("path", path), MAX_JSON, "give a floor plan's JSON file")
     plan = plan_from_json(text, where=Path(path).name)
     check_closed(plan)
     return plan
@@ -37,6 +38,7 @@ def load_plan(path: str | Path) -> FloorPlan:
 
 def plan_to_json(plan: FloorPlan) -> str:
     """The plan as JSON text, a line for each wall; equal plans give equal text."""
+    instance("plan", plan, FloorPlan)
     sections: dict[str, Any] = {
         "schema": SCHEMA,
         "family": plan.family,
@@ -83,6 +85,8 @@ def plan_from_json(text: str, where: str = "JSON text") -> FloorPlan:
     Raises:
         InputError: naming the field that is wrong.
     """
+    instance("text", text, str)
+    instance("where", where, str)
     root = Field(parse_json(text, where, "was the file cut off?"), where)
     if root["schema"].whole() != SCHEMA:
         raise root["schema"].fail(f"this version reads schema {SCHEMA}")

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import alike, flag, floats, instance, integers, number
 from tutorial_lib.world.grid_kernels import cast_grid, see
 from tutorial_lib.world.ray_kernels import cast_all, cast_discs
 
@@ -48,11 +48,13 @@ class Discs:
     colours: NDArray[np.float32]
 
     def __post_init__(self) -> None:
-        fit_together(
-            circles=(self.circles, ("K", 3)),
-            owners=(self.owners, ("K",)),
-            colours=(self.colours, ("K", 3)),
-        )
+        circles = floats("circles", self.circles, ("K", 3))
+        owners = integers("owners", self.owners, ("K",), least=-(2**31), most=2**31 - 1)
+        colours = floats("colours", self.colours, ("K", 3), least=0, most=255)
+        alike(circles=circles, owners=owners, colours=colours)
+        object.__setattr__(self, "circles", np.ascontiguousarray(circles))
+        object.__setattr__(self, "owners", np.ascontiguousarray(owners, np.int32))
+        object.__setattr__(self, "colours", np.ascontiguousarray(colours, np.float32))
 
     @classmethod
     def joined(cls, parts: Sequence["Discs"]) -> "Discs":
@@ -73,11 +75,9 @@ class Fan:
         Raises:
             InputError: when they are not.
         """
-        angles = np.array(angles, dtype=np.float64)
-        if angles.ndim != 1 or not len(angles) or not np.isfinite(angles).all():
-            raise InputError(f"rays: angles of shape {angles.shape}; give R finite angles in rad")
+        angles = floats("angles", angles, ("R",), empty=False).copy()
         if (np.diff(angles) < 0).any() or angles[-1] - angles[0] > 2 * np.pi:
-            raise InputError("rays: sort the angles in rising order, within one turn")
+            raise InputError("angles: sort them in rising order, within one turn")
         self.angles = angles
         self.directions = np.stack([np.cos(angles), np.sin(angles)])
         self.bundle = self._bundle()
@@ -126,12 +126,9 @@ class Raycaster:
         Raises:
             InputError: when the segments are malformed.
         """
-        segments = np.asarray(segments, dtype=np.float64)
-        if segments.ndim != 2 or segments.shape[1] != 4 or not len(segments):
-            raise InputError(f"segments: shape {segments.shape}; give rows x0, y0, x1, y1")
-        if not np.isfinite(segments).all():
-            raise InputError("segments: a coordinate is not finite; give numbers in metres")
-        self.segments = segments
+        self.segments = segments = floats("segments", segments, ("S", 4), empty=False)
+        if grid is not None:
+            grid = flag("grid", grid)
         self.rows = np.ascontiguousarray(segments.T)
         self._use_grid = len(segments) >= GRID_FROM if grid is None else grid
 
@@ -157,9 +154,17 @@ class Raycaster:
         Returns:
             Hits with arrays (N, R).
         """
-        poses = np.ascontiguousarray(poses, dtype=np.float64)
-        if poses.ndim != 2 or poses.shape[1] != 3:
-            raise InputError(f"poses: shape {poses.shape}; give (N, 3) rows x, y, heading")
+        poses = np.ascontiguousarray(floats("poses", poses, ("N", 3)))
+        return self.meet(poses, instance("fan", fan, Fan), discs, viewers)
+
+    def meet(
+        self,
+        poses: NDArray[np.float64],
+        fan: Fan,
+        discs: Discs | None,
+        viewers: NDArray[np.int32] | None,
+    ) -> Hits:
+        """`cast` for poses that are right already, in one piece."""
         shape = (len(poses), len(fan.angles))
         distance = np.empty(shape)
         wall = np.empty(shape, np.int32)
@@ -169,12 +174,22 @@ class Raycaster:
             cast_grid(self.rows, *self._grid, *rays)
         else:
             cast_all(self.rows, *rays)
-        if discs is not None and len(discs.circles):
-            viewers = np.arange(len(poses), dtype=np.int32) if viewers is None else viewers
-            fit_together(poses=(poses, ("N", 3)), viewers=(viewers, ("N",)))
+        viewers = self._viewers(viewers, poses)
+        if discs is not None and len(instance("discs", discs, Discs).circles):
             shapes = (discs.circles, discs.owners, len(self.segments), viewers)
             cast_discs(*shapes, poses, fan.directions, distance, wall, along)
         return Hits(distance, wall, along)
+
+    def _viewers(
+        self, viewers: NDArray[np.int32] | None, poses: NDArray[np.float64]
+    ) -> NDArray[np.int32]:
+        """Which robot looks from each pose."""
+        if viewers is None:
+            return np.arange(len(poses), dtype=np.int32)
+        if type(viewers) is not np.ndarray or viewers.dtype != np.int32 or viewers.ndim != 1:
+            viewers = integers("viewers", viewers, ("N",)).astype(np.int32)
+        alike(viewers=viewers, poses=poses)
+        return viewers
 
     def sees(self, origins: ArrayLike, points: ArrayLike, slack: float = 1e-9) -> NDArray[np.bool_]:
         """Whether no wall stands between pairs of points.
@@ -185,14 +200,12 @@ class Raycaster:
             slack: metres before each point that do not count, so that points on a wall can be seen.
 
         Returns:
-            (N,) true where the line is clear; never for a point that is not a number.
+            (N,) true where the line is clear.
         """
-        origins, points = np.asarray(origins, float), np.asarray(points, float)
-        for ends in (origins, points):
-            if ends.ndim != 2 or ends.shape[1] != 2:
-                raise InputError(f"sight: points of shape {ends.shape}; give (N, 2) rows x, y")
-        if len(origins) != len(points) and 1 not in (len(origins), len(points)):
-            raise InputError(f"sight: {len(origins)} origins, {len(points)} points; give as many")
+        origins, points = floats("origins", origins, ("N", 2)), floats("points", points, ("N", 2))
+        if 1 not in (len(origins), len(points)):
+            alike(origins=origins, points=points)
+        slack = number("slack", slack, least=0)
         origins, points = (np.ascontiguousarray(e) for e in np.broadcast_arrays(origins, points))
         clear = np.empty(len(points), np.bool_)
         see(self.rows, *self._grid, origins, points, slack, clear)

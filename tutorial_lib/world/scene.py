@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from tutorial_lib.validation import instance
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.materials import PERIOD, TEXELS
 from tutorial_lib.world.occupancy import ClearanceGrid, clearance_grid
@@ -23,7 +24,7 @@ class Scene:
 
     def __init__(self, plan: FloorPlan) -> None:
         """Prepare `plan`."""
-        self.plan = plan
+        self.plan = instance("plan", plan, FloorPlan)
         self.caster = Raycaster(plan.segments)
 
     def __reduce__(self) -> tuple[type["Scene"], tuple[FloorPlan]]:

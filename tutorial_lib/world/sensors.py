@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import floats, images, instance, number, whole
 from tutorial_lib.world.paint import paint_columns, paint_rows
 from tutorial_lib.world.raycast import Discs, Fan, Hits
 from tutorial_lib.world.scene import Scene
@@ -15,6 +16,8 @@ EYE = 0.25
 """Metres of the camera above the floor."""
 WALL_HEIGHT = 1.0
 """Metres; furniture and people are as high."""
+MOST_COLUMNS = 100_000
+"""Of an image, and rows, and beams of a laser."""
 
 Viewers = NDArray[np.int32]
 
@@ -50,8 +53,19 @@ class _Eye:
             image (N, H, W, 3) uint8 RGB, left column = left of view; and depth (N, W), metres to
             the wall along each column's ray.
         """
-        poses = np.ascontiguousarray(poses, dtype=np.float64)
-        hits = scene.caster.cast(poses, self.fan, discs, viewers)
+        instance("scene", scene, Scene)
+        return self.render(scene, floats("poses", poses, ("N", 3)), discs, viewers)
+
+    def render(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None,
+        viewers: Viewers | None,
+    ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
+        """`look` for poses that are right already."""
+        poses = np.ascontiguousarray(poses)
+        hits = scene.caster.meet(poses, self.fan, discs, viewers)
         image = _paint(self, scene, poses, hits, discs)
         return image, np.ascontiguousarray(hits.distance[:, ::-1])
 
@@ -77,10 +91,8 @@ class Camera(_Eye):
 
     def __post_init__(self) -> None:
         _check_picture(self.rows, self.columns, self.slope)
-        if not 0.0 < self.field_of_view < np.pi:
-            raise InputError(
-                f"camera: a field of view of {self.field_of_view} rad; give one between 0 and pi"
-            )
+        if not number("field_of_view", self.field_of_view, above=0) < np.pi:
+            raise InputError(f"field_of_view: {self.field_of_view} rad; give one below pi")
 
     @cached_property
     def fan(self) -> Fan:
@@ -122,14 +134,11 @@ class PanoramicCamera(_Eye):
 
     def __post_init__(self) -> None:
         _check_picture(self.rows, self.columns, self.slope)
-        if (
-            self.patches < 1
-            or self.columns % self.patches
-            or not 0 < self.patch_columns <= self.columns
-        ):
+        whole("patches", self.patches, least=1)
+        whole("patch_columns", self.patch_columns, least=1, most=self.columns)
+        if self.columns % self.patches:
             raise InputError(
-                f"panorama: {self.columns} columns in {self.patches} patches of "
-                f"{self.patch_columns}; give a multiple, and patches no wider than the whole"
+                f"columns: {self.columns} in {self.patches} patches; give a multiple of patches"
             )
 
     @cached_property
@@ -152,6 +161,7 @@ class PanoramicCamera(_Eye):
 
         Patch p is centred on the direction ``p * 2 pi / P``, counter-clockwise from ahead.
         """
+        image = images("image", image, ("N", "H", self.columns, 3))
         step = self.columns // self.patches
         centre = self.columns // 2 - step * np.arange(self.patches)
         offset = np.arange(self.patch_columns) - self.patch_columns // 2
@@ -176,8 +186,9 @@ class Laser:
     range: float = 10.0
 
     def __post_init__(self) -> None:
-        if self.beams < 1 or not 0.0 < self.field_of_view <= 2 * np.pi or not self.range > 0.0:
-            raise InputError(f"{self}: give beams >= 1, a field of view up to 2 pi and a range > 0")
+        whole("beams", self.beams, least=1, most=MOST_COLUMNS)
+        number("field_of_view", self.field_of_view, above=0, most=2 * np.pi)
+        number("range", self.range, above=0, infinite=True)
 
     @cached_property
     def fan(self) -> Fan:
@@ -192,7 +203,19 @@ class Laser:
         viewers: Viewers | None = None,
     ) -> NDArray[np.float64]:
         """Distances (N, B) in metres from every pose, at most `range`."""
-        return np.minimum(scene.caster.cast(poses, self.fan, discs, viewers).distance, self.range)
+        instance("scene", scene, Scene)
+        return self.measure(scene, floats("poses", poses, ("N", 3)), discs, viewers)
+
+    def measure(
+        self,
+        scene: Scene,
+        poses: NDArray[np.float64],
+        discs: Discs | None,
+        viewers: Viewers | None,
+    ) -> NDArray[np.float64]:
+        """`scan` for poses that are right already."""
+        poses = np.ascontiguousarray(poses)
+        return np.minimum(scene.caster.meet(poses, self.fan, discs, viewers).distance, self.range)
 
 
 @dataclass(frozen=True)
@@ -210,22 +233,26 @@ class Sensors:
     with_depth: bool = False
 
     def __post_init__(self) -> None:
+        if self.camera is not None and not isinstance(self.camera, Camera | PanoramicCamera):
+            raise InputError(f"camera: a {type(self.camera).__name__}; give a Camera or None")
+        instance("laser", self.laser, Laser)
+        flag("with_depth", self.with_depth)
         if self.laser.field_of_view < 2 * np.pi:
-            raise InputError("sensors: a robot's laser scans the full circle; give 2 pi")
+            raise InputError("laser: a robot's laser scans the full circle; give 2 pi")
         if self.with_depth and self.camera is None:
-            raise InputError("sensors: depth needs a camera; give one, or with_depth=False")
+            raise InputError("with_depth: depth needs a camera; give one, or with_depth=False")
 
 
 def full_circle(count: int) -> NDArray[np.float64]:
     """Middle angles of `count` equal parts of the circle, rising from -pi."""
+    count = whole("count", count, least=1, most=MOST_COLUMNS)
     return (np.arange(count) + 0.5) * (2 * np.pi / count) - np.pi
 
 
 def _check_picture(rows: int, columns: int, slope: float) -> None:
-    if rows < 1 or columns < 2:
-        raise InputError(f"camera: {rows} rows and {columns} columns; give at least 1 and 2")
-    if not 0.0 < slope < np.inf:
-        raise InputError(f"camera: a slope of {slope}; give the tangent of an angle up to pi / 2")
+    whole("rows", rows, least=1, most=MOST_COLUMNS)
+    whole("columns", columns, least=2, most=MOST_COLUMNS)
+    number("slope", slope, above=0)
 
 
 def _paint(

@@ -8,8 +8,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, compose, relative, wrap
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.se2 import Array, compose, relative, wrap
+from tutorial_lib.validation import (
+    alike,
+    flag,
+    floats,
+    instance,
+    instances,
+    integers,
+    number,
+    whole,
+    with_methods,
+)
 from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.fleet import Fleet
 from tutorial_lib.world.interaction import check_distinct, robot_discs
@@ -21,7 +32,7 @@ from tutorial_lib.world.noise import (
     scale_controls,
 )
 from tutorial_lib.world.people import Crowd, Person
-from tutorial_lib.world.placing import check_apart, check_free
+from tutorial_lib.world.placing import check_apart, check_free, checked_body
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Sensors
@@ -79,22 +90,23 @@ class Simulation:
             InputError: when a robot would start inside a wall or one that it interacts with, or
                 there is noise and no `rng`.
         """
-        self.scene = scene
-        self.body = BicycleCar() if body is None else body
-        self.sensors = Sensors() if sensors is None else sensors
-        self.poses = _poses(poses)
+        self.scene = instance("scene", scene, Scene)
+        self.body = BicycleCar() if body is None else checked_body(body)
+        self.sensors = Sensors() if sensors is None else instance("sensors", sensors, Sensors)
+        self.poses = _frozen(_poses(poses))
         check_free(scene, self.body, self.poses)
-        self._odometry_noise = NoNoise() if odometry_noise is None else odometry_noise
-        self._control_noise = control_noise
-        if not control_noise >= 0:
-            raise InputError(f"simulation: control_noise {control_noise}; give a sigma >= 0")
+        noise = NoNoise() if odometry_noise is None else odometry_noise
+        self._odometry_noise = with_methods("odometry_noise", noise, "measure")
+        self._control_noise = number("control_noise", control_noise, least=0)
+        if rng is not None:
+            instance("rng", rng, np.random.Generator)
         if rng is None and (control_noise or self._odometry_noise.needs_rng):
-            raise InputError("simulation: noise needs an rng; give np.random.default_rng(seed)")
-        self._rng, self.interacting = rng, interacting
+            raise InputError("rng: None, and noise needs one; give np.random.default_rng(seed)")
+        self._rng, self.interacting = rng, flag("interacting", interacting)
         count = len(self.poses)
         self.controls, self.odometry = np.zeros((count, 2)), np.zeros((count, 3))
         self.speed, self.seconds = np.zeros(count), 0.0
-        crowd = Crowd(people)
+        crowd = Crowd(instances("people", people, Person))
         if not (crowd.owners < count).all():
             raise InputError(f"people: an owner is beyond the last robot, {count - 1}")
         check_apart(self.body, self.poses, crowd.discs)
@@ -163,10 +175,8 @@ class Simulation:
             InputError: when an action is none of these, or the simulation has no `rng`.
         """
         if self._rng is None:
-            raise InputError("simulation: discrete actions are noisy; give it an rng")
-        actions = np.asarray(actions)
-        if actions.shape != (len(self),) or not np.isin(actions, list(ACTUATION)).all():
-            raise InputError(f"actions: {actions.tolist()}; give (N,) numbers from 0 to 3")
+            raise InputError("actions: discrete ones are noisy; give the simulation an rng")
+        actions = integers("actions", actions, (len(self),), least=0, most=max(ACTUATION))
         before, self.controls = self.poses, np.zeros((len(self), 2))
         count = round(ACTION_SECONDS / STEP) * SUBSTEPS
         # A velocity moves the body in the substep after, so the last one brings it to rest.
@@ -190,18 +200,14 @@ class Simulation:
             InputError: when a robot would stand in a wall, on a person, or in a robot that it
                 interacts with; none is moved then.
         """
-        robots, poses = np.atleast_1d(np.asarray(robots)), _poses(poses)
-        once = robots.dtype.kind in "iu" and robots.shape == np.unique(robots).shape
-        if not once or len(robots) != len(poses):
-            raise InputError(
-                f"place: robots {robots}, {len(poses)} poses; give (M,) whole numbers, each once, "
-                "and (M, 3)"
-            )
-        if not np.isin(robots, np.arange(len(self))).all():
-            raise InputError(f"place: robots {robots}; there are 0 to {len(self) - 1}")
+        robots = np.atleast_1d(integers("robots", robots, least=0, most=len(self) - 1))
+        poses = _poses(poses)
+        if robots.ndim > 1 or len(np.unique(robots)) < len(robots):
+            raise InputError(f"robots: {robots.tolist()}; give (M,) indices, each once")
+        alike(robots=robots, poses=poses)
         check_free(self.scene, self.body, poses)
-        # At NaN a robot collides with nobody: only those that move are checked.
-        alone = np.full_like(self.poses, np.nan)
+        # So far away a robot collides with nobody: only those that move are checked.
+        alone = np.full_like(self.poses, 1e9)
         alone[robots] = poses
         check_apart(self.body, alone, self.crowd.discs)
         placed = self.poses.copy()
@@ -210,7 +216,7 @@ class Simulation:
             check_distinct(self.body, placed)
         self._fleet.place(robots, poses)
         placed[:, 2] = wrap(placed[:, 2])
-        self.poses = _poses(placed)
+        self.poses = _frozen(placed)
         self.controls[robots], self.speed[robots] = 0.0, 0.0
 
     def observe(self, robots: NDArray[np.intp] | None = None) -> Observation:
@@ -220,13 +226,14 @@ class Simulation:
             robots: (M,) indices of the robots to observe; all unless given.
         """
         numbers = np.arange(len(self), dtype=np.int32)
-        numbers = numbers if robots is None else numbers[robots]
+        if robots is not None:
+            numbers = numbers[integers("robots", robots, ("M",), least=0, most=len(self) - 1)]
         poses, discs = self.poses[numbers], self.discs
         image, depth = self._look(poses, discs, numbers)
         return Observation(
             image=image,
             depth=depth if self.sensors.with_depth else None,
-            laser=self.sensors.laser.scan(self.scene, poses, discs, numbers),
+            laser=self.sensors.laser.measure(self.scene, poses, discs, numbers),
             odometry=self.odometry[numbers],
             speed=self.speed[numbers],
             steering=self.controls[numbers, 1],
@@ -240,7 +247,7 @@ class Simulation:
         """Images and depth; both are empty where there is no camera."""
         if self.sensors.camera is None:
             return np.empty((len(poses), 0, 0, 3), np.uint8), np.empty((len(poses), 0))
-        return self.sensors.camera.look(self.scene, poses, discs, numbers)
+        return self.sensors.camera.render(self.scene, poses, discs, numbers)
 
     def _finish(
         self, before: NDArray[np.float64], seconds: float, actions: NDArray[np.intp] | None
@@ -248,7 +255,7 @@ class Simulation:
         """Update what follows from the motion since `before`."""
         poses = self._fleet.poses.copy()
         poses[:, 2] = wrap(poses[:, 2])
-        self.poses = _poses(poses)
+        self.poses = _frozen(poses)
         motions = relative(before, self.poses)
         self.speed = motions[:, 0] / seconds
         read = self._odometry_noise.measure(motions, actions, self._rng)
@@ -257,26 +264,20 @@ class Simulation:
 
 
 def checked_actions(actions: ArrayLike, robots: int) -> Array:
-    """Actions (M, 2) as numbers.
-
-    Raises:
-        InputError: when they are anything but finite real numbers (M, 2), one row for each robot.
-    """
-    try:
-        found = np.asarray(actions)
-    except ValueError as error:  # rows of different lengths
-        raise InputError(f"actions: {error}; give finite (M, 2) for {robots} robots") from error
-    real = found.dtype.kind in "biuf"
-    if found.shape != (robots, 2) or not real or not np.isfinite(found).all():
-        kind = "" if real else f" of {found.dtype}"
-        raise InputError(f"actions: {found.shape}{kind}; give finite (M, 2) for {robots} robots")
-    return found.astype(float)
+    """Actions (M, 2) as finite numbers, a copy; an `InputError` where they are anything else."""
+    found = floats("actions", actions, ("M", 2))
+    if len(found) != whole("robots", robots, least=0):
+        raise InputError(f"actions: {found.shape}; give (M, 2), a row for each of {robots} robots")
+    return found.copy()
 
 
 def _poses(poses: ArrayLike) -> Array:
-    """Poses (N, 3) that cannot be written to: a robot is moved by driving it."""
-    poses = np.atleast_2d(np.array(poses, dtype=float))
-    if poses.ndim != 2 or poses.shape[1] != 3:
-        raise InputError(f"start: poses of shape {poses.shape}; give (N, 3) rows x, y, heading")
+    """Poses (N, 3); a single one is taken, too."""
+    return floats("poses", np.atleast_2d(floats("poses", poses, (..., 3))), ("N", 3))
+
+
+def _frozen(poses: Array) -> Array:
+    """A copy that cannot be written to: a robot is moved by driving it."""
+    poses = np.array(poses)
     poses.setflags(write=False)
     return poses

@@ -3,13 +3,15 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import to_local
+from tutorial_lib.se2 import to_local
+from tutorial_lib.validation import alike, floats, instance, number, whole
 from tutorial_lib.world.raycast import Fan, Raycaster
 
 RAYS = 100
 """Rays that sample a view."""
 OFF_THE_WALL = 0.06
 """Metres by which a point on a wall is pulled back before the other view must see it."""
+_MOST_RAYS = 100_000
 FIELD_OF_VIEW = float(np.deg2rad(120.0))
 
 
@@ -35,8 +37,12 @@ def mutual_overlap(
     Returns:
         (N, 2) in [0, 1]: the share of the first view in the second, and of the second in the first.
     """
-    first = np.asarray(first, dtype=float).reshape(-1, 3)
-    second = np.asarray(second, dtype=float).reshape(-1, 3)
+    instance("caster", caster, Raycaster)
+    first = np.atleast_2d(floats("first", first, (..., 3)))
+    second = np.atleast_2d(floats("second", second, (..., 3)))
+    alike(first=first, second=second)
+    field_of_view = number("field_of_view", field_of_view, above=0, most=2 * np.pi)
+    rays = whole("rays", rays, least=1, most=_MOST_RAYS)
     shares = [
         _share(caster, a, b, field_of_view, rays) for a, b in ((first, second), (second, first))
     ]

@@ -7,6 +7,7 @@ A recorded trajectory stores this name, and its images are rendered again from i
 """
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import instance, one_of, whole
 from tutorial_lib.world.generators import AREAS, FAMILIES, SIGNS, generate
 from tutorial_lib.world.generators.palette import PALETTES
 from tutorial_lib.world.scene import Scene
@@ -34,9 +35,12 @@ def world_name(
     >>> world_name("apartment", 17)
     'apartment/17/standard'
     """
-    name = "/".join([family, str(seed), palette, *_options(size, signs)])
-    parse_world(name)
-    return name
+    one_of("family", family, FAMILIES)
+    one_of("palette", palette, PALETTES)
+    one_of("size", size, AREAS)
+    one_of("signs", signs, SIGNS)
+    seed = whole("seed", seed, least=0)
+    return "/".join([family, str(seed), palette, *_options(size, signs)])
 
 
 def parse_world(name: str) -> tuple[str, int, str, str, str]:
@@ -45,13 +49,14 @@ def parse_world(name: str) -> tuple[str, int, str, str, str]:
     Raises:
         InputError: saying which part of the name is wrong.
     """
+    instance("name", name, str)
     family, seed, palette, *options = name.split("/") if name.count("/") > 1 else ("", "", "", "")
     size = options.pop(0) if options and options[0] not in SIGNS else "any"
     signs = options.pop(0) if options else "plain"
     if options or "" in (family, size, signs) or _options(size, signs) != name.split("/")[3:]:
         raise InputError(
-            f"world: {name!r}; give family/seed/palette, as in apartment/17/standard, and /large "
-            "behind it for a large one, /wayfinding for one with signs"
+            f"world name: {name!r}; give family/seed/palette, as in apartment/17/standard, and "
+            "/large behind it for a large one, /wayfinding for one with signs"
         )
     if family not in FAMILIES:
         raise InputError(f"world: family {family!r} is unknown; use one of {', '.join(FAMILIES)}")
@@ -87,6 +92,8 @@ def families_of(family: str, usual: tuple[str, ...]) -> tuple[str, ...]:
     >>> families_of("hall", LOCAL_FAMILIES)
     ('hall',)
     """
+    if instance("family", family, str):
+        one_of("family", family, ("all", *FAMILIES))
     return {"": usual, "all": VALIDATION_FAMILIES}.get(family, (family,))
 
 
@@ -133,6 +140,5 @@ def validation_world(seed: int) -> str:
 
 
 def _by_seed(families: tuple[str, ...], seed: int, palette: str, size: str = "any") -> str:
-    # The name is checked before the seed is used as a number.
-    world_name(families[0], seed, palette, size)
-    return world_name(families[int(seed) % len(families)], seed, palette, size)
+    seed = whole("seed", seed, least=0)
+    return world_name(families[seed % len(families)], seed, palette, size)

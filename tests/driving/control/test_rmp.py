@@ -191,10 +191,16 @@ def test_it_drives_through_a_plan(family, body):
     assert rollouts.collided.sum() == 0
 
 
+def test_no_action_follows_from_a_speed_that_is_none(box):
+    seen = Simulation(box, [[3, 3, 0]]).observe()
+    with pytest.raises(InputError, match="observations: nan; give finite"):
+        RMPController().act(replace(seen, speed=np.array([np.nan])), [[1.0, 0.0]])
+
+
 @pytest.mark.parametrize("waypoints", [[[1.0, 0.0]], [[np.nan, 0.0], [1.0, 1.0]]])
 def test_waypoints_that_are_none_are_refused(box, waypoints):
     observations = Simulation(box, [[3, 3, 0], [6, 6, 0]]).observe()
-    with pytest.raises(InputError, match="finite"):
+    with pytest.raises(InputError, match=r"waypoints: .*give (finite|.*for 2 robots)"):
         RMPController().act(observations, waypoints)
 
 

@@ -103,5 +103,5 @@ def test_no_robots_take_no_actions():
 
 @pytest.mark.parametrize("share", [0.0, -0.1, 1.1, float("nan")])
 def test_a_share_is_above_0_and_at_most_1(share):
-    with pytest.raises(InputError, match=r"smoothing: share .* give a number above 0"):
+    with pytest.raises(InputError, match=r"share: .* give one real number"):
         smoothed(Truth((0.0, 0.0)), share)

@@ -214,12 +214,12 @@ def test_a_context_is_that_of_its_own_trajectory(recorded, k):
 @pytest.mark.parametrize(
     ("frames", "k", "words"),
     [
-        ([0], -1, "k = -1"),
-        ([-1], 1, "there are 0 to"),
-        ([10**9], 1, "there are 0 to"),
+        ([0], -1, "k: -1; give one whole number"),
+        ([-1], 1, "frames: -1; give whole numbers from 0 to"),
+        ([10**9], 1, "frames: 1000000000; give whole numbers from 0 to"),
         ([1.5], 1, "whole numbers"),
         ([[1, 2]], 1, r"\(N,\)"),
-        ([0], 400, "k = 400 needs a trajectory of 2401 frames"),
+        ([0], 400, "k: 400 needs a trajectory of 2401 frames"),
     ],
 )
 def test_no_context_of_what_was_not_recorded(recorded, frames, k, words):
@@ -228,7 +228,7 @@ def test_no_context_of_what_was_not_recorded(recorded, frames, k, words):
 
 
 def test_without_a_trajectory_there_is_nothing_to_draw(box):
-    with pytest.raises(InputError, match="no trajectories"):
+    with pytest.raises(InputError, match="trajectories: there are none"):
         RecordedWorld(box, [])
 
 

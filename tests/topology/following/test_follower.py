@@ -770,12 +770,12 @@ def test_the_nearest_anchor_wins_and_of_two_the_one_ahead():
     [
         ({"p_follow": 1.0}, "p_follow = 1.0; give a number between 0 and 1"),
         ({"p_search": 0.0}, "p_search = 0.0; give a number between"),
-        ({"near": np.nan}, "near = nan"),
-        ({"confirm": 0}, "confirm = 0; give a whole number"),
-        ({"confirm": 2.5}, "confirm = 2.5; give a whole number"),
-        ({"widest": -1}, "widest = -1; give a whole number"),
+        ({"near": np.nan}, "near: nan; give one real number"),
+        ({"confirm": 0}, "confirm: 0; give one whole number from 1 on"),
+        ({"confirm": 2.5}, "confirm: 2.5; give one whole number"),
+        ({"widest": -1}, "widest: -1; give one whole number"),
         ({"timeout": -1.0}, "timeout = -1.0; give a finite number"),
-        ({"timeout": np.inf}, "timeout = inf; give a finite number"),
+        ({"timeout": np.inf}, "timeout: inf; give one real number"),
         ({"fall": 0.0}, "fall = 0.0; give a number above 0, at most 1"),
         ({"fall": 1.1}, "fall = 1.1; give"),
         ({"p_lose": 0.95}, "p_lose = 0.95, p_follow = 0.92"),
@@ -809,7 +809,9 @@ def test_paths_that_lead_nowhere_are_refused(targets, prepared, paths, words):
 @pytest.mark.parametrize("starts", [[9], [-2], [0, 0], [0.5], [[0]]])
 def test_starts_beyond_the_path_are_refused(starts):
     parts = CorridorPredictor(), CorridorController(), CorridorReachability()
-    with pytest.raises(InputError, match=r"starts: .*give .N,. anchors of 1 paths"):
+    with pytest.raises(
+        InputError, match=r"starts: .*give (.N,. anchors of 1 paths|whole numbers of shape .N,.)"
+    ):
         Follower(AnchorPaths(np.zeros(9), np.zeros(9), [range(9)]), *parts, None, starts)
 
 
@@ -836,7 +838,7 @@ class Wrong:
 @pytest.mark.parametrize(
     ("predictor", "words"),
     [
-        (Wrong(waypoints=lambda w: w[:, :1]), "waypoints: .*finite .N, 2."),
+        (Wrong(waypoints=lambda w: w[:, :1]), "waypoints: .*shape .N, 2."),
         (Wrong(waypoints=lambda w: w * np.nan), "waypoints: .*finite"),
         (Wrong(overlaps=lambda o: o.mean(axis=1)), "overlaps: .*finite .N, 2."),
         (Wrong(overlaps=lambda o: o + np.nan), "overlaps: .*finite"),

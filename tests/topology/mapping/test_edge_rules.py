@@ -169,7 +169,7 @@ def test_a_small_part_of_an_image_is_not_the_image():
         (np.ones((2, 1, 3)), np.ones((2, 1, 3)), r"give finite \(N, P, R, D\)"),
         (np.full((2, 1, 3), np.nan), np.ones((2, 1, 1, 3)), "give finite"),
         (np.ones((2, 1, 3)), np.full((2, 1, 1, 3), np.inf), "give finite"),
-        (np.ones((2, 1, 3)), np.ones((2, 1, 1, 4)), "3 and 4 dimensions.* same network"),
+        (np.ones((2, 1, 3)), np.ones((2, 1, 1, 4)), "3 and shown 4 dimensions.* same network"),
     ],
 )
 def test_embeddings_that_do_not_fit_are_named(seen, shown, words):
@@ -453,13 +453,13 @@ def test_what_never_happens_has_a_finite_weight():
 @pytest.mark.parametrize(
     ("values", "words"),
     [
-        ({"p_edge": 1.1}, "p_edge = 1.1; give a probability"),
-        ({"p_edge": -0.1}, "p_edge = -0.1; give a probability"),
-        ({"p_reuse": np.nan}, "p_reuse = nan; give a probability"),
-        ({"p_outdated": 2}, "p_outdated = 2; give a probability"),
-        ({"sequence": -1}, "sequence = -1; give a whole number, 0 or"),
-        ({"sequence": 1.5}, "sequence = 1.5; give a whole number"),
-        ({"candidates": 0}, "candidates = 0; give a whole number, 1 or"),
+        ({"p_edge": 1.1}, "p_edge: 1.1; give one real number from 0 to 1"),
+        ({"p_edge": -0.1}, "p_edge: -0.1; give one real number"),
+        ({"p_reuse": np.nan}, "p_reuse: nan; give one real number"),
+        ({"p_outdated": 2}, "p_outdated: 2.0; give one real number"),
+        ({"sequence": -1}, "sequence: -1; give one whole number from 0 on"),
+        ({"sequence": 1.5}, "sequence: 1.5; give one whole number"),
+        ({"candidates": 0}, "candidates: 0; give one whole number from 1 on"),
     ],
 )
 def test_settings_that_make_no_sense_are_refused(values, words):

@@ -143,15 +143,24 @@ def test_anything_that_an_array_selects_from_can_be_prepared():
         (lambda r: sparsify(r, frames(4), np.arange(3), 0.9), "3 prepared targets for 4"),
         (lambda r: sparsify(r, frames(4), np.arange(4), 0.0), "threshold 0.0; give a prob"),
         (lambda r: sparsify(r, frames(4), np.arange(4), 1.0), "threshold 1.0; give a prob"),
-        (lambda r: sparsify(r, frames(4), np.arange(4), np.nan), "threshold nan; give a prob"),
-        (lambda r: sparsify(r, frames(4), np.arange(4), 0.9, window=0), "window 0; give a whole"),
+        (lambda r: sparsify(r, frames(4), np.arange(4), np.nan), "threshold: nan; give one"),
+        (
+            lambda r: sparsify(r, frames(4), np.arange(4), 0.9, window=0),
+            "window: 0; give one whole",
+        ),
         (lambda r: every_nth(1, 3), "1 frames"),
-        (lambda r: every_nth(9, 0), "n = 0; give a whole"),
+        (lambda r: every_nth(9, 0), "n: 0; give one whole"),
         (lambda r: contextified(np.zeros((0, 2)), 1), "without an image"),
-        (lambda r: contextified(np.zeros((3, 2)), -1), "k = -1; give a whole"),
-        (lambda r: stored_frames([0, 9], 9, 2), "give .A,. of 0 to 8"),
-        (lambda r: stored_frames([[0, 1]], 9, 2), "give .A,. of 0 to 8"),
-        (lambda r: stored_frames([0], 9, -1), "k = -1; give a whole"),
+        (lambda r: contextified(np.zeros((3, 2)), -1), "k: -1; give one whole"),
+        (
+            lambda r: stored_frames([0, 9], 9, 2),
+            "anchors: .*; give whole numbers (from 0 to 8|of shape .A,.)",
+        ),
+        (
+            lambda r: stored_frames([[0, 1]], 9, 2),
+            "anchors: .*; give whole numbers (from 0 to 8|of shape .A,.)",
+        ),
+        (lambda r: stored_frames([0], 9, -1), "k: -1; give one whole"),
     ],
 )
 def test_bad_input_is_named(make, words):

@@ -328,8 +328,8 @@ def test_arrays_that_would_run_something_are_not_read(path):
         ("trails", [["a"]], "damaged"),
         ("settings", [], "damaged"),
         ("settings", {"p_hope": 0.5}, "damaged"),
-        ("settings", {"p_edge": 7}, "p_edge = 7"),
-        ("settings", {"p_edge": "0.9"}, "damaged"),
+        ("settings", {"p_edge": 7}, "p_edge: 7"),
+        ("settings", {"p_edge": "0.9"}, "p_edge: '0.9'"),
     ],
 )
 def test_a_graph_that_makes_no_sense_is_named(path, name, value, words):

@@ -16,6 +16,7 @@ from tutorial_lib.interfaces import (
     View,
     WaypointPredictor,
 )
+from tutorial_lib.validation import floats, instance, integers, whole, with_methods
 
 
 def checked_waypoints(waypoints: ArrayLike, robots: int) -> Array:
@@ -24,10 +25,23 @@ def checked_waypoints(waypoints: ArrayLike, robots: int) -> Array:
     Raises:
         InputError: when one is missing or not finite.
     """
-    waypoints = np.ascontiguousarray(waypoints, dtype=float)
-    if waypoints.shape != (robots, 2) or not np.isfinite(waypoints).all():
-        raise InputError(f"waypoints: {waypoints.shape}; give finite (N, 2) for {robots} robots")
-    return waypoints
+    waypoints = floats("waypoints", waypoints, ("N", 2))
+    if len(waypoints) != whole("robots", robots, least=0):
+        raise InputError(f"waypoints: {waypoints.shape}; give (N, 2) for {robots} robots")
+    return np.ascontiguousarray(waypoints)
+
+
+def checked_robots(observations: Observation, robots: Robots, targets: Targets) -> Robots:
+    """Indices (M,) of robots that have targets, one for each observation.
+
+    Raises:
+        InputError: when there is another number of them, or one that has none.
+    """
+    most = len(targets) - 1 if hasattr(targets, "__len__") else None
+    robots = integers("robots", robots, ("M",), least=0, most=most)
+    if len(robots) != len(instance("observations", observations, Observation)):
+        raise InputError(f"robots: {len(robots)}, observations: {len(observations)}; give as many")
+    return robots
 
 
 @dataclass(frozen=True)
@@ -42,8 +56,13 @@ class ComposedController:
     predictor: WaypointPredictor
     controller: Controller
 
+    def __post_init__(self) -> None:
+        with_methods("predictor", self.predictor, "predict")
+        with_methods("controller", self.controller, "act")
+
     def act(self, observations: Observation, targets: Targets) -> Array:
         """Actions (N, 2) for robots that are to reach `targets`."""
+        instance("observations", observations, Observation)
         waypoints, _ = self.predictor.predict(observations, targets)
         return self.controller.act(observations, waypoints)
 
@@ -60,6 +79,9 @@ class RandomWaypoints:
     view: View = field(default=None, init=False)
     k: int = field(default=0, init=False)
 
+    def __post_init__(self) -> None:
+        instance("rng", self.rng, np.random.Generator)
+
     def prepare(self, contexts: NDArray) -> Targets:
         """The contexts as they are."""
         return contexts
@@ -67,7 +89,7 @@ class RandomWaypoints:
     def predict(self, observations: Observation, targets: Targets) -> tuple[Array, Array]:
         """Random waypoints (N, 2), and overlaps (N, 2) of one half."""
         del targets
-        count = len(observations)
+        count = len(instance("observations", observations, Observation))
         waypoints = self.rng.uniform([-1.0, -1.5], [3.0, 1.5], size=(count, 2))
         return waypoints, np.full((count, 2), 0.5)
 
@@ -84,6 +106,10 @@ class TargetPolicy:
     controller: LocalController
     targets: Targets
 
+    def __post_init__(self) -> None:
+        with_methods("controller", self.controller, "act")
+
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of the robots (M,)."""
+        robots = checked_robots(observations, robots, self.targets)
         return self.controller.act(observations, self.targets[robots])

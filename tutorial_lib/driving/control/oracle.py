@@ -3,12 +3,14 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tutorial_lib.driving.control.composed import checked_robots
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import Controller, Observation, Robots
+from tutorial_lib.se2 import Array, to_local
+from tutorial_lib.validation import instance, integers, number, with_methods
 from tutorial_lib.world.simulation import STEP, Simulation
 
 PARKING = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, crawl=0.15)
@@ -46,22 +48,30 @@ class OraclePolicy:
         Raises:
             InputError: when there are not as many goals as robots.
         """
-        self.fields: DistanceFields = paths.fields(goals)
+        instance("simulation", simulation, Simulation)
+        self.fields: DistanceFields = instance("paths", paths, GridPaths).fields(goals)
         self.goals = self.fields.goals
         if len(simulation) != len(self.goals):
             raise InputError(
-                f"oracle: {len(simulation)} robots, {len(self.goals)} goals; give as many"
+                f"goals: {len(self.goals)}, simulation: {len(simulation)} robots; give as many"
             )
         self.simulation = simulation
-        self.controller = PARKING if controller is None else controller
-        self.reach = reach
+        controller = PARKING if controller is None else controller
+        self.controller = with_methods("controller", controller, "act")
+        self.reach = number("reach", reach, above=0)
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of the robots (M,), from what they observe now."""
-        return self.controller.act(observations, self.waypoints(robots))
+        robots = checked_robots(observations, robots, self.goals)
+        return self.controller.act(observations, self._waypoints(robots))
 
     def waypoints(self, robots: Robots) -> Array:
         """Waypoints (M, 2) of the robots (M,), in metres as each sees them."""
+        return self._waypoints(
+            integers("robots", robots, ("M",), least=0, most=len(self.goals) - 1)
+        )
+
+    def _waypoints(self, robots: Robots) -> Array:
         poses, caster = self.simulation.poses[robots], self.simulation.scene.caster
         return to_local(poses, self.fields.waypoints(poses[:, :2], robots, caster, self.reach))
 
@@ -76,7 +86,7 @@ class TurnFirst:
 
     def __init__(self, oracle: OraclePolicy) -> None:
         """Begin when the robots act for the first time."""
-        self.oracle = oracle
+        self.oracle = instance("oracle", oracle, OraclePolicy)
         count = len(oracle.goals)
         self._control = ThreePointTurn(count)
         self._turning, self._other = np.zeros((2, count), dtype=bool)

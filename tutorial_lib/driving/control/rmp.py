@@ -8,124 +8,42 @@ steering angle - and with its *metric* how much that matters, and in which direc
 Before, `rmp_arcs` turns the waypoint into an arc, ahead or in reverse; afterwards it limits speed.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property, partial
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control import rmp_arcs as moves
+from tutorial_lib.driving.control import rmp_arithmetic as raw
 from tutorial_lib.driving.control.composed import checked_waypoints
+from tutorial_lib.driving.control.rmp_policies import (
+    control_jacobian,
+    goal_policy,
+    heading_policy,
+    obstacle_policy,
+    point_jacobian,
+    pull_back,
+    resolve,
+)
 from tutorial_lib.driving.control.same_body import for_robots
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
+from tutorial_lib.validation import floats, instance, number
+from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, moved
 from tutorial_lib.world.sensors import full_circle
 from tutorial_lib.world.simulation import STEP
 
-
-def goal_policy(
-    offsets: ArrayLike, velocities: ArrayLike, gain: float, damping: float, near: float
-) -> tuple[Array, Array]:
-    """Pull a point to its goal, and damp it: gain * offset / |offset| - damping * velocity.
-
-    Its terminal speed is gain / damping, in m/s. Within `near` the pull fades to nothing.
-    Gives accelerations (..., 2) and metrics (..., 2, 2), the identity.
-
-    Args:
-        offsets: (..., 2) from the point to its goal, metres.
-        velocities: (..., 2) of the point, m/s.
-        gain: m/s^2.
-        damping: 1/s.
-        near: metres.
-    """
-    offsets, velocities = np.asarray(offsets, dtype=float), np.asarray(velocities, dtype=float)
-    distance = np.linalg.norm(offsets, axis=-1, keepdims=True)
-    accelerations = gain * offsets / np.maximum(distance, near) - damping * velocities
-    return accelerations, np.broadcast_to(np.eye(2), (*offsets.shape, 2))
-
-
-def obstacle_policy(
-    distances: ArrayLike, closing: ArrayLike, push: float, brake: float, weight: float, fade: float
-) -> tuple[Array, Array]:
-    """Make the distance from an obstacle grow: (push + brake * closing) / distance.
-
-    What it accelerates is a number, so its metric is one too. In the plane that is the metric
-    weight * h h^T of the paper, h the direction to the obstacle: it has no effect sideways.
-    Gives accelerations (...) of the distances, and metrics (...).
-
-    Args:
-        distances: (...) metres.
-        closing: (...) m/s at which they shrink; what recedes is only pushed.
-        push: m^2/s^2.
-        brake: m/s, more for each m/s of closing.
-        weight: metric at contact.
-        fade: metres over which the metric falls to a third.
-    """
-    distances = np.maximum(distances, 0.01)  # nearer, it pushes no harder
-    away = (push + brake * np.maximum(closing, 0.0)) / distances
-    return away, weight * np.exp(-distances / fade)
-
-
-def heading_policy(
-    steerings: ArrayLike, wanted: ArrayLike, gain: float, weight: float
-) -> tuple[Array, Array]:
-    """Turn the steering to what leads along the arc to the waypoint.
-
-    Gives rates (...) at which the steering is to change, and metrics (...).
-
-    Steerings (...) are in rad for a car and in rad/s for a differential drive; gain in 1/s.
-    """
-    rates = gain * (np.asarray(wanted, dtype=float) - steerings)
-    return rates, np.full(rates.shape, float(weight))
-
-
-def point_jacobian(points: ArrayLike) -> Array:
-    """How a point of a rigid body moves with its twist: (..., 2, 2) for points (..., 2).
-
-    Rows are the point's velocity ahead and to the left, columns speed and turning rate.
-    """
-    points = np.asarray(points, dtype=float)
-    jacobians = np.zeros((*points.shape, 2))
-    jacobians[..., 0, 0] = 1.0
-    jacobians[..., 0, 1], jacobians[..., 1, 1] = -points[..., 1], points[..., 0]
-    return jacobians
-
-
-def control_jacobian(body: BicycleCar | DifferentialDrive, controls: ArrayLike) -> Array:
-    """How a body's twist changes with its controls: (N, 2, 2) for controls (N, 2).
-
-    Rows are speed and turning rate. The controls of a differential drive are its twist; a car's
-    turning rate is speed * tan(steering) / wheelbase, which steering does not change at rest.
-    """
-    controls = np.asarray(controls, dtype=float)
-    jacobians = np.broadcast_to(np.eye(2), (*controls.shape, 2)).copy()
-    if isinstance(body, BicycleCar):
-        tangent = np.tan(controls[..., 1])
-        jacobians[..., 1, 0] = tangent / body.wheelbase
-        jacobians[..., 1, 1] = controls[..., 0] * (1 + tangent**2) / body.wheelbase
-    return jacobians
-
-
-def pull_back(jacobians: Array, accelerations: Array, metrics: Array) -> tuple[Array, Array]:
-    """What a policy means for the controls: force J^T M a, and metric J^T M J.
-
-    That Jacobians change is left out: controls are updated ten times a second.
-    Jacobians (..., D, 2) are those of the D numbers that the policy accelerates, by (..., D) with
-    metrics (..., D, D). Forces (..., 2) and metrics (..., 2, 2) of several policies add up.
-    """
-    weighted = np.swapaxes(jacobians, -1, -2) @ metrics
-    return (weighted @ np.asarray(accelerations)[..., None])[..., 0], weighted @ jacobians
-
-
-def resolve(forces: Array, metrics: Array, damping: float = 1e-6) -> Array:
-    """The accelerations of the controls (..., 2) that suit all policies best.
-
-    They minimise the sum over the policies of (J u - a)^T M (J u - a), plus damping * |u|^2.
-    Forces (..., 2) and metrics (..., 2, 2) are sums of what `pull_back` gave; the damping keeps at
-    rest what no policy acts on.
-    """
-    return np.linalg.solve(metrics + damping * np.eye(2), forces[..., None])[..., 0]
+__all__ = [
+    "RMPController",
+    "control_jacobian",
+    "goal_policy",
+    "heading_policy",
+    "obstacle_policy",
+    "point_jacobian",
+    "pull_back",
+    "resolve",
+]
+_ABOVE_ZERO = ("near", "fade", "braking")
 
 
 @dataclass(frozen=True)
@@ -179,6 +97,12 @@ class RMPController:
     hurry: float = 3.0
     settle: float = 0.12
 
+    def __post_init__(self) -> None:
+        raw.check_body(self.body)
+        for one in fields(self)[1:]:
+            low = {"above" if one.name in _ABOVE_ZERO else "least": 0.0}
+            number(one.name, getattr(self, one.name), **low)
+
     @cached_property
     def discs(self) -> Array:
         """Discs (D, 2) that cover the body, place on its long axis and radius; they are pushed."""
@@ -190,12 +114,14 @@ class RMPController:
         Raises:
             InputError: when a waypoint is missing or not finite, or the body is of another kind.
         """
+        instance("observations", observations, Observation)
         if (fits := for_robots(self, observations)) is not self:
             return fits.act(observations, waypoints)
         waypoints = checked_waypoints(waypoints, len(observations))
         moves.check_robots(observations, len(waypoints))
         lasers = np.ascontiguousarray(observations.laser, dtype=float)
         controls = np.stack([observations.speed, observations.steering], axis=1)
+        floats("observations", controls)  # a speed that is none would give such an action
         carrots, gears, steerings = self._aim(lasers, controls, waypoints)
         after = controls + STEP * self._accelerate(lasers, controls, carrots, gears, steerings)
         return self._limit(lasers, controls, after, gears, np.linalg.norm(waypoints, axis=1))
@@ -215,7 +141,7 @@ class RMPController:
         arcs = moves.choose_moves(lasers, angles, points, controls[:, 0], *room, limits)
         curvatures, gears, lengths = arcs.T
         twists = gears[:, None] * np.stack([np.ones(len(arcs)), curvatures], axis=1)
-        ahead = advance(np.zeros((len(arcs), 3)), twists, np.minimum(lengths, self.carrot))
+        ahead = moved(np.zeros((len(arcs), 3)), twists, np.minimum(lengths, self.carrot))
         return ahead[:, :2], gears, np.arctan(body.wheelbase * curvatures)
 
     def _accelerate(
@@ -226,18 +152,18 @@ class RMPController:
         if isinstance(self.body, BicycleCar):
             # At rest no steering turns the car; the policies must see what it will do.
             effective[:, 0] = gears * np.maximum(np.abs(controls[:, 0]), self.authority)
-        jacobians = control_jacobian(self.body, effective)
+        jacobians = raw.control_jacobian(self.body, effective)
         # The point that is pulled is the pose, which moves straight ahead.
         ahead = twists * [1.0, 0.0]
-        pull = goal_policy(carrots, ahead, self.goal_gain, self.goal_damping, self.near)
-        forces, metrics = pull_back(point_jacobian([0.0, 0.0]) @ jacobians, *pull)
-        turn = heading_policy(controls[:, 1], steerings, self.heading_gain, self.heading_weight)
+        pull = raw.goal_policy(carrots, ahead, self.goal_gain, self.goal_damping, self.near)
+        forces, metrics = raw.pull_back(raw.point_jacobian([0.0, 0.0]) @ jacobians, *pull)
+        turn = raw.heading_policy(controls[:, 1], steerings, self.heading_gain, self.heading_weight)
         only_steering = np.array([[0.0, 1.0]])
-        more = pull_back(only_steering, turn[0][:, None], turn[1][:, None, None])
+        more = raw.pull_back(only_steering, turn[0][:, None], turn[1][:, None, None])
         push, weight = self._obstacles(lasers, twists)
         back = np.swapaxes(jacobians, 1, 2)
         forces = forces + more[0] + (back @ push[..., None])[..., 0]
-        return resolve(forces, metrics + more[1] + back @ weight @ jacobians)
+        return raw.resolve(forces, metrics + more[1] + back @ weight @ jacobians)
 
     def _obstacles(self, lasers: Array, twists: Array) -> tuple[Array, Array]:
         """Forces (N, 2) and metrics (N, 2, 2) on the twists, of each beam on each disc."""
@@ -250,7 +176,7 @@ class RMPController:
         # How the distance grows with the twist: the disc's Jacobian, along the line of sight.
         rows = np.stack([-ahead / far, -aside / far * places])
         closing = -(rows * twists[robots].T[:, None]).sum(axis=0)
-        away, weight = obstacle_policy(
+        away, weight = raw.obstacle_policy(
             far - radii, closing, self.push, self.brake, self.weight, self.fade
         )
         weighted = weight * rows

@@ -1,12 +1,12 @@
 """Free space for the policies of `rmp`: how far an arc is free, and which arc to take.
 
-A body is covered by discs, which makes all of this geometry of circles: a disc of the body that
-moves on an arc meets a point where two circles cross.
+A body is covered by discs: one that moves on an arc meets a point where two circles cross.
 """
 
 import numpy as np
 
 from tutorial_lib.driving.control import arc_kernels as kernels
+from tutorial_lib.driving.control.rmp_arithmetic import check_body
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.shapes import Expected, fit_together
@@ -83,8 +83,7 @@ def clear_lanes(
 ) -> Array:
     """Waypoints (N, 2) turned aside until the body fits through the straight lane to them.
 
-    The lane that is free over its whole length and turned least is taken; where there is none, the
-    one with the best of both.
+    Of lanes that are free over their whole length the least turned; without one, the best of both.
 
     Args:
         lasers: (N, B) metres.
@@ -153,6 +152,7 @@ def _check_shapes(lasers: Array, angles: Array, **others: tuple[Array, Expected]
 
 def cover(body: BicycleCar | DifferentialDrive) -> Array:
     """Discs (D, 2), place on the long axis and radius, that cover a body's footprint."""
+    check_body(body)
     if isinstance(body, DifferentialDrive):
         return np.array([[0.0, float(np.linalg.norm(body.footprint[0]))]])
     (rear, side), (front, _) = body.footprint.min(axis=0), body.footprint.max(axis=0)

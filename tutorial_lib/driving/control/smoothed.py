@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.driving.control.composed import checked_robots
 from tutorial_lib.interfaces import Controller, Observation, Robots, Targets, WaypointPredictor
+from tutorial_lib.se2 import Array, to_local, to_world
+from tutorial_lib.validation import number, with_methods
 
 SHARE = 0.3
 """Of the newest waypoint in the average, whose memory is about a third of a second."""
@@ -37,14 +38,14 @@ class SmoothedPolicy:
         Raises:
             InputError: when the share is not within 0 and 1.
         """
-        if not 0.0 < share <= 1.0:
-            raise InputError(f"smoothing: share {share}; give a number above 0, at most 1")
-        self.predictor, self.controller, self.targets = predictor, controller, targets
-        self.share = share
+        self.predictor = with_methods("predictor", predictor, "predict")
+        self.controller = with_methods("controller", controller, "act")
+        self.targets, self.share = targets, number("share", share, above=0, most=1)
         self._averages = np.empty((0, 2))  # of each robot, in the frame of the odometry
 
     def act(self, observations: Observation, robots: Robots) -> Array:
         """Actions (M, 2) of the robots (M,)."""
+        robots = checked_robots(observations, robots, self.targets)
         predicted, _ = self.predictor.predict(observations, self.targets[robots])
         newest = to_world(observations.odometry, predicted)
         missing = max(int(np.max(robots, initial=-1)) + 1 - len(self._averages), 0)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.rmp_arcs import free_travel, safe_speeds
 from tutorial_lib.driving.control.same_body import for_robots
-from tutorial_lib.geometry import Array, to_local, wrap
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.se2 import Array, to_local, wrap
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.sensors import full_circle
 from tutorial_lib.world.simulation import STEP

@@ -11,7 +11,7 @@ from zlib import crc32
 import numpy as np
 
 from tutorial_lib.driving.control.oracle import TURN_ROUND, OraclePolicy, TurnFirst
-from tutorial_lib.driving.data.recorder import Recorder
+from tutorial_lib.driving.data.recorder import Recorder, check_recipe
 from tutorial_lib.driving.data.trajectories import (
     CONTEXT_INTERVAL,
     Trajectory,
@@ -26,9 +26,10 @@ from tutorial_lib.files import make_folder
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller
 from tutorial_lib.parallel import for_each
+from tutorial_lib.validation import floats, instance, number, whole
 from tutorial_lib.world.bodies import BicycleCar, Body
-from tutorial_lib.world.noise import DriftingOdometry, OdometryNoise
-from tutorial_lib.world.placing import random_free_poses
+from tutorial_lib.world.noise import MOST_ROBOTS, DriftingOdometry, OdometryNoise
+from tutorial_lib.world.placing import check_free, random_free_poses
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
 from tutorial_lib.world.worlds import parse_world, scene_of
@@ -69,6 +70,9 @@ def demonstrate(
     Raises:
         InputError: when the world is too small for a geodesic of 2 m.
     """
+    check_recipe(world, scene, seed, odometry_noise)
+    count = whole("count", count, least=0, most=MOST_ROBOTS)
+    control_noise = number("control_noise", control_noise, least=0, most=10)
     rng = np.random.default_rng(seed)
     paths = GridPaths(scene.clearance)
     body = BicycleCar() if body is None else body
@@ -107,6 +111,9 @@ def demonstrate_between(
     Raises:
         InputError: when no path leads from a start to its goal.
     """
+    check_recipe(world, scene, seed, odometry_noise)
+    starts = floats("starts", starts, ("N", 3))
+    check_free(scene, BicycleCar(), starts, "starts")
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     simulation = _fleet(scene, starts, odometry)
     limit = geodesic_limit(paths, starts, goals)
@@ -138,6 +145,10 @@ def demonstrate_on(
     Returns:
         The trajectory, None if the car did not arrive everywhere.
     """
+    check_recipe(world, scene, seed, odometry_noise)
+    start = floats("start", start, (1, 3))
+    check_free(scene, BicycleCar(), start, "start")
+    goals = floats("goals", goals, ("G", 2), empty=False)
     odometry = DriftingOdometry(seed) if odometry_noise is None else odometry_noise
     simulation, recorder = _fleet(scene, start, odometry), Recorder()
     for goal in goals:
@@ -189,6 +200,9 @@ def record_demonstrations(
 
 def world_seed(seed: int, world: str, count: int, control_noise: float = 0.0) -> int:
     """The seed of one world's demonstrations; the same in every process and on every machine."""
+    seed, count = whole("seed", seed, least=0), whole("count", count, least=0)
+    instance("world", world, str)
+    control_noise = number("control_noise", control_noise, least=0)
     recipe = crc32(f"{world} {count} {control_noise:g}".encode())
     return int(np.random.SeedSequence([seed, recipe]).generate_state(1)[0])
 

@@ -7,11 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION, perturbed
-from tutorial_lib.driving.data.recorded_world import BEHIND, RecordedWorld
+from tutorial_lib.driving.data.recorded_world import BEHIND, MOST_PAIRS, RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import REACHED, time_limit
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import flag, instance, number, whole
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
@@ -23,6 +24,7 @@ _BESIDE, _CLEAR = 0.35, 0.25  # metres between an obstacle and the line past it:
 _AT_EASE = 0.3  # metres from start and target within which walls may be nearer
 _TRIES = 60
 _ROOMY = BicycleCar(length=0.52, width=0.34)  # a start has 5 cm to spare all around
+_MOST_EACH = 10  # obstacles: they are passed on either side, which is two to the power of it
 _SPARE = 8  # times as many pairs are drawn
 
 
@@ -87,6 +89,11 @@ def draw_episodes(
     Raises:
         InputError: when a world has too little room to start in.
     """
+    instance("recorded", recorded, RecordedWorld)
+    instance("paths", paths, GridPaths)
+    instance("rng", rng, np.random.Generator)
+    count, least = whole("count", count, least=0, most=MOST_PAIRS // _SPARE), number("least", least)
+    fewer = flag("fewer", fewer)
     sources, targets = recorded.draw(_SPARE * count, 1, rng)
     ahead = recorded.arc[targets] - recorded.arc[sources]
     sources, targets = sources[ahead >= least], targets[ahead >= least]
@@ -100,7 +107,7 @@ def draw_episodes(
     kept = np.isfinite(geodesic)
     good, geodesic = good[kept][:count], geodesic[kept][:count]
     if len(good) < count and not fewer:
-        raise InputError(f"episodes: only {len(good)} of {count} fit; give a larger world")
+        raise InputError(f"count: only {len(good)} of {count} episodes fit; give a larger world")
     ahead = (recorded.arc[targets] - recorded.arc[sources])[good]
     return Episodes(recorded, starts[good], targets[good], ahead, time_limit(geodesic))
 
@@ -117,6 +124,9 @@ def with_obstacles(
         The episodes, fewer where there are not so many, and their obstacles, which exist for the
         robot of that episode only.
     """
+    instance("episodes", episodes, Episodes)
+    instance("rng", rng, np.random.Generator)
+    each, count = whole("each", each, least=1, most=_MOST_EACH), whole("count", count, least=0)
     chosen, obstacles = [], []
     for index, (start, goal) in enumerate(zip(episodes.starts, episodes.goals, strict=True)):
         places = _places(episodes.recorded, start[:2], goal[:2], each, rng)

@@ -1,14 +1,18 @@
 """Perturbed starts beside a recorded trajectory, from which a robot has to recover."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array, compose
+from tutorial_lib.se2 import Array, compose
+from tutorial_lib.validation import floats, instance, number, whole
 from tutorial_lib.world.bodies import BicycleCar, Body
-from tutorial_lib.world.placing import is_free
+from tutorial_lib.world.placing import checked_body, is_free
 from tutorial_lib.world.scene import Scene
+
+MOST_TRIES = 1_000
+"""Of a start beside a pose."""
 
 
 @dataclass(frozen=True)
@@ -33,9 +37,15 @@ class Perturbation:
     beside: float = 0.0
     farthest: float = 2.5
 
+    def __post_init__(self) -> None:
+        for one in fields(self):
+            most = 1.0 if one.name in ("wide", "beside") else np.inf
+            number(one.name, getattr(self, one.name), least=0, most=most)
+
     def apply(self, poses: Array, rng: np.random.Generator) -> Array:
         """Poses (N, 3) shifted sideways and turned."""
-        count = len(poses)
+        count = len(floats("poses", poses, ("N", 3)))
+        instance("rng", rng, np.random.Generator)
         aside = np.clip(rng.normal(0.0, self.aside, count), -self.most, self.most)
         if self.beside:
             anywhere = rng.uniform(-self.farthest, self.farthest, count)
@@ -66,7 +76,11 @@ def perturbed(
 
     A pose from which the recorded one is not in sight lies behind a wall and is not taken.
     """
-    body = BicycleCar() if body is None else body
+    instance("scene", scene, Scene)
+    instance("perturbation", perturbation, Perturbation)
+    instance("rng", rng, np.random.Generator)
+    poses, tries = floats("poses", poses, ("N", 3)), whole("tries", tries, least=0, most=MOST_TRIES)
+    body = BicycleCar() if body is None else checked_body(body)
     moved, found = poses.copy(), np.zeros(len(poses), dtype=bool)
     for _ in range(tries):
         missing = np.flatnonzero(~found)

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION, Perturbation, perturbed
-from tutorial_lib.driving.data.recorded_world import RecordedWorld
+from tutorial_lib.driving.data.recorded_world import MOST_PAIRS, RecordedWorld
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.metrics import time_limit
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import alike, floats, instance, integers, whole
 from tutorial_lib.world.visibility import mutual_overlap
 
 SAME, OTHER = 3, 2
@@ -91,6 +92,11 @@ def draw_reachability_pairs(
     Returns:
         Fewer than G * `STARTS`: those with no room to start in are left out.
     """
+    instance("recorded", recorded, RecordedWorld)
+    instance("paths", paths, GridPaths)
+    instance("rng", rng, np.random.Generator)
+    instance("perturbation", perturbation, Perturbation)
+    targets = whole("targets", targets, least=0, most=MOST_PAIRS)
     frames = rng.integers(len(recorded.poses), size=targets)
     sources = np.empty((targets, STARTS), dtype=np.intp)
     along = rng.uniform(*_ALONG, size=(targets, SAME))
@@ -110,6 +116,11 @@ def reachability_pairs(
     recorded: RecordedWorld, paths: GridPaths, starts: Array, targets: NDArray[np.intp]
 ) -> ReachabilityPairs:
     """The pairs from `starts` (N, 3) to frames `targets` (N,) that a path connects, measured."""
+    most = len(instance("recorded", recorded, RecordedWorld).poses) - 1
+    targets = integers("targets", targets, ("N",), least=0, most=most)
+    starts = floats("starts", starts, ("N", 3))
+    alike(starts=starts, targets=targets)
+    instance("paths", paths, GridPaths)
     goals = recorded.poses[targets]
     overlap = mutual_overlap(recorded.scene.caster, starts, goals)
     geodesic = paths.between(starts[:, :2], goals[:, :2])

@@ -10,13 +10,24 @@ from tutorial_lib.driving.data.trajectories import CONTEXT_INTERVAL, Trajectory
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Experience, Goals, Observation
-from tutorial_lib.validation import whole
+from tutorial_lib.validation import (
+    alike,
+    floats,
+    instance,
+    instances,
+    integers,
+    number,
+    whole,
+    with_methods,
+)
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import STEP
 
 BEHIND, AHEAD = 1.0, 3.0
 """Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
+MOST_CONTEXT, MOST_PAIRS = 10_000, 10_000_000
+"""Images on either side of a target, and pairs drawn at once: more are a mistake."""
 CLOSE = 0.8
 """Metres along the trajectory of pairs that decide the last bit of an approach."""
 _BETWEEN = 60.0  # seconds from one trajectory to the next
@@ -37,8 +48,17 @@ def frames_around(frames: ArrayLike, k: int, first: ArrayLike, last: ArrayLike) 
     >>> frames_around([0, 10], 2, 0, 12).tolist()
     [[0, 0, 0, 3, 6], [4, 7, 10, 12, 12]]
     """
-    around = np.asarray(frames)[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1)
-    return np.clip(around, np.reshape(first, (-1, 1)), np.reshape(last, (-1, 1)))
+    frames, k = (
+        integers("frames", frames, ("N",), least=0),
+        whole("k", k, least=0, most=MOST_CONTEXT),
+    )
+    ends = []
+    for name, end in (("first", first), ("last", last)):
+        end = integers(name, end, (...,), least=0)
+        if end.shape not in ((), frames.shape):
+            raise InputError(f"{name}: shape {end.shape}, frames: {frames.shape}; give as many")
+        ends.append(np.reshape(end, (-1, 1)))
+    return np.clip(frames[:, None] + CONTEXT_INTERVAL * np.arange(-k, k + 1), *ends)
 
 
 class RecordedWorld:
@@ -55,10 +75,10 @@ class RecordedWorld:
 
     def __init__(self, scene: Scene, trajectories: Sequence[Trajectory]) -> None:
         """Lay `trajectories` end to end."""
-        if not trajectories:
-            raise InputError("pairs: no trajectories to draw from; record some first")
-        self.scene = scene
-        self.trajectories = tuple(trajectories)
+        self.scene = instance("scene", scene, Scene)
+        self.trajectories = trajectories = instances(
+            "trajectories", trajectories, Trajectory, empty=False
+        )
         lengths = np.array([len(trajectory) for trajectory in trajectories])
         ends = np.cumsum(lengths)
         self.first_frames = ends - lengths
@@ -141,13 +161,12 @@ class RecordedWorld:
             InputError: when a trajectory is shorter than one context, or there is no such frame.
         """
         frames = self._checked(frames)
-        if k < 0:
-            raise InputError(f"context: k = {k}; give k >= 0")
+        k = whole("k", k, least=0, most=MOST_CONTEXT)
         needed = 2 * k * CONTEXT_INTERVAL + 1
         shortest = (self.last - self.first + 1)[frames].min(initial=needed)
         if shortest < needed:
             raise InputError(
-                f"context: k = {k} needs a trajectory of {needed} frames and one has {shortest}; "
+                f"k: {k} needs a trajectory of {needed} frames and one has {shortest}; "
                 "record longer ones or give a smaller k"
             )
         return frames_around(frames, k, self.first[frames], self.last[frames])
@@ -163,6 +182,8 @@ class RecordedWorld:
             InputError: when there is no such frame, or lasers have different numbers of beams.
         """
         frames = self._checked(frames)
+        if camera is not None:
+            with_methods("camera", camera, "look")
         laser, odometry = self._sensed
         camera = Camera() if camera is None else camera
         image, _ = camera.look(self.scene, self.poses[frames])
@@ -179,15 +200,12 @@ class RecordedWorld:
 
     def _checked(self, frames: ArrayLike) -> NDArray[np.intp]:
         """Frames (N,) that there are."""
-        frames = np.asarray(frames)
-        if frames.dtype.kind not in "iu" or frames.ndim != 1:
-            raise InputError(f"frames: {frames}; give (N,) whole numbers")
-        if len(frames) and not 0 <= frames.min() <= frames.max() < len(self.poses):
-            raise InputError(f"frames: {frames}; there are 0 to {len(self.poses) - 1}")
-        return frames
+        return integers("frames", frames, ("N",), least=0, most=len(self.poses) - 1)
 
     def frame_at(self, frames: NDArray[np.intp], ahead: Array) -> NDArray[np.intp]:
         """(N,) the frame `ahead` (N,) metres of each frame, or the end of the trajectory."""
+        frames, ahead = self._checked(frames), floats("ahead", ahead, ("N",))
+        alike(frames=frames, ahead=ahead)
         found = np.searchsorted(self.arc, self.arc[frames] + ahead)
         return np.clip(found, self.first[frames], self.last[frames])
 
@@ -205,6 +223,10 @@ class RecordedWorld:
         Returns:
             (G * S,) frames to drive from, those of one target in a row, and (G,) targets.
         """
+        targets = whole("targets", targets, least=0, most=MOST_PAIRS)
+        starts = whole("starts", starts, least=0, most=MOST_PAIRS)
+        close = number("close", close, least=0, most=1)
+        instance("rng", rng, np.random.Generator)
         frames, count = rng.integers(len(self.poses), size=targets), targets * starts
         ahead = rng.uniform(-BEHIND, AHEAD, size=count)
         if close:

@@ -5,6 +5,9 @@ import numpy as np
 from tutorial_lib.driving.data.trajectories import Trajectory
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots
+from tutorial_lib.validation import instance, whole, with_methods
+from tutorial_lib.world.noise import OdometryNoise
+from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import STEP, Simulation
 
 
@@ -34,3 +37,16 @@ class Recorder:
             rows.append([column[place] for column in row])
         columns = [np.array(column) for column in zip(*rows, strict=True)]
         return Trajectory(world, seed, *columns, np.arange(len(rows)) * STEP)
+
+
+def check_recipe(world: str, scene: Scene, seed: int, odometry_noise: OdometryNoise | None) -> None:
+    """Check what every recording needs.
+
+    Raises:
+        InputError: naming what is wrong.
+    """
+    instance("world", world, str)
+    instance("scene", scene, Scene)
+    whole("seed", seed, least=0)
+    if odometry_noise is not None:
+        with_methods("odometry_noise", odometry_noise, "measure")

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import save_arrays
-from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.reading.arrays import load_arrays
 from tutorial_lib.reading.limits import MAX_TRAJECTORIES
+from tutorial_lib.se2 import Array, arc_length
+from tutorial_lib.validation import instance, instances, number, path_of, whole
 
 CONTEXT_INTERVAL = 3
 """Frames between the images of a target's context (dT of Meng 2020, III-B)."""
@@ -65,8 +66,10 @@ class Trajectory:
     timestamps: Array
 
     def __post_init__(self) -> None:
+        instance("world", self.world, str)
+        whole("seed", self.seed, least=0)
         for name, (row, kind) in _COLUMNS.items():
-            array = getattr(self, name)
+            array = instance(name, getattr(self, name), np.ndarray)
             _check_column(name, array, row, kind)
             if len(array) != len(self.poses):
                 raise InputError(f"{name}: {len(array)} rows where poses has {len(self.poses)}")
@@ -89,10 +92,7 @@ class Trajectory:
         Raises:
             InputError: when it is not as long.
         """
-        if not 0.0 <= metres <= self.arc_length[-1]:
-            raise InputError(
-                f"trajectory: nothing since {metres} m; give 0 to its {self.arc_length[-1]:.1f} m"
-            )
+        metres = number("metres", metres, least=0.0, most=self.arc_length[-1])
         first = int(np.searchsorted(self.arc_length, metres))
         return replace(self, **{name: getattr(self, name)[first:] for name in _COLUMNS})
 
@@ -103,6 +103,8 @@ def save_trajectories(path: str | Path, trajectories: list[Trajectory]) -> None:
     Raises:
         InputError: when their lasers have different numbers of beams.
     """
+    trajectories = list(instances("trajectories", trajectories, Trajectory))
+    path = path_of("path", path)
     if len({trajectory.laser.shape[1] for trajectory in trajectories}) > 1:
         raise InputError(f"{path}: lasers with different numbers of beams; save them apart")
     arrays: dict[str, NDArray[Any]] = {

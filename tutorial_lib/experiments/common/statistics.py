@@ -7,7 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtr
 from scipy.stats import binomtest
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import alike, floats, with_methods
 
 _DRAWS = 4_000
 _FEW_DRAWS = 400  # for measures that take longer than a mean
@@ -26,8 +28,22 @@ def over_worlds(values: ArrayLike, worlds: ArrayLike) -> tuple[float, float, flo
     >>> over_worlds([1.0, 1.0, 0.0, 1.0], [0, 0, 1, 1])
     (0.75, 0.5, 1.0)
     """
-    values, units = np.asarray(values, dtype=float), np.unique(worlds, return_inverse=True)[1]
+    values = floats("values", values, ("N",), least=0.0, most=1.0, empty=False)
+    units = _numbered(worlds)
+    alike(values=values, worlds=units)
     return wilson(values) if units.max() == 0 else _bootstrapped(values, units)
+
+
+def _numbered(worlds: ArrayLike) -> NDArray[np.intp]:
+    """Worlds (N,), whatever they are called, as numbers from 0 on."""
+    try:
+        names, units = np.unique(np.asarray(worlds), return_inverse=True)
+    except (TypeError, ValueError) as error:
+        raise InputError("worlds: cannot be sorted; give names or numbers (N,)") from error
+    unknown = names.dtype.kind in "fc" and not np.isfinite(names).all()
+    if np.ndim(worlds) != 1 or not len(names) or names.dtype.kind not in "iufU" or unknown:
+        raise InputError(f"worlds: shape {np.shape(worlds)}; give names or numbers (N,)")
+    return units
 
 
 def _bootstrapped(values: Array, units: NDArray[np.intp]) -> tuple[float, float, float]:
@@ -49,10 +65,13 @@ def measured_over_worlds(
     >>> measured_over_worlds(lambda x: float(np.max(x)), [0, 0, 1], [1.0, 2.0, 3.0])
     (3.0, 2.0, 3.0)
     """
-    values = [np.asarray(column) for column in columns]
-    names, which = np.unique(np.asarray(worlds), return_inverse=True)
-    rows = [np.flatnonzero(which == i) for i in range(len(names))]
-    rows = [np.array([i]) for i in range(len(which))] if len(names) == 1 else rows
+    with_methods("measure", measure, "__call__")
+    values, which = [np.asarray(column) for column in columns], _numbered(worlds)
+    for number, column in enumerate(values):
+        if column.shape[:1] != which.shape:
+            raise InputError(f"columns[{number}]: {column.shape}; give one for each of worlds")
+    rows = [np.flatnonzero(which == i) for i in range(which.max() + 1)]
+    rows = [np.array([i]) for i in range(len(which))] if len(rows) == 1 else rows
     rng = np.random.default_rng(0)
     found = []
     for _ in range(_FEW_DRAWS):
@@ -73,7 +92,10 @@ def difference(
     >>> difference([1.0, 1.0, 1.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0, 0, 1, 1])
     (0.5, 0.5, 0.5)
     """
-    gap, units = np.subtract(first, second), np.unique(worlds, return_inverse=True)[1]
+    first, second = floats("first", first, ("N",)), floats("second", second, ("N",), empty=False)
+    units = _numbered(worlds)
+    alike(first=first, second=second, worlds=units)
+    gap = first - second
     return _bootstrapped(gap, units if units.max() else np.arange(len(gap)))
 
 
@@ -83,12 +105,13 @@ def in_points(found: tuple[float, float, float]) -> str:
     >>> in_points((0.021, -0.004, 0.05))
     '+2.1 points (-0.4 to +5.0)'
     """
-    mean, low, high = (100 * value for value in found)
+    mean, low, high = 100 * floats("found", found, (3,))
     return f"{mean:+.1f} points ({low:+.1f} to {high:+.1f})"
 
 
 def wilson(values: Array) -> tuple[float, float, float]:
     """Share of successes among `values` (N,), each 0 or 1, and Wilson's 95 % interval."""
+    values = floats("values", values, ("N",), least=0.0, most=1.0, empty=False)
     test = binomtest(round(float(np.sum(values))), len(values))
     interval = test.proportion_ci(confidence_level=_LEVEL, method="wilson")
     return float(np.mean(values)), float(interval.low), float(interval.high)

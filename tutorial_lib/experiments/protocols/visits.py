@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.agents.returning import DISCRETE, StandStill, visit
+from tutorial_lib.agents.returning import DISCRETE, visit
+from tutorial_lib.agents.stand_still import StandStill
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import Episodes

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -16,6 +16,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability, Targets, WaypointPredictor
 from tutorial_lib.topology.query import query
+from tutorial_lib.validation import alike, flags, instance, integers, with_methods
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,8 @@ class AnchorPaths:
     paths: Sequence[ArrayLike]
 
     def __post_init__(self) -> None:
+        for name in ("targets", "prepared", "paths"):
+            instance(name, getattr(self, name), Sized)
         if len(self.targets) != len(self.prepared):
             raise InputError(
                 f"paths: {len(self.targets)} targets but {len(self.prepared)} prepared for "
@@ -46,7 +49,7 @@ class AnchorPaths:
         if not len(self.paths):
             raise InputError("paths: none; give one path for each robot")
         for i, path in enumerate(self.paths):
-            path = np.asarray(path)
+            path = _array(path)
             if path.ndim != 1 or not len(path) or path.dtype.kind not in "iu":
                 raise InputError(f"paths: path {i} is {path}; give (L,) indices, L >= 1")
             if not 0 <= path.min() <= path.max() < len(self.targets):
@@ -57,7 +60,11 @@ class AnchorPaths:
     @classmethod
     def end_to_end(cls, targets: Targets, prepared: Any, lengths: Sequence[int]) -> AnchorPaths:  # noqa: ANN401
         """Paths of so many anchors each, which lie one after the other among the targets."""
+        instance("targets", targets, Sized)
+        lengths = integers("lengths", lengths, ("N",), least=1, empty=False)
         bounds = np.cumsum([0, *lengths])
+        if bounds[-1] != len(targets):
+            raise InputError(f"lengths: {bounds[-1]} in all, targets: {len(targets)}; give as many")
         return cls(targets, prepared, [np.arange(*ends) for ends in pairwise(bounds.tolist())])
 
     def __len__(self) -> int:
@@ -99,6 +106,8 @@ class AnchorPaths:
         Returns:
             (M, W), NaN where RE is not queried.
         """
+        with_methods("reachability", reachability, "probability")
+        robots, places, queried = self._checked(observations, robots, places, queried)
         rows, columns = np.nonzero(queried & self.exist(robots, places))
         found = np.full(places.shape, np.nan)
         anchors = self._anchors(robots[rows], places[rows, columns])
@@ -114,6 +123,8 @@ class AnchorPaths:
         queried: NDArray[np.bool_],
     ) -> tuple[Array, Array]:
         """Waypoints (M, W, 2) and mean overlaps (M, W) of anchors, as for `probabilities`."""
+        with_methods("predictor", predictor, "predict")
+        robots, places, queried = self._checked(observations, robots, places, queried)
         rows, columns = np.nonzero(queried & self.exist(robots, places))
         waypoints, overlaps = np.full((*places.shape, 2), np.nan), np.full(places.shape, np.nan)
         if len(rows):
@@ -125,7 +136,33 @@ class AnchorPaths:
 
     def exist(self, robots: NDArray[np.intp], places: NDArray[np.intp]) -> NDArray[np.bool_]:
         """(M, W) which of the `places` (M, W) exist on the paths of `robots` (M,)."""
+        robots = integers("robots", robots, ("M",), least=0, most=len(self) - 1)
+        places = integers("places", places, ("M", "W"))
+        alike(robots=robots, places=places)
         return (places >= 0) & (places < self.lengths[robots, None])
+
+    def _checked(
+        self,
+        observations: Observation,
+        robots: NDArray[np.intp],
+        places: NDArray[np.intp],
+        queried: NDArray[np.bool_],
+    ) -> tuple[NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]:
+        instance("observations", observations, Observation)
+        robots = integers("robots", robots, ("M",), least=0, most=len(self) - 1)
+        places = integers("places", places, ("M", "W"))
+        queried = flags("queried", queried, ("M", "W"))
+        alike(observations=observations, robots=robots, places=places, queried=queried)
+        alike(places=places.T, queried=queried.T)
+        return robots, places, queried
+
+
+def _array(path: ArrayLike) -> NDArray:
+    """A path as an array; one that is ragged has no numbers."""
+    try:
+        return np.asarray(path)
+    except ValueError:
+        return np.empty(0)
 
 
 def _checked_overlaps(overlaps: ArrayLike, pairs: int) -> Array:

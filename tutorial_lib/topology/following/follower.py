@@ -17,14 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_local, to_world
-from tutorial_lib.interfaces import (
-    Controller,
-    Observation,
-    Reachability,
-    Robots,
-    WaypointPredictor,
-)
+from tutorial_lib.geometry import Array
+from tutorial_lib.interfaces import Controller, Observation, Reachability, Robots, WaypointPredictor
+from tutorial_lib.se2 import to_local, to_world
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.state import FollowerState
@@ -35,7 +30,8 @@ from tutorial_lib.topology.following.transitions import (
     last_visited,
     next_active,
 )
-from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns
+from tutorial_lib.topology.following.turns import TURN_TIME, PathTurns, checked_turns
+from tutorial_lib.validation import instance, integers, whole, with_methods
 from tutorial_lib.world.simulation import STEP
 
 
@@ -70,12 +66,16 @@ class Follower:
         Raises:
             InputError: when a start is beyond its path.
         """
-        self.paths, self.settings = paths, FollowerSettings() if settings is None else settings
-        self.predictor, self.controller, self.reachability = predictor, controller, reachability
+        self.paths = instance("paths", paths, AnchorPaths)
+        settings = FollowerSettings() if settings is None else settings
+        self.settings = instance("settings", settings, FollowerSettings)
+        self.predictor = with_methods("predictor", predictor, "predict")
+        self.controller = with_methods("controller", controller, "act")
+        self.reachability = with_methods("reachability", reachability, "probability")
         count = len(paths)
-        active = np.full(count, -1) if starts is None else np.array(starts)
-        fits = active.shape == (count,) and active.dtype.kind in "iu"
-        if not (fits and ((active >= -1) & (active < paths.lengths)).all()):
+        starts = np.full(count, -1) if starts is None else starts
+        active = integers("starts", starts, ("N",)).copy()
+        if active.shape != (count,) or not ((active >= -1) & (active < paths.lengths)).all():
             raise InputError(f"starts: {starts}; give (N,) anchors of {count} paths, -1 to search")
         self.memory = FollowerState.at(active)
         self._turns = PathTurns(count)
@@ -96,11 +96,11 @@ class Follower:
             InputError: when there are not as many indices as observations, or a network returns
                 something of the wrong form.
         """
-        robots, memory = np.asarray(robots), self.memory
-        if robots.shape != (len(observations),):
-            raise InputError(
-                f"follower: {len(observations)} observations but robots {robots}; give as many"
-            )
+        instance("observations", observations, Observation)
+        robots = integers("robots", robots, ("M",), least=0, most=len(self.paths) - 1)
+        memory, count = self.memory, len(observations)
+        if robots.shape != (count,):
+            raise InputError(f"follower: {count} observations but robots {robots}; give as many")
         self._predicted[:] = np.nan
         self._search(observations, robots)
         going = np.flatnonzero(~memory.over[robots])
@@ -132,10 +132,10 @@ class Follower:
         Raises:
             InputError: when the path leads beyond the anchors.
         """
-        paths = list(self.paths.paths)
-        paths[robot] = path
+        paths, turns = list(self.paths.paths), checked_turns(turns)
+        paths[whole("robot", robot, least=0, most=len(paths) - 1)] = path
         self.paths = replace(self.paths, paths=paths)
-        self._turns.set(robot, {} if turns is None else turns)
+        self._turns.set(robot, turns)
         self.memory.follow_from_start(robot)
 
     def log(self) -> FollowerLog:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import alike, flags, floats, instance, integers, number, whole
 
 Places = NDArray[np.intp]
 """Of anchors along a path, from 0; -1 where none was visited yet."""
@@ -71,10 +72,12 @@ class FollowerSettings:
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
+            name, value = f"follower: {field.name}", getattr(self, field.name)
             if field.name in ("confirm", "widest"):
-                fits, wanted = isinstance(value, int) and value >= 1, "a whole number, 1 or greater"
-            elif field.name in ("at", "effort", "timeout", "calm"):
+                whole(name, value, least=1)
+                continue
+            number(name, value)
+            if field.name in ("at", "effort", "timeout", "calm"):
                 fits, wanted = 0.0 <= value < np.inf, "a finite number, 0 or greater"
             elif field.name == "fall":
                 fits, wanted = 0.0 < value <= 1.0, "a number above 0, at most 1"
@@ -106,8 +109,11 @@ def last_visited(
     >>> last_visited([4, 4, 4], [5, 5, 5], overlaps, [False, False, True], 0.75).tolist()
     [5, 4, 5]
     """
-    visited, active = np.asarray(visited), np.asarray(active)
-    overlaps = np.nan_to_num(np.asarray(overlaps), nan=-1.0)
+    visited, active = integers("visited", visited, ("M",)), integers("active", active, ("M",))
+    overlaps = floats("overlaps", overlaps, ("M", 3), nan=True)
+    at, least = flags("at", at, ("M",)), number("least", least)
+    alike(visited=visited, active=active, overlaps=overlaps, at=at)
+    overlaps = np.nan_to_num(overlaps, nan=-1.0)
     closest = active - 1 + overlaps.argmax(axis=1)
     found = np.where(overlaps.max(axis=1) > least, closest, -1)
     return np.maximum.reduce([visited, found, np.where(at, active, -1)])
@@ -136,9 +142,13 @@ def next_active(
     >>> next_active([5, 5, 5, 5], [4, 4, 4, 5], reach, overlap, FollowerSettings()).tolist()
     [6, 5, 5, 6]
     """
-    active, probability = np.asarray(active), np.asarray(probability)
-    ready = (probability > settings.p_follow) & (np.asarray(overlap) > settings.near)
-    passed = ~np.isnan(probability) & (np.asarray(visited) >= active)
+    active, visited = integers("active", active, ("M",)), integers("visited", visited, ("M",))
+    probability = floats("probability", probability, ("M",), nan=True)
+    overlap = floats("overlap", overlap, ("M",), nan=True)
+    alike(active=active, visited=visited, probability=probability, overlap=overlap)
+    instance("settings", settings, FollowerSettings)
+    ready = (probability > settings.p_follow) & (overlap > settings.near)
+    passed = ~np.isnan(probability) & (visited >= active)
     return active + (ready | passed)
 
 
@@ -157,7 +167,12 @@ def found_again(active: Places, probabilities: ArrayLike, least: float) -> Place
     >>> found_again([5, 5, 5], [[0.9, 0.1, 0.9], [0.9, 0.1, 0.1], [0.1, 0.1, 0.1]], 0.5).tolist()
     [6, 4, -1]
     """
-    active, probabilities = np.asarray(active), np.asarray(probabilities)
+    active = integers("active", active, ("M",))
+    probabilities = floats("probabilities", probabilities, ("M", "2W+1"), nan=True)
+    least = number("least", least)
+    alike(active=active, probabilities=probabilities)
+    if not probabilities.shape[1] % 2:
+        raise InputError(f"probabilities: {probabilities.shape}; give (M, 2W+1), an odd number")
     count = probabilities.shape[1] // 2
     offsets = np.arange(-count, count + 1)
     # Of two that are equally near, the one ahead.

@@ -8,9 +8,19 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots
+from tutorial_lib.validation import instance, number, whole
 
 TURN_TIME = 16.0
 """Seconds of turning after which a robot that sees none of the next anchors is lost."""
+
+
+def checked_turns(turns: Mapping[int, float] | None) -> Mapping[int, float]:
+    """Turns by their places on a path, none unless given; an `InputError` if they are no such."""
+    turns = instance("turns", {} if turns is None else turns, Mapping)
+    for place, angle in turns.items():
+        whole("turns", place, least=0)
+        number("turns", angle)
+    return turns
 
 
 class PathTurns:

@@ -12,6 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.sparsify import contextified, sparsify
+from tutorial_lib.validation import floats, instance, integers, with_methods
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,9 @@ class Anchors:
     prepared_by: Reachability | None = None
 
     def __post_init__(self) -> None:
+        instance("observations", self.observations, Observation)
+        instance("contexts", self.contexts, np.ndarray)
+        floats("timestamps", self.timestamps, ("A",))
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
         if len(set(counts)) > 1 or counts[0] < 2:
             raise InputError(
@@ -48,6 +52,7 @@ class Anchors:
 
     def subset(self, index: NDArray[np.intp]) -> tuple[Observation, NDArray, Array]:
         """Observations, contexts and timestamps of those that an array of indices selects."""
+        index = integers("index", index, ("N",), least=0, most=len(self) - 1)
         return self.observations[index], self.contexts[index], self.timestamps[index]
 
 
@@ -69,6 +74,11 @@ def anchors_of(
         threshold: p_sparsify.
         timestamps: (T,) seconds.
     """
+    with_methods("reachability", reachability, "prepare", "probability")
+    frames = len(instance("observations", observations, Observation))
+    timestamps = floats("timestamps", timestamps, (frames,))
+    if len(with_methods("images", images, "__len__", "__getitem__")) != frames:
+        raise InputError(f"images: {len(images)}, observations: {frames}; give as many of each")
     contexts = contextified(images, k)
     prepared = reachability.prepare(contexts)
     kept = sparsify(reachability, observations, prepared, threshold)

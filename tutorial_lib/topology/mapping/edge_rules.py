@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import alike, flags, floats, integers, number, whole
 
 PlaceOnPath = tuple[list[int], int]
 """The vertices of a trajectory, in order, and a place among them."""
@@ -43,13 +43,9 @@ class MapSettings:
         for field in fields(self):
             value = getattr(self, field.name)
             if field.name.startswith("p_"):
-                fits, wanted = 0.0 <= value <= 1.0, "a probability, 0 to 1"
+                number(f"map: {field.name}", value, least=0.0, most=1.0)
             else:
-                least = 1 if field.name == "candidates" else 0
-                fits = isinstance(value, int) and value >= least
-                wanted = f"a whole number, {least} or greater"
-            if not fits:
-                raise InputError(f"map: {field.name} = {value}; give {wanted}")
+                whole(f"map: {field.name}", value, least=int(field.name == "candidates"))
 
 
 def reusable(into: ArrayLike, onward: ArrayLike, allowed: ArrayLike, p_reuse: float) -> int:
@@ -67,8 +63,12 @@ def reusable(into: ArrayLike, onward: ArrayLike, allowed: ArrayLike, p_reuse: fl
     >>> reusable([0.99, 0.98, 0.5, 1.0], [0.98, 0.995, 1.0, 1.0], [True] * 3 + [False], 0.97)
     1
     """
-    into, onward = np.asarray(into, dtype=float), np.asarray(onward, dtype=float)
-    fits = (into > p_reuse) & (onward > p_reuse) & np.asarray(allowed, dtype=bool)
+    into = floats("into", into, ("V",), least=0.0, most=1.0)
+    onward = floats("onward", onward, ("V",), least=0.0, most=1.0)
+    allowed = flags("allowed", allowed, ("V",))
+    alike(into=into, onward=onward, allowed=allowed)
+    number("p_reuse", p_reuse, least=0.0, most=1.0)
+    fits = (into > p_reuse) & (onward > p_reuse) & allowed
     if not fits.any():
         return -1
     return int(np.where(fits, into * onward, -1.0).argmax())
@@ -97,14 +97,15 @@ def reusable_edge(
     >>> reusable_edge([0.99, 0.97, 0.5], [0.2, 0.96, 0.98], edges, [0.98, 0.99, 0.99], 0.95)
     (1, 2)
     """
-    edges = np.asarray(edges, dtype=np.intp).reshape(-1, 2)
-    steps = np.stack(
-        [
-            np.asarray(into, dtype=float)[edges[:, 0]],
-            np.asarray(probabilities, dtype=float),
-            np.asarray(onward, dtype=float)[edges[:, 1]],
-        ]
-    )  # (3, E)
+    into = floats("into", into, ("V",), least=0.0, most=1.0)
+    onward = floats("onward", onward, ("V",), least=0.0, most=1.0)
+    alike(into=into, onward=onward)
+    edges = np.empty((0, 2), np.intp) if isinstance(edges, list) and not edges else edges
+    edges = integers("edges", edges, ("E", 2), least=0, most=len(into) - 1)
+    probabilities = floats("probabilities", probabilities, ("E",), least=0.0, most=1.0)
+    alike(edges=edges, probabilities=probabilities)
+    number("p_reuse", p_reuse, least=0.0, most=1.0)
+    steps = np.stack([into[edges[:, 0]], probabilities, onward[edges[:, 1]]])  # (3, E)
     fits = (steps > p_reuse).all(axis=0)
     if not fits.any():
         return None
@@ -125,6 +126,10 @@ def ahead_of(
     >>> ahead_of(np.array([0, 0, 0, 1]), np.array([0, 1, 2, 0]), [1]).tolist()
     [False, False, True, True]
     """
+    trajectory = integers("trajectory", trajectory, ("V",), least=0)
+    place = integers("place", place, ("V",), least=0)
+    alike(trajectory=trajectory, place=place)
+    reused = integers("reused", reused, ("R",), least=0, most=len(place) - 1)
     allowed = np.ones(len(place), dtype=bool)
     for vertex in reused:
         allowed &= (trajectory != trajectory[vertex]) | (place > place[vertex])
@@ -150,6 +155,14 @@ def outdated(
     >>> outdated(seen, ~seen, np.array([-1, 0, 1]), np.array([1, 2, -1]), 2).tolist()
     [1]
     """
+    seen = flags("seen", seen, ("A", "V"))
+    unseen = flags("unseen", unseen, ("A", "V"))
+    before, after = integers("before", before, ("V",)), integers("after", after, ("V",))
+    alike(seen=seen, unseen=unseen)
+    alike(seen=seen.T, unseen=unseen.T, before=before, after=after)
+    integers("before", before, least=-1, most=len(before) - 1)
+    integers("after", after, least=-1, most=len(after) - 1)
+    whole("reach", reach, least=0)
     gone = np.zeros(len(before), dtype=bool)
     inner = np.flatnonzero((before >= 0) & (after >= 0))
     for first in range(len(seen)):
@@ -165,4 +178,5 @@ def weight(probability: ArrayLike) -> Array:
     >>> weight([1.0, 0.5]).round(2).tolist()
     [0.0, 0.69]
     """
+    probability = floats("probability", probability, least=0.0, most=1.0)
     return 0.0 - np.log(np.maximum(probability, _NEVER))

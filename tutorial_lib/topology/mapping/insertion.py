@@ -19,6 +19,7 @@ from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
 from tutorial_lib.topology.mapping.reuse import Replacements, neighbours
 from tutorial_lib.topology.mapping.topomap import Added, TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
+from tutorial_lib.validation import instance
 
 _PASSING = 2
 """Anchors at most from one that sees the vertex before, to one that sees the vertex after."""
@@ -34,7 +35,8 @@ def add_trajectory(topomap: TopoMap, anchors: Anchors) -> Added:
     Raises:
         InputError: when RE returns no probabilities, or its targets cannot be stored in a map.
     """
-    return Insertion(topomap, anchors).insert()
+    instance("topomap", topomap, TopoMap)
+    return Insertion(topomap, instance("anchors", anchors, Anchors)).insert()
 
 
 class Insertion:

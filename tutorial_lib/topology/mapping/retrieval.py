@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import floats, whole
 
 Embedding = NDArray[np.float32]
 """(N, R, D) embeddings of R parts of an image, or (N, P, R, D) for P images."""
@@ -29,19 +30,21 @@ def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
     Returns:
         (N, M), from -2 to 2.
     """
-    seen, shown = _checked(seen, 3), _checked(shown, 4)
+    seen, shown = _checked("seen", seen, 3), _checked("shown", shown, 4)
     if seen.shape[-1] != shown.shape[-1]:
         raise InputError(
-            f"embeddings: {seen.shape[-1]} and {shown.shape[-1]} dimensions; embed "
+            f"embeddings: seen {seen.shape[-1]} and shown {shown.shape[-1]} dimensions; embed "
             "all with the same network"
         )
     count, images, parts, size = shown.shape
+    if not (images and parts and size and seen.shape[1]):
+        raise InputError(f"embeddings: seen {seen.shape}, shown {shown.shape}; give some parts")
     laid = np.ascontiguousarray(shown.transpose(3, 1, 2, 0)).reshape(size, -1)
     found = np.empty((len(seen), count), dtype=np.float32)
     for first in range(0, len(seen), _AT_ONCE):
         some = seen[first : first + _AT_ONCE]
         cosines = some.reshape(-1, size) @ laid
-        cosines = cosines.reshape(len(some), -1, images, parts, count)
+        cosines = cosines.reshape(len(some), seen.shape[1], images, parts, count)
         both = cosines.max(axis=3).mean(axis=1) + cosines.max(axis=1).mean(axis=2)
         found[first : first + _AT_ONCE] = both.max(axis=1)
     return found
@@ -49,8 +52,10 @@ def likeness(seen: Embedding, shown: Embedding) -> NDArray[np.float32]:
 
 def most_alike(alike: ArrayLike, count: int) -> NDArray[np.intp]:
     """(N, min(count, M)) indices of the most similar targets, of (N, M); in no order."""
-    alike = np.asarray(alike)
-    count = min(count, alike.shape[1])
+    checked = floats("alike", alike, ("N", "M"), infinite=True)
+    # Floats are sorted as they are: in another precision ties would be broken otherwise.
+    alike = alike if np.asarray(alike).dtype.kind == "f" else checked
+    count = min(whole("count", count, least=0), alike.shape[1])
     return np.argpartition(-alike, max(count - 1, 0), axis=1)[:, :count]
 
 
@@ -64,8 +69,8 @@ class Index:
 
     def append(self, seen: Embedding, shown: Embedding) -> None:
         """Add N vertices: as observations (N, R, D), and as targets (N, P, R, D)."""
-        self._seen.append(_checked(seen, 3))
-        self._shown.append(_checked(shown, 4))
+        self._seen.append(_checked("seen", seen, 3))
+        self._shown.append(_checked("shown", shown, 4))
 
     @property
     def seen(self) -> Embedding:
@@ -83,9 +88,14 @@ class Index:
         return parts[0]
 
 
-def _checked(embeddings: ArrayLike, axes: int) -> Embedding:
-    embeddings = np.asarray(embeddings, dtype=np.float32)
+def _checked(name: str, embeddings: ArrayLike, axes: int) -> Embedding:
+    try:
+        found = np.asarray(embeddings, dtype=np.float32)
+    except (TypeError, ValueError):
+        found = np.empty(0, dtype=np.float32)
+        embeddings = found
+    embeddings = np.empty(0, dtype=np.float32) if np.iscomplexobj(embeddings) else found
     if embeddings.ndim != axes or not np.isfinite(embeddings).all():
         wanted = "(N, R, D)" if axes == 3 else "(N, P, R, D)"
-        raise InputError(f"embeddings: {embeddings.shape}; give finite {wanted}")
+        raise InputError(f"embeddings: {name} {embeddings.shape}; give finite {wanted}")
     return embeddings

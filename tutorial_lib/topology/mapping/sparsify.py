@@ -9,6 +9,10 @@ from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.query import query
+from tutorial_lib.validation import instance, integers, number, whole, with_methods
+
+_MOST_CONTEXT = 1_000  # images on either side, more than any network takes
+_MOST_FRAMES = 10**9
 
 
 def sparsify(
@@ -38,17 +42,19 @@ def sparsify(
         InputError: when there are fewer than two frames, not as many targets, a threshold or window
             makes no sense, or `reachability` returns no probabilities.
     """
-    frames = len(observations)
+    with_methods("reachability", reachability, "probability")
+    frames = len(instance("observations", observations, Observation))
     _check_frames(frames)
-    if len(prepared) != frames:
+    if isinstance(prepared, str):
+        raise InputError("prepared: a text; give what the `prepare` of RE returned")
+    if len(with_methods("prepared", prepared, "__len__", "__getitem__")) != frames:
         raise InputError(
             f"sparsify: {len(prepared)} prepared targets for {frames} observations; prepare every "
             "frame of this trajectory"
         )
-    if not 0.0 < threshold < 1.0:
+    if not 0.0 < number("threshold", threshold) < 1.0:
         raise InputError(f"sparsify: threshold {threshold}; give a probability between 0 and 1")
-    if window < 1:
-        raise InputError(f"sparsify: window {window}; give a whole number, 1 or greater")
+    whole("window", window, least=1)
     anchors = [0]
     while anchors[-1] < frames - 1:
         here = farthest = anchors[-1]
@@ -72,9 +78,8 @@ def every_nth(frames: int, n: int) -> NDArray[np.intp]:
     >>> every_nth(8, 3).tolist()
     [0, 3, 6, 7]
     """
-    _check_frames(frames)
-    if n < 1:
-        raise InputError(f"every_nth: n = {n}; give a whole number, 1 or greater")
+    _check_frames(whole("frames", frames, most=_MOST_FRAMES))
+    whole("n", n, least=1)
     return np.append(np.arange(0, frames - 1, n), frames - 1)
 
 
@@ -91,6 +96,9 @@ def contextified(images: NDArray, k: int) -> NDArray:
     Raises:
         InputError: when there is no image, or k is negative.
     """
+    images = np.asarray(images)
+    if images.dtype.kind not in "biuf" or not images.ndim:
+        raise InputError("images: not numbers (T, ...); give the images of a trajectory")
     if not len(images):
         raise InputError("contextified: a trajectory without an image; give (T, ...)")
     _check_context(k)
@@ -112,9 +120,8 @@ def stored_frames(anchors: ArrayLike, frames: int, k: int) -> int:
     >>> stored_frames([0, 10], 12, 2)  # 0, 3, 6 and 4, 7, 10, 11
     7
     """
-    anchors = np.asarray(anchors)
-    if anchors.ndim != 1 or not np.isin(anchors, np.arange(frames)).all():
-        raise InputError(f"stored_frames: anchors {anchors}; give (A,) of 0 to {frames - 1}")
+    whole("frames", frames, least=1, most=_MOST_FRAMES)
+    anchors = integers("anchors", anchors, ("A",), least=0, most=frames - 1)
     _check_context(k)
     return len(np.unique(frames_around(anchors, k, 0, frames - 1)))
 
@@ -125,5 +132,4 @@ def _check_frames(frames: int) -> None:
 
 
 def _check_context(k: int) -> None:
-    if k < 0:
-        raise InputError(f"context: k = {k}; give a whole number, 0 or greater")
+    whole("k", k, least=0, most=_MOST_CONTEXT)

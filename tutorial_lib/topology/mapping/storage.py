@@ -28,6 +28,7 @@ from tutorial_lib.topology.mapping.stored_graph import (
     read_turns,
 )
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, path_of, with_methods
 
 VERSION = 2
 """Of the file's layout; maps of version 1 were two files, NAME.json beside NAME-DIGEST.npz."""
@@ -43,7 +44,7 @@ def save_map(path: str | Path, topomap: TopoMap) -> None:
             written.
     """
     path = _npz(path)
-    if not len(topomap):
+    if not len(instance("topomap", topomap, TopoMap)):
         raise InputError(f"{path}: an empty map; add a trajectory before saving it")
     alive = topomap.alive
     new = {int(old): number for number, old in enumerate(alive)}
@@ -73,6 +74,7 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
         InputError: when the file is missing, damaged or of another version.
     """
     path = _npz(path)
+    with_methods("reachability", reachability, "prepare", "probability")
     advice = "build the map again and save it"
     names = (*_SEEN, *_OTHERS, "graph", "digest")
     arrays = load_arrays(path, names, version=VERSION, advice=advice)
@@ -87,7 +89,7 @@ def load_map(path: str | Path, reachability: Reachability) -> TopoMap:
 
 
 def _npz(path: str | Path) -> Path:
-    path = Path(path)
+    path = path_of("path", path)
     if path.suffix == ".json":
         first = "maps of the first version ended in .json and can no longer be read"
         raise InputError(f"{path}: {first}; build the map again and save it as .npz")

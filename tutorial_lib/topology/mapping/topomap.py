@@ -11,11 +11,13 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import wrap
+from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
 from tutorial_lib.topology.mapping.vertices import Indices, Vertices
+from tutorial_lib.validation import alike, floats, instance, integers, number, whole, with_methods
 
 
 class TopoMap:
@@ -34,9 +36,11 @@ class TopoMap:
 
     def __init__(self, reachability: Reachability, settings: MapSettings | None = None) -> None:
         """An empty map. Without `reachability.embed`, every vertex is queried."""
+        with_methods("reachability", reachability, "prepare", "probability")
+        settings = MapSettings() if settings is None else settings
         self.graph = nx.DiGraph()
         self.vertices = Vertices(reachability)
-        self.settings = MapSettings() if settings is None else settings
+        self.settings = instance("settings", settings, MapSettings)
         self.paths: list[list[int]] = []
         self.trajectory = self.place = np.empty(0, dtype=np.intp)
         self.index = Index()
@@ -56,18 +60,23 @@ class TopoMap:
 
     def see(self, observations: Observation) -> Embedding:
         """(N, R, D) embeddings of N observations."""
+        instance("observations", observations, Observation)
         return np.asarray(self.vertices.reachability.embed(observations))
 
     def show(self, observations: Observation, prepared: Any) -> Embedding:  # noqa: ANN401
         """(N, P, R, D) embeddings of N targets; of their observations, if RE embeds no targets."""
         reachability = self.vertices.reachability
+        instance("observations", observations, Observation)
         if hasattr(reachability, "embed_targets"):
+            Vertices.checked(prepared, len(observations))
             return reachability.embed_targets(prepared)
         return self.see(observations)[:, None]
 
     def nearby(self, observations: Observation, count: int) -> Indices:
         """(N, C) indices of vertices that may be reached from N observations, C <= count."""
         alive = self.alive
+        instance("observations", observations, Observation)
+        whole("count", count, least=0)
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
         seen = self.see(observations)
@@ -76,6 +85,8 @@ class TopoMap:
     def around(self, observations: Observation, prepared: Any, count: int) -> Indices:  # noqa: ANN401
         """(N, C) indices of vertices from which N targets may be reached, C <= count."""
         alive = self.alive
+        instance("observations", observations, Observation)
+        whole("count", count, least=0)
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
         shown = self.show(observations, prepared)
@@ -83,10 +94,14 @@ class TopoMap:
 
     def connect(self, source: int, target: int, probability: float, driven: int = 0) -> None:
         """Add an edge, or raise its probability."""
+        self._check_vertex("source", source)
+        self._check_vertex("target", target)
+        probability = number("probability", probability, least=0.0, most=1.0)
+        whole("driven", driven, least=0)
         if self.graph.get_edge_data(source, target, {}).get("turn") is not None:
             self.graph.remove_edge(source, target)  # to drive is better than to turn
         old = self.graph.get_edge_data(source, target, {"probability": 0.0, "driven": 0})
-        probability = max(float(probability), old["probability"])
+        probability = max(probability, old["probability"])
         self.graph.add_edge(
             source,
             target,
@@ -97,12 +112,17 @@ class TopoMap:
 
     def turns_on(self, vertices: Sequence[int]) -> dict[int, float]:
         """The places of a path before which a robot turns in place, and by how many rad."""
+        integers("vertices", vertices, ("L",), least=0)
         steps = enumerate(pairwise(vertices), start=1)
         edges = {place: self.graph.get_edge_data(*step, {}) for place, step in steps}
         return {place: edge["turn"] for place, edge in edges.items() if "turn" in edge}
 
     def connect_by_turn(self, source: int, target: int, probability: float, angle: float) -> bool:
         """Add an edge on which the robot turns by so many rad, unless there is one already."""
+        self._check_vertex("source", source)
+        self._check_vertex("target", target)
+        number("probability", probability, least=0.0, most=1.0)
+        number("angle", angle)
         if source == target or self.graph.has_edge(source, target):
             return False
         self.connect(source, target, probability)
@@ -111,6 +131,7 @@ class TopoMap:
 
     def path_of(self, vertex: int) -> PlaceOnPath:
         """The path of the trajectory that a vertex was made for, and the vertex's place on it."""
+        self._check_vertex("vertex", vertex)
         return self.paths[self.trajectory[vertex]], int(self.place[vertex])
 
     def make_vertices(
@@ -132,8 +153,16 @@ class TopoMap:
             place: (N,) on its path.
             prepared: the contexts from `Reachability.prepare`, if they are prepared already.
         """
+        count = len(instance("observations", observations, Observation))
+        instance("contexts", contexts, np.ndarray)
+        timestamps = floats("timestamps", timestamps, (count,))
+        trajectory = integers("trajectory", trajectory, (count,), least=0)
+        place = integers("place", place, (count,), least=0)
+        alike(observations=observations, contexts=contexts)
         if prepared is None:
             prepared = self.vertices.prepare(contexts)
+        else:
+            Vertices.checked(prepared, count)
         indices = self.vertices.append(observations, contexts, timestamps, prepared)
         self.trajectory = np.append(self.trajectory, trajectory)
         self.place = np.append(self.place, place)
@@ -144,7 +173,8 @@ class TopoMap:
 
     def remove(self, vertices: Iterable[int]) -> None:
         """Remove vertices; the others keep their indices."""
-        gone = {int(vertex) for vertex in vertices}
+        instance("vertices", vertices, Iterable)
+        gone = {self._check_vertex("vertices", vertex) for vertex in vertices}
         if not gone:
             return
         self.graph.remove_nodes_from(gone)
@@ -153,6 +183,12 @@ class TopoMap:
             for place, vertex in enumerate(left):
                 if self.trajectory[vertex] == trajectory:
                     self.place[vertex] = place
+
+    def _check_vertex(self, name: str, vertex: int) -> int:
+        """The number of a vertex, if there is such a one."""
+        if whole(name, vertex, least=0) not in self.graph:
+            raise InputError(f"{name}: {vertex}; give a vertex of this map, of {len(self)}")
+        return int(vertex)
 
 
 @dataclass(frozen=True)

@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative, to_world, wrap
+from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.se2 import relative, to_world, wrap
 from tutorial_lib.topology.mapping.anchors import Anchors
 from tutorial_lib.topology.mapping.scan_matching import likely_rotations, match_scans
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.vertices import Indices
+from tutorial_lib.validation import alike, floats, instance, integers, number, whole
 from tutorial_lib.world.sensors import Camera, full_circle
 
 _BESIDE = 3  # anchors before and after, whose pictures show the walls around, too
@@ -54,14 +56,16 @@ class TurnSettings:
     most: int = 3
 
     def __post_init__(self) -> None:
+        number("turns: least", self.least, least=0.0)
+        number("turns: reach", self.reach, least=0.0)
         for name in ("p_turn", "agreement", "colours"):
+            number(f"turns: {name}", getattr(self, name))
             if not 0.0 < getattr(self, name) < 1.0:
                 raise InputError(
                     f"turns: {name} = {getattr(self, name)}; give a number between 0 and 1"
                 )
         for name in ("candidates", "most"):
-            if getattr(self, name) < 1:
-                raise InputError(f"turns: {name} = {getattr(self, name)}; give 1 or greater")
+            whole(f"turns: {name}", getattr(self, name), least=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +108,10 @@ def add_turns(
         How many edges were added.
     """
     settings = TurnSettings() if settings is None else settings
+    instance("settings", settings, TurnSettings)
+    instance("topomap", topomap, TopoMap)
+    count, most = len(instance("anchors", anchors, Anchors)), len(topomap.vertices) - 1
+    path = integers("path", path, (count,), least=0, most=most)
     fresh = np.flatnonzero(topomap.trajectory[path] == len(topomap.paths) - 1)
     turns = _by_scans(topomap, anchors.observations, fresh, settings)
     sights = [_sights(anchors.observations, i, np.arange(len(anchors))) for i in turns.anchors]
@@ -134,7 +142,8 @@ def colour_correlation(
     Returns:
         Correlation, -1 to 1; not a number where too few walls were seen by both.
     """
-    (points, colours), (others, other_colours) = ours, theirs
+    (points, colours), (others, other_colours) = _sight("ours", ours), _sight("theirs", theirs)
+    pose = floats("pose", pose, (3,))
     if not len(points) or not len(others):
         return float("nan")
     far, nearest = KDTree(to_world(pose, others)).query(points, distance_upper_bound=_SAME)
@@ -145,6 +154,15 @@ def colour_correlation(
     here, there = here - here.mean(axis=0), there - there.mean(axis=0)
     scale = np.sqrt((here**2).sum() * (there**2).sum())
     return float((here * there).sum() / scale) if scale > 0 else float("nan")
+
+
+def _sight(name: str, sight: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Points (N, 2) and colours (N, 3)."""
+    if not isinstance(sight, tuple) or len(sight) != 2:
+        raise InputError(f"{name}: give a tuple of points (N, 2) and colours (N, 3)")
+    points, colours = floats(name, sight[0], ("N", 2)), floats(name, sight[1], ("N", 3))
+    alike(**{name: points, f"colours of {name}": colours})
+    return points, colours
 
 
 def _by_scans(topomap: TopoMap, seen: Observation, fresh: Indices, settings: TurnSettings) -> Turns:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
-from tutorial_lib.errors import InputError
+from tutorial_lib.validation import one_of, whole
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators.apartment import apartment
 from tutorial_lib.world.generators.corridors import loop_corridor
@@ -48,6 +47,8 @@ _WITHIN = (10.0, -30.0)
 
 def area_limits(family: str, size: str = "any") -> tuple[float, float]:
     """Least and greatest square metres of all rooms of a plan together."""
+    one_of("family", family, FAMILIES)
+    one_of("size", size, AREAS)
     return (HALL_AREAS if family == "hall" else AREAS)[size]
 
 
@@ -68,11 +69,11 @@ def generate(
     Raises:
         InputError: if an argument is none of these.
     """
-    _check("family", family, FAMILIES)
-    _check("palette", palette, PALETTES)
-    _check("size", size, tuple(AREAS))
-    _check("signs", signs, SIGNS)
-    seed = _whole(seed)
+    one_of("family", family, FAMILIES)
+    one_of("palette", palette, PALETTES)
+    one_of("size", size, AREAS)
+    one_of("signs", signs, SIGNS)
+    seed = whole("seed", seed, least=0)
     plan = (_scanned if family == "scanned" else _drawn)(family, seed, palette, size)
     if signs == "plain":
         return plan
@@ -108,18 +109,3 @@ def _scanned(family: str, seed: int, palette: str, size: str) -> FloorPlan:
             return scanned(building, (family, seed), rng, palette)
         except DoesNotFit:
             continue
-
-
-def _check(name: str, value: str, known: Sequence[str]) -> None:
-    if value not in known:
-        raise InputError(f"{name}: {value!r} is unknown; use one of {', '.join(known)}")
-
-
-def _whole(seed: int) -> int:
-    try:
-        number = operator.index(seed)
-    except TypeError:
-        number = -1
-    if number < 0 or isinstance(seed, bool):
-        raise InputError(f"seed: {seed!r}; give a whole number, 0 or greater")
-    return number

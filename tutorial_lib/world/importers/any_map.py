@@ -6,6 +6,7 @@ from pathlib import Path
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_json
+from tutorial_lib.validation import path_of
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.importers.houseexpo import import_houseexpo
 from tutorial_lib.world.importers.regions import Region
@@ -32,7 +33,7 @@ def import_map(
         InputError: when the file is missing, of no known kind, or malformed, or has no region.
     """
     check_choice(seed, palette)
-    path = Path(path)
+    path = path_of("path", path)
     if path.suffix.lower() in (".yaml", ".yml"):
         return import_ros_map(path, seed, palette, region)
     if path.suffix.lower() != ".json":

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.limits import MAX_SURFACES
+from tutorial_lib.validation import one_of, whole
 from tutorial_lib.world.materials import PERIOD, Colour, Look, Material, Stripe
 
 PALETTES = ("standard", "shifted")
@@ -35,10 +36,8 @@ def check_choice(seed: int, palette: str) -> None:
     Raises:
         InputError: when `seed` is negative or no whole number, or `palette` is unknown.
     """
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
-        raise InputError(f"seed: {seed!r}; give a whole number from 0")
-    if palette not in PALETTES:
-        raise InputError(f"palette: {palette!r}; give one of {PALETTES}")
+    whole("seed", seed, least=0)
+    one_of("palette", palette, PALETTES)
 
 
 def imported_look(rng: np.random.Generator, palette: str) -> Look:
