@@ -17,9 +17,9 @@ from tutorial_lib.exploration.frontier import (
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed
 from tutorial_lib.exploration.grid_kernels import FREE
 from tutorial_lib.exploration.local_map import REACH, LocalMaps
-from tutorial_lib.geometry import Array, to_local
 from tutorial_lib.interfaces import ExplorationModel, FrontierScorer
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import Array, to_local
 
 _ARRIVED = 0.4  # metres from a frontier, or from the end of the path to it
 _TIMEOUT = (40, 12)  # steps towards a frontier, and the same for each metre

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from tutorial_lib.exploration.bearings import DIRECTIONS, bearing_of
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings
 from tutorial_lib.exploration.graph_update import free_metres
-from tutorial_lib.geometry import to_world
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import to_world
 
 _ARRIVED = 0.4  # metres from a target at which the next is drawn
 _LONGEST = 40  # steps towards one target

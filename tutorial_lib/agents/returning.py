@@ -20,9 +20,9 @@ from tutorial_lib.exploration.bearings import bearing_of
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
 from tutorial_lib.exploration.turned_views import turned
-from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import HERE, Edges, Plan
 from tutorial_lib.observation import Experience, Goals, Observation
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.world.noise import LEFT, RIGHT, STOP

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import Array, wrap
+from tutorial_lib.se2 import Array, wrap
 
 DIRECTIONS = 12
 """Directions of a node, n_theta of Chaplot et al. 2020."""

@@ -9,7 +9,7 @@ import numpy as np
 from tutorial_lib.exploration.ghost_graph import Ghost
 from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.exploration.labels import MAX_DISTANCE
-from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.se2 import Array, to_world
 
 _ONE_OPENING = 1.0  # metres between ghosts that lead to the same place
 _PASSED = 0.8  # metres from a node on the path at which a robot goes on to the next

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
-from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.world.noise import STOP
 
 _SAME = 1.5  # metres between two estimates of one goal, at most

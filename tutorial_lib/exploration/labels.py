@@ -14,7 +14,7 @@ from tutorial_lib.exploration.bearings import (
     column_of,
 )
 from tutorial_lib.exploration.explorable import CLEARANCE, explorable
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.world.floorplan import ROOM_KINDS, FloorPlan
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera

@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array, to_local, to_world, wrap
+from tutorial_lib.se2 import Array, to_local, to_world, wrap
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
 
 ACTIONS = (STOP, FORWARD, LEFT, RIGHT)

@@ -11,12 +11,12 @@ from torch import Tensor
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
-from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration, sigmoid
 from tutorial_lib.learning.panorama_encoder import Encoded
 from tutorial_lib.learning.panorama_network import Compared, PanoramaNetwork
 from tutorial_lib.learning.weights import load_card, load_network
+from tutorial_lib.se2 import Array, wrap
 
 _AT_ONCE = 64  # panoramas or pairs; what is computed for them fits into the processor's cache
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array, relative, to_local
+from tutorial_lib.se2 import Array, relative, to_local
 from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.visibility import mutual_overlap
 

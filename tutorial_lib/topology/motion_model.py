@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.se2 import Array, relative
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
 TURN = 0.5

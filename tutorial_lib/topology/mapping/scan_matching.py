@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from tutorial_lib.geometry import Array, inverse, wrap
+from tutorial_lib.se2 import Array, inverse, wrap
 from tutorial_lib.world.sensors import full_circle
 
 _NEAR = 4.0  # metres; what is farther looks different from where the other scan was taken

@@ -11,8 +11,8 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import wrap
 from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
 from tutorial_lib.topology.mapping.vertices import Indices, Vertices

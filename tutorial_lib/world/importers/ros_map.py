@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import to_world
 from tutorial_lib.reading.documents import read_yaml
 from tutorial_lib.reading.pictures import Picture, read_picture
+from tutorial_lib.se2 import to_world
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.importers.contours import free_loops, signed_area
