@@ -93,8 +93,7 @@ def inverse(pose: ArrayLike) -> Array:
     >>> inverse([1.0, 0.0, np.pi / 2]).round(6).tolist()
     [-0.0, 1.0, -1.570796]
     """
-    pose = floats("pose", pose, (..., 3))
-    return se2.relative(pose, np.zeros_like(pose))
+    return se2.inverse(floats("pose", pose, (..., 3)))
 
 
 def log_norm(pose: ArrayLike) -> Array:

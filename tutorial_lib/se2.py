@@ -47,6 +47,12 @@ def relative(origin: ArrayLike, pose: ArrayLike) -> Array:
     return np.concatenate([position, heading[..., None]], axis=-1)
 
 
+def inverse(pose: ArrayLike) -> Array:
+    """See `geometry.inverse`."""
+    pose = np.asarray(pose, dtype=float)
+    return relative(pose, np.zeros_like(pose))
+
+
 def arc_length(points: ArrayLike) -> Array:
     """See `geometry.arc_length`."""
     points = np.asarray(points, dtype=float)[:, :2]

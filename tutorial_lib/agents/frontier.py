@@ -17,10 +17,9 @@ from tutorial_lib.exploration.frontier import (
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.grid_kernels import FREE
 from tutorial_lib.exploration.local_map import REACH, LocalMaps
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel, FrontierScorer
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.validation import instance, number, with_methods
 
 _ARRIVED = 0.4  # metres from a frontier, or from the end of the path to it

@@ -22,7 +22,6 @@ from tutorial_lib.agents.map_targets import MapTargets
 from tutorial_lib.agents.whereabouts import Whereabouts
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.driving.control.three_point import ThreePointTurn
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
     Controller,
     Edges,
@@ -33,7 +32,7 @@ from tutorial_lib.interfaces import (
     Robots,
     WaypointPredictor,
 )
-from tutorial_lib.se2 import to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings, State

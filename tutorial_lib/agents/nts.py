@@ -14,10 +14,9 @@ from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.global_policy import GhostChoice, choose_ghost, subgoal
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
 from tutorial_lib.exploration.graph_update import GraphUpdate, Memory, free_metres
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import to_world
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.validation import flag, floats, instance, whole
 
 _APART = 1.0  # metres between a node and a ghost that is explored by a node of its own

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.remedies import Tools
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots, Targets
-from tutorial_lib.se2 import relative
+from tutorial_lib.se2 import Array, relative
 from tutorial_lib.topology.localization import OFF_MAP, BayesFilter, argmax, match_sequence
 from tutorial_lib.topology.mapping.edge_search import along_trajectories
 from tutorial_lib.topology.mapping.topomap import TopoMap

@@ -9,9 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import wrap
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
 
 _LEAST = 0.5  # RE from which a vertex votes

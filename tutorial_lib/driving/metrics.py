@@ -82,7 +82,8 @@ def covered(path: ArrayLike, track: ArrayLike, collided_at: int | None = None) -
     """
     path, track = _points("path", path), _points("track", track)
     if collided_at is not None:
-        track = track[: whole("collided_at", collided_at, least=0) + 1]
+        collided_at = whole("collided_at", collided_at, least=0)
+        track = track[: collided_at + 1]
     places, miles = _densely(path)
     behind, ahead, now = round(STRAYED / _DENSE), round(AHEAD / _DENSE), 0
     for point in track:

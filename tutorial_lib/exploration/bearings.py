@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import Array
-from tutorial_lib.se2 import wrap
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.validation import floats, integers, whole
 
 DIRECTIONS = 12

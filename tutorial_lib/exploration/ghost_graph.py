@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of, column_of
-from tutorial_lib.geometry import Array, inverse
-from tutorial_lib.se2 import compose, to_world
+from tutorial_lib.se2 import Array, compose, inverse, to_world
 from tutorial_lib.validation import flag, flags, floats, instance, number, whole
 
 BESIDE = 1.5 * RADIUS

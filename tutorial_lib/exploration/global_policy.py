@@ -9,8 +9,7 @@ import numpy as np
 from tutorial_lib.exploration.ghost_graph import Ghost
 from tutorial_lib.exploration.graph_update import Memory
 from tutorial_lib.exploration.labels import MAX_DISTANCE
-from tutorial_lib.geometry import Array
-from tutorial_lib.se2 import to_world
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.validation import flag, number
 
 _ONE_OPENING = 1.0  # metres between ghosts that lead to the same place

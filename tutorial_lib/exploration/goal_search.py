@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import LocalPolicy
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import to_world
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.validation import flags, instance, number, with_methods
 from tutorial_lib.world.noise import STOP
 

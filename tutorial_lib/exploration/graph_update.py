@@ -9,9 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, column_bearings
 from tutorial_lib.exploration.ghost_graph import BESIDE, GhostGraph
-from tutorial_lib.geometry import Array, inverse
 from tutorial_lib.interfaces import ExplorationModel
-from tutorial_lib.se2 import compose, relative, to_world
+from tutorial_lib.se2 import Array, compose, inverse, relative, to_world
 
 _TRIED = 4  # nodes besides its own in which a robot is looked for
 _WIDE = 0.22  # metres to either side that a robot needs

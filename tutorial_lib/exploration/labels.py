@@ -14,8 +14,7 @@ from tutorial_lib.exploration.bearings import (
     column_of,
 )
 from tutorial_lib.exploration.explorable import CLEARANCE, explorable
-from tutorial_lib.geometry import Array
-from tutorial_lib.se2 import to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.validation import alike, floats, instance, integers, number, whole
 from tutorial_lib.world.floorplan import ROOM_KINDS, FloorPlan
 from tutorial_lib.world.scene import Scene

@@ -6,8 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array
-from tutorial_lib.se2 import to_local, to_world, wrap
+from tutorial_lib.se2 import Array, to_local, to_world, wrap
 from tutorial_lib.shapes import fit_together
 from tutorial_lib.validation import floats
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP

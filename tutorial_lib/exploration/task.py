@@ -12,10 +12,9 @@ from tutorial_lib.driving.metrics import spl
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.episodes import SUCCESS, Episodes
 from tutorial_lib.exploration.motion import ACTIONS, exact_motions, move
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import ExplorerAgent, SequentialExplorer
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import compose, relative
+from tutorial_lib.se2 import Array, compose, relative
 from tutorial_lib.validation import flag, floats, instance, integers, whole, with_methods
 from tutorial_lib.world.bodies import DifferentialDrive
 from tutorial_lib.world.noise import STOP, DiscreteNoise

@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import column_of
-from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
-from tutorial_lib.se2 import wrap
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.world.sensors import Camera, Laser, full_circle
 
 

@@ -13,10 +13,10 @@ from torch import Tensor
 from tutorial_lib.driving.data.perturbation import TRAINING_PERTURBATION, Perturbation
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import Controller, Observation
 from tutorial_lib.learning.networks import Architecture
 from tutorial_lib.learning.waypoint_pairs import WaypointPairs, draw_waypoint_pairs
+from tutorial_lib.se2 import Array, relative, to_world
 from tutorial_lib.validation import instance, instances, integers, number, whole, with_methods
 from tutorial_lib.world.raycast import Discs
 from tutorial_lib.world.sensors import Laser

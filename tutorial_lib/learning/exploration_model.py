@@ -11,13 +11,13 @@ from torch import Tensor
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of
-from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.calibration import Calibration, sigmoid
 from tutorial_lib.learning.panorama_encoder import FEATURES, Encoded
 from tutorial_lib.learning.panorama_network import PANORAMA, Compared, PanoramaNetwork
 from tutorial_lib.learning.views import check_camera
 from tutorial_lib.learning.weights import load_card, load_network
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.validation import floats, instance
 
 _LARGEST = 1e6  # number of a feature

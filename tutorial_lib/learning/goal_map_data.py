@@ -19,13 +19,13 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.exploration.frontier import CROP, SIDE, all_frontiers, crops
 from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.files import make_folder, save_arrays
-from tutorial_lib.geometry import Array, to_local, to_world
 from tutorial_lib.learning.goal_map_batches import FRONTIERS, GoalMaps
 from tutorial_lib.learning.imitation_data import EPISODES, counts_in_name, record_expert
 from tutorial_lib.learning.panorama_network import PanoramaNetwork
 from tutorial_lib.learning.weights import digest_of
 from tutorial_lib.parallel import for_each
 from tutorial_lib.reading.arrays import load_arrays
+from tutorial_lib.se2 import Array, to_local, to_world
 from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import PanoramicCamera

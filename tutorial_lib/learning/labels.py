@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, relative, to_local
+from tutorial_lib.se2 import Array, relative, to_local
 from tutorial_lib.validation import alike, floats, instance, integers
 from tutorial_lib.world.raycast import Raycaster
 from tutorial_lib.world.visibility import mutual_overlap

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, bearing_of, bin_of
-from tutorial_lib.geometry import relative, wrap
 from tutorial_lib.learning.exploration_data import VERSION, PanoramaWorld
+from tutorial_lib.se2 import relative, wrap
 
 FARTHEST_PAIR = 12.0
 """Metres between the panoramas of a pair, along the shortest path."""

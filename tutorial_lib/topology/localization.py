@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Robots
-from tutorial_lib.se2 import relative
+from tutorial_lib.se2 import Array, relative
 from tutorial_lib.topology.motion_model import MotionModel, length_of
 from tutorial_lib.validation import alike, floats, instance, integers, number, whole, with_methods
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
-from tutorial_lib.se2 import relative
+from tutorial_lib.se2 import Array, relative
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.validation import alike, floats, instance, whole
 

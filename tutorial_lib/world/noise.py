@@ -228,7 +228,8 @@ class DiscreteNoise:
     def __init__(self, robots: int, rng: Rng) -> None:
         """Spawn a stream of `rng` for each of N robots."""
         robots = whole("robots", robots, least=0, most=MOST_ROBOTS)
-        self._streams = instance("rng", rng, Rng).spawn(robots)
+        instance("rng", rng, Rng)
+        self._streams = rng.spawn(robots)
         self._luck, self._noise = np.empty((0, robots, 2)), np.empty((0, robots, 2, 3))
         self._row = 0
 

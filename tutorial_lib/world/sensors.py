@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import floats, images, instance, number, whole
+from tutorial_lib.validation import flag, floats, images, instance, number, whole
 from tutorial_lib.world.paint import paint_columns, paint_rows
 from tutorial_lib.world.raycast import Discs, Fan, Hits
 from tutorial_lib.world.scene import Scene

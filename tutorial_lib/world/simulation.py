@@ -206,8 +206,7 @@ class Simulation:
             raise InputError(f"robots: {robots.tolist()}; give (M,) indices, each once")
         alike(robots=robots, poses=poses)
         check_free(self.scene, self.body, poses)
-        # So far away a robot collides with nobody: only those that move are checked.
-        alone = np.full_like(self.poses, 1e9)
+        alone = np.full_like(self.poses, 1e9)  # only those that move can collide
         alone[robots] = poses
         check_apart(self.body, alone, self.crowd.discs)
         placed = self.poses.copy()

@@ -9,7 +9,7 @@ from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.checks.framework.topics import Topic, judge_topics
-from tutorial_lib.geometry import Array, compose, to_world, wrap
+from tutorial_lib.se2 import Array, compose, to_world, wrap
 
 Rule = Callable[[Array, Array], Array]
 

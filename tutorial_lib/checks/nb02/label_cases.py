@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.learning.labels import in_clear_sight
+from tutorial_lib.se2 import Array, arc_length
 from tutorial_lib.world.raycast import Raycaster
 
 Sees = Callable[[Array, Array], NDArray[np.bool_]]

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.nb02.label_cases import Sees
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.se2 import Array, to_local
 
 Choice = Callable[[Array, Array, NDArray[np.bool_]], Array | None]
 

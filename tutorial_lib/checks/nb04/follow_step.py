@@ -25,7 +25,7 @@ from tutorial_lib.checks.nb04.follower_answers import calling, whole
 from tutorial_lib.checks.nb04.observations import RULES
 from tutorial_lib.checks.nb04.toy_corridor import STEP, STORIES, Corridor, Memory, Story
 from tutorial_lib.checks.nb04.transition import transition
-from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.se2 import Array, to_local, to_world
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 
 Answer = tuple[Memory, Array | None]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.checks.nb04.toy_corridor import Memory
-from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.se2 import Array, to_local, to_world
 from tutorial_lib.topology.following.transitions import State
 
 NEARER = 0.05

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tutorial_lib.checks.nb04.observations import OTHER_RULES, RULES
-from tutorial_lib.geometry import Array, compose, to_local
+from tutorial_lib.se2 import Array, compose, to_local
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 
 STEP = 0.1

@@ -12,7 +12,7 @@ from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.untouched import number, untouched
-from tutorial_lib.geometry import Array, relative
+from tutorial_lib.se2 import Array, relative
 
 _FALSE_FROM, _FALSE_TO = (-0.9, 7.3, -1.7), (-6.0, 1.0, 3.0)
 """Poses in the notebook's building, with a corner and some vertices between them."""

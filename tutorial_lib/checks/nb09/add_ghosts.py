@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb09.calls import keeping
-from tutorial_lib.geometry import Array, inverse
+from tutorial_lib.se2 import Array, inverse
 
 Ghosts = set[tuple[int, int]]
 """A node and one of its directions."""

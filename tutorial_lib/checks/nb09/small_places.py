@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb09.small_buildings import Building
-from tutorial_lib.geometry import Array, relative, to_local
+from tutorial_lib.se2 import Array, relative, to_local
 
 _DIRECTIONS = 12
 _ASKED = 2_000  # questions without a drive in between

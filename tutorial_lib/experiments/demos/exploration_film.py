@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.experiments.protocols.ghost_moments import GhostMoment
 from tutorial_lib.exploration.local_map import RESOLUTION
-from tutorial_lib.geometry import Array, compose, to_world
+from tutorial_lib.se2 import Array, compose, to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.ghost_graphs import GHOST, UNSEEN, draw_ghost_graph, draw_seen
 from tutorial_lib.viz.canvas.labels import label, text_size

@@ -8,7 +8,7 @@ import numpy as np
 
 from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.driving.geodesics import DistanceFields
-from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.se2 import Array, arc_length
 from tutorial_lib.topology.following.transitions import State
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.dashboard import Moment

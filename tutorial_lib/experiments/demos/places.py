@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.geodesics import CLEARANCE, GridPaths
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, arc_length
+from tutorial_lib.se2 import Array, arc_length
 from tutorial_lib.viz.canvas.colours import PERSON
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.floorplan import FloorPlan

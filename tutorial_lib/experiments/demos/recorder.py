@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from tutorial_lib.experiments.demos.outcome import Drive
-from tutorial_lib.geometry import Array, arc_length
 from tutorial_lib.interfaces import Observation, Robots
+from tutorial_lib.se2 import Array, arc_length
 from tutorial_lib.viz.figures.dashboard import Moment
 from tutorial_lib.world.simulation import Simulation
 

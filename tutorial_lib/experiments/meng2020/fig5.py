@@ -13,8 +13,8 @@ from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.following import Guide, trajectories
 from tutorial_lib.experiments.protocols.local_control import WORLDS
-from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.parallel import for_each
+from tutorial_lib.se2 import Array, wrap
 
 
 @dataclass(frozen=True)

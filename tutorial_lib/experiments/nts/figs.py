@@ -28,9 +28,9 @@ from tutorial_lib.exploration.episodes import (
 from tutorial_lib.exploration.labels import MAX_DISTANCE, PanoramaLabels
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.files import write_files
-from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.learning.exploration_data import random_poses
 from tutorial_lib.parallel import for_each
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.viz.figures.film import exact_png
 from tutorial_lib.world.floorplan import ROOM_KINDS
 from tutorial_lib.world.worlds import scene_of

@@ -13,8 +13,8 @@ from tutorial_lib.experiments.protocols.ghost_moments import GhostMoment
 from tutorial_lib.exploration.episodes import Episodes
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
-from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import ExplorationModel
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.world.scene import Scene
 
 NUMBERS = (

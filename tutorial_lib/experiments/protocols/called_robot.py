@@ -10,8 +10,8 @@ from tutorial_lib.exploration.bearings import RADIUS, bearing_of
 from tutorial_lib.exploration.ghost_graph import BESIDE
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed
 from tutorial_lib.exploration.task import STEPS, ExplorationTask
-from tutorial_lib.geometry import Array, relative, to_world
 from tutorial_lib.interfaces import ExplorationModel
+from tutorial_lib.se2 import Array, relative, to_world
 from tutorial_lib.world.noise import STOP
 
 _SAME = 0.5  # probability of F_L

@@ -19,7 +19,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation import FACING, NEAR
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import RECORDING
-from tutorial_lib.geometry import Array, wrap
+from tutorial_lib.se2 import Array, wrap
 
 TOUR, CONTINUOUS = "tour", "continuous"
 """Separate drives from each place to the next and back; and the same as one continuous drive."""

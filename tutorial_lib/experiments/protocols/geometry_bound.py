@@ -11,9 +11,9 @@ from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.data.rollout_outcomes import RolloutOutcomes, load_outcomes
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.estimators import CONTROLLERS
-from tutorial_lib.geometry import Array, relative
 from tutorial_lib.learning.outcome_data import recipe_of, record_outcomes
 from tutorial_lib.learning.recipes import WORK, recorded_worlds_of
+from tutorial_lib.se2 import Array, relative
 from tutorial_lib.world.worlds import training_world
 
 WORLDS = tuple(range(300, 320))

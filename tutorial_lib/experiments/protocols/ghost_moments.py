@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.exploration.exploring_robot import ExploringRobot
 from tutorial_lib.exploration.global_policy import ghost_places
-from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.se2 import Array, to_world
 
 
 @dataclass(frozen=True, eq=False)

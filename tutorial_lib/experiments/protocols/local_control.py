@@ -15,7 +15,7 @@ from tutorial_lib.driving.data.rollout_outcomes import PolicyFactory
 from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.driving.rollouts import ReachGoals, Rollouts, rollout
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING, Odometry
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene

@@ -15,7 +15,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     recorded_between,
 )
 from tutorial_lib.experiments.protocols.odometry import Odometry
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of, world_name

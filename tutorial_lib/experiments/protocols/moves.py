@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.driving.metrics import REACHED
-from tutorial_lib.geometry import Array, compose
 from tutorial_lib.interfaces import Robots
+from tutorial_lib.se2 import Array, compose
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.placing import is_free

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.rollouts import NavigationEnds, Record, Rollouts, rollout
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING
-from tutorial_lib.geometry import Array, wrap
 from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation
 from tutorial_lib.learning.views import VIEWS, View
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation

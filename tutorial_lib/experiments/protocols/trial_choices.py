@@ -13,7 +13,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     trials_from_anywhere,
 )
-from tutorial_lib.geometry import wrap
+from tutorial_lib.se2 import wrap
 
 STARTS = BETWEEN, ANYWHERE = ("places", "anywhere")
 """Where trials start: at a place, looking along the way, or anywhere on a drive, looking aside."""

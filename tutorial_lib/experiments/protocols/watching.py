@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.nts import ExploringRobot, NTSAgent
 from tutorial_lib.exploration.labels import PanoramaLabels
 from tutorial_lib.exploration.task import ExplorationTask
-from tutorial_lib.geometry import Array, compose, inverse, to_world
+from tutorial_lib.se2 import Array, compose, inverse, to_world
 
 
 @dataclass(frozen=True, eq=False)

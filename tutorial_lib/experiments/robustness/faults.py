@@ -37,10 +37,11 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
-from tutorial_lib.geometry import Array, distance_to_segments, wrap
+from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
+from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation
 

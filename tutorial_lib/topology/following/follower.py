@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Controller, Observation, Reachability, Robots, WaypointPredictor
-from tutorial_lib.se2 import to_local, to_world
+from tutorial_lib.se2 import Array, to_local, to_world
 from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.log import FollowerLog
 from tutorial_lib.topology.following.state import FollowerState

@@ -11,8 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from tutorial_lib.geometry import Array, inverse
-from tutorial_lib.se2 import wrap
+from tutorial_lib.se2 import Array, inverse, wrap
 from tutorial_lib.shapes import fit_together
 from tutorial_lib.world.sensors import full_circle
 

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.se2 import relative, to_world, wrap
+from tutorial_lib.se2 import Array, relative, to_world, wrap
 from tutorial_lib.topology.mapping.anchors import Anchors
 from tutorial_lib.topology.mapping.scan_matching import likely_rotations, match_scans
 from tutorial_lib.topology.mapping.topomap import TopoMap

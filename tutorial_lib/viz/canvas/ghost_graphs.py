@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import Array, to_local
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.geometry import to_world
+from tutorial_lib.se2 import to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.world.materials import PERIOD, TEXEL, TEXELS
 from tutorial_lib.world.scene import Scene

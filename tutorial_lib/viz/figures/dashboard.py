@@ -7,8 +7,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.interfaces import Observation
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView

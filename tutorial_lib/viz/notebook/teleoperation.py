@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import arc_length, wrap
+from tutorial_lib.se2 import arc_length, wrap
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.se2 import Array, to_local, to_world
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.generators.rectilinear import DoesNotFit
 from tutorial_lib.world.importers.ros_map import large_regions, plan_of_cells

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_world
 from tutorial_lib.reading.documents import read_yaml
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room, too_far
 from tutorial_lib.world.importers.contours import free_loops, signed_area
