@@ -366,8 +366,8 @@ DOORS = {
     ),
     "ahead_of": lambda: call(
         edge_rules.ahead_of,
-        trajectory=integers([0, 0, 1], ("V",), least=0),
-        place=integers([0, 1, 0], ("V",), least=0),
+        trajectory=integers([0, 0, 1], ("V",), least=-1),
+        place=integers([0, 1, 0], ("V",), least=-1),
         reused=integers([0], ("R",), least=0, most=2),
     ),
     "outdated": lambda: call(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from tutorial_lib.experiments.demos.task import choose_task
-from tutorial_lib.world.generators import generate
-from tutorial_lib.world.scene import Scene
+import numpy as np
 
-_PLACES = 3
+from tutorial_lib.driving import RecordedWorld, demonstrate
+from tutorial_lib.world import scene_of
+
+_WORLD = "apartment/0/standard"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,8 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Prepare a demo: what is compiled for that is kept beside the library's files."""
+    """Record a few drives: what is compiled for that is kept beside the library's files."""
     del options
-    task = choose_task(Scene(generate("apartment", 0)), 0, _PLACES)
-    task.trial.recorded.observe(task.trial.goals)
+    scene = scene_of(_WORLD)
+    recorded = RecordedWorld(scene, demonstrate(_WORLD, scene, count=4, seed=0))
+    recorded.observe(np.arange(4))
     return 0

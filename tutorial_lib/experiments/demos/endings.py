@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tutorial_lib.experiments.protocols.navigation import STUCK, Outcome
+from tutorial_lib.driving.rollouts import STUCK
+from tutorial_lib.experiments.protocols.navigation import Outcome
 from tutorial_lib.exploration.task import STEPS, ExplorationTask
 from tutorial_lib.interfaces import Plan
 

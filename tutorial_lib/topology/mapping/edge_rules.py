@@ -119,15 +119,15 @@ def ahead_of(
     """(V,) which vertices may follow those `reused`: never backwards along their trajectory.
 
     Args:
-        trajectory: (V,) of each vertex.
-        place: (V,) of each on its path.
+        trajectory: (V,) of each vertex, -1 for none.
+        place: (V,) of each on its path, -1 for none.
         reused: vertices, in order.
 
     >>> ahead_of(np.array([0, 0, 0, 1]), np.array([0, 1, 2, 0]), [1]).tolist()
     [False, False, True, True]
     """
-    trajectory = integers("trajectory", trajectory, ("V",), least=0)
-    place = integers("place", place, ("V",), least=0)
+    trajectory = integers("trajectory", trajectory, ("V",), least=-1)
+    place = integers("place", place, ("V",), least=-1)
     alike(trajectory=trajectory, place=place)
     reused = integers("reused", reused, ("R",), least=0, most=len(place) - 1)
     allowed = np.ones(len(place), dtype=bool)

@@ -43,7 +43,9 @@ def sparsify(
             makes no sense, or `reachability` returns no probabilities.
     """
     with_methods("reachability", reachability, "probability")
-    frames = len(instance("observations", observations, Observation))
+    if not isinstance(observations, np.ndarray):  # indices will do, for one that knows the frames
+        instance("observations", observations, Observation)
+    frames = len(observations)
     _check_frames(frames)
     if isinstance(prepared, str):
         raise InputError("prepared: a text; give what the `prepare` of RE returned")
