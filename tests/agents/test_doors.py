@@ -11,10 +11,17 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.learning import ReachabilityNetwork, WaypointNetwork
 
 
+def asked(*_):
+    raise AssertionError("a network was asked")
+
+
 class Untouched:
     """A network that is not to be asked anything."""
 
     view, k = SimpleNamespace(), 2
+
+    def __init__(self):
+        self.prepare = self.predict = self.probability = self.embed = asked
 
 
 @pytest.fixture(params=[MengAgent, RemedyAgent, SPTMAgent, RandomAgent])

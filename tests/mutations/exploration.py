@@ -235,8 +235,8 @@ MUTATIONS = [
     (
         "the columns of a panorama run the other way round",
         "exploration/bearings.py",
-        "turns = (np.pi - np.asarray",
-        "turns = (np.pi + np.asarray",
+        "turns = (np.pi - floats",
+        "turns = (np.pi + floats",
         "exploration/test_bearings.py",
     ),
     (

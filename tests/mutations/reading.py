@@ -102,8 +102,8 @@ MUTATIONS = [
     (
         "the bytes of a deep PGM are swapped",
         "reading/pictures.py",
-        '">u2"',
-        '"<u2"',
+        'top < 256 else ">u2"',
+        'top < 256 else "<u2"',
         "reading/test_pictures.py",
     ),
     (

@@ -32,15 +32,15 @@ MUTATIONS = [
     (
         "the probability of the edge itself does not count",
         "topology/mapping/edge_rules.py",
-        "np.asarray(probabilities, dtype=float),",
-        "np.ones(len(edges)),",
+        "into[edges[:, 0]], probabilities, onward",
+        "into[edges[:, 0]], np.ones(len(edges)), onward",
         "topology/mapping/test_reuse.py",
     ),
     (
         "the next anchor need not be near",
         "topology/following/transitions.py",
-        "settings.p_follow) & (np.asarray(overlap) > settings.near)",
-        "settings.p_follow) | (np.asarray(overlap) > settings.near)",
+        "settings.p_follow) & (overlap > settings.near)",
+        "settings.p_follow) | (overlap > settings.near)",
         "topology/following/test_follower.py",
     ),
     (
@@ -165,8 +165,8 @@ MUTATIONS = [
     (
         "an edge's last probability counts, not its highest",
         "topology/mapping/topomap.py",
-        'max(float(probability), old["probability"])',
-        "float(probability)",
+        'max(probability, old["probability"])',
+        "probability",
         "topology/mapping/test_topomap.py",
     ),
     (
@@ -221,8 +221,8 @@ MUTATIONS = [
     (
         "all belief leaves a vertex at once",
         "topology/localization.py",
-        "leave = 1.0 - np.exp(-np.asarray(motion, dtype=float)[:, None] / model.lengths)",
-        "leave = np.asarray(motion, dtype=float)[:, None] / model.lengths > 0",
+        "leave = 1.0 - np.exp(-motion[:, None] / model.lengths)",
+        "leave = motion[:, None] / model.lengths > 0",
         "topology/test_localization.py",
     ),
     (

@@ -256,7 +256,7 @@ MUTATIONS = [
     (
         "motion and reading share their luck",
         "world/noise.py",
-        "table[action].motions(luck[rows, number],",
+        "table[action].motions(luck[rows, which],",
         "table[action].motions(luck[rows, 0],",
         "world/test_noise.py",
     ),

@@ -15,7 +15,7 @@ TOP = {
     "LICENSE", "README.md", "environment.md", "notebooks", "pyproject.toml", "solutions",
     "start.py", "tests", "tutorial_lib",
 }  # fmt: skip
-LONGEST = 280
+LONGEST = 400
 MACHINE_PATH = re.compile(r"(?<![\w.])/(?:home|root|Users|work|mnt)/[\w.-]+")
 MODULES = [
     module.name

@@ -46,7 +46,7 @@ def most_probable_path__takes_the_inverse(graph, start, goal):
 
 
 def most_probable_path__goes_back_in_a_circle(graph, start, goal):
-    """has not ended after"""
+    """The loop back along the predecessors must end at the start"""
     least, before, heap, done = {start: 0.0}, {start: None}, [(0.0, start)], set()
     while heap:
         length, vertex = heapq.heappop(heap)

@@ -86,6 +86,12 @@ def test_an_unknown_kind_of_body_is_refused(pillars):
     class Tank:
         footprint, __hash__ = BicycleCar().footprint, None
 
+        def respond(self, controls, wanted, seconds):
+            return wanted
+
+        def twist(self, controls):
+            return np.zeros(len(controls)), 0.0, np.zeros(len(controls))
+
     simulation = Simulation(pillars, [[2.0, 5.0, 0.0]], body=Tank())
     with pytest.raises(InputError, match="body: a Tank is neither a BicycleCar nor a Differential"):
         RMPController().act(simulation.observe(), [[1.0, 0.0]])

@@ -567,21 +567,29 @@ def changed(text, old, new):
         (
             "return np.zeros((len(robots), 2))",
             "return np.zeros((7, 2))",
-            r"actions: \(7, 2\); give finite \(M, 2\) for 10 robots$",
+            r"actions: \(7, 2\); give \(M, 2\), a row for each of 10 robots$",
         ),
         (
             "return np.zeros((len(robots), 2))",
             "return np.zeros((10, 3))",
-            r"actions: \(10, 3\); give finite \(M, 2\) for 10 robots$",
+            r"actions: shape \(10, 3\); give real numbers of shape \(M, 2\)$",
         ),
         (
             "return np.zeros((len(robots), 2))",
             "return np.full((10, 2), np.nan)",
-            r"actions: \(10, 2\); give finite",
+            r"actions: nan; give finite numbers",
         ),
-        ("return np.zeros((len(robots), 2))", "return 'left'", r"actions: \(\) of <U4"),
-        ("return np.zeros((len(robots), 2))", "return None", r"actions: \(\) of object"),
-        ("return Walk(len(goals))", "return None", "AttributeError: 'NoneType' .* 'act'"),
+        (
+            "return np.zeros((len(robots), 2))",
+            "return 'left'",
+            r"actions: 'left'; give real numbers",
+        ),
+        ("return np.zeros((len(robots), 2))", "return None", r"actions: None; give real numbers"),
+        (
+            "return Walk(len(goals))",
+            "return None",
+            "policy: None; give an object with the method act",
+        ),
         ("self.arrived, self.given_up", "self.arrived, self.x", "AttributeError: .* 'given_up'"),
         ("np.zeros((2, count), bool)", "np.zeros((2, 3), bool)", "IndexError"),
         ("np.zeros((2, count), bool)", "np.zeros((2, count))", "Error: "),
@@ -600,7 +608,7 @@ def test_an_agent_that_fails_in_the_comparison_is_reported(building, trials, own
 )
 def test_one_action_for_all_robots_is_reported(building, trials, own, wrong):
     where = own(changed(WHOLE, "return np.zeros((len(robots), 2))", f"return {wrong}"))
-    with pytest.raises(InputError, match=r"--agent .*: actions: .* \(M, 2\) for 10 robots$"):
+    with pytest.raises(InputError, match=r"--agent .*: actions: .* \(M, 2\)"):
         guarded(where, attempt, building, trials, agents.custom(where))
 
 

@@ -53,7 +53,7 @@ def explaining(
     """
     try:
         return student()
-    except (WrongAnswer, NotImplementedError):
+    except (WrongAnswer, NotImplementedError, MemoryError):
         raise
     except Exception as error:
         raise WrongAnswer(f"{what}: {explained(error, {**_HINTS, **(hints or {})})}") from error

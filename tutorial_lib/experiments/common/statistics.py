@@ -105,7 +105,7 @@ def in_points(found: tuple[float, float, float]) -> str:
     >>> in_points((0.021, -0.004, 0.05))
     '+2.1 points (-0.4 to +5.0)'
     """
-    mean, low, high = 100 * floats("found", found, (3,))
+    mean, low, high = 100 * floats("found", found, (3,), nan=True)
     return f"{mean:+.1f} points ({low:+.1f} to {high:+.1f})"
 
 
