@@ -7,6 +7,17 @@ import numpy as np
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
+from tutorial_lib.validation import instance
+
+
+def check_seen(observations: Observation) -> None:
+    """What robots observe; indices will do for a reachability that knows the images itself.
+
+    Raises:
+        InputError: when it is something else.
+    """
+    if not (isinstance(observations, np.ndarray) and observations.ndim):
+        instance("observations", observations, Observation)
 
 
 def query(reachability: Reachability, observations: Observation, prepared: Any) -> Array:  # noqa: ANN401

@@ -12,6 +12,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.topology.mapping.sparsify import contextified, sparsify
+from tutorial_lib.topology.query import check_seen
 from tutorial_lib.validation import floats, instance, integers, with_methods
 
 
@@ -37,7 +38,7 @@ class Anchors:
     prepared_by: Reachability | None = None
 
     def __post_init__(self) -> None:
-        instance("observations", self.observations, Observation)
+        check_seen(self.observations)
         instance("contexts", self.contexts, np.ndarray)
         floats("timestamps", self.timestamps, ("A",))
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
@@ -75,7 +76,8 @@ def anchors_of(
         timestamps: (T,) seconds.
     """
     with_methods("reachability", reachability, "prepare", "probability")
-    frames = len(instance("observations", observations, Observation))
+    check_seen(observations)
+    frames = len(observations)
     timestamps = floats("timestamps", timestamps, (frames,))
     if len(with_methods("images", images, "__len__", "__getitem__")) != frames:
         raise InputError(f"images: {len(images)}, observations: {frames}; give as many of each")

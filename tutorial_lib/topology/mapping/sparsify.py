@@ -8,8 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.driving.data.recorded_world import frames_around
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.topology.query import query
-from tutorial_lib.validation import instance, integers, number, whole, with_methods
+from tutorial_lib.topology.query import check_seen, query
+from tutorial_lib.validation import integers, number, whole, with_methods
 
 _MOST_CONTEXT = 1_000  # images on either side, more than any network takes
 _MOST_FRAMES = 10**9
@@ -43,8 +43,7 @@ def sparsify(
             makes no sense, or `reachability` returns no probabilities.
     """
     with_methods("reachability", reachability, "probability")
-    if not isinstance(observations, np.ndarray):  # indices will do, for one that knows the frames
-        instance("observations", observations, Observation)
+    check_seen(observations)
     frames = len(observations)
     _check_frames(frames)
     if isinstance(prepared, str):
