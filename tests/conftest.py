@@ -24,9 +24,10 @@ MOST_WORKERS = 4
 """Of the default run: each takes most of a gigabyte, and the longest tests take as long anyway."""
 LIMITS = {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "2"}
 """Of a worker: threads for numpy and torch, and processes, that it may start beside the others."""
-ALONE = ("tests/project/test_notebooks.py", "tests/test_cli.py")
+ALONE = ("tests/checks/test_mutants.py", "tests/project/test_notebooks.py", "tests/test_cli.py")
 """Files whose tests share nothing slow: these are spread over the workers."""
 LONGEST = (
+    "tests/checks/test_mutants.py",
     "tests/project/test_notebooks.py",
     "tests/test_cli.py",
     "tests/experiments/",

@@ -5,12 +5,15 @@ from pathlib import Path
 
 import nbformat
 import pytest
+from nbformat import NotebookNode
+from nbformat.v4 import new_code_cell, new_notebook
 
 from tests.conftest import LIMITS
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
 
 PROJECT = Path(__file__).parents[2]
 SOURCES = sorted(PROJECT.glob("solutions/*.py"))
+EMPTY = new_code_cell("%reset -f")
 each_source = pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.stem)
 
 
@@ -18,18 +21,18 @@ def solved(source):
     return read(source, PROJECT / "tests" / "wrong_answers" / source.name)
 
 
-def texts(notebook):
-    """Everything that the cells print or show as text."""
+def texts(cells):
+    """Everything that cells print or show as text."""
     parts = []
-    for cell in notebook.cells:
+    for cell in cells:
         for output in cell.get("outputs", []):
             assert output.output_type != "error", output
             parts.append(output.get("text", "") + output.get("data", {}).get("text/plain", ""))
     return "\n".join(parts)
 
 
-def exercises(notebook):
-    return [cell.metadata["exercise"] for cell in notebook.cells if "exercise" in cell.metadata]
+def exercises(cells):
+    return [cell.metadata["exercise"] for cell in cells if "exercise" in cell.metadata]
 
 
 @each_source
@@ -49,8 +52,8 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
     assert file.stat().st_size <= LARGEST
     there = nbformat.read(file, as_version=4)
     nbformat.validate(there)
-    said = texts(there)
-    for name in exercises(there):
+    said = texts(there.cells)
+    for name in exercises(there.cells):
         assert f"{name}: passed" in said
     pictures = [
         o for c in there.cells for o in c.get("outputs", []) if "image/png" in str(o.keys())
@@ -62,19 +65,19 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
 
 
 @each_source
-@pytest.mark.parametrize("version", ["solved", "students"])
-def test_it_runs_from_top_to_bottom(monkeypatch, source, version):
+def test_it_runs_from_top_to_bottom_unsolved_and_solved(monkeypatch, source):
+    """One after the other, each from an empty namespace; the kernel imports the library once."""
     for name in LIMITS:  # as on a student's machine, also where tests run side by side
         monkeypatch.delenv(name, raising=False)
-    notebook = solved(source)
-    names = exercises(notebook)
-    if version == "students":
-        notebook = for_students(notebook)
-    execute(notebook, PROJECT / "notebooks")
-    said = texts(notebook)
-    expected = "passed" if version == "solved" else "not attempted"
-    assert re.findall(r"^(\w+): (?:passed|failed|not attempted)", said, re.MULTILINE) == names
-    assert said.count(f": {expected}.") == len(names)
+    versions = {"not attempted": for_students(solved(source)), "passed": solved(source)}
+    cells = [cell for notebook in versions.values() for cell in (EMPTY, *notebook.cells)]
+    both = new_notebook(cells=[NotebookNode(cell, id=f"cell-{i}") for i, cell in enumerate(cells)])
+    execute(both, PROJECT / "notebooks")
+    middle = len(versions["not attempted"].cells) + 1
+    for expected, part in zip(versions, (both.cells[:middle], both.cells[middle:]), strict=True):
+        said, names = texts(part), exercises(versions[expected].cells)
+        assert re.findall(r"^(\w+): (?:passed|failed|not attempted)", said, re.MULTILINE) == names
+        assert said.count(f": {expected}.") == len(names)
 
 
 def test_no_notebook_is_without_a_source():
