@@ -28,7 +28,9 @@ def test_a_panorama_keeps_its_columns(image):
 
 
 def test_a_bar_stands_under_the_middle_of_its_patch(image):
-    middles = PanoramicCamera().split(np.arange(192)[None, None, :, None].repeat(3, 3))[0]
+    middles = PanoramicCamera().split(
+        np.arange(192, dtype=np.uint8)[None, None, :, None].repeat(3, 3)
+    )[0]
     for k in range(12):
         picture = scored_panorama(image, np.full(12, 0.5), np.arange(12) == k)
         columns = np.flatnonzero(bars(picture, colours.ROBOT))

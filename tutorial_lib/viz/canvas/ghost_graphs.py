@@ -7,7 +7,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, to_local
+from tutorial_lib.validation import flag, floats, instance, integers
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -17,6 +19,7 @@ UNSEEN = (206, 209, 214)
 _TINTS = np.array([UNSEEN, colours.PAPER, colours.SOLID], np.uint8)  # unknown, free, occupied
 _NODE, _GHOST = 0.22, 0.26
 """Metres of the discs of nodes, and of the rings of ghosts."""
+_NONE = np.empty((0, 2), dtype=int)
 GHOST = colours.PERSON
 """Of the ghost with the highest score."""
 _LOW = (236, 226, 238)
@@ -43,7 +46,9 @@ def draw_ghost_graph(
         chosen: (2,) the place to which the robot is going; a green ring.
         written: whether the scores stand beside their ghosts.
     """
-    places = np.array([node[:2] for node in np.asarray(nodes, dtype=float)]).reshape(-1, 2)
+    places, written = _places(nodes), flag("written", written)
+    instance("view", view, PlanView)
+    edges = integers("edges", list(edges) or _NONE, ("E", 2), least=0, most=len(places) - 1)
     for first, second in edges:
         view.polyline(picture, places[[first, second]], colours.INK, 3.0)
     for (_, place, _), tone in zip(ghosts, score_colours([g[2] for g in ghosts]), strict=True):
@@ -66,6 +71,14 @@ def draw_ghost_graph(
         wide, high = text_size(str(number), 0.5)
         corner = view.pixels(place) + np.array([-wide / 2, high / 2])
         label(picture, str(number), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
+
+
+def _places(nodes: Sequence[ArrayLike] | Array) -> Array:
+    """(V, 2) where nodes are."""
+    found = floats("nodes", nodes if np.size(nodes) else np.empty((0, 2)), ("V", "2 or 3"))
+    if found.shape[1] < 2:
+        raise InputError(f"nodes: shape {found.shape}; give x and y of each")
+    return found[:, :2]
 
 
 def _write_score(view: PlanView, picture: Picture, place: ArrayLike, score: float) -> None:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import arc_length, wrap
+from tutorial_lib.validation import floats, instance, instances, one_of, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -82,10 +82,10 @@ class TeleopController:
         Raises:
             InputError: when the car cannot stand there, or `steps` is less than 1.
         """
-        if steps < 1:
-            raise InputError(f"teleop: {steps} steps for a press; give at least 1")
-        self.scene, self.people, self.steps = scene, tuple(people), steps
-        self._start = np.array(pose, dtype=float).reshape(3)
+        self.scene = instance("scene", scene, Scene)
+        self.people = instances("people", people, Person)
+        self.steps = whole("steps", steps, least=1)
+        self._start = floats("pose", pose, (3,)).copy()
         self.view = PlanView(scene, MAP, MAP)
         self.reset()
 
@@ -103,8 +103,7 @@ class TeleopController:
         Raises:
             InputError: when there is no such button.
         """
-        if name not in ACTIONS:
-            raise InputError(f"teleop: no button {name!r}; use one of {', '.join(ACTIONS)}")
+        one_of("name", name, ACTIONS)
         for _ in range(self.steps):
             self.simulation.step([ACTIONS[name]])
             self.track.append(self.simulation.poses[0, :2])
@@ -151,6 +150,10 @@ class TeleopController:
             presses: names of buttons.
             count: pictures, from before the first press to after the last.
         """
+        presses = instances("presses", presses, str)
+        for name in presses:
+            one_of("presses", name, ACTIONS)
+        count = whole("count", count, least=1)
         fresh = TeleopController(self.scene, self._start, self.people, self.steps)
         shown = set(np.linspace(0, len(presses), count).round().astype(int).tolist())
         pictures, titles = [], []
