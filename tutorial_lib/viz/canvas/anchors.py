@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.topology.following.transitions import State
-from tutorial_lib.validation import alike, flag, floats, instance, integers
+from tutorial_lib.validation import alike, flag, instance, integers
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import places_of
 from tutorial_lib.viz.canvas.labels import write_beside
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
@@ -22,7 +23,7 @@ _JUMP = 0.25  # metres between two steps: the robot was teleported
 
 def states_of(states: ArrayLike) -> NDArray[np.intp]:
     """A follower's states (T,), or an `InputError`."""
-    return integers("states", states, ("T",), least=0, most=max(State))
+    return integers("states", states, ("T",), least=0, most=max(STATES))
 
 
 def state_name(state: int) -> str:
@@ -37,7 +38,7 @@ def state_name(state: int) -> str:
 def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
     """Draw the frames of a trajectory, poses (T, 3), as small dots."""
     instance("view", view, PlanView)
-    view.points(picture, floats("poses", poses, ("T", 3))[:, :2], colours.PATH, radius)
+    view.points(picture, places_of("poses", poses, ("T", 3))[:, :2], colours.PATH, radius)
 
 
 def draw_anchors(
@@ -51,7 +52,7 @@ def draw_anchors(
     """Draw anchors at poses (A, 3) as arrowheads, `numbered` by their place in the sequence."""
     instance("view", view, PlanView)
     numbered = flag("numbered", numbered)
-    for place, pose in enumerate(floats("poses", poses, ("A", 3))):
+    for place, pose in enumerate(places_of("poses", poses, ("A", 3))):
         view.arrow(picture, pose, colour, size)
         if numbered:
             write_beside(view, picture, str(place), pose)
@@ -65,7 +66,7 @@ def draw_states(
     The line is broken where the robot was teleported.
     """
     instance("view", view, PlanView)
-    poses, states = floats("poses", poses, ("T", 3)), states_of(states)
+    poses, states = places_of("poses", poses, ("T", 3)), states_of(states)
     alike(poses=poses, states=states)
     jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP
     changes = np.flatnonzero(np.diff(states).astype(bool) | jumps) + 1

@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.validation import flag, floats, instance, integers
+from tutorial_lib.validation import flag, instance, instances, number, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import pairs_of, places_of, points_of
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
@@ -19,7 +20,6 @@ UNSEEN = (206, 209, 214)
 _TINTS = np.array([UNSEEN, colours.PAPER, colours.SOLID], np.uint8)  # unknown, free, occupied
 _NODE, _GHOST = 0.22, 0.26
 """Metres of the discs of nodes, and of the rings of ghosts."""
-_NONE = np.empty((0, 2), dtype=int)
 GHOST = colours.PERSON
 """Of the ghost with the highest score."""
 _LOW = (236, 226, 238)
@@ -46,16 +46,18 @@ def draw_ghost_graph(
         chosen: (2,) the place to which the robot is going; a green ring.
         written: whether the scores stand beside their ghosts.
     """
-    places, written = _places(nodes), flag("written", written)
+    places = points_of("nodes", nodes)
+    written = flag("written", written)
     instance("view", view, PlanView)
-    edges = integers("edges", list(edges) or _NONE, ("E", 2), least=0, most=len(places) - 1)
+    edges = pairs_of(edges, len(places), "nodes")
+    ghosts = _checked(ghosts, len(places))
     for first, second in edges:
         view.polyline(picture, places[[first, second]], colours.INK, 3.0)
     for (_, place, _), tone in zip(ghosts, score_colours([g[2] for g in ghosts]), strict=True):
         view.disc(picture, place, _GHOST + 0.05, colours.FAINT)
         view.disc(picture, place, _GHOST, tone)
     for node, place, score in ghosts:
-        gap = np.asarray(place, dtype=float) - places[node]
+        gap = place - places[node]
         far = float(np.linalg.norm(gap))
         if far > _NODE + _GHOST:
             ends = places[node] + gap * np.array([[_NODE], [far - _GHOST]]) / far
@@ -63,22 +65,29 @@ def draw_ghost_graph(
         if written:
             _write_score(view, picture, place, score)
     if chosen is not None:
+        chosen = places_of("chosen", chosen, (2,))
         for radius in (0.42, 0.5):
             view.ring(picture, chosen, radius, colours.GOAL)
-    for number, place in enumerate(places):
+    for node, place in enumerate(places):
         view.disc(picture, place, _NODE + 0.04, colours.PAPER)
         view.disc(picture, place, _NODE, colours.INK)
-        wide, high = text_size(str(number), 0.5)
+        wide, high = text_size(str(node), 0.5)
         corner = view.pixels(place) + np.array([-wide / 2, high / 2])
-        label(picture, str(number), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
+        label(picture, str(node), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
 
 
-def _places(nodes: Sequence[ArrayLike] | Array) -> Array:
-    """(V, 2) where nodes are."""
-    found = floats("nodes", nodes if np.size(nodes) else np.empty((0, 2)), ("V", "2 or 3"))
-    if found.shape[1] < 2:
-        raise InputError(f"nodes: shape {found.shape}; give x and y of each")
-    return found[:, :2]
+def _checked(
+    ghosts: Sequence[tuple[int, ArrayLike, float]], nodes: int
+) -> list[tuple[int, Array, float]]:
+    """Ghosts on nodes that there are."""
+    found = []
+    for ghost in instances("ghosts", ghosts, Sequence):
+        if len(ghost) != 3:
+            raise InputError(f"ghosts: {ghost}; give a node, a place and a score of each")
+        node = whole(f"ghosts on {nodes} nodes", ghost[0], least=0, most=nodes - 1)
+        score = number("ghosts: score", ghost[2])
+        found.append((node, places_of("ghosts: place", ghost[1], (2,)), score))
+    return found
 
 
 def _write_score(view: PlanView, picture: Picture, place: ArrayLike, score: float) -> None:

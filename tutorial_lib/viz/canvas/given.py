@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from types import EllipsisType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import images, instance, integers, number, whole
+from tutorial_lib.geometry import Array
+from tutorial_lib.validation import floats, images, instance, integers, number, whole
 
 Picture = NDArray[np.uint8]
 
+FAR = 1e5
+"""Metres; farther than any plan reaches, and 1/16 of a pixel still fits into 32 bits."""
 LARGEST = 16_384
 """Pixels of a picture's side: more than any screen has, and as many as OpenCV draws well."""
 
@@ -37,6 +41,32 @@ def colour_of(name: str, value: ArrayLike) -> tuple[int, int, int]:
     """Red, green and blue from 0 to 255, or an `InputError`."""
     red, green, blue = integers(name, value, (3,), least=0, most=255).tolist()
     return red, green, blue
+
+
+def places_of(
+    name: str, value: ArrayLike, shape: tuple[int | str | EllipsisType, ...], empty: bool = True
+) -> Array:
+    """Points or poses in metres (and rad), less than `FAR` away, or an `InputError`."""
+    return floats(name, value, shape, least=-FAR, most=FAR, empty=empty)
+
+
+def points_of(name: str, value: ArrayLike) -> Array:
+    """The points (N, 2) of N points or poses, or an `InputError`."""
+    value = np.empty((0, 2)) if isinstance(value, list) and not value else value
+    found = places_of(name, value, ("N", "2 or 3"))
+    if found.shape[1] not in (2, 3):
+        raise InputError(f"{name}: shape {found.shape}; give x and y of each")
+    return found[:, :2]
+
+
+def pairs_of(value: Iterable[tuple[int, int]], count: int, of: str) -> list[tuple[int, int]]:
+    """Edges between that many nodes or poses, or an `InputError`."""
+    if not isinstance(value, Iterable):
+        raise InputError(f"edges: {value!r}; give pairs of vertices")
+    found = list(value)
+    if found:
+        integers(f"edges between {count} {of}", found, ("E", 2), least=0, most=count - 1)
+    return found
 
 
 def pixels_of(name: str, value: int, least: int = 1) -> int:

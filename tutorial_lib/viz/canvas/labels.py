@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from tutorial_lib.se2 import to_world
-from tutorial_lib.validation import floats, instance, number, whole
+from tutorial_lib.validation import instance, number, whole
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import check_canvas, colour_of
+from tutorial_lib.viz.canvas.given import LARGEST, check_canvas, colour_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
 SIZE = 0.62
@@ -77,7 +77,8 @@ def write_beside(
     view: PlanView, picture: Picture, text: str, pose: ArrayLike, off: float = 18.0
 ) -> None:
     """Write a text to the left of a pose (3,), `off` pixels from it."""
-    pose, off = floats("pose", pose, (3,)), number("off", off)
+    pose, off = places_of("pose", pose, (3,)), number("off", off, least=-LARGEST, most=LARGEST)
+    instance("view", view, PlanView)
     beside = to_world(pose, [0.0, off / view.scale])
     wide, high = text_size(instance("text", text, str), 0.5)
     corner = view.pixels(beside) + np.array([-wide / 2, high / 2])

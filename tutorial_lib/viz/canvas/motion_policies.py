@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.validation import alike, floats, instance, number
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import check_canvas, colour_of
+from tutorial_lib.viz.canvas.given import check_canvas, colour_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
 _CORNERS = 40  # of the polygon that stands for an ellipse
@@ -20,8 +20,8 @@ def draw_arrows(
     colour: tuple[int, int, int] = colours.INK,
 ) -> None:
     """Draw an arrow from each of `points` (P, 2) along `vectors` (P, 2), both in metres."""
-    points = floats("points", points, (..., 2)).reshape(-1, 2)
-    vectors = floats("vectors", vectors, (..., 2)).reshape(-1, 2)
+    points = places_of("points", points, (..., 2)).reshape(-1, 2)
+    vectors = places_of("vectors", vectors, (..., 2)).reshape(-1, 2)
     alike(points=points, vectors=vectors)
     check_canvas(picture)
     colour, ends = (
@@ -48,10 +48,13 @@ def draw_metrics(
     A semi-axis is `size` metres times the root of the weight along it, at most `most` times `size`.
     """
     instance("view", view, PlanView)
-    points = floats("points", points, (..., 2)).reshape(-1, 2)
+    points = places_of("points", points, (..., 2)).reshape(-1, 2)
     metrics = floats("metrics", metrics, (..., 2, 2)).reshape(-1, 2, 2)
     alike(points=points, metrics=metrics)
-    size, most = number("size", size, least=0.0), number("most", most, least=0.0)
+    size, most = (
+        number("size", size, least=0.0, most=100),
+        number("most", most, least=0.0, most=100),
+    )
     for point, metric in zip(points, metrics, strict=True):
         view.polyline(picture, point + ellipse(metric, size, most), colour, 1)
 

@@ -10,13 +10,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, to_world
-from tutorial_lib.validation import floats, instance, number, whole
+from tutorial_lib.validation import instance, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.given import (
+    FAR,
     Picture,
     check_canvas,
     colour_of,
     pixels_of,
+    places_of,
     thickness_of,
 )
 from tutorial_lib.world.materials import PERIOD, TEXEL, TEXELS
@@ -24,7 +26,6 @@ from tutorial_lib.world.scene import Scene
 
 _SHIFT = 4  # OpenCV draws with coordinates in 1/16 of a pixel
 _WALL_THICKNESS = 0.15  # metres drawn behind a wall's face
-_FAR = 1e5  # metres; farther than any plan, and near enough for 1/16 of a pixel in 32 bits
 
 
 class PlanView:
@@ -50,8 +51,9 @@ class PlanView:
         Raises:
             InputError: when the bounds or what is left between the margins hold nothing.
         """
-        given = instance("scene", scene, Scene).plan.bounds if bounds is None else bounds
-        x0, y0, x1, y1 = floats("bounds", given, (4,), least=-_FAR, most=_FAR)
+        instance("scene", scene, Scene)
+        given = scene.plan.bounds if bounds is None else bounds
+        x0, y0, x1, y1 = places_of("bounds", given, (4,))
         if not (x0 < x1 and y0 < y1):
             raise InputError(f"bounds: {[x0, y0, x1, y1]}; give x0 < x1 and y0 < y1")
         width, height = pixels_of("width", width), pixels_of("height", height)
@@ -69,13 +71,13 @@ class PlanView:
         Raises:
             InputError: when they are no such points, or 100 km away.
         """
-        return self._pixels(_places("points", points, (..., 2)))
+        return self._pixels(places_of("points", points, (..., 2)))
 
     def polyline(
         self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], width: float
     ) -> None:
         """Draw a line through points (P, 2), `width` pixels wide."""
-        places, colour = _places("points", points, ("P", 2)), colour_of("colour", colour)
+        places, colour = places_of("points", points, ("P", 2)), colour_of("colour", colour)
         thickness = max(1, round(thickness_of("width", width)))
         check_canvas(picture)
         if len(places) > 1:
@@ -90,7 +92,7 @@ class PlanView:
         opacity: float = 1.0,
     ) -> None:
         """Fill a polygon (P, 2); below an opacity of 1, what lies under it shows through."""
-        corners = self._fixed(_places("points", points, ("P", 2), empty=False))
+        corners = self._fixed(places_of("points", points, ("P", 2), empty=False))
         colour, opacity = colour_of("colour", colour), number("opacity", opacity, least=0, most=1)
         check_canvas(picture)
         if opacity >= 1.0:
@@ -121,15 +123,15 @@ class PlanView:
     ) -> None:
         """Draw points (P, 2) as dots of `radius` pixels."""
         size = max(2, round(thickness_of("radius", radius) / self.scale * self.scale * 2**_SHIFT))
-        places, colour = _places("points", points, (..., 2)), colour_of("colour", colour)
+        places, colour = places_of("points", points, (..., 2)), colour_of("colour", colour)
         check_canvas(picture)
         for x, y in self._fixed(places.reshape(-1, 2)).tolist():
             cv2.circle(picture, (x, y), size, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
 
     def robot(self, picture: Picture, pose: ArrayLike, footprint: ArrayLike) -> None:
         """Draw a robot at `pose` (3,), its front in a lighter colour."""
-        pose = _places("pose", pose, (3,))
-        footprint = _places("footprint", footprint, ("K", 2), empty=False)
+        pose = places_of("pose", pose, (3,))
+        footprint = places_of("footprint", footprint, ("K", 2), empty=False)
         front, half = footprint[:, 0].max(), np.abs(footprint[:, 1]).max()
         self.polygon(picture, to_world(pose, footprint), colours.ROBOT)
         nose = [[front, 0.0], [front * 0.55, half * 0.8], [front * 0.55, -half * 0.8]]
@@ -143,7 +145,7 @@ class PlanView:
         size: float = 10.0,
     ) -> None:
         """Mark a pose (3,) by an arrowhead of `size` pixels, for maps on which the car is tiny."""
-        pose, size = _places("pose", pose, (3,)), thickness_of("size", size)
+        pose, size = places_of("pose", pose, (3,)), thickness_of("size", size)
         head = np.array([[1.3, 0.0], [-0.9, 0.9], [-0.5, 0.0], [-0.9, -0.9]])
         rim = head * (size + 3.0) / self.scale
         self.polygon(picture, to_world(pose, rim), colours.PAPER)
@@ -151,7 +153,7 @@ class PlanView:
 
     def goal(self, picture: Picture, point: ArrayLike) -> None:
         """Draw a goal at `point` (2,) as a ring around a dot."""
-        point = _places("point", point, (2,))
+        point = places_of("point", point, (2,))
         for radius, colour in ((0.34, colours.GOAL), (0.24, colours.PAPER), (0.12, colours.GOAL)):
             self.disc(picture, point, radius, colour)
 
@@ -159,7 +161,7 @@ class PlanView:
         self, picture: Picture, pose: ArrayLike, ends: ArrayLike, opacity: float = 0.5
     ) -> None:
         """Tint what a robot at `pose` (3,) sees: up to the `ends` (P, 2) of its rays, in order."""
-        ends, pose = _places("ends", ends, (..., 2)).reshape(-1, 2), _places("pose", pose, (3,))
+        ends, pose = places_of("ends", ends, (..., 2)).reshape(-1, 2), places_of("pose", pose, (3,))
         outline = np.concatenate([pose[None, :2], ends])
         self.polygon(picture, outline, colours.VIEW, opacity)
         self.polyline(picture, np.concatenate([outline, outline[:1]]), colours.VIEW, 1.5)
@@ -172,7 +174,7 @@ class PlanView:
         colour: tuple[int, int, int] = colours.LASER,
     ) -> None:
         """Draw rays from `pose` (3,) to their `ends` (P, 2), with a dot where each one ends."""
-        ends, pose = _places("ends", ends, (..., 2)).reshape(-1, 2), _places("pose", pose, (3,))
+        ends, pose = places_of("ends", ends, (..., 2)).reshape(-1, 2), places_of("pose", pose, (3,))
         for end in ends:
             self.polyline(picture, [pose[:2], end], colour, 1)
         self.points(picture, ends, colour, 3.0)
@@ -183,8 +185,8 @@ class PlanView:
     def _round(self, picture: Picture, centre: ArrayLike, radius: float) -> tuple[int, int, int]:
         """Middle and radius of a disc in OpenCV's fixed point."""
         check_canvas(picture)
-        x, y = self._fixed(_places("centre", centre, (2,))).tolist()
-        radius = number("radius", radius, least=0.0, most=_FAR)
+        x, y = self._fixed(places_of("centre", centre, (2,))).tolist()
+        radius = number("radius", radius, least=0.0, most=FAR)
         return x, y, round(radius * self.scale * 2**_SHIFT)
 
     def _fixed(self, points: Array) -> NDArray[np.int32]:
@@ -227,13 +229,6 @@ class PlanView:
             cv2.INTER_LINEAR,
         )
         return (depth > grid.resolution / 2).astype(np.uint8)
-
-
-def _places(
-    name: str, points: ArrayLike, shape: tuple[int | str, ...], *, empty: bool = True
-) -> Array:
-    """Points or a pose in metres (and rad), or an `InputError`."""
-    return floats(name, points, shape, least=-_FAR, most=_FAR, empty=empty)
 
 
 def _strokes(

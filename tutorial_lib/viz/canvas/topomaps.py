@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import floats, instance, integers, whole
+from tutorial_lib.validation import flag, instance, integers, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import pairs_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.world.materials import Colour
 
@@ -50,7 +51,7 @@ def draw_topomap(
     """
     if not all(hasattr(topomap, part) for part in ("graph", "trajectory", "alive")):
         raise InputError(f"topomap: {topomap!r}; give a map of V vertices")
-    poses = floats("poses", poses, (len(topomap.trajectory), 3))
+    poses = places_of("poses", poses, (len(topomap.trajectory), 3))
     draw_edges(view, picture, poses, topomap.graph.edges, colours.FAINT, width)
     for vertex in topomap.alive:
         view.arrow(picture, poses[vertex], hue(int(topomap.trajectory[vertex])), size)
@@ -67,10 +68,9 @@ def draw_edges(
 ) -> None:
     """Draw edges between vertices at poses (V, 3), each a little to the right of its line."""
     instance("view", view, PlanView)
-    poses = floats("poses", poses, ("V", 3))
-    edges = integers(
-        "edges", list(edges) or np.empty((0, 2), int), ("E", 2), least=0, most=len(poses) - 1
-    )
+    poses = places_of("poses", poses, ("V", 3))
+    heads = flag("heads", heads)
+    edges = pairs_of(edges, len(poses), "poses")
     for source, target in edges:
         first, last = poses[source, :2], poses[target, :2]
         along = last - first
@@ -96,10 +96,12 @@ def draw_plan(
 ) -> None:
     """Draw a path over vertices at poses (V, 3), from the robot and to the goal where given."""
     instance("view", view, PlanView)
-    poses = floats("poses", poses, ("V", 3))
-    vertices = integers("vertices", vertices, ("P",), least=0, most=len(poses) - 1)
+    poses = places_of("poses", poses, ("V", 3))
+    vertices = integers(
+        f"vertices of {len(poses)} poses", vertices, ("P",), least=0, most=len(poses) - 1
+    )
     ends = {"here": here, "goal": goal}
-    here, goal = (None if one is None else floats(n, one, (3,)) for n, one in ends.items())
+    here, goal = (None if one is None else places_of(n, one, (3,)) for n, one in ends.items())
     places = [one for one in (here, *poses[vertices], goal) if one is not None]
     for first, last in pairwise(places):
         view.polyline(picture, np.stack([first[:2], last[:2]]), colour, 3.0)

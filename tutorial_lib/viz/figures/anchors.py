@@ -7,8 +7,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.topology.following.transitions import State
-from tutorial_lib.validation import alike, floats, instance, integers, number, one_of, whole
+from tutorial_lib.validation import alike, instance, instances, integers, number, one_of, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.anchors import (
     STATES,
@@ -18,7 +19,14 @@ from tutorial_lib.viz.canvas.anchors import (
     state_name,
     states_of,
 )
-from tutorial_lib.viz.canvas.given import check_canvas, picture_of, pictures_of, pixels_of
+from tutorial_lib.viz.canvas.given import (
+    LARGEST,
+    check_canvas,
+    picture_of,
+    pictures_of,
+    pixels_of,
+    places_of,
+)
 from tutorial_lib.viz.canvas.labels import draw_badge, label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.charts import chart, from_figure
@@ -29,6 +37,7 @@ from tutorial_lib.world.simulation import STEP
 CONTEXTS = {"k0": colours.LASER, "k2": colours.GOAL, "k5": colours.ROBOT, "laser": colours.PATH}
 """A colour for each controller, by its context."""
 _LONG = 10**6  # steps that a ribbon may stand for
+_COLUMNS = {"method", "context", "sparsity", "stored", "cover_rate", "low", "high", "threshold"}
 _BAR = 22  # pixels of a ribbon's height
 
 
@@ -40,8 +49,10 @@ def anchors_picture(
     numbered: bool = False,
 ) -> Picture:
     """A trajectory's frames (T, 3) and `anchors` (A,), cut out of the plan: a panel of Fig. 5."""
-    poses = floats("poses", poses, ("T", 3), empty=False)
-    anchors = integers("anchors", anchors, ("A",), least=0, most=len(poses) - 1)
+    poses = places_of("poses", poses, ("T", 3), empty=False)
+    anchors = integers(
+        f"anchors of {len(poses)} poses", anchors, ("A",), least=0, most=len(poses) - 1
+    )
     picture = instance("view", view, PlanView).base.copy()
     draw_frames(view, picture, poses)
     draw_anchors(view, picture, poses[anchors], numbered)
@@ -105,17 +116,20 @@ def follower_strip(
         side: pixels of each picture.
         discs: people and obstacles by step, (D, 3) as x, y, radius.
     """
-    poses, states = floats("poses", poses, ("T", 3)), states_of(states)
+    poses, states = places_of("poses", poses, ("T", 3)), states_of(states)
     alike(poses=poses, states=states)
     instance("view", view, PlanView)
     base, side = picture_of("base", base), pixels_of("side", side, least=12)
-    reach = number("reach", reach, above=0.0)
-    steps = integers("steps", steps, ("S",), least=0, most=len(poses) - 1, empty=False).tolist()
+    reach = number("reach", reach, above=0.0, most=LARGEST / 3 / view.scale)
+    discs = instance("discs", discs or {}, Mapping)
+    steps = integers(
+        f"steps of {len(poses)} poses", steps, ("S",), least=0, most=len(poses) - 1, empty=False
+    ).tolist()
     panels, titles = [], []
     for step in steps:
         picture = base.copy()
         draw_states(view, picture, poses[: step + 1], states[: step + 1], 4)
-        for x, y, radius in (discs or {}).get(step, ()):
+        for x, y, radius in discs.get(step, ()):
             view.disc(picture, [x, y], radius, colours.PERSON)
         view.robot(picture, poses[step], footprint)
         panel = closeup(view, picture, poses[step, :2], reach, square=True)
@@ -151,12 +165,12 @@ def numbered_views(
         margin: metres around the places.
         points: (Q, 2) that the cut-out must contain besides the numbered places.
     """
-    poses = floats("poses", poses, ("P", 3), empty=False)
+    poses = places_of("poses", poses, ("P", 3), empty=False)
     images, columns = pictures_of("images", images), whole("columns", columns, least=1)
     alike(poses=poses, images=images)
     check_canvas(picture)
     instance("view", view, PlanView)
-    points = np.empty((0, 2)) if points is None else floats("points", points, ("Q", 2))
+    points = np.empty((0, 2)) if points is None else places_of("points", points, ("Q", 2))
     views = []
     for place, (pose, image) in enumerate(zip(poses, images, strict=True), 1):
         draw_badge(picture, str(place), view.pixels(pose[:2]))
@@ -185,8 +199,12 @@ def cover_chart(
         levels: cover rates to compare with, from 0 to 1, as lines with these names.
     """
     against = one_of("against", against, ("sparsity", "stored"))
+    levels = instance("levels", levels or {}, Mapping)
+    for row in instances("rows", rows, Mapping, empty=False):
+        if missing := _COLUMNS - row.keys():
+            raise InputError(f"rows: one has no {min(missing)}; give rows of meng_fig7")
     figure, (axis,) = chart(width, 4.4)
-    for name, level in (levels or {}).items():
+    for name, level in levels.items():
         axis.axhline(100 * level, color=colours.unit(colours.FAINT), linewidth=1.0, linestyle=":")
         words = {"fontsize": 9, "color": colours.unit(colours.SOLID), "va": "center", "ha": "left"}
         axis.text(1.01, 100 * level, name, transform=axis.get_yaxis_transform(), **words)

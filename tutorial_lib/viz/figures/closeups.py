@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.validation import flag, floats, instance, number
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import LARGEST, picture_of, pixels_of
+from tutorial_lib.viz.canvas.given import LARGEST, picture_of, pixels_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.panels import camera_picture
 
@@ -21,7 +21,7 @@ def closeup(
     """
     picture = picture_of("picture", picture)
     margin, square = number("margin", margin, least=0.0), flag("square", square)
-    points = floats("points", points, (..., 2), empty=False).reshape(-1, 2)
+    points = places_of("points", points, (..., 2), empty=False).reshape(-1, 2)
     pixels = instance("view", view, PlanView).pixels(points)
     low, high = pixels.min(axis=0), pixels.max(axis=0)
     if square:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import flags, floats, number, whole
+from tutorial_lib.validation import alike, flags, floats, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.given import picture_of, pixels_of
 from tutorial_lib.viz.canvas.labels import label, text_size
@@ -50,8 +50,11 @@ def scored_panorama(
     scores = floats("scores", scores, ("K",), empty=False)
     count, width = len(scores), pixels_of("width", width, least=40)
     explorable = np.ones(count, bool) if explorable is None else explorable
-    filled = flags("explorable", explorable, (count,))
-    truth = None if truth is None else floats("truth", truth, (count,))
+    filled = flags("explorable", explorable, ("K",))
+    alike(scores=scores, explorable=filled)
+    if truth is not None:
+        truth = floats("truth", truth, ("K",))
+        alike(scores=scores, truth=truth)
     chosen = None if chosen is None else whole("chosen", chosen, least=0, most=count - 1)
     both = scores if truth is None else np.concatenate([scores, truth])
     low, high = float(both.min()), max(float(both.max()), float(both.min()) + 1e-6)

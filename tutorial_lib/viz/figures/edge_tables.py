@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.validation import alike, flag, flags, floats, instances
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
@@ -37,6 +38,8 @@ def edge_table(
     chosen = flags("chosen", chosen, (rows, columns))
     rings = np.zeros_like(chosen) if rings is None else flags("rings", rings, (rows, columns))
     blank, names = flag("blank", blank), instances("names", names, str)
+    if len(names) != 2:
+        raise InputError(f"names: {len(names)}; give that of the rows and that of the columns")
     size = (rows * _CELL + _HEAD + 1, columns * _CELL + _HEAD + 1, 3)
     picture = np.full(size, colours.PAPER, np.uint8)
     for row, column in np.ndindex(rows, columns):

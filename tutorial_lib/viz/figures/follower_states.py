@@ -90,8 +90,7 @@ def frames_kept(total: int, kept: Sequence[int], anchors: Sequence[int]) -> Pict
 
 def _frames(name: str, frames: Sequence[int], total: int) -> list[int]:
     """Indices of frames, or an `InputError`."""
-    given = frames if np.size(frames) else np.empty(0, int)
-    return integers(name, given, ("A",), least=0, most=total - 1).tolist()
+    return integers(name, frames, ("A",), least=0, most=total - 1).tolist()
 
 
 def follower_machine(width: float = 9.0) -> Picture:

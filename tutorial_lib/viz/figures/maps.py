@@ -5,8 +5,9 @@ from numpy.typing import ArrayLike
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.interfaces import Plan
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import floats, instance
+from tutorial_lib.validation import instance
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import draw_plan, draw_topomap
 from tutorial_lib.viz.figures.panels import faded
@@ -49,7 +50,7 @@ def drive_picture(
     """
     instance("topomap", topomap, TopoMap)
     poses = instance("recorded", recorded, RecordedWorld).poses_at(topomap.vertices.timestamps)
-    track, goal = floats("track", track, ("T", 3), empty=False), floats("goal", goal, (3,))
+    track, goal = places_of("track", track, ("T", 3), empty=False), places_of("goal", goal, (3,))
     instance("plan", plan, Plan)
     view = map_view(recorded.scene, topomap, poses)
     picture = view.base.copy()

@@ -41,10 +41,12 @@ def graph_picture(
     if not all(isinstance(edges, Mapping) for edges in edges_of.values()):
         raise InputError("graph: give for each vertex its successors, {vertex: {successor: RE}}")
     path = instance("path", path, Sequence)
-    places = _PLACES if places is None else places
+    places = _PLACES if places is None else instance("places", places, Mapping)
     lost = {*graph, *(v for edges in graph.values() for v in edges), *path} - set(places)
     if lost:
-        raise InputError(f"places: none for {min(map(str, lost))}; give one for each vertex")
+        raise InputError(
+            f"places, path: none for {min(map(str, lost))}; give a place for each vertex"
+        )
     figure, (axis,) = chart(width, 0.62 * number("width", width, above=0.0))
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axis.axis("off")

@@ -23,6 +23,7 @@ from tutorial_lib.viz.figures.film import png
 from tutorial_lib.viz.notebook.teleoperation import (
     ACTIONS,
     TeleopController,
+    presses_of,
     still_strip,
     teleop_picture,
 )
@@ -123,7 +124,7 @@ def teleop(
 ) -> TeleopPanel:
     """Buttons that drive the car, as a cell's last line."""
     with_methods("controller", controller, "press", "reset", "render", "rehearse")
-    return TeleopPanel(controller, rehearsal)
+    return TeleopPanel(controller, presses_of("rehearsal", rehearsal))
 
 
 class SliderPanel(Shell):
@@ -213,12 +214,17 @@ def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> 
         "style": {"description_width": "16em"},
         "layout": ipywidgets.Layout(width="40em", max_width="100%"),
     }
-    span = tuple(span) if isinstance(span, Iterable) and not isinstance(span, str) else (span,)
+    advice = f"sliders: {name}={span!r}; give (low, high, step, value) or words"
+    if isinstance(span, str) or not isinstance(span, Iterable):
+        raise InputError(advice)
+    span = tuple(span)
     if span and all(isinstance(word, str) for word in span):
         return ipywidgets.Dropdown(options=span, value=span[0], **look)
-    real = len(span) == 4 and all(isinstance(n, int | float | np.number) for n in span)
+    real = len(span) == 4 and all(
+        isinstance(n, int | float | np.integer | np.floating) for n in span
+    )
     if not real or not (-np.inf < span[0] <= span[3] <= span[1] < np.inf and 0 < span[2] < np.inf):
-        raise InputError(f"sliders: {name}={span}; give (low, high, step, value) or words")
+        raise InputError(advice)
     low, high, step, value = span
     if all(isinstance(number, int | np.integer) for number in span):
         return ipywidgets.IntSlider(value=value, min=low, max=high, step=step, **look)
