@@ -46,13 +46,22 @@ def colour_of(name: str, value: ArrayLike) -> tuple[int, int, int]:
 def places_of(
     name: str, value: ArrayLike, shape: tuple[int | str | EllipsisType, ...], empty: bool = True
 ) -> Array:
-    """Points or poses in metres (and rad), less than `FAR` away, or an `InputError`."""
+    """Points or poses in metres (and rad), less than `FAR` away, or an `InputError`.
+
+    An empty list has no second axis, and is taken for no points.
+    """
+    none = (
+        value.shape == (0,)
+        if isinstance(value, np.ndarray)
+        else isinstance(value, list) and not value
+    )
+    if none and len(shape) > 1:
+        value = np.empty((0, 3 if shape[1] == 3 else 2))
     return floats(name, value, shape, least=-FAR, most=FAR, empty=empty)
 
 
 def points_of(name: str, value: ArrayLike) -> Array:
     """The points (N, 2) of N points or poses, or an `InputError`."""
-    value = np.empty((0, 2)) if isinstance(value, list) and not value else value
     found = places_of(name, value, ("N", "2 or 3"))
     if found.shape[1] not in (2, 3):
         raise InputError(f"{name}: shape {found.shape}; give x and y of each")
