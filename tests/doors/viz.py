@@ -17,6 +17,7 @@ from tests.doors.arguments import (
     number,
     several,
     text,
+    tuples,
     whole,
 )
 from tests.doors.driving import recorded
@@ -55,7 +56,7 @@ def picture(height=100, width=120, axes=("H", "W"), **changes):
 
 
 def colour(**changes):
-    return integers((10, 20, 30), (3,), least=0, most=255, **changes)
+    return tuples(integers((10, 20, 30), (3,), least=0, most=255, **changes))
 
 
 def points(values=POINTS, shape=("P", 2), refuses="huge", **more):

@@ -20,6 +20,7 @@ from tutorial_lib.experiments.protocols.navigation import FACING, NEAR
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import RECORDING
 from tutorial_lib.se2 import Array, wrap
+from tutorial_lib.validation import instance, whole
 
 TOUR, CONTINUOUS = "tour", "continuous"
 """Separate drives from each place to the next and back; and the same as one continuous drive."""
@@ -42,7 +43,7 @@ def parse_drives(text: str) -> str:
         return text
     try:
         share = float(text)
-    except ValueError:
+    except (TypeError, ValueError):
         share = 0.0
     if not 0.0 < share <= 1.0:
         raise InputError(f"--drives {text}: give a share as 0.2, {TOUR} or {CONTINUOUS}")
@@ -62,6 +63,8 @@ def part_of(building: Building, drives: str, seed: int) -> Building:
     Raises:
         InputError: when none is left.
     """
+    instance("building", building, Building)
+    drives, seed = parse_drives(drives), whole("seed", seed, least=0)
     if not drives:
         return building
     if drives == CONTINUOUS:
@@ -123,6 +126,7 @@ def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> ND
         drives: as from `parse_drives`.
         seed: of the run.
     """
+    instance("trials", trials, Trials)
     separate = TOUR if drives == CONTINUOUS else drives
     return driven(part_of(whole, separate, seed), trials, NEAR, FACING)
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation, Reachability
-from tutorial_lib.topology.mapping.sparsify import contextified, sparsify
+from tutorial_lib.topology.mapping.sparsify import contextified, count_of, sparsify
 from tutorial_lib.validation import floats, instance, integers, with_methods
 
 
@@ -37,7 +37,7 @@ class Anchors:
     prepared_by: Reachability | None = None
 
     def __post_init__(self) -> None:
-        instance("observations", self.observations, Observation)
+        count_of(self.observations)
         instance("contexts", self.contexts, np.ndarray)
         floats("timestamps", self.timestamps, ("A",))
         counts = len(self.observations), len(self.contexts), len(self.timestamps)
@@ -75,7 +75,7 @@ def anchors_of(
         timestamps: (T,) seconds.
     """
     with_methods("reachability", reachability, "prepare", "probability")
-    frames = len(instance("observations", observations, Observation))
+    frames = count_of(observations)
     timestamps = floats("timestamps", timestamps, (frames,))
     if len(with_methods("images", images, "__len__", "__getitem__")) != frames:
         raise InputError(f"images: {len(images)}, observations: {frames}; give as many of each")

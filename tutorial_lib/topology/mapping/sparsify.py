@@ -15,6 +15,17 @@ _MOST_CONTEXT = 1_000  # images on either side, more than any network takes
 _MOST_FRAMES = 10**9
 
 
+def count_of(observations: Observation | NDArray) -> int:
+    """How many observations there are; indices will do for an estimator that looks RE up.
+
+    Raises:
+        InputError: when they are neither.
+    """
+    if not isinstance(observations, np.ndarray):
+        instance("observations", observations, Observation)
+    return len(observations)
+
+
 def sparsify(
     reachability: Reachability,
     observations: Observation,
@@ -43,9 +54,7 @@ def sparsify(
             makes no sense, or `reachability` returns no probabilities.
     """
     with_methods("reachability", reachability, "probability")
-    if not isinstance(observations, np.ndarray):  # indices will do, for one that knows the frames
-        instance("observations", observations, Observation)
-    frames = len(observations)
+    frames = count_of(observations)
     _check_frames(frames)
     if isinstance(prepared, str):
         raise InputError("prepared: a text; give what the `prepare` of RE returned")

@@ -16,6 +16,7 @@ from tutorial_lib.interfaces import Observation, Reachability
 from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.mapping.edge_rules import MapSettings, PlaceOnPath, weight
 from tutorial_lib.topology.mapping.retrieval import Embedding, Index, likeness, most_alike
+from tutorial_lib.topology.mapping.sparsify import count_of
 from tutorial_lib.topology.mapping.vertices import Indices, Vertices
 from tutorial_lib.validation import alike, floats, instance, integers, number, whole, with_methods
 
@@ -60,13 +61,13 @@ class TopoMap:
 
     def see(self, observations: Observation) -> Embedding:
         """(N, R, D) embeddings of N observations."""
-        instance("observations", observations, Observation)
+        count_of(observations)
         return np.asarray(self.vertices.reachability.embed(observations))
 
     def show(self, observations: Observation, prepared: Any) -> Embedding:  # noqa: ANN401
         """(N, P, R, D) embeddings of N targets; of their observations, if RE embeds no targets."""
         reachability = self.vertices.reachability
-        instance("observations", observations, Observation)
+        count_of(observations)
         if hasattr(reachability, "embed_targets"):
             Vertices.checked(prepared, len(observations))
             return reachability.embed_targets(prepared)
@@ -75,7 +76,7 @@ class TopoMap:
     def nearby(self, observations: Observation, count: int) -> Indices:
         """(N, C) indices of vertices that may be reached from N observations, C <= count."""
         alive = self.alive
-        instance("observations", observations, Observation)
+        count_of(observations)
         whole("count", count, least=0)
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
@@ -85,7 +86,7 @@ class TopoMap:
     def around(self, observations: Observation, prepared: Any, count: int) -> Indices:  # noqa: ANN401
         """(N, C) indices of vertices from which N targets may be reached, C <= count."""
         alive = self.alive
-        instance("observations", observations, Observation)
+        count_of(observations)
         whole("count", count, least=0)
         if not self.embeds or len(alive) <= count:
             return np.tile(alive, (len(observations), 1))
@@ -153,7 +154,7 @@ class TopoMap:
             place: (N,) on its path.
             prepared: the contexts from `Reachability.prepare`, if they are prepared already.
         """
-        count = len(instance("observations", observations, Observation))
+        count = count_of(observations)
         instance("contexts", contexts, np.ndarray)
         timestamps = floats("timestamps", timestamps, (count,))
         trajectory = integers("trajectory", trajectory, (count,), least=0)

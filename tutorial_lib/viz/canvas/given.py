@@ -53,7 +53,7 @@ def places_of(
     none = (
         value.shape == (0,)
         if isinstance(value, np.ndarray)
-        else isinstance(value, list) and not value
+        else isinstance(value, (list, tuple)) and not value
     )
     if none and len(shape) > 1:
         value = np.empty((0, 3 if shape[1] == 3 else 2))
