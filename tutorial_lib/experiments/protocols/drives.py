@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib import validation
 from tutorial_lib.driving.data.demonstrations import demonstrate_on
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
@@ -20,7 +21,6 @@ from tutorial_lib.experiments.protocols.navigation import FACING, NEAR
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import RECORDING
 from tutorial_lib.se2 import Array, wrap
-from tutorial_lib.validation import instance, whole
 
 TOUR, CONTINUOUS = "tour", "continuous"
 """Separate drives from each place to the next and back; and the same as one continuous drive."""
@@ -63,8 +63,8 @@ def part_of(building: Building, drives: str, seed: int) -> Building:
     Raises:
         InputError: when none is left.
     """
-    instance("building", building, Building)
-    drives, seed = parse_drives(drives), whole("seed", seed, least=0)
+    validation.instance("building", building, Building)
+    drives, seed = parse_drives(drives), validation.whole("seed", seed, least=0)
     if not drives:
         return building
     if drives == CONTINUOUS:
@@ -126,7 +126,8 @@ def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> ND
         drives: as from `parse_drives`.
         seed: of the run.
     """
-    instance("trials", trials, Trials)
+    validation.instance("whole", whole, Building)
+    validation.instance("trials", trials, Trials)
     separate = TOUR if drives == CONTINUOUS else drives
     return driven(part_of(whole, separate, seed), trials, NEAR, FACING)
 

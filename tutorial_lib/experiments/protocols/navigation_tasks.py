@@ -268,7 +268,10 @@ def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp
     places = floats("places", places, ("P", 2))
     name, last = f"pairs of {len(places)} places", len(places) - 1
     pairs = integers(name, pairs, ("D", 2), least=0, most=last)
-    fields = instance("paths", paths, GridPaths).fields(places)
+    try:
+        fields = instance("paths", paths, GridPaths).fields(places)
+    except InputError as error:
+        raise InputError(f"places, paths: {error}") from error
     poses = np.empty((len(pairs), 3))
     for i, (start, goal) in enumerate(pairs):
         path = fields.path(places[start], goal)
