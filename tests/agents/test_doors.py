@@ -38,7 +38,7 @@ def test_only_experiences_are_learned_from(agent, recorded):
     wrong = {
         r"experiences\[0\]: Trajectory.*; give an Experience": list(recorded.trajectories),
         r"experiences\[1\]: Observation.*; give an Experience": [drives[0], drives[0].observations],
-        r"experiences: Experience.*; give an Iterable": drives[0],
+        r"experiences: Experience.*; give a list of Experience": drives[0],
         r"experiences\[0\]: array.*; give an Experience": recorded.poses,
     }
     for words, given in wrong.items():
@@ -50,9 +50,9 @@ def test_robots_are_sent_to_goals_only(agent, recorded):
     (goal,) = recorded.goals(np.array([40]), k=2)
     wrong = {
         r"goals\[0\]: Observation.*; give a Goals": [goal.observations],
-        r"goals: Goals.*; give an Iterable": goal,
+        r"goals: Goals.*; give a list of Goals": goal,
         r"goals\[1\]: None; give a Goals": [goal, None],
-        r"goals: Observation.*; give an Iterable": goal.observations,
+        r"goals: Observation.*; give a list of Goals": goal.observations,
     }
     for words, given in wrong.items():
         with pytest.raises(InputError, match=words):

@@ -160,7 +160,7 @@ def learns(name, make):
             make().learn, experiences=several([experience()], takes="empty")
         ),
         f"{name}.start": lambda: call(
-            make().start, anything, goals=several([goals()], either="empty")
+            make().start, anything, goals=several([goals()], empty=False)
         ),
     }
 

@@ -45,6 +45,7 @@ class Straight:
     """A part that fits every interface."""
 
     view, k = None, 0
+    arrived = given_up = np.zeros(2, dtype=bool)
 
     def prepare(self, contexts):
         return contexts
@@ -205,6 +206,18 @@ DOORS = {
         seconds=floats([0.1, 0.1], (2,), least=0),
         before=floats(POSES, (2, 3)),
     ),
+    "NavigationEnds": lambda: call(
+        driving.NavigationEnds,
+        anything,
+        navigation=a(Straight()),
+        limit=floats([5.0, 5.0], ("N",), least=0, takes="no axes, fewer axes, more axes"),
+    ),
+    "NavigationEnds.after_step": lambda: call(
+        driving.NavigationEnds(Straight(), 5.0).after_step,
+        simulation=a(robots()),
+        seconds=floats([0.1, 0.1], (2,), least=0),
+        before=POSES,
+    ),
     "geodesic_limit": lambda: call(
         driving.geodesic_limit,
         paths=a(paths()),
@@ -347,6 +360,25 @@ DOORS = {
     ),
     "RecordedWorld.observe": lambda: call(
         recorded().observe, frames=frames(), camera=a(Camera(), optional=True)
+    ),
+    "RecordedWorld.experience": lambda: call(
+        recorded().experience, anything, trajectory=whole(1, least=0, most=1)
+    ),
+    "RecordedWorld.goals": lambda: call(
+        recorded().goals,
+        anything,
+        frames=frames(),
+        k=whole(2, least=0, refuses="huge"),
+        camera=a(Camera(), optional=True),
+    ),
+    "RecordedWorld.poses_at": lambda: call(
+        recorded().poses_at, times=floats([0.0, 0.3], ("N",), refuses="negative, huge")
+    ),
+    "export_recording": lambda: in_folder(
+        driving.export_recording,
+        "drives.npz",
+        recorded=a(recorded()),
+        camera=a(Camera(), optional=True),
     ),
     "RecordedWorld.frame_at": lambda: call(
         recorded().frame_at, frames=frames(), ahead=floats([0.5, -0.5], ("N",))

@@ -165,6 +165,9 @@ DOORS = {
     "LocalMaps.centres": lambda: call(
         maps().centres, robots=robots(), cells=integers([0, 5], ("M",), least=0, most=1599)
     ),
+    "LocalMaps.checked": lambda: call(
+        maps().checked, robots=robots(), odometry=floats(np.zeros((2, 3)), ("M", 3))
+    ),
     "LocalMaps.close": lambda: call(
         maps().close, robots=robots(), points=floats(np.zeros((2, 2)), ("M", 2))
     ),

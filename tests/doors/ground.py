@@ -49,7 +49,7 @@ def pose_pair(function, first, second):
     return call(function, **names)
 
 
-def in_folder(function, wrap=lambda x: x, **arguments):
+def in_folder(function, name="file.txt", **arguments):
     """A call that writes a file into a folder of its own."""
 
     def run(path, **rest):
@@ -57,7 +57,7 @@ def in_folder(function, wrap=lambda x: x, **arguments):
             path = Path(folder) / path if isinstance(path, str) else path
             return function(path, **rest)
 
-    return call(run, anything, path=path("file.txt"), **arguments)
+    return call(run, anything, path=path(name), **arguments)
 
 
 def enter(manager):
@@ -139,6 +139,8 @@ DOORS = {
     ),
 }
 WITHOUT = {
+    "progress": "shows how far `for_each` is",
+    "lines_of_progress": "as progress",
     "atomic_paths": "as atomic_path",
     "sweep": "of folders that the library made",
     "make_folder": "of folders whose options the command line checks",

@@ -16,8 +16,10 @@ from tests.doors.arguments import (
     number,
     path,
     several,
+    text,
     whole,
 )
+from tests.doors.ground import in_folder
 from tests.doors.walk import anything, call
 from tests.made_up_maps import anchors, numbered
 from tutorial_lib import topology
@@ -57,6 +59,7 @@ class Everywhere:
 
 ROBOT, SEEN = Everywhere(), numbered([0, 1, 2])
 CONTEXTS = np.arange(3)[:, None]
+PLACES = np.arange(15.0).reshape(5, 3)
 MODEL = topology.MotionModel(np.array([1.0, 1.0, 1.0]), np.eye(3)[[1, 2, 0]])
 
 
@@ -299,8 +302,14 @@ DOORS = {
     "contextified": lambda: call(
         sparsify.contextified, images=a(np.arange(3), either="list"), k=whole(1, least=0)
     ),
-    "export_graphml": lambda: call(
-        topology.export_graphml, path=path(FILE.with_suffix(".graphml")), topomap=a(topomap())
+    "export_graphml": lambda: in_folder(
+        topology.export_graphml, topomap=a(topomap()), poses=floats(PLACES, (5, 3), optional=True)
+    ),
+    "export_geojson": lambda: in_folder(
+        topology.export_geojson,
+        topomap=a(topomap()),
+        poses=floats(PLACES, (5, 3)),
+        frame=text("map"),
     ),
     "likeness": lambda: call(
         topology.likeness,

@@ -35,9 +35,11 @@ from tutorial_lib.world import (
     worlds,
 )
 from tutorial_lib.world.generators import area_limits
+from tutorial_lib.world.importers import import_houseexpo, import_ros_map, parse_region
 
 POSES = np.array([[2.0, 2.0, 0.5], [6.0, 3.0, -0.5]])
 POINTS = POSES[:, :2]
+BOX = (0.5, 0.5, 2.0, 2.0)
 CIRCLES = np.array([[4.0, 4.0, 0.3], [8.0, 8.0, 0.3]])
 
 
@@ -88,6 +90,26 @@ def saved(function):
                 path = Path(folder) / path
                 world.save_plan(plan(), path)
             return function(path, **rest)
+
+    return run
+
+
+GRID = {
+    "map.yaml": b"{image: map.pgm, resolution: 0.1, origin: [0, 0, 0], negate: 0, "
+    b"occupied_thresh: 0.65, free_thresh: 0.196}",
+    "map.pgm": b"P5 40 40 255 " + bytes([254]) * 1600,
+}
+HOUSE = {"house.json": b'{"verts": [[0, 0], [5, 0], [5, 5], [0, 5]]}'}
+
+
+def beside(files, function):
+    """A call that reads one of some files in a folder."""
+
+    def run(path, **rest):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, content in files.items():
+                (Path(folder) / name).write_bytes(content)
+            return function(Path(folder) / path if isinstance(path, str) else path, **rest)
 
     return run
 
@@ -184,6 +206,22 @@ DOORS = {
         seed=whole(0, least=0),
         palette=choice("standard"),
     ),
+    "parse_region": lambda: call(parse_region, region=text("0,0,1.5,1", refuses="text")),
+    "import_ros_map": lambda: call(
+        beside(GRID, import_ros_map),
+        anything,
+        path=path("map.yaml"),
+        seed=whole(0, least=0),
+        palette=choice("standard"),
+        region=floats(BOX, (4,), optional=True, refuses="negative, shorter axis 0"),
+    ),
+    "import_houseexpo": lambda: call(
+        beside(HOUSE, import_houseexpo),
+        anything,
+        path=path("house.json"),
+        seed=whole(0, least=0),
+        palette=choice("standard"),
+    ),
     # worlds by name
     "generate": lambda: call(
         world.generate,
@@ -226,6 +264,9 @@ DOORS = {
         circles=floats(CIRCLES, ("K", 3)),
         owners=integers(np.zeros(2, np.int32), ("K",), refuses="huge", either="negative"),
         colours=floats(np.full((2, 3), 9.0, np.float32), ("K", 3), dtype=np.float32),
+    ),
+    "Discs.joined": lambda: call(
+        world.Discs.joined, anything, parts=several([discs(), discs()], empty=False)
     ),
     "Raycaster": lambda: call(
         world.Raycaster,
@@ -443,6 +484,4 @@ WITHOUT = {
         ),
         "what is behind the doors `look`, `scan`, `cast` and `disturbed`",
     ),
-    "import_houseexpo": "as import_map",
-    "import_ros_map": "as import_map",
 }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from tutorial_lib.agents.navigator import MapAgent, all_of
+from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.interfaces import Edges, Experience, Goals, Observation, Plan, Planner
 from tutorial_lib.topology.mapping.anchors import Anchors, anchors_of
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
@@ -13,7 +13,7 @@ from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings, add_turns
 from tutorial_lib.topology.planner import DijkstraPlanner
-from tutorial_lib.validation import instance, number, with_methods
+from tutorial_lib.validation import instance, instances, number, with_methods
 
 
 @dataclass(kw_only=True)
@@ -50,7 +50,7 @@ class MengAgent(MapAgent):
         Raises:
             InputError: when one is no `Experience`, before any is learned.
         """
-        for experience in all_of("experiences", experiences, Experience):
+        for experience in instances("experiences", experiences, Experience):
             self.insert(self.sparsified(experience))
 
     def sparsified(self, experience: Experience) -> Anchors:

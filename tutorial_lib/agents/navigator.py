@@ -12,7 +12,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +36,7 @@ from tutorial_lib.topology.following.anchor_paths import AnchorPaths
 from tutorial_lib.topology.following.follower import Follower
 from tutorial_lib.topology.following.transitions import FollowerSettings, State
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance, number, with_methods
+from tutorial_lib.validation import instance, instances, number, with_methods
 from tutorial_lib.world.simulation import STEP
 
 SEARCH_TIME = 20.0
@@ -50,17 +49,6 @@ RULES = FollowerSettings(timeout=2.0, fall=1.0)
 """Rules of a robot that can replan: it gives up a path sooner, and never because of a doubt."""
 FindPath = Callable[[Observation, Goals, Edges], Plan]
 """Plans from what one robot observes to a goal, around some excluded edges."""
-Kind = TypeVar("Kind")
-
-
-def all_of(name: str, values: Iterable[Kind], kind: type[Kind]) -> list[Kind]:
-    """What an agent is given, as a list: experiences or goals.
-
-    Raises:
-        InputError: when it is no list of them, naming what is not.
-    """
-    given = instance(name, values, Iterable)  # type: ignore[type-abstract]
-    return [instance(f"{name}[{i}]", one, kind) for i, one in enumerate(given)]
 
 
 class MapNavigation:
@@ -92,9 +80,9 @@ class MapNavigation:
             replan_time: seconds since it was first lost for which a robot replans.
 
         Raises:
-            InputError: when a goal is no `Goals`.
+            InputError: when they are no list of `Goals`, or there are none.
         """
-        goals = all_of("goals", goals, Goals)
+        goals = instances("goals", goals, Goals, empty=False)
         self._find_path, self._topomap = find_path, targets.topomap
         self._replan_time = replan_time
         count, self._goals = len(goals), goals

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tutorial_lib.agents.navigator import all_of
 from tutorial_lib.driving.control.composed import ComposedController, RandomWaypoints
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
@@ -19,7 +18,7 @@ from tutorial_lib.interfaces import (
     WaypointPredictor,
 )
 from tutorial_lib.topology.following.transitions import FollowerSettings
-from tutorial_lib.validation import instance, with_methods
+from tutorial_lib.validation import instance, instances, with_methods
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ class RandomAgent:
 
     def learn(self, experiences: Sequence[Experience]) -> None:
         """Nothing, of experiences."""
-        all_of("experiences", experiences, Experience)
+        instances("experiences", experiences, Experience)
 
     def start(self, goals: Sequence[Goals]) -> RandomNavigation:
         """Send robots to one goal each."""
@@ -60,7 +59,7 @@ class RandomNavigation:
 
     def __init__(self, agent: RandomAgent, goals: Sequence[Goals]) -> None:
         """See `RandomAgent.start`."""
-        goals = all_of("goals", goals, Goals)
+        goals = instances("goals", goals, Goals, empty=False)
         self._agent = agent
         self._control = ComposedController(RandomWaypoints(agent.rng), agent.controller)
         self._robot = np.repeat(np.arange(len(goals)), [len(goal) for goal in goals])

@@ -9,7 +9,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.navigator import MapAgent, all_of
+from tutorial_lib.agents.navigator import MapAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import (
@@ -23,7 +23,7 @@ from tutorial_lib.interfaces import (
 )
 from tutorial_lib.topology.mapping.sparsify import contextified, every_nth
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance, number, whole, with_methods
+from tutorial_lib.validation import instance, instances, number, whole, with_methods
 
 
 @dataclass(kw_only=True)
@@ -64,7 +64,7 @@ class SPTMAgent(MapAgent):
         Raises:
             InputError: when one is no `Experience`, before any is learned.
         """
-        for experience in all_of("experiences", experiences, Experience):
+        for experience in instances("experiences", experiences, Experience):
             self._keep(experience)
         self._similarities = self._compared()
         self.join(self.s_shortcut)

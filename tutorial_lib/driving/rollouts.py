@@ -173,9 +173,10 @@ class NavigationEnds:
         """Watch a navigation for at most `limit` seconds: (N,), or one number for all.
 
         Raises:
-            InputError: when limits are no numbers from 0 on.
+            InputError: when it is no `Navigation`, or limits are no numbers from 0 on.
         """
-        self._navigation, self._limit = navigation, floats("limit", limit, least=0.0)
+        self._navigation = with_methods("navigation", navigation, "act")
+        self._limit = floats("limit", limit, least=0.0)
         self._touched = np.zeros(())
 
     def after_step(
@@ -183,10 +184,10 @@ class NavigationEnds:
     ) -> dict[str, NDArray[np.bool_]]:
         """See `Ends`."""
         del before
-        if self._limit.shape not in ((), seconds.shape):
-            raise InputError(
-                f"limit: shape {self._limit.shape}; give seconds for {len(simulation)} robots"
-            )
+        count = len(instance("simulation", simulation, Simulation))
+        seconds = floats("seconds", seconds, (count,), least=0)
+        if self._limit.shape not in ((), (count,)):
+            raise InputError(f"limit: shape {self._limit.shape}; give seconds for {count} robots")
         self._touched = np.where(simulation.touching, self._touched + STEP, 0.0)
         return {
             "late": seconds >= self._limit,

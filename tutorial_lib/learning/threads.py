@@ -11,11 +11,20 @@ from pathlib import Path
 
 import torch
 
+from tutorial_lib.validation import whole
+
 _AT_IMPORT = torch.get_num_threads()
+_MOST = 4096
+"""Far more than processors have; torch takes any number, and the process ends at its first sum."""
 
 
 def use_threads(count: int) -> None:
-    """Let networks use that many threads in this process."""
+    """Let networks use that many threads in this process, from 1 to 4,096.
+
+    Raises:
+        InputError: when it is another number.
+    """
+    count = whole("count", count, least=1, most=_MOST)
     settle_threads()  # else the first network would set its own number
     torch.set_num_threads(count)
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.validation import alike, flag, floats, instance, integers, number
+from tutorial_lib.validation import alike, flag, floats, instance, instances, integers, number
 from tutorial_lib.world.grid_kernels import cast_grid, see
 from tutorial_lib.world.ray_kernels import cast_all, cast_discs
 
@@ -59,6 +59,7 @@ class Discs:
     @classmethod
     def joined(cls, parts: Sequence["Discs"]) -> "Discs":
         """All discs of the parts, in their order."""
+        parts = instances("parts", parts, cls, empty=False)
         columns = zip(*((part.circles, part.owners, part.colours) for part in parts), strict=True)
         return cls(*(np.concatenate(column) for column in columns))
 

@@ -752,3 +752,16 @@ def test_a_vertex_is_reused_only_where_the_anchors_around_match_as_well():
         added = add_trajectory(topomap, anchors(range(5, 10)))
         assert bool(added.reused[2]) == reused
         assert (added.path[2] == 2) == reused
+
+
+def test_a_map_of_indices_needs_no_observations():
+    class Table:
+        def prepare(self, targets):
+            return targets
+
+        def probability(self, observations, prepared):
+            return np.where(np.abs(observations - prepared) < 2, 0.999, 0.1)
+
+    topomap, own = TopoMap(Table()), np.arange(4)
+    add_trajectory(topomap, Anchors(own, own, own * 1.0))
+    assert list(topomap.graph.edges)

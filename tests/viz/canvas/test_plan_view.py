@@ -99,3 +99,12 @@ def test_walls_have_the_colours_of_their_place_on_the_strip():
         colour = np.array([stripe * 9, 255 - stripe * 9, 80])
         assert np.abs(at(view, view.base, point) - colour).max() <= 12
     assert np.abs(np.array(at(view, view.base, [10.0, 2.7])) - [200, 190, 160]).max() <= 3
+
+
+@pytest.mark.parametrize("none", [[], np.array([]), np.empty((0, 2))])
+def test_of_no_points_nothing_is_drawn(box, none):
+    view = PlanView(box, 200, 200)
+    picture = view.base.copy()
+    view.polyline(picture, none, (1, 2, 3), 2.0)
+    view.points(picture, none, (1, 2, 3), 2.0)
+    assert (picture == view.base).all()

@@ -14,6 +14,7 @@ from numpy.typing import DTypeLike, NDArray
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
+from tutorial_lib.validation import instance, path_of
 from tutorial_lib.world.sensors import Camera
 
 _AT_A_TIME = 1000
@@ -43,10 +44,13 @@ def export_recording(
         InputError: when the name ends otherwise, h5py is missing, the trajectories have different
             lasers, or the file cannot be written.
     """
-    path, frames = Path(path), np.arange(len(recorded.poses))
+    path = path_of("path", path)
+    frames = np.arange(len(instance("recorded", recorded, RecordedWorld).poses))
     write = {".npz": _write_npz, ".h5": _write_hdf5, ".hdf5": _write_hdf5}.get(path.suffix.lower())
     if write is None:
-        raise InputError(f"{path}: unknown kind of file; give a name that ends in .npz or .h5")
+        raise InputError(
+            f"path: {path} is an unknown kind of file; give a name that ends in .npz or .h5"
+        )
     size = recorded.observe(frames[:0], camera).image.shape[1:]
     images = (
         recorded.observe(frames[first : first + _AT_A_TIME], camera).image

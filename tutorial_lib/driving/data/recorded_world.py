@@ -123,11 +123,19 @@ class RecordedWorld:
         return [self.experience(i) for i in range(len(self.trajectories))]
 
     def poses_at(self, times: ArrayLike) -> Array:
-        """Poses (N, 3) at `times` (N,) of experiences, as where a map's vertices were recorded."""
-        times = np.asarray(times, dtype=float)
+        """Poses (N, 3) at `times` (N,) of experiences, as where a map's vertices were recorded.
+
+        Raises:
+            InputError: when no frame was recorded at a time.
+        """
+        times = floats("times", times, ("N",))
         which = np.searchsorted(self.begins, times, side="right") - 1
-        steps = np.rint((times - self.begins[which]) / STEP).astype(int)
-        return self.poses[self.first_frames[which] + steps]
+        first = self.first_frames[which]
+        steps = np.rint((times - self.begins[which]) / STEP)
+        lost = (which < 0) | (steps > self.last[first] - first)
+        if lost.any():
+            raise InputError(f"times: {times[lost][0]:g} s; give seconds at which one was recorded")
+        return self.poses[first + steps.astype(np.intp)]
 
     def goals(
         self, frames: NDArray[np.intp], k: int = 5, camera: Camera | None = None

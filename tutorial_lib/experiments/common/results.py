@@ -7,6 +7,7 @@ from typing import Any
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report
 from tutorial_lib.reading.documents import read_json
+from tutorial_lib.validation import instance, path_of
 
 FOLDER = Path(__file__).resolve().parents[2] / "results"
 
@@ -17,10 +18,13 @@ def load_result(name: str, folder: Path = FOLDER) -> Report:
     Raises:
         InputError: when there are none, or the file is damaged.
     """
-    path = folder / f"{name}.json"
+    folder = path_of("folder", folder)
+    path = folder / f"{instance('name', name, str)}.json"
     if not path.exists():
         known = ", ".join(sorted(file.stem for file in folder.glob("*.json"))) or "none"
-        raise InputError(f"results: no {name!r} in {folder}; there are {known}")
+        raise InputError(
+            f"name: no {name!r} among the results in folder {folder}; there are {known}"
+        )
     text = read_json(path, "not a result; restore the file")
     try:
         _check(text)

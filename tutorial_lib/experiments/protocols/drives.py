@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib import validation
 from tutorial_lib.driving.data.demonstrations import demonstrate_on
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.errors import InputError
@@ -42,7 +43,7 @@ def parse_drives(text: str) -> str:
         return text
     try:
         share = float(text)
-    except ValueError:
+    except (TypeError, ValueError):
         share = 0.0
     if not 0.0 < share <= 1.0:
         raise InputError(f"--drives {text}: give a share as 0.2, {TOUR} or {CONTINUOUS}")
@@ -62,6 +63,8 @@ def part_of(building: Building, drives: str, seed: int) -> Building:
     Raises:
         InputError: when none is left.
     """
+    validation.instance("building", building, Building)
+    drives, seed = parse_drives(drives), validation.whole("seed", seed, least=0)
     if not drives:
         return building
     if drives == CONTINUOUS:
@@ -123,6 +126,8 @@ def driven_trials(whole: Building, trials: Trials, drives: str, seed: int) -> ND
         drives: as from `parse_drives`.
         seed: of the run.
     """
+    validation.instance("whole", whole, Building)
+    validation.instance("trials", trials, Trials)
     separate = TOUR if drives == CONTINUOUS else drives
     return driven(part_of(whole, separate, seed), trials, NEAR, FACING)
 

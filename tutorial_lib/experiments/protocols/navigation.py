@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.driving.rollouts import NavigationEnds, Record, Rollouts, rollout
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING
 from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance, integers, with_methods
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation
 
@@ -89,7 +91,10 @@ def navigate(
 
     The robots have the building's odometry, with the same drift each time.
     """
-    odometry = building.odometry.noise(NAVIGATING)
+    odometry = instance("building", building, Building).odometry.noise(NAVIGATING)
+    instance("trials", trials, Trials)
+    if not callable(start):
+        raise InputError(f"start: {start!r}; give a function of the simulation")
     simulation = Simulation(building.scene, trials.starts, people=people, odometry_noise=odometry)
     navigation, goals = start(simulation), trials.goal_poses
     ends = NavigationEnds(navigation, TIMES * trials.seconds + GRACE)
@@ -113,15 +118,21 @@ def experiences(building: Building, indices: Sequence[int] | None = None) -> Ite
     Args:
         building: the building.
         indices: of the trajectories; all unless given.
+
+    Raises:
+        InputError: when there is no such trajectory.
     """
-    recorded = building.recorded
-    for i in range(len(recorded.trajectories)) if indices is None else indices:
-        yield recorded.experience(i)
+    recorded = instance("building", building, Building).recorded
+    known = range(len(recorded.trajectories))
+    if indices is not None:
+        indices = integers("indices", indices, ("N",), least=0, most=len(known) - 1).tolist()
+    return (recorded.experience(i) for i in (known if indices is None else indices))
 
 
 def goals_of(trials: Trials, view: View, k: int) -> list[Goals]:
     """The goal image of each trial, in its context."""
-    recorded = trials.recorded
+    recorded = instance("trials", trials, Trials).recorded
+    with_methods("view", view, "render")
     seen = recorded.observe(trials.goals, view.camera)
     contexts = view.render(recorded.scene, recorded.poses[recorded.context(trials.goals, k)])
     return [Goals(seen[[i]], contexts[[i]]) for i in range(len(trials))]
@@ -129,7 +140,8 @@ def goals_of(trials: Trials, view: View, k: int) -> list[Goals]:
 
 def vertex_poses(building: Building, topomap: TopoMap) -> Array:
     """Poses (V, 3) at which a map's vertices were recorded; the agent never gets them."""
-    return building.recorded.poses_at(topomap.vertices.timestamps)
+    instance("topomap", topomap, TopoMap)
+    return instance("building", building, Building).recorded.poses_at(topomap.vertices.timestamps)
 
 
 def edge_lengths(building: Building, topomap: TopoMap) -> Array:

@@ -17,6 +17,7 @@ from tutorial_lib.driving.geodesics import GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.odometry import RECORDING, USUAL, Odometry
 from tutorial_lib.geometry import Array
+from tutorial_lib.validation import flag, floats, instance, integers, whole
 from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.importers import Region, import_map
 from tutorial_lib.world.placing import is_free
@@ -31,6 +32,8 @@ ROOMY = 0.45
 """Metres of clearance that a place has."""
 ANYWHERE_PERTURBATION = Perturbation(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
 """Of starts on a trajectory that do not look along it."""
+_MANY = 10_000
+"""Places, or trials, that a building may have."""
 _FAR = 3.0  # metres from a start to its goal at least
 _SPARE, _SPARE_ANYWHERE = 1.1, 1.5  # times as many trials are drawn, since some have no room
 _LOOK = 1.0  # metres of the path along which a car's first heading points
@@ -86,6 +89,7 @@ class Trials:
 
     def subset(self, indices: NDArray[np.intp]) -> Trials:
         """The trials of those indices (M,)."""
+        indices = integers("indices", indices, ("M",), least=0, most=len(self) - 1)
         parts = (self.pairs, self.starts, self.goals, self.seconds)
         pairs, starts, goals, seconds = (part[indices] for part in parts)
         return Trials(pairs, starts, self.recorded, goals, seconds)
@@ -121,6 +125,10 @@ def make_building(
         InputError: when the world is too small for so many places.
     """
     generated = not isinstance(place, Path)
+    if generated:
+        whole("place", place, least=0)
+    seed, count = whole("seed", seed, least=0), whole("count", count, least=2, most=_MANY)
+    drifts = flag("drifts", drifts)
     name = map_world(place, palette, family) if generated else place.name
     scene = scene_of(name) if generated else Scene(import_map(place, seed=seed, region=region))
     seeds = (seed, place if generated else 0)
@@ -176,8 +184,16 @@ def draw_trials(
 
     A trial starts where the recorded trajectory of its pair did, perturbed as in Table I. `among`
     holds the numbers of the pairs to draw from; all unless given.
+
+    Raises:
+        InputError: when there is no such pair, or an argument is no such thing.
     """
-    among = np.arange(len(building.pairs)) if among is None else among
+    known = len(instance("building", building, Building).pairs)
+    count = whole("count", count, least=1, most=_MANY)
+    instance("rng", rng, np.random.Generator)
+    if among is None:
+        among = np.arange(known)
+    among = integers("among", among, ("M",), least=0, most=known - 1, empty=False)
     which = np.resize(rng.permutation(among), round(_SPARE * count) + 1)
     first = building.recorded.first_frames[which]
     starts, found = perturbed(
@@ -221,6 +237,9 @@ def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Arr
     Raises:
         InputError: when there are fewer.
     """
+    instance("paths", paths, GridPaths)
+    count = whole("count", count, least=1, most=_MANY)
+    instance("rng", rng, np.random.Generator)
     for roomy in (ROOMY, 0.0):
         nodes = np.flatnonzero(paths.largest & (paths.clearance >= roomy))
         if len(nodes) < count:
@@ -234,12 +253,25 @@ def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Arr
             chosen.append(int(nearest.argmax()))
         if nearest.max() > 0:
             return paths.points[nodes[chosen[1:-1]]]
-    raise InputError(f"places: the world has no room for {count}; give a larger one, or fewer")
+    raise InputError(
+        f"count: the world has no room for {count} places; give a larger one, or fewer"
+    )
 
 
 def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp]) -> Array:
-    """Poses (D, 3) at the first place of each pair (D, 2) that look along the path to the other."""
-    fields = paths.fields(places)
+    """Poses (D, 3) at the first place of each pair (D, 2) that look along the path to the other.
+
+    Raises:
+        InputError: when there is no such place, or no path to it.
+    """
+    instance("scene", scene, Scene)
+    places = floats("places", places, ("P", 2))
+    name, last = f"pairs of {len(places)} places", len(places) - 1
+    pairs = integers(name, pairs, ("D", 2), least=0, most=last)
+    try:
+        fields = instance("paths", paths, GridPaths).fields(places)
+    except InputError as error:
+        raise InputError(f"places, paths: {error}") from error
     poses = np.empty((len(pairs), 3))
     for i, (start, goal) in enumerate(pairs):
         path = fields.path(places[start], goal)

@@ -14,7 +14,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.files import write_files, write_text
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import floats
+from tutorial_lib.validation import floats, instance, path_of
 
 _LEAST_COST = 1e-6
 """Of an edge with RE = 1: the route server refuses a cost of 0."""
@@ -28,7 +28,11 @@ def export_graphml(path: str | Path, topomap: TopoMap, poses: ArrayLike | None =
         topomap: the map.
         poses: (V, 3) where its vertices were recorded, those removed since included; written as
             `x`, `y` and `heading` of each vertex where given.
+
+    Raises:
+        InputError: when there are not as many finite poses.
     """
+    path, topomap = path_of("path", path), instance("topomap", topomap, TopoMap)
     places = None if poses is None else _poses(topomap, poses)
     graph = nx.DiGraph()
     for vertex in sorted(topomap.graph):
@@ -37,7 +41,7 @@ def export_graphml(path: str | Path, topomap: TopoMap, poses: ArrayLike | None =
     graph.add_edges_from(topomap.graph.edges(data=True))
     buffer = io.BytesIO()
     nx.write_graphml(graph, buffer)
-    write_files({Path(path): buffer.getvalue()})
+    write_files({path: buffer.getvalue()})
 
 
 def export_geojson(
@@ -61,7 +65,10 @@ def export_geojson(
     Raises:
         InputError: when there are not as many finite poses, or no edge, which the server refuses.
     """
+    path, topomap = path_of("path", path), instance("topomap", topomap, TopoMap)
     places = _poses(topomap, poses)
+    if not isinstance(frame, str):
+        raise InputError(f"frame: {frame!r}; give a name of ROS, as map")
     if not topomap.graph.number_of_edges():
         raise InputError(f"{path}: a map without an edge; add trajectories before exporting it")
     features = [_node(topomap, vertex, places[vertex], frame) for vertex in topomap.alive.tolist()]

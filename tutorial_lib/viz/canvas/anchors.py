@@ -1,10 +1,12 @@
 """Frames and anchors of a trajectory, and a follower's states, drawn on the plan."""
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.validation import alike, flag, instance, integers
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import places_of
 from tutorial_lib.viz.canvas.labels import write_beside
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
@@ -19,6 +21,11 @@ STATES = {
 _JUMP = 0.25  # metres between two steps: the robot was teleported
 
 
+def states_of(states: ArrayLike) -> NDArray[np.intp]:
+    """A follower's states (T,), or an `InputError`."""
+    return integers("states", states, ("T",), least=0, most=max(STATES))
+
+
 def state_name(state: int) -> str:
     """The name of a state in plain words.
 
@@ -30,7 +37,8 @@ def state_name(state: int) -> str:
 
 def draw_frames(view: PlanView, picture: Picture, poses: ArrayLike, radius: float = 1.8) -> None:
     """Draw the frames of a trajectory, poses (T, 3), as small dots."""
-    view.points(picture, np.asarray(poses, dtype=float)[:, :2], colours.PATH, radius)
+    instance("view", view, PlanView)
+    view.points(picture, places_of("poses", poses, ("T", 3))[:, :2], colours.PATH, radius)
 
 
 def draw_anchors(
@@ -42,7 +50,9 @@ def draw_anchors(
     colour: tuple[int, int, int] = colours.GOAL,
 ) -> None:
     """Draw anchors at poses (A, 3) as arrowheads, `numbered` by their place in the sequence."""
-    for place, pose in enumerate(np.asarray(poses, dtype=float)):
+    instance("view", view, PlanView)
+    numbered = flag("numbered", numbered)
+    for place, pose in enumerate(places_of("poses", poses, ("A", 3))):
         view.arrow(picture, pose, colour, size)
         if numbered:
             write_beside(view, picture, str(place), pose)
@@ -55,7 +65,9 @@ def draw_states(
 
     The line is broken where the robot was teleported.
     """
-    poses, states = np.asarray(poses, dtype=float), np.asarray(states)
+    instance("view", view, PlanView)
+    poses, states = places_of("poses", poses, ("T", 3)), states_of(states)
+    alike(poses=poses, states=states)
     jumps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1) > _JUMP
     changes = np.flatnonzero(np.diff(states).astype(bool) | jumps) + 1
     for first, last in zip([0, *changes], [*changes, len(states)], strict=True):

@@ -7,8 +7,11 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import Array, to_local
+from tutorial_lib.validation import flag, instance, instances, number, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import pairs_of, places_of, points_of
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
@@ -43,14 +46,18 @@ def draw_ghost_graph(
         chosen: (2,) the place to which the robot is going; a green ring.
         written: whether the scores stand beside their ghosts.
     """
-    places = np.array([node[:2] for node in np.asarray(nodes, dtype=float)]).reshape(-1, 2)
+    places = points_of("nodes", nodes)
+    written = flag("written", written)
+    instance("view", view, PlanView)
+    edges = pairs_of(edges, len(places), "nodes")
+    ghosts = _checked(ghosts, len(places))
     for first, second in edges:
         view.polyline(picture, places[[first, second]], colours.INK, 3.0)
     for (_, place, _), tone in zip(ghosts, score_colours([g[2] for g in ghosts]), strict=True):
         view.disc(picture, place, _GHOST + 0.05, colours.FAINT)
         view.disc(picture, place, _GHOST, tone)
     for node, place, score in ghosts:
-        gap = np.asarray(place, dtype=float) - places[node]
+        gap = place - places[node]
         far = float(np.linalg.norm(gap))
         if far > _NODE + _GHOST:
             ends = places[node] + gap * np.array([[_NODE], [far - _GHOST]]) / far
@@ -58,14 +65,29 @@ def draw_ghost_graph(
         if written:
             _write_score(view, picture, place, score)
     if chosen is not None:
+        chosen = places_of("chosen", chosen, (2,))
         for radius in (0.42, 0.5):
             view.ring(picture, chosen, radius, colours.GOAL)
-    for number, place in enumerate(places):
+    for node, place in enumerate(places):
         view.disc(picture, place, _NODE + 0.04, colours.PAPER)
         view.disc(picture, place, _NODE, colours.INK)
-        wide, high = text_size(str(number), 0.5)
+        wide, high = text_size(str(node), 0.5)
         corner = view.pixels(place) + np.array([-wide / 2, high / 2])
-        label(picture, str(number), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
+        label(picture, str(node), *np.round(corner).astype(int).tolist(), 0.5, colours.PAPER)
+
+
+def _checked(
+    ghosts: Sequence[tuple[int, ArrayLike, float]], nodes: int
+) -> list[tuple[int, Array, float]]:
+    """Ghosts on nodes that there are."""
+    found = []
+    for ghost in instances("ghosts", ghosts, Sequence):
+        if len(ghost) != 3:
+            raise InputError(f"ghosts: {ghost}; give a node, a place and a score of each")
+        node = whole(f"ghosts on {nodes} nodes", ghost[0], least=0, most=nodes - 1)
+        score = number("ghosts: score", ghost[2])
+        found.append((node, places_of("ghosts: place", ghost[1], (2,)), score))
+    return found
 
 
 def _write_score(view: PlanView, picture: Picture, place: ArrayLike, score: float) -> None:

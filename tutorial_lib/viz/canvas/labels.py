@@ -9,12 +9,14 @@ from numpy.typing import ArrayLike, NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from tutorial_lib.se2 import to_world
+from tutorial_lib.validation import instance, number, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import LARGEST, check_canvas, colour_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
 SIZE = 0.62
 """Of a label, unless another size is given; 1 is `_HEIGHT` pixels."""
-_HEIGHT = 24.0
+_HEIGHT, _MOST = 24.0, 100.0
 _FILE = Path("fonts") / "ttf" / "DejaVuSans.ttf"  # in the data of matplotlib
 
 
@@ -29,8 +31,14 @@ def label(
     """Write on a picture; (x, y) is the left end of the line on which the letters stand.
 
     What lies outside of the picture is cut off.
+
+    Raises:
+        InputError: when an argument is no such thing; x and y are whole numbers.
     """
-    ink, above = _drawn(text, round(_HEIGHT * size))
+    check_canvas(picture)
+    size, colour = number("size", size, least=0.0, most=_MOST), colour_of("colour", colour)
+    x, y = whole("x", x), whole("y", y)
+    ink, above = _drawn(instance("text", text, str), round(_HEIGHT * size))
     top, left = y - above, x
     rows = slice(max(top, 0), min(top + ink.shape[0], picture.shape[0]))
     columns = slice(max(left, 0), min(left + ink.shape[1], picture.shape[1]))
@@ -69,8 +77,10 @@ def write_beside(
     view: PlanView, picture: Picture, text: str, pose: ArrayLike, off: float = 18.0
 ) -> None:
     """Write a text to the left of a pose (3,), `off` pixels from it."""
+    pose, off = places_of("pose", pose, (3,)), number("off", off, least=-LARGEST, most=LARGEST)
+    instance("view", view, PlanView)
     beside = to_world(pose, [0.0, off / view.scale])
-    wide, high = text_size(text, 0.5)
+    wide, high = text_size(instance("text", text, str), 0.5)
     corner = view.pixels(beside) + np.array([-wide / 2, high / 2])
     label(picture, text, *np.round(corner).astype(int).tolist(), 0.5)
 

@@ -4,7 +4,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.validation import alike, floats, instance, number
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import check_canvas, colour_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
 _CORNERS = 40  # of the polygon that stands for an ellipse
@@ -18,8 +20,14 @@ def draw_arrows(
     colour: tuple[int, int, int] = colours.INK,
 ) -> None:
     """Draw an arrow from each of `points` (P, 2) along `vectors` (P, 2), both in metres."""
-    points = np.asarray(points, dtype=float).reshape(-1, 2)
-    ends = view.pixels(points + np.asarray(vectors, dtype=float).reshape(-1, 2))
+    points = places_of("points", points, (..., 2)).reshape(-1, 2)
+    vectors = places_of("vectors", vectors, (..., 2)).reshape(-1, 2)
+    alike(points=points, vectors=vectors)
+    check_canvas(picture)
+    colour, ends = (
+        colour_of("colour", colour),
+        instance("view", view, PlanView).pixels(points + vectors),
+    )
     for start, end in zip(view.pixels(points), ends, strict=True):
         length = max(float(np.linalg.norm(end - start)), 1e-9)
         corners = [tuple(np.round(16 * corner).astype(int).tolist()) for corner in (start, end)]
@@ -39,8 +47,14 @@ def draw_metrics(
 
     A semi-axis is `size` metres times the root of the weight along it, at most `most` times `size`.
     """
-    points = np.asarray(points, dtype=float).reshape(-1, 2)
-    metrics = np.asarray(metrics, dtype=float).reshape(-1, 2, 2)
+    instance("view", view, PlanView)
+    points = places_of("points", points, (..., 2)).reshape(-1, 2)
+    metrics = floats("metrics", metrics, (..., 2, 2)).reshape(-1, 2, 2)
+    alike(points=points, metrics=metrics)
+    size, most = (
+        number("size", size, least=0.0, most=100),
+        number("most", most, least=0.0, most=100),
+    )
     for point, metric in zip(points, metrics, strict=True):
         view.polyline(picture, point + ellipse(metric, size, most), colour, 1)
 

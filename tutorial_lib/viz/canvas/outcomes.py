@@ -6,7 +6,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tutorial_lib.validation import flag, instance
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import check_canvas, places_of
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
@@ -16,7 +18,9 @@ _SIZE = 0.16
 
 def draw_outcome(view: PlanView, picture: Picture, place: ArrayLike, reached: bool) -> None:
     """Mark a target at `place` (2,): a disc if it was reached, a cross if not."""
-    size = max(3, round(_SIZE * view.scale))
+    size = max(3, round(_SIZE * instance("view", view, PlanView).scale))
+    place, reached = places_of("place", place, (2,)), flag("reached", reached)
+    check_canvas(picture)
     x, y = view.pixels(place).round().astype(int).tolist()
     _mark(picture, x, y, size, reached)
 

@@ -8,12 +8,21 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.se2 import to_world
+from tutorial_lib.errors import InputError
+from tutorial_lib.se2 import Array, to_world
+from tutorial_lib.validation import instance, number, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import (
+    FAR,
+    Picture,
+    check_canvas,
+    colour_of,
+    pixels_of,
+    places_of,
+    thickness_of,
+)
 from tutorial_lib.world.materials import PERIOD, TEXEL, TEXELS
 from tutorial_lib.world.scene import Scene
-
-Picture = NDArray[np.uint8]
 
 _SHIFT = 4  # OpenCV draws with coordinates in 1/16 of a pixel
 _WALL_THICKNESS = 0.15  # metres drawn behind a wall's face
@@ -38,9 +47,18 @@ class PlanView:
             height: pixels.
             margin: pixels around the plan.
             bounds: x0, y0, x1, y1 in metres; the whole plan unless given.
+
+        Raises:
+            InputError: when the bounds or what is left between the margins hold nothing.
         """
+        instance("scene", scene, Scene)
         given = scene.plan.bounds if bounds is None else bounds
-        x0, y0, x1, y1 = np.asarray(given, dtype=float)
+        x0, y0, x1, y1 = places_of("bounds", given, (4,))
+        if not (x0 < x1 and y0 < y1):
+            raise InputError(f"bounds: {[x0, y0, x1, y1]}; give x0 < x1 and y0 < y1")
+        width, height = pixels_of("width", width), pixels_of("height", height)
+        if whole("margin", margin, least=0) * 2 >= min(width, height):
+            raise InputError(f"margin: {margin} pixels; give less than half of width and height")
         self.scale = min((width - 2 * margin) / (x1 - x0), (height - 2 * margin) / (y1 - y0))
         self._middle = np.array([(x0 + x1) / 2, (y0 + y1) / 2])
         self._centre = np.array([width / 2, height / 2])
@@ -48,17 +66,22 @@ class PlanView:
         self.base = self._draw_scene(scene)
 
     def pixels(self, points: ArrayLike) -> NDArray[np.float64]:
-        """Columns and rows (..., 2) of points (..., 2) in metres."""
-        offset = (np.asarray(points, dtype=float) - self._middle) * [self.scale, -self.scale]
-        return self._centre + offset
+        """Columns and rows (..., 2) of points (..., 2) in metres.
+
+        Raises:
+            InputError: when they are no such points, or 100 km away.
+        """
+        return self._pixels(places_of("points", points, (..., 2)))
 
     def polyline(
         self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], width: float
     ) -> None:
         """Draw a line through points (P, 2), `width` pixels wide."""
-        if len(np.asarray(points)) > 1:
-            corners = [self._fixed(points)]
-            thickness = max(1, round(width))
+        places, colour = places_of("points", points, ("P", 2)), colour_of("colour", colour)
+        thickness = max(1, round(thickness_of("width", width)))
+        check_canvas(picture)
+        if len(places) > 1:
+            corners = [self._fixed(places)]
             cv2.polylines(picture, corners, False, colour, thickness, cv2.LINE_AA, _SHIFT)
 
     def polygon(
@@ -69,7 +92,9 @@ class PlanView:
         opacity: float = 1.0,
     ) -> None:
         """Fill a polygon (P, 2); below an opacity of 1, what lies under it shows through."""
-        corners = self._fixed(points)
+        corners = self._fixed(places_of("points", points, ("P", 2), empty=False))
+        colour, opacity = colour_of("colour", colour), number("opacity", opacity, least=0, most=1)
+        check_canvas(picture)
         if opacity >= 1.0:
             cv2.fillPoly(picture, [corners], colour, cv2.LINE_AA, _SHIFT)
             return
@@ -81,28 +106,32 @@ class PlanView:
         self, picture: Picture, centre: ArrayLike, radius: float, colour: tuple[int, int, int]
     ) -> None:
         """Draw a disc of `radius` metres."""
-        x, y = self._fixed(centre)[0].tolist()
-        size = max(2, round(radius * self.scale * 2**_SHIFT))
+        x, y, size = self._round(picture, centre, radius)
+        size, colour = max(2, size), colour_of("colour", colour)
         cv2.circle(picture, (x, y), size, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
 
     def ring(
         self, picture: Picture, centre: ArrayLike, radius: float, colour: tuple[int, int, int]
     ) -> None:
         """Draw a circle of `radius` metres, two pixels wide."""
-        x, y = self._fixed(centre)[0].tolist()
-        size = round(radius * self.scale * 2**_SHIFT)
+        x, y, size = self._round(picture, centre, radius)
+        colour = colour_of("colour", colour)
         cv2.circle(picture, (x, y), size, colour, 2, cv2.LINE_AA, _SHIFT)
 
     def points(
         self, picture: Picture, points: ArrayLike, colour: tuple[int, int, int], radius: float
     ) -> None:
         """Draw points (P, 2) as dots of `radius` pixels."""
-        for point in np.asarray(points, dtype=float).reshape(-1, 2):
-            self.disc(picture, point, radius / self.scale, colour)
+        size = max(2, round(thickness_of("radius", radius) / self.scale * self.scale * 2**_SHIFT))
+        places, colour = places_of("points", points, (..., 2)), colour_of("colour", colour)
+        check_canvas(picture)
+        for x, y in self._fixed(places.reshape(-1, 2)).tolist():
+            cv2.circle(picture, (x, y), size, colour, cv2.FILLED, cv2.LINE_AA, _SHIFT)
 
     def robot(self, picture: Picture, pose: ArrayLike, footprint: ArrayLike) -> None:
         """Draw a robot at `pose` (3,), its front in a lighter colour."""
-        footprint = np.asarray(footprint, dtype=float)
+        pose = places_of("pose", pose, (3,))
+        footprint = places_of("footprint", footprint, ("K", 2), empty=False)
         front, half = footprint[:, 0].max(), np.abs(footprint[:, 1]).max()
         self.polygon(picture, to_world(pose, footprint), colours.ROBOT)
         nose = [[front, 0.0], [front * 0.55, half * 0.8], [front * 0.55, -half * 0.8]]
@@ -116,6 +145,7 @@ class PlanView:
         size: float = 10.0,
     ) -> None:
         """Mark a pose (3,) by an arrowhead of `size` pixels, for maps on which the car is tiny."""
+        pose, size = places_of("pose", pose, (3,)), thickness_of("size", size)
         head = np.array([[1.3, 0.0], [-0.9, 0.9], [-0.5, 0.0], [-0.9, -0.9]])
         rim = head * (size + 3.0) / self.scale
         self.polygon(picture, to_world(pose, rim), colours.PAPER)
@@ -123,6 +153,7 @@ class PlanView:
 
     def goal(self, picture: Picture, point: ArrayLike) -> None:
         """Draw a goal at `point` (2,) as a ring around a dot."""
+        point = places_of("point", point, (2,))
         for radius, colour in ((0.34, colours.GOAL), (0.24, colours.PAPER), (0.12, colours.GOAL)):
             self.disc(picture, point, radius, colour)
 
@@ -130,8 +161,8 @@ class PlanView:
         self, picture: Picture, pose: ArrayLike, ends: ArrayLike, opacity: float = 0.5
     ) -> None:
         """Tint what a robot at `pose` (3,) sees: up to the `ends` (P, 2) of its rays, in order."""
-        ends = np.asarray(ends, dtype=float).reshape(-1, 2)
-        outline = np.concatenate([np.asarray(pose, dtype=float)[None, :2], ends])
+        ends, pose = places_of("ends", ends, (..., 2)).reshape(-1, 2), places_of("pose", pose, (3,))
+        outline = np.concatenate([pose[None, :2], ends])
         self.polygon(picture, outline, colours.VIEW, opacity)
         self.polyline(picture, np.concatenate([outline, outline[:1]]), colours.VIEW, 1.5)
 
@@ -143,13 +174,24 @@ class PlanView:
         colour: tuple[int, int, int] = colours.LASER,
     ) -> None:
         """Draw rays from `pose` (3,) to their `ends` (P, 2), with a dot where each one ends."""
-        for end in np.asarray(ends, dtype=float).reshape(-1, 2):
-            self.polyline(picture, [np.asarray(pose, dtype=float)[:2], end], colour, 1)
+        ends, pose = places_of("ends", ends, (..., 2)).reshape(-1, 2), places_of("pose", pose, (3,))
+        for end in ends:
+            self.polyline(picture, [pose[:2], end], colour, 1)
         self.points(picture, ends, colour, 3.0)
 
-    def _fixed(self, points: ArrayLike) -> NDArray[np.int32]:
-        """(P, 2) pixels in OpenCV's fixed point; whole numbers are centres of pixels."""
-        pixels = self.pixels(np.asarray(points, dtype=float).reshape(-1, 2)) - 0.5
+    def _pixels(self, points: Array) -> Array:
+        return self._centre + (points - self._middle) * [self.scale, -self.scale]
+
+    def _round(self, picture: Picture, centre: ArrayLike, radius: float) -> tuple[int, int, int]:
+        """Middle and radius of a disc in OpenCV's fixed point."""
+        check_canvas(picture)
+        x, y = self._fixed(places_of("centre", centre, (2,))).tolist()
+        radius = number("radius", radius, least=0.0, most=FAR)
+        return x, y, round(radius * self.scale * 2**_SHIFT)
+
+    def _fixed(self, points: Array) -> NDArray[np.int32]:
+        """Pixels in OpenCV's fixed point; whole numbers are centres of pixels."""
+        pixels = self._pixels(points) - 0.5
         return np.round(pixels * 2**_SHIFT).astype(np.int32)
 
     def _draw_scene(self, scene: Scene) -> Picture:
@@ -161,7 +203,7 @@ class PlanView:
         picture[free > 0] = colours.ROOMS["hallway"]
         for room in scene.plan.rooms:
             mask = np.zeros(self.size, np.uint8)
-            cv2.fillPoly(mask, [self._fixed(room.outline)], 1, shift=_SHIFT)
+            cv2.fillPoly(mask, [self._fixed(np.asarray(room.outline))], 1, shift=_SHIFT)
             picture[(mask & free) > 0] = colours.ROOMS[room.kind]
         for piece in scene.plan.furniture:
             material = next(m for m in scene.plan.materials if m.name == piece.material)

@@ -4,7 +4,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.validation import alike, floats, instance, number
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import FAR, check_canvas, points_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 
 _MIDDLE = (240, 238, 232)  # the colour of one half
@@ -32,10 +34,17 @@ def draw_cells(
     opacity: float = 0.85,
 ) -> None:
     """Draw a square of `size` metres for each probability (N,) at `places` (N, 2 or 3)."""
+    check_canvas(picture)
+    instance("view", view, PlanView)
+    places = points_of("places", places)
+    probability = floats("probability", probability, ("N",), least=0.0, most=1.0)
+    alike(places=places, probability=probability)
+    size = number("size", size, least=0.0, most=FAR)
+    opacity = number("opacity", opacity, least=0.0, most=1.0)
     half = size * (1 - _GAP) / 2
     square = half * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     layer = picture.copy()
     tones = probability_colours(probability).tolist()
-    for place, tone in zip(np.asarray(places, dtype=float), tones, strict=True):
-        view.polygon(layer, place[:2] + square, tuple(tone))
+    for place, tone in zip(places, tones, strict=True):
+        view.polygon(layer, place + square, tuple(tone))
     cv2.addWeighted(layer, opacity, picture, 1 - opacity, 0, dst=picture)

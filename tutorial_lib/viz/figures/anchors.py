@@ -7,7 +7,9 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.validation import alike, instance, instances, integers, number, one_of, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.anchors import (
     STATES,
@@ -15,6 +17,15 @@ from tutorial_lib.viz.canvas.anchors import (
     draw_frames,
     draw_states,
     state_name,
+    states_of,
+)
+from tutorial_lib.viz.canvas.given import (
+    LARGEST,
+    check_canvas,
+    picture_of,
+    pictures_of,
+    pixels_of,
+    places_of,
 )
 from tutorial_lib.viz.canvas.labels import draw_badge, label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -25,6 +36,8 @@ from tutorial_lib.world.simulation import STEP
 
 CONTEXTS = {"k0": colours.LASER, "k2": colours.GOAL, "k5": colours.ROBOT, "laser": colours.PATH}
 """A colour for each controller, by its context."""
+_LONG = 10**6  # steps that a ribbon may stand for
+_COLUMNS = {"method", "context", "sparsity", "stored", "cover_rate", "low", "high", "threshold"}
 _BAR = 22  # pixels of a ribbon's height
 
 
@@ -36,9 +49,13 @@ def anchors_picture(
     numbered: bool = False,
 ) -> Picture:
     """A trajectory's frames (T, 3) and `anchors` (A,), cut out of the plan: a panel of Fig. 5."""
-    poses, picture = np.asarray(poses, dtype=float), view.base.copy()
+    poses = places_of("poses", poses, ("T", 3), empty=False)
+    anchors = integers(
+        f"anchors of {len(poses)} poses", anchors, ("A",), least=0, most=len(poses) - 1
+    )
+    picture = instance("view", view, PlanView).base.copy()
     draw_frames(view, picture, poses)
-    draw_anchors(view, picture, poses[np.asarray(anchors)], numbered)
+    draw_anchors(view, picture, poses[anchors], numbered)
     return closeup(view, picture, poses[:, :2], margin)
 
 
@@ -50,7 +67,8 @@ def state_ribbon(states: ArrayLike, width: int = 960, longest: int | None = None
         width: pixels of `longest` steps.
         longest: steps that fill the width; all of these unless given.
     """
-    states = np.asarray(states)
+    states, width = states_of(states), pixels_of("width", width, least=40)
+    longest = len(states) if longest is None else whole("longest", longest, least=0, most=_LONG)
     longest = max(longest or len(states), 1)
     bar = np.full((_BAR + 20, width, 3), colours.PAPER, np.uint8)
     edges = np.round(np.arange(len(states) + 1) * width / longest).astype(int)
@@ -66,7 +84,7 @@ def state_ribbon(states: ArrayLike, width: int = 960, longest: int | None = None
 
 def state_legend(width: int = 960) -> Picture:
     """The names of the states beside their colours."""
-    line = np.full((TITLE, width, 3), colours.PAPER, np.uint8)
+    line = np.full((TITLE, pixels_of("width", width), 3), colours.PAPER, np.uint8)
     for place, (state, colour) in enumerate(STATES.items()):
         left = 4 + place * 170
         line[8:22, left : left + 22] = colour
@@ -98,11 +116,20 @@ def follower_strip(
         side: pixels of each picture.
         discs: people and obstacles by step, (D, 3) as x, y, radius.
     """
-    poses, panels, titles = np.asarray(poses, dtype=float), [], []
+    poses, states = places_of("poses", poses, ("T", 3)), states_of(states)
+    alike(poses=poses, states=states)
+    instance("view", view, PlanView)
+    base, side = picture_of("base", base), pixels_of("side", side, least=12)
+    reach = number("reach", reach, above=0.0, most=LARGEST / 3 / view.scale)
+    discs = instance("discs", discs or {}, Mapping)
+    steps = integers(
+        f"steps of {len(poses)} poses", steps, ("S",), least=0, most=len(poses) - 1, empty=False
+    ).tolist()
+    panels, titles = [], []
     for step in steps:
         picture = base.copy()
-        draw_states(view, picture, poses[: step + 1], np.asarray(states)[: step + 1], 4)
-        for x, y, radius in (discs or {}).get(step, ()):
+        draw_states(view, picture, poses[: step + 1], states[: step + 1], 4)
+        for x, y, radius in discs.get(step, ()):
             view.disc(picture, [x, y], radius, colours.PERSON)
         view.robot(picture, poses[step], footprint)
         panel = closeup(view, picture, poses[step, :2], reach, square=True)
@@ -138,14 +165,19 @@ def numbered_views(
         margin: metres around the places.
         points: (Q, 2) that the cut-out must contain besides the numbered places.
     """
-    poses = np.asarray(poses, dtype=float)
+    poses = places_of("poses", poses, ("P", 3), empty=False)
+    images, columns = pictures_of("images", images), whole("columns", columns, least=1)
+    alike(poses=poses, images=images)
+    check_canvas(picture)
+    instance("view", view, PlanView)
+    points = np.empty((0, 2)) if points is None else places_of("points", points, ("Q", 2))
     views = []
     for place, (pose, image) in enumerate(zip(poses, images, strict=True), 1):
         draw_badge(picture, str(place), view.pixels(pose[:2]))
         panel = camera_picture(image, width)
         draw_badge(panel, str(place), np.array([15.0, 15.0]))
         views.append(panel)
-    held = poses[:, :2] if points is None else np.concatenate([points, poses[:, :2]])
+    held = np.concatenate([points, poses[:, :2]])
     rows = [side_by_side(views[i : i + columns], gap=6) for i in range(0, len(views), columns)]
     plan, seen = closeup(view, picture, held, margin), stacked(rows, gap=6)
     arrange = stacked if plan.shape[1] > 1.3 * plan.shape[0] else side_by_side
@@ -166,8 +198,13 @@ def cover_chart(
         width: inches.
         levels: cover rates to compare with, from 0 to 1, as lines with these names.
     """
+    against = one_of("against", against, ("sparsity", "stored"))
+    levels = instance("levels", levels or {}, Mapping)
+    for row in instances("rows", rows, Mapping, empty=False):
+        if missing := _COLUMNS - row.keys():
+            raise InputError(f"rows: one has no {min(missing)}; give rows of meng_fig7")
     figure, (axis,) = chart(width, 4.4)
-    for name, level in (levels or {}).items():
+    for name, level in levels.items():
         axis.axhline(100 * level, color=colours.unit(colours.FAINT), linewidth=1.0, linestyle=":")
         words = {"fontsize": 9, "color": colours.unit(colours.SOLID), "va": "center", "ha": "left"}
         axis.text(1.01, 100 * level, name, transform=axis.get_yaxis_transform(), **words)

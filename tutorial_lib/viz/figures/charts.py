@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.validation import number, whole, with_methods
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture
 
+_MOST = 100
+"""Inches of a figure's side, and axes beside each other."""
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -42,6 +45,9 @@ def chart(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    sizes = {"width": width, "height": height}
+    width, height = (number(n, inches, above=0.0, most=_MOST) for n, inches in sizes.items())
+    columns = whole("columns", columns, least=1, most=_MOST)
     with rc_context(_STYLE):
         figure = Figure(figsize=(width, height), dpi=96, layout="constrained")
         FigureCanvasAgg(figure)
@@ -54,7 +60,7 @@ def from_figure(figure: Figure) -> Picture:
     from matplotlib import rc_context
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    canvas = FigureCanvasAgg(figure)
+    canvas = FigureCanvasAgg(with_methods("figure", figure, "draw", "set_canvas"))
     with rc_context(_STYLE):
         canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()

@@ -4,7 +4,10 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.validation import flag, floats, instance, number
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import LARGEST, picture_of, pixels_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.panels import camera_picture
 
@@ -16,7 +19,10 @@ def closeup(
 
     A `square` one is as wide as it is high. What lies beyond the plan is white.
     """
-    pixels = view.pixels(np.asarray(points, dtype=float).reshape(-1, 2))
+    picture = picture_of("picture", picture)
+    margin, square = number("margin", margin, least=0.0), flag("square", square)
+    points = places_of("points", points, (..., 2), empty=False).reshape(-1, 2)
+    pixels = instance("view", view, PlanView).pixels(points)
     low, high = pixels.min(axis=0), pixels.max(axis=0)
     if square:
         middle, half = (low + high) / 2, (high - low).max() / 2
@@ -26,6 +32,8 @@ def closeup(
     if square:
         size[:] = size.max()
     width, height = size.tolist()
+    if not 0 < width <= LARGEST or not 0 < height <= LARGEST:
+        raise InputError(f"margin, points: a picture of {width} x {height} pixels; give others")
     cut = np.full((height, width, 3), colours.PAPER, np.uint8)
     rows, columns = picture.shape[:2]
     left, top = np.maximum(low, 0)
@@ -56,10 +64,16 @@ def matches_picture(
         truth: (T, 2) true matches, as shares from 0 to 1 of the width of both images.
         side: pixels of the square.
     """
-    dark = np.clip(np.asarray(shares, dtype=float), 0.0, 1.0)[..., None] ** 0.6
+    shares = floats("shares", shares, ("R", "C"), empty=False)
+    truth, side = (
+        floats("truth", truth, ("T", 2), least=0.0, most=1.0),
+        pixels_of("side", side, least=2),
+    )
+    current, target = picture_of("current", current), picture_of("target", target)
+    dark = np.clip(shares, 0.0, 1.0)[..., None] ** 0.6
     tones = colours.PAPER + dark * (np.array(colours.ROBOT) - colours.PAPER)
     square = cv2.resize(tones.astype(np.uint8), (side, side), interpolation=cv2.INTER_NEAREST)
-    for across, along in np.asarray(truth, dtype=float).reshape(-1, 2):
+    for across, along in truth:
         centre = round(16 * side * along), round(16 * side * across)
         cv2.circle(square, centre, 40, colours.LASER, cv2.FILLED, cv2.LINE_AA, 4)
     cv2.rectangle(square, (0, 0), (side - 1, side - 1), colours.FAINT, 1)

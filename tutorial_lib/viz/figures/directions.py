@@ -8,7 +8,10 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.validation import alike, flags, floats, number, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import picture_of, pixels_of
 from tutorial_lib.viz.canvas.labels import label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
@@ -22,7 +25,8 @@ _CELL = 5
 
 def panorama_picture(image: NDArray[np.uint8], width: int = 768, height: int = 96) -> Picture:
     """A panorama (H, W, 3) enlarged for people; behind the robot is at both ends."""
-    return cv2.resize(np.asarray(image), (width, height), interpolation=cv2.INTER_NEAREST)
+    size = pixels_of("width", width), pixels_of("height", height)
+    return cv2.resize(picture_of("image", image), size, interpolation=cv2.INTER_NEAREST)
 
 
 def scored_panorama(
@@ -43,10 +47,16 @@ def scored_panorama(
         truth: (K,) scores to mark on the bars by a line.
         width: pixels.
     """
-    scores = np.asarray(scores, dtype=float)
-    count = len(scores)
-    filled = np.ones(count, bool) if explorable is None else np.asarray(explorable, dtype=bool)
-    both = scores if truth is None else np.concatenate([scores, np.asarray(truth, dtype=float)])
+    scores = floats("scores", scores, ("K",), empty=False)
+    count, width = len(scores), pixels_of("width", width, least=40)
+    explorable = np.ones(count, bool) if explorable is None else explorable
+    filled = flags("explorable", explorable, ("K",))
+    alike(scores=scores, explorable=filled)
+    if truth is not None:
+        truth = floats("truth", truth, ("K",))
+        alike(scores=scores, truth=truth)
+    chosen = None if chosen is None else whole("chosen", chosen, least=0, most=count - 1)
+    both = scores if truth is None else np.concatenate([scores, truth])
     low, high = float(both.min()), max(float(both.max()), float(both.min()) + 1e-6)
     under = np.full((_TALL + _NAMES, width, 3), colours.PAPER, np.uint8)
 
@@ -60,7 +70,7 @@ def scored_panorama(
         for left, right in _wrapped(middle, width // (3 * count), width):
             under[bar, left:right] = tone
             if truth is not None:
-                line = _TALL - tall(float(np.asarray(truth)[k]))
+                line = _TALL - tall(float(truth[k]))
                 under[max(line - 1, 0) : line + 2, left:right] = colours.LASER
         text = f"{k}"
         wide, _ = text_size(text, 0.5)
@@ -79,6 +89,10 @@ def map_picture(
         chosen: (K,) of the directions.
         reach: cells from the middle to the dots.
     """
+    free, chosen = flags("free", free, ("S", "S"), empty=False), flags("chosen", chosen, ("K",))
+    if free.shape[0] != free.shape[1]:
+        raise InputError(f"free: shape {free.shape}; give (S, S)")
+    reach = number("reach", reach, least=0.0, most=float(len(free)))
     rows = np.where(free[::-1, :, None], colours.PAPER, colours.SOLID).astype(np.uint8)
     picture = rows.repeat(_CELL, axis=0).repeat(_CELL, axis=1)
     middle, count = (len(free) // 2 + 0.5) * _CELL, len(chosen)

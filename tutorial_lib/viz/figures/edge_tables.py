@@ -6,6 +6,8 @@ import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.validation import alike, flag, flags, floats, instances
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
@@ -31,8 +33,13 @@ def edge_table(
         names: of rows and columns.
         blank: leave the others pale instead of red.
     """
-    values, chosen = np.asarray(values, dtype=float), np.asarray(chosen, dtype=bool)
+    values = floats("values", values, ("R", "C"), infinite=True, nan=True)
     rows, columns = values.shape
+    chosen = flags("chosen", chosen, (rows, columns))
+    rings = np.zeros_like(chosen) if rings is None else flags("rings", rings, (rows, columns))
+    blank, names = flag("blank", blank), instances("names", names, str)
+    if len(names) != 2:
+        raise InputError(f"names: {len(names)}; give that of the rows and that of the columns")
     size = (rows * _CELL + _HEAD + 1, columns * _CELL + _HEAD + 1, 3)
     picture = np.full(size, colours.PAPER, np.uint8)
     for row, column in np.ndindex(rows, columns):
@@ -42,7 +49,7 @@ def edge_table(
         value = values[row, column]
         if np.isfinite(value):
             label(picture, f"{value:.2f}", left + 5, top + 28, 0.45)
-        if rings is not None and np.asarray(rings)[row, column]:
+        if rings[row, column]:
             corner = (left + _CELL - 4, top + _CELL - 4)
             cv2.rectangle(picture, (left + 1, top + 1), corner, colours.GOAL, 2)
     for row in range(rows):
@@ -62,6 +69,9 @@ def aligned_sequences(row: Sequence[str], column: Sequence[str], pairs: Sequence
         column: names of the vertices aligned with them, as many.
         pairs: RE of each pair; the smallest is red.
     """
+    row, column = instances("row", row, str), instances("column", column, str)
+    pairs = floats("pairs", pairs, ("N",), empty=False)
+    alike(row=row, column=column, pairs=pairs)
     wide, high = 104, 190
     picture = np.full((high, wide * len(row) + 20, 3), colours.PAPER, np.uint8)
     for line, names in ((34, row), (156, column)):

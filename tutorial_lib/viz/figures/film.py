@@ -13,14 +13,13 @@ from threading import Thread
 import cv2
 import numpy as np
 from cv2.utils import logging
-from numpy.typing import NDArray
 from PIL import Image
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.files import atomic_path
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import Picture, picture_of
 
-Picture = NDArray[np.uint8]
 _MOST_WAITING = 30  # frames that wait to be encoded
 
 
@@ -78,9 +77,7 @@ def png(picture: Picture) -> bytes:
     Raises:
         InputError: when it is not such a picture.
     """
-    picture = np.ascontiguousarray(picture)
-    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
-        raise InputError(f"picture: {picture.shape} {picture.dtype}; give (H, W, 3) uint8")
+    picture = picture_of("picture", picture)
     # Mean colours are enough for walls; the car, the goal and the floors keep their own.
     kept = [*colours.THINGS, *colours.ROOMS.values()]
     means = Image.fromarray(picture).quantize(256 - len(kept), method=Image.Quantize.MEDIANCUT)

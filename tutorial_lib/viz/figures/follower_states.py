@@ -1,12 +1,15 @@
 """Rules of following: a table of reachabilities with the chosen anchors, and the state machine."""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import cv2
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.validation import floats, integers, number, whole
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.anchors import STATES, state_name
 from tutorial_lib.viz.canvas.labels import label
@@ -15,6 +18,7 @@ from tutorial_lib.viz.figures.charts import chart, from_figure
 
 _HOLDS, _FAILS = (214, 236, 228), (250, 226, 214)
 _CELL = 46  # pixels
+_MOST = 900  # frames in a row of boxes
 _PLACES = {
     State.SEARCH: (0.10, 0.80),
     State.FOLLOW: (0.44, 0.80),
@@ -39,10 +43,14 @@ def reach_table(reach: ArrayLike, threshold: float, anchors: Sequence[int] = ())
     Values above the threshold are green, the rest red. The rows of `anchors` stand out; in each,
     the next anchor is ringed.
     """
-    reach = np.asarray(reach, dtype=float)
+    reach = floats("reach", reach, ("T", "T"))
+    if reach.shape[0] != reach.shape[1]:
+        raise InputError(f"reach: shape {reach.shape}; give (T, T)")
+    threshold = number("threshold", threshold)
+    anchors = _frames("anchors", anchors, len(reach))
     side = (len(reach) + 1) * _CELL
     picture = np.full((side + 1, side + 1, 3), colours.PAPER, np.uint8)
-    following = dict(zip(anchors, list(anchors)[1:], strict=False))
+    following = dict(pairwise(anchors))
     for row, line in enumerate(reach):
         for column in range(row + 1, len(reach)):
             left, top = (column + 1) * _CELL, (row + 1) * _CELL
@@ -66,7 +74,8 @@ def reach_table(reach: ArrayLike, threshold: float, anchors: Sequence[int] = ())
 
 def frames_kept(total: int, kept: Sequence[int], anchors: Sequence[int]) -> Picture:
     """Frames 0 to `total` - 1 as a row of boxes: filled where kept, green where an anchor."""
-    width = 18
+    total, width = whole("total", total, least=1, most=_MOST), 18
+    kept, anchors = _frames("kept", kept, total), _frames("anchors", anchors, total)
     row = np.full((44, total * width, 3), colours.PAPER, np.uint8)
     for frame in range(0, total, 6):
         label(row, str(frame), frame * width + 1, 40, 0.42, colours.SOLID)
@@ -77,6 +86,11 @@ def frames_kept(total: int, kept: Sequence[int], anchors: Sequence[int]) -> Pict
         cv2.rectangle(row, (left + 1, 3), (left + width - 3, 22), colour, cv2.FILLED)
         cv2.rectangle(row, (left + 1, 3), (left + width - 3, 22), colours.FAINT, 1)
     return row
+
+
+def _frames(name: str, frames: Sequence[int], total: int) -> list[int]:
+    """Indices of frames, or an `InputError`."""
+    return integers(name, frames, ("A",), least=0, most=total - 1).tolist()
 
 
 def follower_machine(width: float = 9.0) -> Picture:

@@ -1,12 +1,13 @@
 """A topological map over the plan from above, and a drive that was planned over it."""
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.data.recorded_world import RecordedWorld
 from tutorial_lib.interfaces import Plan
 from tutorial_lib.topology.mapping.topomap import TopoMap
+from tutorial_lib.validation import instance
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import draw_plan, draw_topomap
 from tutorial_lib.viz.figures.panels import faded
@@ -47,7 +48,10 @@ def drive_picture(
         track: (T, 3) poses of the robot, which is shown at the last one.
         goal: (3,) pose at which the goal image was taken.
     """
-    poses, track = recorded.poses_at(topomap.vertices.timestamps), np.asarray(track, dtype=float)
+    instance("topomap", topomap, TopoMap)
+    poses = instance("recorded", recorded, RecordedWorld).poses_at(topomap.vertices.timestamps)
+    track, goal = places_of("track", track, ("T", 3), empty=False), places_of("goal", goal, (3,))
+    instance("plan", plan, Plan)
     view = map_view(recorded.scene, topomap, poses)
     picture = view.base.copy()
     draw_plan(view, picture, poses, plan.vertices, track[0], goal)

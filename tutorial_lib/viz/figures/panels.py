@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import flag, floats, instances, number, whole, with_methods
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import picture_of, pictures_of, pixels_of
 from tutorial_lib.viz.canvas.labels import SIZE, label, text_size
 from tutorial_lib.viz.canvas.plan_view import Picture
 
@@ -21,13 +23,14 @@ def camera_picture(image: NDArray[np.uint8], width: int = 480, smooth: bool = Fa
     The camera sees 120 degrees from left to right and 60 from top to bottom, which is 3 to 1 on its
     image plane, whatever its number of rows. `smooth` blends the pixels; otherwise each is a tile.
     """
-    image = _checked(image)
-    how = cv2.INTER_CUBIC if smooth else cv2.INTER_NEAREST
+    image, width = picture_of("image", image), pixels_of("width", width, least=2)
+    how = cv2.INTER_CUBIC if flag("smooth", smooth) else cv2.INTER_NEAREST
     return cv2.resize(image, (width, round(width / 3)), interpolation=how)
 
 
 def faded(picture: Picture, share: float = 0.5) -> Picture:
     """A picture made paler by a share from 0 to 1, so that drawings on it stand out."""
+    picture, share = picture_of("picture", picture), number("share", share, least=0.0, most=1.0)
     return cv2.addWeighted(picture, 1 - share, np.full_like(picture, 255), share, 0)
 
 
@@ -70,7 +73,7 @@ def evenly(total: int, count: int) -> NDArray[np.intp]:
         InputError: when there are no frames to choose from.
     """
     if total < 1 or count < 1:
-        raise InputError("strip: no frames to show; give at least one, and a count >= 1")
+        raise InputError("frames: no frames to show; give at least one, and a count >= 1")
     return np.linspace(0, total - 1, min(count, total)).round().astype(np.intp)
 
 
@@ -93,16 +96,20 @@ def film_strip(
     Raises:
         InputError: when there are no frames, or not as many times.
     """
-    chosen = evenly(len(frames), count)
-    if times is not None and len(np.atleast_1d(times)) != len(frames):
-        raise InputError(f"strip: {len(frames)} frames; give as many times, or none")
-    pictures = [_checked(frames[i]) for i in chosen]
+    with_methods("frames", frames, "__len__", "__getitem__")
+    chosen = evenly(len(frames), whole("count", count, least=1))
+    if times is not None:
+        times = floats("times", times, ("N",))
+        if len(times) != len(frames):
+            raise InputError(f"times: {len(times)}, frames: {len(frames)}; give as many, or none")
+    pictures = [picture_of(f"frames[{i}]", frames[i]) for i in chosen.tolist()]
+    width, gap = pixels_of("width", width), pixels_of("gap", gap, least=0)
     high, wide = pictures[0].shape[:2]
     scale = min(1.0, (width - gap * (len(chosen) - 1)) / (len(chosen) * wide))
     size = (max(1, int(wide * scale)), max(1, int(high * scale)))
     pictures = [cv2.resize(p, size, interpolation=cv2.INTER_AREA) for p in pictures]
     if times is not None:
-        under = [line_of_text(f"{np.atleast_1d(times)[i]:.1f} s", size[0]) for i in chosen]
+        under = [line_of_text(f"{times[i]:.1f} s", size[0]) for i in chosen]
         pictures = [np.concatenate(pair) for pair in zip(pictures, under, strict=True)]
     return side_by_side(pictures, gap=gap)
 
@@ -111,13 +118,15 @@ def _arranged(
     pictures: Sequence[Picture], titles: Sequence[str], size: int | None, gap: int, along: int
 ) -> Picture:
     """Pictures in a row (`along` 1) or a column (0), scaled to `size` across it."""
-    if not len(pictures) or (len(titles) and len(titles) != len(pictures)):
+    panels, titles = pictures_of("pictures", pictures), instances("titles", titles, str)
+    if not panels or (titles and len(titles) != len(panels)):
         raise InputError(
-            f"panels: {len(pictures)} pictures and {len(titles)} titles; "
+            f"pictures: {len(panels)}, titles: {len(titles)}; "
             "give at least one picture, and as many titles or none"
         )
-    panels = [_checked(picture) for picture in pictures]
+    gap = pixels_of("gap", gap, least=0)
     if size is not None:
+        size = pixels_of("width" if along == 0 else "height", size)
         panels = [_scaled(panel, size / panel.shape[1 - along]) for panel in panels]
     if len(titles):
         panels = [
@@ -131,13 +140,6 @@ def _arranged(
     white = np.full(space, colours.PAPER, np.uint8)
     parts = [part for panel in panels for part in (panel, white)]
     return np.concatenate(parts[:-1], axis=along)
-
-
-def _checked(picture: Picture) -> Picture:
-    picture = np.asarray(picture)
-    if picture.ndim != 3 or picture.shape[2] != 3 or picture.dtype != np.uint8 or not picture.size:
-        raise InputError(f"picture: {picture.shape} {picture.dtype}; give (H, W, 3) uint8")
-    return np.ascontiguousarray(picture)
 
 
 def _scaled(picture: Picture, scale: float) -> Picture:

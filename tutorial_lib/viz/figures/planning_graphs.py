@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.validation import instance, number, with_methods
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.charts import chart, from_figure
@@ -35,8 +37,17 @@ def graph_picture(
     """
     from matplotlib.patches import FancyArrowPatch
 
-    places = _PLACES if places is None else places
-    figure, (axis,) = chart(width, 0.62 * width)
+    edges_of = with_methods("graph", graph, "items", "get")
+    if not all(isinstance(edges, Mapping) for edges in edges_of.values()):
+        raise InputError("graph: give for each vertex its successors, {vertex: {successor: RE}}")
+    path = instance("path", path, Sequence)
+    places = _PLACES if places is None else instance("places", places, Mapping)
+    lost = {*graph, *(v for edges in graph.values() for v in edges), *path} - set(places)
+    if lost:
+        raise InputError(
+            f"places, path: none for {min(map(str, lost))}; give a place for each vertex"
+        )
+    figure, (axis,) = chart(width, 0.62 * number("width", width, above=0.0))
     axis.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
     axis.axis("off")
     taken = set(pairwise(path))

@@ -7,7 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tutorial_lib.errors import InputError
+from tutorial_lib.validation import alike, flag, floats, instance, whole, with_methods
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import picture_of, pixels_of
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.canvas.probabilities import probability_colours
@@ -22,6 +25,8 @@ _Z = 1.96  # of a 95 % interval
 
 def probability_bar(low: str = "never", high: str = "always", width: int = 200) -> Picture:
     """A legend: the colours over `width` pixels, between the words for 0 and 1."""
+    low, high = instance("low", low, str), instance("high", high, str)
+    width = pixels_of("width", width)
     colourful = np.broadcast_to(probability_colours(np.linspace(0, 1, width)), (16, width, 3))
     words = []
     for word in (low, high):
@@ -32,7 +37,8 @@ def probability_bar(low: str = "never", high: str = "always", width: int = 200) 
 
 def pictured_pair(now: ArrayLike, target: ArrayLike, width: int = 300) -> Picture:
     """The current image (H, W, 3) above the target image."""
-    pictures = [camera_picture(np.asarray(image), width) for image in (now, target)]
+    given = {"now": now, "target": target}
+    pictures = [camera_picture(picture_of(name, image), width) for name, image in given.items()]
     return stacked(pictures, ["now", "target"], gap=4)
 
 
@@ -52,12 +58,19 @@ def draw_reliability(
         count: (B,) or one number, how many are in a bin; draws Wilson's 95 % intervals if given.
         looks: of the line, such as label or color.
     """
-    predicted, measured = np.asarray(predicted, float), np.asarray(measured, float)
+    with_methods("axis", axis, "plot", "vlines", "set", "set_aspect")
+    predicted = floats("predicted", predicted, ("B",), nan=True, least=0.0, most=1.0)
+    measured = floats("measured", measured, ("B",), nan=True, least=0.0, most=1.0)
+    alike(predicted=predicted, measured=measured)
+    if count is not None:
+        count = floats("count", count, least=0.0)
+        if count.shape not in ((), measured.shape):
+            raise InputError(f"count: shape {count.shape}; give {measured.shape} or one number")
     axis.plot([0, 1], [0, 1], color=colours.unit(colours.FAINT), linewidth=1.2, zorder=1)
     looks = {"marker": "o", "markersize": 6, "clip_on": False, **looks}
     (line,) = axis.plot(predicted, measured, zorder=3, **looks)
     if count is not None:
-        low, high = _interval(measured, np.broadcast_to(np.asarray(count, float), measured.shape))
+        low, high = _interval(measured, np.broadcast_to(count, measured.shape))
         axis.vlines(predicted, low, high, colors=line.get_color(), linewidth=1.2, zorder=2)
     axis.set(xlim=(0, 1), ylim=(0, 1), xlabel="predicted probability", ylabel="share reached")
     axis.set_aspect("equal")
@@ -74,7 +87,11 @@ def along_trajectory(
         now: index of the present target.
         reached: the outcome of the rollout to it, if there was one.
     """
-    metres, probability = np.asarray(metres, float), np.asarray(probability, float)
+    metres = floats("metres", metres, ("T",), empty=False)
+    probability = floats("probability", probability, ("T",), least=0.0, most=1.0)
+    alike(metres=metres, probability=probability)
+    now = whole("now", now, least=0, most=len(metres) - 1)
+    reached = None if reached is None else flag("reached", reached)
     figure, (axis,) = chart(4.6, 2.7)
     axis.plot(metres, probability, color=colours.unit(colours.ROBOT), clip_on=False)
     axis.axvline(metres[now], color=colours.unit(colours.GOAL), linewidth=1.5)

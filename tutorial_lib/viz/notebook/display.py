@@ -14,7 +14,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.errors import InputError
+from tutorial_lib.validation import floats, instance, number
+from tutorial_lib.viz.canvas.given import Picture, picture_of, pictures_of
 from tutorial_lib.viz.figures.film import png, write_film
 from tutorial_lib.viz.figures.panels import film_strip, line_of_text
 
@@ -22,6 +24,7 @@ STATIC = "TUTORIAL_STATIC"
 """The environment variable that is set while a notebook is stored for hosted viewers."""
 SHORTEST, NARROWEST = 6.0, 640
 """Seconds that a film lasts at least, and pixels that it is wide at least."""
+_FASTEST = 1000.0  # frames a second
 _CONTROLS = 56  # pixels under a film, where players draw their controls
 
 
@@ -97,8 +100,11 @@ def show(picture: Picture, alt: str = "") -> Still:
     Args:
         picture: uint8 RGB.
         alt: says what it shows; the title of the cell (its first line, a comment) unless given.
+
+    Raises:
+        InputError: when it is no such picture.
     """
-    return Still(np.asarray(picture), alt or _title_of_cell())
+    return Still(picture_of("picture", picture), instance("alt", alt, str) or _title_of_cell())
 
 
 def play(
@@ -123,9 +129,12 @@ def play(
     Raises:
         InputError: when there are no frames, or their sizes differ.
     """
-    given = [np.asarray(frame) for frame in frames]
-    rate = min(frames_per_second, max(len(given), 1) / SHORTEST)
-    seconds = np.arange(len(given)) / rate if times is None else np.asarray(times, dtype=float)
+    given, alt = pictures_of("frames", frames), instance("alt", alt, str)
+    if len({frame.shape for frame in given}) != 1:
+        raise InputError(f"frames: {len(given)}; give one at least, and all of one size")
+    rate = number("frames_per_second", frames_per_second, above=0.0, most=_FASTEST)
+    rate = min(rate, len(given) / SHORTEST)
+    seconds = np.arange(len(given)) / rate if times is None else floats("times", times, ("N",))
     strip = film_strip(given, seconds, count)
     timed = [_timed(frame, at) for frame, at in zip(given, seconds, strict=True)]
     with tempfile.TemporaryDirectory() as folder:

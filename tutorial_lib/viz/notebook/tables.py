@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import instance, instances, one_of
 
 
 @dataclass(frozen=True)
@@ -73,24 +74,29 @@ def table(
         caption: above the table.
 
     Raises:
-        InputError: when a row has not as many values as there are columns.
+        InputError: when a row has not as many values as there are columns, or one does not fit its
+            column's format.
 
     >>> table({"planner": "", "success": ".0%"}, [["ours", 0.9], ["theirs", 0.5]], {"success": max})
     planner  success
     ours         90%
     theirs       50%
     """
-    names, formats = list(columns), list(columns.values())
+    names, formats = list(instance("columns", columns, Mapping)), list(columns.values())
+    rows, caption = instances("rows", rows, Sequence), instance("caption", caption, str)
     for row in rows:
         if len(row) != len(names):
-            raise InputError(f"table: {len(row)} values in a row; give {len(names)}")
-    texts = [
-        ["" if v is None else format(v, f) for v, f in zip(row, formats, strict=True)]
-        for row in rows
-    ]
+            raise InputError(f"rows: {len(row)} values in a row; give {len(names)}")
+    try:
+        texts = [
+            ["" if v is None else format(v, f) for v, f in zip(row, formats, strict=True)]
+            for row in rows
+        ]
+    except (TypeError, ValueError) as error:
+        raise InputError(f"columns, rows: {error}; give values that fit the formats") from error
     bold = set()
-    for name, choose in (best or {}).items():
-        i = names.index(name)
+    for name, choose in instance("best", best or {}, Mapping).items():
+        i = names.index(one_of("best", name, names))
         known = [row[i] for row in rows if row[i] is not None]
         bold |= {(n, i) for n, row in enumerate(rows) if known and row[i] == choose(known)}
     right = frozenset(i for i, form in enumerate(formats) if form)

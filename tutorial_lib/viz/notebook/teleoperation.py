@@ -7,14 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.se2 import arc_length, wrap
+from tutorial_lib.validation import flag, instance, instances, one_of, whole
 from tutorial_lib.viz.canvas import colours
+from tutorial_lib.viz.canvas.given import places_of
 from tutorial_lib.viz.canvas.labels import label
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.figures.dashboard import Moment, draw_laser, draw_map
 from tutorial_lib.viz.figures.panels import camera_picture, side_by_side
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.people import Person
+from tutorial_lib.world.placing import check_free
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -82,10 +85,11 @@ class TeleopController:
         Raises:
             InputError: when the car cannot stand there, or `steps` is less than 1.
         """
-        if steps < 1:
-            raise InputError(f"teleop: {steps} steps for a press; give at least 1")
-        self.scene, self.people, self.steps = scene, tuple(people), steps
-        self._start = np.array(pose, dtype=float).reshape(3)
+        self.scene = instance("scene", scene, Scene)
+        self.people = instances("people", people, Person)
+        self.steps = whole("steps", steps, least=1)
+        self._start = places_of("pose", pose, (3,)).copy()
+        check_free(scene, BicycleCar(), self._start[None], "pose")
         self.view = PlanView(scene, MAP, MAP)
         self.reset()
 
@@ -103,8 +107,7 @@ class TeleopController:
         Raises:
             InputError: when there is no such button.
         """
-        if name not in ACTIONS:
-            raise InputError(f"teleop: no button {name!r}; use one of {', '.join(ACTIONS)}")
+        one_of("name", name, ACTIONS)
         for _ in range(self.steps):
             self.simulation.step([ACTIONS[name]])
             self.track.append(self.simulation.poses[0, :2])
@@ -142,6 +145,7 @@ class TeleopController:
 
     def render(self, *, hide_map: bool = False) -> Picture:
         """A picture of the present state."""
+        hide_map = flag("hide_map", hide_map)
         return teleop_picture(self.view, self.moment, hide_map=hide_map)
 
     def rehearse(self, presses: Sequence[str], count: int = 3) -> Picture:
@@ -151,6 +155,7 @@ class TeleopController:
             presses: names of buttons.
             count: pictures, from before the first press to after the last.
         """
+        presses, count = presses_of("presses", presses), whole("count", count, least=1, most=100)
         fresh = TeleopController(self.scene, self._start, self.people, self.steps)
         shown = set(np.linspace(0, len(presses), count).round().astype(int).tolist())
         pictures, titles = [], []
@@ -161,6 +166,11 @@ class TeleopController:
                 pictures.append(fresh.render())
                 titles.append(f"after {i} presses" if i else "at the start")
         return still_strip(pictures, titles)
+
+
+def presses_of(name: str, presses: Sequence[str]) -> tuple[str, ...]:
+    """Names of buttons, or an `InputError`."""
+    return tuple(one_of(name, press, ACTIONS) for press in instances(name, presses, str))
 
 
 def still_strip(pictures: Sequence[Picture], titles: Sequence[str]) -> Picture:

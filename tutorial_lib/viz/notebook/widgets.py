@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import base64
 import html
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import ipyevents
@@ -17,11 +17,13 @@ import ipywidgets
 import numpy as np
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.validation import instance, with_methods
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.film import png
 from tutorial_lib.viz.notebook.teleoperation import (
     ACTIONS,
     TeleopController,
+    presses_of,
     still_strip,
     teleop_picture,
 )
@@ -121,7 +123,8 @@ def teleop(
     rehearsal: Sequence[str] = ("forward", "forward", "left", "left", "left", "forward"),
 ) -> TeleopPanel:
     """Buttons that drive the car, as a cell's last line."""
-    return TeleopPanel(controller, rehearsal)
+    with_methods("controller", controller, "press", "reset", "render", "rehearse")
+    return TeleopPanel(controller, presses_of("rehearsal", rehearsal))
 
 
 class SliderPanel(Shell):
@@ -200,7 +203,9 @@ def sliders(
     """
     if not ranges:
         raise InputError("sliders: no range; give name=(low, high, step, value)")
-    return SliderPanel(render, ranges, labels or {})
+    if not callable(render):
+        raise InputError(f"render: {render!r}; give a function")
+    return SliderPanel(render, ranges, instance("labels", labels or {}, Mapping))
 
 
 def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> ipywidgets.Widget:
@@ -209,11 +214,17 @@ def _control(name: str, label: str, span: tuple[float, ...] | Sequence[str]) -> 
         "style": {"description_width": "16em"},
         "layout": ipywidgets.Layout(width="40em", max_width="100%"),
     }
+    advice = f"sliders: {name}={span!r}; give (low, high, step, value) or words"
+    if isinstance(span, str) or not isinstance(span, Iterable):
+        raise InputError(advice)
     span = tuple(span)
     if span and all(isinstance(word, str) for word in span):
         return ipywidgets.Dropdown(options=span, value=span[0], **look)
-    if len(span) != 4 or not (span[0] <= span[3] <= span[1] and span[2] > 0):
-        raise InputError(f"sliders: {name}={span}; give (low, high, step, value) or words")
+    real = len(span) == 4 and all(
+        isinstance(n, int | float | np.integer | np.floating) for n in span
+    )
+    if not real or not (-np.inf < span[0] <= span[3] <= span[1] < np.inf and 0 < span[2] < np.inf):
+        raise InputError(advice)
     low, high, step, value = span
     if all(isinstance(number, int | np.integer) for number in span):
         return ipywidgets.IntSlider(value=value, min=low, max=high, step=step, **look)

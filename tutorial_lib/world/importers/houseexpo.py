@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_json
 from tutorial_lib.reading.limits import MAX_BOXES, MAX_OUTLINE
+from tutorial_lib.validation import path_of
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room, too_far
 from tutorial_lib.world.importers.contours import signed_area
@@ -47,8 +48,9 @@ def import_houseexpo(path: str | Path, seed: int = 0, palette: str = "standard")
             outline crosses itself or encloses nothing.
     """
     check_choice(seed, palette)
+    path = path_of("path", path)
     content = read_json(path, "give a HouseExpo JSON file; was it cut off?")
-    root = Field(content, Path(path).name)
+    root = Field(content, path.name)
     outline = _outline(root["verts"])
     rng = np.random.default_rng(seed)
     look = imported_look(rng, palette)

@@ -19,7 +19,7 @@ _ROWS = 256  # at a time: the places of all cells need much room
 _NAMED = 5  # free parts in a message, the largest
 
 
-def parse_region(text: str) -> tuple[float, ...]:
+def parse_region(region: str) -> tuple[float, ...]:
     """A region from text with commas.
 
     Raises:
@@ -29,9 +29,9 @@ def parse_region(text: str) -> tuple[float, ...]:
     (-1.0, 0.0, 12.5, 8.0)
     """
     try:
-        return checked_region([float(part) for part in text.split(",")])
-    except ValueError:
-        raise InputError(f"region: {text!r}; give x0,y0,x1,y1 or x,y in metres") from None
+        return checked_region([float(part) for part in region.split(",")])
+    except (ValueError, AttributeError):
+        raise InputError(f"region: {region!r}; give x0,y0,x1,y1 or x,y in metres") from None
 
 
 def checked_region(region: Region) -> tuple[float, ...]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.errors import InputError
 from tutorial_lib.reading.documents import read_yaml
 from tutorial_lib.se2 import Array, to_world
+from tutorial_lib.validation import path_of
 from tutorial_lib.world.fields import Field
 from tutorial_lib.world.floorplan import FloorPlan, Room, too_far
 from tutorial_lib.world.importers.contours import free_loops, signed_area
@@ -49,13 +50,14 @@ def import_ros_map(
     """
     check_choice(seed, palette)
     region = None if region is None else checked_region(region)
+    path = path_of("path", path)
     content = read_yaml(path, "give a map's YAML file, or correct it")
-    root = Field(content, Path(path).name)
+    root = Field(content, path.name)
     resolution = number_of(root["resolution"])
     if resolution <= 0:
         raise root["resolution"].fail("give metres a cell, above 0")
     pose = _origin(root["origin"])
-    free = _chosen(free_cells(root, Path(path).parent), resolution, pose, region, root.where)
+    free = _chosen(free_cells(root, path.parent), resolution, pose, region, root.where)
     _check_extent(free, resolution, pose, root.where)
     rng = np.random.default_rng(seed)
     try:
