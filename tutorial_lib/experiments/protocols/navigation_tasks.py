@@ -32,8 +32,7 @@ ROOMY = 0.45
 """Metres of clearance that a place has."""
 ANYWHERE_PERTURBATION = Perturbation(wide=1.0, wide_turn=float(np.deg2rad(60.0)))
 """Of starts on a trajectory that do not look along it."""
-_MANY = 10_000
-"""Places, or trials, that a building may have."""
+_MANY = 10_000  # places, or trials, that a building may have
 _FAR = 3.0  # metres from a start to its goal at least
 _SPARE, _SPARE_ANYWHERE = 1.1, 1.5  # times as many trials are drawn, since some have no room
 _LOOK = 1.0  # metres of the path along which a car's first heading points
@@ -183,16 +182,12 @@ def draw_trials(
     """Draw trials between the places of a building; pairs come equally often.
 
     A trial starts where the recorded trajectory of its pair did, perturbed as in Table I. `among`
-    holds the numbers of the pairs to draw from; all unless given.
-
-    Raises:
-        InputError: when there is no such pair, or an argument is no such thing.
+    holds the numbers of the pairs to draw from, all unless given; other numbers are refused.
     """
     known = len(instance("building", building, Building).pairs)
     count = whole("count", count, least=1, most=_MANY)
     instance("rng", rng, np.random.Generator)
-    if among is None:
-        among = np.arange(known)
+    among = np.arange(known) if among is None else among
     among = integers("among", among, ("M",), least=0, most=known - 1, empty=False)
     which = np.resize(rng.permutation(among), round(_SPARE * count) + 1)
     first = building.recorded.first_frames[which]
@@ -259,11 +254,7 @@ def spread_places(paths: GridPaths, count: int, rng: np.random.Generator) -> Arr
 
 
 def facing(scene: Scene, paths: GridPaths, places: Array, pairs: NDArray[np.intp]) -> Array:
-    """Poses (D, 3) at the first place of each pair (D, 2) that look along the path to the other.
-
-    Raises:
-        InputError: when there is no such place, or no path to it.
-    """
+    """Poses (D, 3) at the first place of each pair (D, 2) that look along the path to the other."""
     instance("scene", scene, Scene)
     places = floats("places", places, ("P", 2))
     name, last = f"pairs of {len(places)} places", len(places) - 1
