@@ -17,8 +17,8 @@ from tutorial_lib.exploration.local_map import LocalMaps
 from tutorial_lib.exploration.local_policy import find_paths
 from tutorial_lib.exploration.motion import move
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.shapes import fit_together
 from tutorial_lib.topology.mapping.scan_matching import agreement, match_scans
+from tutorial_lib.validation import fit_together
 from tutorial_lib.world.raycast import Discs, Fan, Raycaster
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.sensors import Camera

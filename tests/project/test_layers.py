@@ -10,7 +10,7 @@ LIBRARY = Path(__file__).resolve().parents[2] / "tutorial_lib"
 LAYERS = (
     ("errors",),
     ("array_forms", "se2"),
-    ("validation", "shapes"),
+    ("validation",),
     ("observation",),
     ("geometry", "interfaces", "files", "memory", "reading", "parallel", "course"),
     ("world",),

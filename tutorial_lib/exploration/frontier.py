@@ -19,8 +19,7 @@ from tutorial_lib.exploration.grid_kernels import (
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.exploration.local_policy import BODY, COMFORT, NEAR
 from tutorial_lib.geometry import Array
-from tutorial_lib.shapes import fit_together
-from tutorial_lib.validation import floats, integers
+from tutorial_lib.validation import fit_together, floats, integers
 
 SIDE = 24.0
 """Metres of a metric map; a robot that leaves its middle forgets what is far behind it."""

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.exploration.grid_kernels import DEAREST, Bytes, costs_of, in_sight, spread
 from tutorial_lib.exploration.local_map import RESOLUTION, LocalMaps
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.shapes import fit_together
-from tutorial_lib.validation import floats, whole
+from tutorial_lib.validation import fit_together, floats, whole
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT
 
 BODY, COMFORT = 2.3, 3.7

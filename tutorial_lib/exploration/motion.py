@@ -7,8 +7,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from tutorial_lib.se2 import Array, to_local, to_world, wrap
-from tutorial_lib.shapes import fit_together
-from tutorial_lib.validation import floats
+from tutorial_lib.validation import fit_together, floats
 from tutorial_lib.world.noise import FORWARD, LEFT, RIGHT, STOP
 
 ACTIONS = (STOP, FORWARD, LEFT, RIGHT)

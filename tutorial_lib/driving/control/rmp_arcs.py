@@ -5,11 +5,12 @@ A body is covered by discs: one that moves on an arc meets a point where two cir
 
 import numpy as np
 
+from tutorial_lib.array_forms import Shape
 from tutorial_lib.driving.control import arc_kernels as kernels
 from tutorial_lib.driving.control.rmp_arithmetic import check_body
 from tutorial_lib.geometry import Array
 from tutorial_lib.interfaces import Observation
-from tutorial_lib.shapes import Expected, fit_together
+from tutorial_lib.validation import fit_together
 from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive
 from tutorial_lib.world.sensors import full_circle
 
@@ -146,7 +147,7 @@ def check_robots(seen: Observation, robots: int) -> None:
     fit_together(robots=each, laser=(seen.laser, ("N", "B")), **alone)
 
 
-def _check_shapes(lasers: Array, angles: Array, **others: tuple[Array, Expected]) -> None:
+def _check_shapes(lasers: Array, angles: Array, **others: tuple[Array, Shape]) -> None:
     fit_together(lasers=(lasers, ("N", "B")), angles=(angles, ("B",)), **others)
 
 

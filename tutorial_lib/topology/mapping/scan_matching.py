@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from tutorial_lib.se2 import Array, inverse, wrap
-from tutorial_lib.shapes import fit_together
+from tutorial_lib.validation import fit_together
 from tutorial_lib.world.sensors import full_circle
 
 _NEAR = 4.0  # metres; what is farther looks different from where the other scan was taken
