@@ -458,7 +458,7 @@ table(headings, lines, caption=f"p_sparsify = {everywhere.rows[0]['threshold']:g
 #
 # A car stands somewhere and is given the sequence $\hat o_1, \dots, \hat o_m$. It has no map and no position. At each step it can query two things about any anchor: $\mathcal{RE}$, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I to it?*
 #
-# It keeps two indices: the **active** anchor, to which it drives, and the one **last visited**. And it is in one of five states (paper, III-H; *done* is ours):
+# It keeps two indices: the **active** anchor, to which it drives, and the one **last visited**. And it is in one of five states. The paper has three (III-H: *Search*, *Follow*, *Dead reckoning*); *Lost* and *Done* are ours:
 
 # %%
 show(follower_machine())

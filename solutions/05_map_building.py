@@ -95,7 +95,7 @@ from tutorial_lib.world import Camera, scene_of, world_name
 #
 # Here are two trajectories of three anchors each, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, and $\mathcal{RE}$ from each anchor (row) to each (column). Framed cells are steps of a trajectory.
 #
-# An edge needs $\mathcal{RE} > p_\text{edge}$; the others are **pruned**, since they would hardly ever be used with success. Edges along a trajectory are always kept: the car did drive there. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
+# An edge needs $\mathcal{RE} > p_\text{edge}$; the others are **pruned**, since they would hardly ever be used with success. Edges along a trajectory are always kept: the car did drive there. (That exemption is ours; the paper prunes whatever lies below $p_\text{edge}$, III-E.) **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
 
 # %%
 show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
