@@ -803,7 +803,7 @@ show(side_by_side([picture, comparison], gap=10))
 # %% [markdown]
 # ### Cut the edges
 #
-# Choose a start, a goal, and how many edges are removed from the map: always the most probable edge of the best path (those from the start and to the goal are spared), then the next best path is found, and so on. Orange is the best path of all, green the best one that is left, red are the edges that were cut.
+# Choose a start, a goal, and how many edges are removed from the map: always the most probable edge of the best path (those from the start and to the goal are spared), then the next best path is found, and so on. Orange is the best path of all, green the best one that is left, vermilion (a reddish orange) are the edges that were cut.
 #
 # **Predict:** with one edge less, does the probability fall by much? Where does the path change: only there, or altogether? And is there a pair of places where one cut is enough to disconnect it?
 

@@ -237,7 +237,7 @@ show(side_by_side(pictures, list(maps)))
 #
 # A belief can say "in one of these four rooms", which is the truth. And it forgets nothing: what was seen at the corner counts as long as nothing contradicts it.
 #
-# The paper declines this third answer: a belief needs "a unique state (e.g., global pose) associated with each observation which is difficult to implement since we do not have any metric information" (III-G). We build it all the same. The vertices of the map can be the states, and wheel odometry, which this car has, says how far it moved from one to the next. Section 7 measures whether that is worth it beside the paper's two techniques.
+# The paper declines this third answer: a belief needs "a unique state (e.g., global pose) associated with each observation which is difficult to implement since we do not have any metric information" (III-G). We build it all the same. The vertices of the map can be the states, and wheel odometry, which this car has, says how far it moved from one to the next. Section 8 measures whether that is worth it beside the paper's two techniques.
 #
 # ### Predict
 #
