@@ -360,6 +360,8 @@ show(
 # | 04 sparsification | the selection of the few images worth keeping | the memory stays small |
 # | 05 map_building | the graph: vertices, edges, pruning | many trajectories become one map |
 # | 06 probabilistic_planning | the most likely path, and when to refuse | the robot navigates through a whole building |
+# | 07 aliasing | a belief over the places of the map | the robot copes with rooms that look alike |
+# | 09 ghost_nodes | a graph with nodes where nobody has been | the robot finds a place in a building it has never seen |
 #
 # The cells that follow an exercise use what you wrote. Each piece also has a reference
 # implementation, so you can go on wherever you get stuck.

@@ -382,7 +382,7 @@ show(from_figure(figure))
 #
 # $$ t = \frac{(a - o)\times(b - a)}{d\times(b - a)}, \qquad u = \frac{(a - o)\times d}{d\times(b - a)} . $$
 #
-# Where ray and wall are parallel, the denominator is zero. Rounding can make it $10^{-16}$ instead, and both fractions can then come out as anything. So a size of $10^{-9}$ or less counts as parallel, whatever its sign.
+# Where ray and wall are parallel, the denominator is zero. Rounding can make it $10^{-16}$ instead, and both fractions can then come out as anything. So a size of $10^{-12}$ or less counts as parallel, whatever its sign.
 #
 # ### Exercise 4 · `ray_segment` (medium, 10 minutes)
 #
@@ -605,9 +605,9 @@ show(side_by_side([picture, stacked(frames, names, gap=4)], height=620))
 #
 # | what happens | cause | what helps |
 # |---|---|---|
-# | the estimated track leaves the building | odometry accumulates every small error | images of known places (notebook 05) |
+# | the estimated track leaves the building | odometry accumulates every small error | images of known places (notebook 04) |
 # | a thin post is detected late | the laser's 96 beams are 13 cm apart at a distance of 2 m; the post stood between two | slower driving, the beams of the next scan |
-# | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of images (notebook 06) |
+# | the robot is sure of the wrong room | two rooms look alike, to the last bit | sequences of images, and a belief (notebook 07) |
 # | the car cannot reach a place 50 cm to its left | its turning circle is wider than that | reversing (notebook 02), knowing what is reachable (notebook 03) |
 #
 # ## Optional extras

@@ -458,7 +458,7 @@ table(headings, lines, caption=f"p_sparsify = {everywhere.rows[0]['threshold']:g
 #
 # A car stands somewhere and is given the sequence $\hat o_1, \dots, \hat o_m$. It has no map and no position. At each step it can query two things about any anchor: $\mathcal{RE}$, *could I get there?*, and the overlap that $\mathcal C_{WP}$ predicts besides its waypoint, *how near am I to it?*
 #
-# It keeps two indices: the **active** anchor, to which it drives, and the one **last visited**. And it is in one of five states (paper, III-H; *done* is ours):
+# It keeps two indices: the **active** anchor, to which it drives, and the one **last visited**. And it is in one of five states. The paper has three (III-H: *Search*, *Follow*, *Dead reckoning*); *Lost* and *Done* are ours:
 
 # %%
 show(follower_machine())
@@ -1158,7 +1158,7 @@ show(stacked([side_by_side(row, gap=20) for row in rows], gap=10))
 
 # %% [markdown]
 # <details><summary>What is the cause?</summary>
-# The red arrowhead is the active anchor; the track has the colours of the states. In a manoeuvre two anchors lie almost at the same <i>place</i>, with different <i>headings</i>. Where the car failed at the beginning, it mostly stands close to the first of them with a heading that is wrong by 30° to more than 90°. (Two are different. One car went straight for an anchor beyond the manoeuvre, half a second after its start. And one failure lies near the end of its trajectory, with nearly the right heading.) "Reached" is defined by position only, in the labels of $\mathcal{RE}$ as in the success of $\mathcal C$ (notebook 03; the authors' code does the same). So the waypoint of
+# The vermilion arrowhead is the active anchor; the track has the colours of the states. In a manoeuvre two anchors lie almost at the same <i>place</i>, with different <i>headings</i>. Where the car failed at the beginning, it mostly stands close to the first of them with a heading that is wrong by 30° to more than 90°. (Two are different. One car went straight for an anchor beyond the manoeuvre, half a second after its start. And one failure lies near the end of its trajectory, with nearly the right heading.) "Reached" is defined by position only, in the labels of $\mathcal{RE}$ as in the success of $\mathcal C$ (notebook 03; the authors' code does the same). So the waypoint of
 # an anchor that is 0.2 m away says "you are there", whatever the heading, and the car starts towards the next one. From the anchor's <i>own</i> image that one is reachable, as the last column shows, and the sparsifier checks nothing else. From where the car really stands it often is not.
 #
 # The library's car searches for the heading, and often that saves it. But it steers by the overlap, and where anchors lie so close together with opposite headings, neither overlap nor waypoint tells them apart; a car cannot turn on the spot, and while it turns it drives away. (A car that skips the manoeuvre, and follows the trajectory from 4 m on, would count as a failure here, too: a short cut covers nothing.)

@@ -95,7 +95,7 @@ from tutorial_lib.world import Camera, scene_of, world_name
 #
 # Here are two trajectories of three anchors each, $0 \to 1 \to 2$ and $3 \to 4 \to 5$, and $\mathcal{RE}$ from each anchor (row) to each (column). Framed cells are steps of a trajectory.
 #
-# An edge needs $\mathcal{RE} > p_\text{edge}$; the others are **pruned**, since they would hardly ever be used with success. Edges along a trajectory are always kept: the car did drive there. **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
+# An edge needs $\mathcal{RE} > p_\text{edge}$; the others are **pruned**, since they would hardly ever be used with success. Edges along a trajectory are always kept: the car did drive there. (That exemption is ours; the paper prunes whatever lies below $p_\text{edge}$, III-E.) **Take a pencil:** how many edges are there at $p_\text{edge} = 0.9$? There are three traps.
 
 # %%
 show(edge_table(BY_HAND, np.zeros_like(BY_HAND), DRIVEN, blank=True))
@@ -267,10 +267,10 @@ def views_of(data, anchors, width=300):
 
 
 def edge_picture(view, data, source, target, margin=1.2):
-    """Two anchors on the plan, and the view at each: blue the source, red the target."""
+    """Two anchors on the plan, and the view at each: blue the source, green the target."""
     picture = view.base.copy()
     draw_edges(view, picture, data.poses, [(source, target)], colours.INK, 2, heads=True)
-    view.arrow(picture, data.poses[target], colours.LASER, 9)
+    view.arrow(picture, data.poses[target], colours.GOAL, 9)
     view.arrow(picture, data.poses[source], colours.ROBOT, 9)
     ends = data.poses[[source, target], :2]
     cut = closeup(view, picture, ends, margin, square=True)
@@ -283,12 +283,12 @@ for trajectory in home.trajectories:  # pairs within one trajectory are no surpr
     one_way[np.ix_(trajectory, trajectory)] = 1.0
 source, target = np.unravel_index(one_way.argmin(), one_way.shape)
 there, back = home.reach[source, target], home.reach[target, source]
-title = f"blue to red (the lower image): RE = {there:.3f}; red to blue: {back:.3f}"
+title = f"blue to green (the lower image): RE = {there:.3f}; green to blue: {back:.3f}"
 show(stacked([edge_picture(view, home, source, target)], [title]))
 
 # %% [markdown]
 # <details><summary>What do they look like?</summary>
-# The blue anchor faces the place of the red one; the red one faces onward, away from the blue. What lies behind is not in the image. Pairs that are reachable both ways are mostly close to each other with the same heading: the car may go forward a little, or back a little.
+# The blue anchor faces the place of the green one; the green one faces onward, away from the blue. What lies behind is not in the image. Pairs that are reachable both ways are mostly close to each other with the same heading: the car may go forward a little, or back a little.
 # </details>
 #
 # ### Two trajectories
@@ -816,7 +816,7 @@ differ = np.abs(images[edges[:, 0]] - images[edges[:, 1]]).mean(axis=(1, 2, 3))
 chosen = np.where(far > WORMHOLE, differ, np.inf).argmin()
 (source, target), probability = edges[chosen], office.reach[tuple(edges[chosen])]
 print(f"{len(office.reach)} anchors, {len(edges)} edges, {(far > WORMHOLE).sum()} wormholes")
-title = f"RE = {probability:.3f}, and {far[chosen]:.0f} m from blue to red"
+title = f"RE = {probability:.3f}, and {far[chosen]:.0f} m from blue to green"
 show(stacked([edge_picture(office_view, office, source, target)], [title]))
 
 # %% [markdown]
@@ -1164,7 +1164,7 @@ show(from_figure(figure))
 # - **distant replacements**: anchors replaced by a vertex more than 1 m away, or turned by more than 30°;
 # - **duplicates**: vertices less than 0.6 m apart and turned by less than 20°, which reuse should have merged.
 #
-# **Predict** which of them is the most frequent. (In the figures below, blue is the anchor that was dropped, or the source of an edge, and red its replacement, or the target of the edge.)
+# **Predict** which of them is the most frequent. (In the figures below, blue is the anchor that was dropped, or the source of an edge, and green its replacement, or the target of the edge.)
 
 
 # %% hidden=true

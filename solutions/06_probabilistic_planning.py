@@ -211,7 +211,7 @@ show(with_places(map_picture.copy()))
 # The task is [[image-goal navigation]]: a car stands somewhere, sees $o_\text{current}$, and gets a goal image $o_G$. Neither is on the map. So for this one plan, edges are added to it (paper, III-F): from $o_\text{current}$ to every vertex $v$, with $\mathcal{RE}(o_\text{current}, \hat o_v)$, and from every vertex to $o_G$. There is no separate localization step before; the plan *is* the answer.
 # (SPTM, the paper's baseline, takes the single most similar vertex, and fails if that is wrong.)
 #
-# The map's own edges were tested by sequences of anchors (notebook 05, and III-G). The new ones rest on a single view, and below some threshold they are no edges at all.
+# The map's own edges were tested by sequences of anchors (notebook 05, and III-G). The new ones rest on a single view, and below some threshold they are no edges at all. (The thresholds are ours, as is asking only the 64 vertices most alike at either end: the paper adds an edge for every vertex, and lets Dijkstra decide.)
 #
 # A goal may also be given by *several* images ("a kitchen like this one, or that one"). Reaching one of them is enough.
 #
@@ -464,12 +464,12 @@ show(
 # %% [markdown]
 # ## 4 · Lost, and replanning
 #
-# A plan is a belief. A door closes, or an edge was a mistake: the follower of notebook 04 notices that it makes no progress, and is lost. The failure is informative, though. The car knows *which* vertex it could not reach, and it is somewhere else now, with a different view. So it **replans** from what it sees there (paper, III-G), and **excludes** the vertex that it could not reach. Without that it would make the same plan again.
+# A plan is a belief. A door closes, or an edge was a mistake: the follower of notebook 04 notices that it makes no progress, and is lost. The failure is informative, though. The car knows *which* vertex it could not reach, and it is somewhere else now, with a different view. So it **replans** from what it sees there (paper, III-G). Our robot also **excludes** the vertex that it could not reach, or it might make the same plan again. (The paper excludes nothing: there the robot's new view alone makes the new plan another one.)
 #
 # **Predict:** would it be better to exclude the *edge* on which it was lost, and not the vertex?
 #
 # <details><summary>Answer</summary>
-# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one after the other, and fail at each. And where it stands now it is at <code>HERE</code>, whose edges are new. On the other hand a vertex may be hard to reach from one side and easy from another; excluding it loses both. The library takes a third way: what failed is a <i>stretch</i>, and it excludes the edge on which the robot was lost together with the edges that run beside it, but no vertex (first steps to those vertices, too, while it stands nearby). And only for two minutes: the next robot may find the corridor free. A person in the way is no reason to replan at all; it waits four seconds first, since most people walk on. What limits it is time (four minutes after it was first lost), not the number of plans. (Your functions below exclude vertices, as the paper does.)
+# Often a whole bundle of edges leads to that vertex, from neighbours side by side. The robot would try them one after the other, and fail at each. And where it stands now it is at <code>HERE</code>, whose edges are new. On the other hand a vertex may be hard to reach from one side and easy from another; excluding it loses both. The library takes a third way: what failed is a <i>stretch</i>, and it excludes the edge on which the robot was lost together with the edges that run beside it, but no vertex (first steps to those vertices, too, while it stands nearby). And only for two minutes: the next robot may find the corridor free. A person in the way is no reason to replan at all; it waits four seconds first, since most people walk on. What limits it is time (four minutes after it was first lost), not the number of plans. (Your functions below exclude vertices: that is simpler, and ours too.)
 # </details>
 #
 # ### Exercise 4 · `travel` (medium, 8 minutes)
@@ -803,7 +803,7 @@ show(side_by_side([picture, comparison], gap=10))
 # %% [markdown]
 # ### Cut the edges
 #
-# Choose a start, a goal, and how many edges are removed from the map: always the most probable edge of the best path (those from the start and to the goal are spared), then the next best path is found, and so on. Orange is the best path of all, green the best one that is left, red are the edges that were cut.
+# Choose a start, a goal, and how many edges are removed from the map: always the most probable edge of the best path (those from the start and to the goal are spared), then the next best path is found, and so on. Orange is the best path of all, green the best one that is left, vermilion (a reddish orange) are the edges that were cut.
 #
 # **Predict:** with one edge less, does the probability fall by much? Where does the path change: only there, or altogether? And is there a pair of places where one cut is enough to disconnect it?
 
@@ -1322,7 +1322,7 @@ show(from_figure(figure))
 
 # %% [markdown]
 # <details><summary>Where does it bend?</summary>
-# Between 20 and 40 %, where the dotted line is far below. With 40 % of the trajectories 96 % arrive and with 60 % 98 %, as the paper found ("nearly all"); with 20 % it is 74 %. In a fifth of the trials that must be composed then no known trajectory passes the goal as it looks in the image, so that no plan can end there.
+# Between 20 and 40 %, where the dotted line is far below. With 40 % of the trajectories 96 % arrive and with 60 % 98 %; in the paper, too, a robot with 60 % of them "already performs close to its peak success rate" (IV-C.3). With 20 % it is 74 %. In a fifth of the trials that must be composed then no known trajectory passes the goal as it looks in the image, so that no plan can end there.
 # </details>
 #
 # ### Fig. 11, and ours: one path out of several trajectories

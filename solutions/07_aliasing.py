@@ -166,7 +166,7 @@ table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, stric
 #
 # Notebook 05 joined anchors where $\mathcal{RE}$ was above 0.99, and reused a vertex where it could replace an anchor. With twins both go wrong: an edge leads from one room into its twin, and two places become *one vertex*. Such an edge is a [[wormhole]]: on the map it is a step, in the building a long drive.
 #
-# The paper's answer (III-G): "match a sequence of anchors instead of one". Two places that only look alike have neighbours that do not, sooner or later.
+# The paper's first answer is "to match a sequence of anchors during search and graph construction" (III-G): two segments look alike much less often than two single observations. Two places that only look alike have neighbours that do not, sooner or later.
 #
 # **Predict:** below, the same thirty trajectories make two maps, one from single views, one from sequences of four anchors on either side. Which map has more vertices? More edges? On which one is a plan shorter, from where a trajectory begins to where it ends? (About 10 s.)
 
@@ -236,6 +236,8 @@ show(side_by_side(pictures, list(maps)))
 # - **a [[belief]]**: a probability for *each* vertex, and one for being *off the map*. When the robot moves the belief moves along the edges; when it looks, the vertices that look like this gain.
 #
 # A belief can say "in one of these four rooms", which is the truth. And it forgets nothing: what was seen at the corner counts as long as nothing contradicts it.
+#
+# The paper declines this third answer: a belief needs "a unique state (e.g., global pose) associated with each observation which is difficult to implement since we do not have any metric information" (III-G). We build it all the same. The vertices of the map can be the states, and wheel odometry, which this car has, says how far it moved from one to the next. Section 8 measures whether that is worth it beside the paper's two techniques.
 #
 # ### Predict
 #

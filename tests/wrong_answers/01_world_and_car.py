@@ -669,7 +669,7 @@ def ray_segment__sees_walls_from_one_side_only(origin, direction, start, end):
 
 
 def ray_segment__takes_slanted_walls_for_parallel(origin, direction, start, end):
-    """a small denominator is not zero: only 1e-9 or less counts as parallel"""
+    """a small denominator is not zero: only 1e-12 or less counts as parallel"""
     if abs(cross(direction, end - start)) < 0.05:
         return np.inf
     t, u = _tu(origin, direction, start, end)

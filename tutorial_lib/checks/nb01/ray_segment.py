@@ -186,7 +186,7 @@ def _topics() -> list[Topic]:
         ),
         both(
             "a wall along a slanting ray, whose denominator is 1e-16",
-            "rounding keeps it from being zero: 1e-9 or less counts as parallel, to either side",
+            "rounding keeps it from being zero: 1e-12 or less counts as parallel, to either side",
             case([0, 0.1], slanted, [0.3, 0.5], [0.9, 1.3]),
             case([0, 0.1], slanted, [0.36, 0.58], [0.66, 0.98]),
         ),
@@ -197,7 +197,7 @@ def _topics() -> list[Topic]:
         ),
         both(
             "a wall that is almost parallel to the ray",
-            "a small denominator is not zero: only 1e-9 or less counts as parallel",
+            "a small denominator is not zero: only 1e-12 or less counts as parallel",
             case(at, ahead, [10, -0.0001], [20, 0.0001]),
         ),
         both(
