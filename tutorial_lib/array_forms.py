@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from types import EllipsisType
 from typing import Any
 
@@ -87,8 +88,8 @@ def in_words(words: str, shape: Shape) -> str:
 def wrong(name: str, value: object, words: str, shape: Shape) -> InputError:
     """The error that names a value and what to give instead."""
     if shape == ():
-        words = words.replace("finite numbers", "one real number").replace("numbers", "number")
-        words = words.replace("whole", "one whole")
+        words = words.replace("whole numbers", "one whole number")
+        words = re.sub(r"^(finite )?numbers", "one real number", words)
     if isinstance(value, np.generic):
         value = value.item()
     return InputError(f"{name}: {quoted(value)}; give {words}")
@@ -97,8 +98,10 @@ def wrong(name: str, value: object, words: str, shape: Shape) -> InputError:
 def limits(least: float, most: float) -> str:
     """Limits in words; nothing where there are none."""
     if least > -np.inf and most < np.inf:
-        return f" from {least:g} to {most:g}"
-    return f" from {least:g} on" if least > -np.inf else f" up to {most:g}" if most < np.inf else ""
+        return f" from {least:.15g} to {most:.15g}"
+    if least > -np.inf:
+        return f" from {least:.15g} on"
+    return f" up to {most:.15g}" if most < np.inf else ""
 
 
 def quoted(value: object) -> str:

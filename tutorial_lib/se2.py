@@ -1,7 +1,7 @@
 """The arithmetic of `geometry`, on arrays that are right already.
 
-What is called thousands of times a second comes here; `geometry` checks what it is given first. A
-number that is none gives one that is none.
+What is called thousands of times a second comes here; `geometry` checks what it is given first. NaN
+in gives NaN out.
 """
 
 import numpy as np

@@ -150,7 +150,7 @@ def number(
     above: float = -np.inf,
     infinite: bool = False,
 ) -> float:
-    """One real number, from `least` to `most` and greater than `above`.
+    """One real number, from `least` to `most`; or greater than `above`, which stands for `least`.
 
     Raises:
         InputError: when the argument is anything else.
@@ -158,9 +158,10 @@ def number(
     if type(value) is float and least <= value <= most and above < value < np.inf:
         return value
     if above > -np.inf:
-        found = number(name, value, least=above, most=most, infinite=infinite)
-        if found == above:
-            raise InputError(f"{name}: {found}; give one real number above {above:g}")
+        found = float(floats(name, value, (), infinite=infinite))  # type: ignore[arg-type]
+        if not above < found <= most:
+            highest = f", up to {most:.15g}" if most < np.inf else ""
+            raise InputError(f"{name}: {found}; give one real number above {above:.15g}{highest}")
         return found
     return float(floats(name, value, (), least=least, most=most, infinite=infinite))  # type: ignore[arg-type]
 

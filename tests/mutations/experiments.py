@@ -41,7 +41,7 @@ MUTATIONS = [
     (
         "robots that navigate have exact odometry",
         "experiments/protocols/navigation.py",
-        "odometry = building.odometry.noise(NAVIGATING)",
+        'odometry = instance("building", building, Building).odometry.noise(NAVIGATING)',
         "odometry = None",
         f"{FAIR} -k true_poses",
     ),

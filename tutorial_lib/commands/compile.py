@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Record a few drives: what is compiled for that is kept beside the library's files."""
+    """Record a few drives: numba keeps what it compiles for that."""
     del options
     scene = scene_of(_WORLD)
     recorded = RecordedWorld(scene, demonstrate(_WORLD, scene, count=4, seed=0))

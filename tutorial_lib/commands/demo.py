@@ -67,7 +67,7 @@ def _explore(options: argparse.Namespace) -> bool:
             raise InputError(f"--{name}: the demo cannot use it with --explore; leave it out")
     seed = EXPLORED if options.seed is None else options.seed
     with Narrator() as say:
-        say("importing the library: the demo takes about 30 s on two idle cores")
+        say("importing the library")
         from tutorial_lib.experiments.demos.exploration_demo import run_exploration_demo
         from tutorial_lib.world.worlds import TRAINING_SEEDS
 

@@ -27,4 +27,4 @@ def _region(text: str) -> tuple[float, ...]:
     try:
         return parse_region(text)
     except InputError as error:
-        raise argparse.ArgumentTypeError(str(error)) from None
+        raise argparse.ArgumentTypeError(str(error).removeprefix("region: ")) from None

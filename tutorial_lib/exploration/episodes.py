@@ -97,8 +97,7 @@ def exploration_world(seed: int, signs: str = "plain", palette: str = "standard"
     >>> exploration_world(20_001, "wayfinding")
     'office/20001/standard/wayfinding'
     """
-    if not isinstance(signs, str) or signs not in SIGNS:
-        raise InputError(f"signs: {signs!r} is unknown; use one of {', '.join(SIGNS)}")
+    one_of("signs", signs, SIGNS)
     whole("seed", seed, least=0)
     return world_name(FAMILIES[seed % len(FAMILIES)], seed, palette, signs=signs)
 

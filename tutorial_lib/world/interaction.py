@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_world
+from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.world.bodies import Body
 from tutorial_lib.world.materials import Colour
 from tutorial_lib.world.raycast import Discs

@@ -120,7 +120,7 @@ def test_each_place_is_as_far_from_those_before_as_can_be(seed):
 def test_a_world_without_room_for_so_many_places_is_refused():
     paths = GridPaths(Scene(make_box(1.2, 1.2)).clearance)
     count = int(paths.largest.sum()) + 1
-    with pytest.raises(InputError, match=f"places: the world has no room for {count}; give a lar"):
+    with pytest.raises(InputError, match=f"count: the world has no room for {count} places; give a lar"):
         spread_places(paths, count, np.random.default_rng(0))
 
 
@@ -588,7 +588,7 @@ def changed(text, old, new):
         (
             "return Walk(len(goals))",
             "return None",
-            "policy: None; give an object with the method act",
+            "navigation: None; give an object",
         ),
         ("self.arrived, self.given_up", "self.arrived, self.x", "AttributeError: .* 'given_up'"),
         ("np.zeros((2, count), bool)", "np.zeros((2, 3), bool)", "IndexError"),

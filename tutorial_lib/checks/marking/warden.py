@@ -150,8 +150,8 @@ def _become_answer(
     """Leave all that is not the answer's, and answer."""
     os.setsid()
     empty = os.open(os.devnull, os.O_RDONLY)
-    for handle, number in ((empty, 0), (output, 1), (output, 2), (connection, 3)):
-        os.dup2(handle, number)
+    for handle, target in ((empty, 0), (output, 1), (output, 2), (connection, 3)):
+        os.dup2(handle, target)
     os.closerange(4, os.sysconf("SC_OPEN_MAX"))
     os.chdir(place)
     os.environ.update(HOME=str(place), TMPDIR=str(place), MPLCONFIGDIR=str(place))

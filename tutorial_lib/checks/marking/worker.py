@@ -103,7 +103,7 @@ class _Forked:
         if check.name not in self._begun:
             self._begun.add(check.name)
             check(check.reference)  # compiles and caches what later judgements need
-            if self.checks:
+            if self.checks and self.checks is not self.library:
                 self.checks.close()
             self.checks = None
         return _judged_apart(check, file, text, self._start(check, text))
@@ -111,8 +111,10 @@ class _Forked:
     def _start(self, check: Check, text: bytes) -> Start:
         if b"tutorial_lib.checks" in text:
             if self.checks is None:
-                self.checks, missing = forking(*self.places)
-                self.checks = self.checks if missing == self.missing else self.library
+                found, missing = forking(*self.places)
+                if missing != self.missing:
+                    found.close()
+                self.checks = found if missing == self.missing else self.library
             return self.checks
         given = any(type(value).__module__.startswith("tutorial_lib") for value in check.example)
         return self.library if given or b"tutorial_lib" in text else self.plain

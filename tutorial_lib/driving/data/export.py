@@ -107,7 +107,7 @@ def _write_hdf5(
     with h5py.File(path, "w") as file:
         for name, array in columns.items():
             words = array.dtype.kind == "U"
-            file.create_dataset(name, data=array.astype("S") if words else array)
+            file.create_dataset(name, data=np.char.encode(array, "utf-8") if words else array)
         stored, first = file.create_dataset("images", shape, np.uint8, chunks=(1, *shape[1:])), 0
         for part in images:
             stored[first : first + len(part)] = part

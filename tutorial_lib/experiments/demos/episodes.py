@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import numpy as np
 
 from tutorial_lib.driving.geodesics import GridPaths
@@ -23,12 +25,16 @@ def draw_episode(name: str, scene: Scene, seed: int) -> Episodes:
     Raises:
         InputError: when not even an easy one fits.
     """
-    for difficulty in reversed(DIFFICULTIES):
-        try:
+    *harder, easiest = reversed(DIFFICULTIES)
+    for difficulty in harder:
+        with suppress(InputError):
             return draw_episodes(name, scene, {difficulty: 1}, np.random.default_rng(seed))
-        except InputError:
-            continue
-    raise InputError(f"demo: {name} has no two places 1.5 m apart; give a larger map")
+    try:
+        return draw_episodes(name, scene, {easiest: 1}, np.random.default_rng(seed))
+    except InputError as error:
+        least = DIFFICULTIES[easiest][0]
+        words = f"demo: {name} has no two places {least:g} m apart ({error}); give a larger map"
+        raise InputError(words) from error
 
 
 def episode_between(
@@ -41,12 +47,15 @@ def episode_between(
     """
     rng, paths = np.random.default_rng(seed), GridPaths(scene.clearance)
     begin, end = (one and one.find(scene, paths, DifferentialDrive()) for one in (start, goal))
-    given = begin if begin is not None else end
-    metres = paths.fields(given[None, :2], shortest=True).distance(paths.points)
     if begin is None or end is None:
+        given = begin if begin is not None else end
+        metres = paths.fields(given[None, :2], shortest=True).distance(paths.points)
         low, high = DIFFICULTIES["hard"]
         apart = np.linalg.norm(paths.points - given[:2], axis=1) >= SUCCESS
         reachable = np.where(apart & (metres < high), metres, -1.0)
+        if reachable.max() < 0:
+            words = f"no place {SUCCESS:.0f} to {high:.0f} m away can be reached"
+            raise InputError(f"demo: {words}; choose another start or goal")
         far = np.flatnonzero(reachable >= min(low, reachable.max()))
         drawn = np.append(paths.points[rng.choice(far)], np.nan)
         begin, end = (drawn, end) if begin is None else (begin, drawn)

@@ -16,7 +16,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
 )
 from tutorial_lib.experiments.protocols.odometry import Odometry
 from tutorial_lib.se2 import Array, to_local
-from tutorial_lib.validation import flag, instance, whole
+from tutorial_lib.validation import flag, whole
 from tutorial_lib.world.floorplan import FloorPlan, Room
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.worlds import scene_of, world_name
@@ -87,7 +87,7 @@ def make_office(
 
 def draw_ambiguous_trials(office: Office, count: int, rng: np.random.Generator) -> Trials:
     """Draw trials from rooms that have a twin, to pictures of rooms that have none."""
-    starts, goals = instance("office", office, Office).building.pairs.T
+    starts, goals = office.building.pairs.T
     among = np.flatnonzero(office.twin[starts] & ~office.twin[goals])
     return draw_trials(office.building, count, rng, among)
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.geometry import Array, to_local, to_world
+from tutorial_lib.se2 import Array, to_local, to_world
 from tutorial_lib.validation import floats
 from tutorial_lib.world.occupancy import cells_to_blocked
 
