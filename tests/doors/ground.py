@@ -160,6 +160,7 @@ WITHOUT = {
             "one_of",
             "path_of",
             "whole",
+            "fit_together",
             "with_methods",
         ),
         "a check itself: tests/test_validation.py",

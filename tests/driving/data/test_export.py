@@ -27,7 +27,7 @@ def drives():
         poses = np.column_stack([rng.uniform(2, 8, (count, 2)), rng.uniform(-3, 3, count)])
         drive = replace(
             trajectory_of(poses),
-            world=f"box {number}",
+            world=f"büro {number}",
             seed=number + 3,
             odometry=rng.normal(size=(count, 3)),
             laser=rng.uniform(1, 9, (count, 96)).astype(np.float32),
@@ -68,7 +68,7 @@ def test_all_frames_are_read_back(drives, tmp_path, monkeypatch, name, camera):
         assert found[column].dtype == whole.dtype
         assert (found[column] == whole).all()
     assert found["trajectory"].tolist() == [0] * 7 + [1] * 4 + [2] * 5
-    assert found["world"].tolist() == ["box 0", "box 1", "box 2"]
+    assert found["world"].tolist() == ["büro 0", "büro 1", "büro 2"]
     assert found["seed"].tolist() == [3, 4, 5]
     assert list(tmp_path.iterdir()) == [path]
 

@@ -120,7 +120,7 @@ def test_each_place_is_as_far_from_those_before_as_can_be(seed):
 def test_a_world_without_room_for_so_many_places_is_refused():
     paths = GridPaths(Scene(make_box(1.2, 1.2)).clearance)
     count = int(paths.largest.sum()) + 1
-    with pytest.raises(InputError, match=f"count: the world has no room for {count} places; give a lar"):
+    with pytest.raises(InputError, match=f"count: the world has no room for {count} places; give"):
         spread_places(paths, count, np.random.default_rng(0))
 
 

@@ -106,8 +106,10 @@ def _write_hdf5(
         raise InputError(f"HDF5: its package h5py is missing; {advice}") from error
     with h5py.File(path, "w") as file:
         for name, array in columns.items():
-            words = array.dtype.kind == "U"
-            file.create_dataset(name, data=np.char.encode(array, "utf-8") if words else array)
+            if array.dtype.kind == "U":
+                file.create_dataset(name, data=array.astype(object), dtype=h5py.string_dtype())
+            else:
+                file.create_dataset(name, data=array)
         stored, first = file.create_dataset("images", shape, np.uint8, chunks=(1, *shape[1:])), 0
         for part in images:
             stored[first : first + len(part)] = part
