@@ -49,7 +49,7 @@ class Remedies:
         Remedies(sequence=True, replan=True, cycles=True, filter=False)
         """
         if not isinstance(name, str) or name not in REMEDIES:
-            raise InputError(f"remedies: {name!r}; give one of {', '.join(REMEDIES)}")
+            raise InputError(f"remedies: {name!r}; give a name: one of {', '.join(REMEDIES)}")
         which = name.removeprefix("no_")
         if which in ("none", "all"):
             return cls(*[which == "all"] * len(_PARTS))
