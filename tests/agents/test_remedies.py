@@ -60,7 +60,7 @@ def test_each_row_of_the_experiment_has_its_remedies():
 
 
 def test_an_unknown_remedy_is_refused():
-    with pytest.raises(InputError, match="remedies: 'prayer'; give one of none, sequence"):
+    with pytest.raises(InputError, match="name: 'prayer'; give none, sequence"):
         Remedies.named("prayer")
 
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 
-from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import WaypointPredictor
 from tutorial_lib.topology.localization import FilterSettings
 from tutorial_lib.topology.planner import DijkstraPlanner
-from tutorial_lib.validation import flag
+from tutorial_lib.validation import flag, one_of
 
 
 @dataclass(frozen=True)
@@ -48,8 +47,7 @@ class Remedies:
         >>> Remedies.named("no_filter")
         Remedies(sequence=True, replan=True, cycles=True, filter=False)
         """
-        if not isinstance(name, str) or name not in REMEDIES:
-            raise InputError(f"remedies: {name!r}; give a name: one of {', '.join(REMEDIES)}")
+        one_of("name", name, REMEDIES)
         which = name.removeprefix("no_")
         if which in ("none", "all"):
             return cls(*[which == "all"] * len(_PARTS))
