@@ -94,7 +94,7 @@ def choose_task(
         scene: the world.
         seed: of everything that is random.
         places: their number.
-        agent: whose RE tells over which drives it is sure of its way.
+        agent: RE of this agent predicts along which drives it arrives.
         say: is called with what is being done.
         name: of the world; its family and seed unless given.
         start: that was asked for.
