@@ -20,7 +20,7 @@ from tutorial_lib.experiments.common.experiment import OPTIONAL, Experiment
 from tutorial_lib.experiments.common.own import CUSTOM
 from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
-from tutorial_lib.experiments.meng2020 import table2_thresholds
+from tutorial_lib.experiments.meng2020 import table2_goal_images, table2_thresholds
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
 from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN, Thresholds
 from tutorial_lib.experiments.protocols.drives import (
@@ -253,5 +253,8 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(places=6, trials=40, trials_of_part=20),
     accepts=frozenset(OPTIONAL),
-    ablations={"thresholds": table2_thresholds.EXPERIMENT},
+    ablations={
+        "thresholds": table2_thresholds.EXPERIMENT,
+        "goal_images": table2_goal_images.EXPERIMENT,
+    },
 )

@@ -16,7 +16,7 @@ from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance, integers, with_methods
+from tutorial_lib.validation import instance, integers, one_of, with_methods
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation
 
@@ -28,6 +28,8 @@ WORMHOLE = 5.0
 """Metres of geodesic beyond which an edge is a wormhole."""
 K = 5
 """Images of context on either side of the goal image."""
+GOAL_IMAGES = ONE, CLIP = ("one", "clip")
+"""What shows a goal: one image, which stands for its whole context, or the end of a drive to it."""
 ENDINGS = ("arrived", "gave_up", "stuck", "late")
 
 Start = Callable[[Simulation], Navigation]
@@ -129,12 +131,26 @@ def experiences(building: Building, indices: Sequence[int] | None = None) -> Ite
     return (recorded.experience(i) for i in (known if indices is None else indices))
 
 
-def goals_of(trials: Trials, view: View, k: int) -> list[Goals]:
-    """The goal image of each trial, in its context."""
+def goals_of(trials: Trials, view: View, k: int, images: str = ONE) -> list[Goals]:
+    """The goal of each trial, as a robot is shown it.
+
+    Args:
+        trials: to be run.
+        view: of the networks.
+        k: images of their context on either side.
+        images: one of `GOAL_IMAGES`.
+
+    Raises:
+        InputError: for other `images`.
+    """
     recorded = instance("trials", trials, Trials).recorded
     with_methods("view", view, "render")
+    one_of("images", images, GOAL_IMAGES)
+    around = recorded.context(trials.goals, k)
+    if images == ONE:
+        around = np.broadcast_to(trials.goals[:, None], around.shape)
     seen = recorded.observe(trials.goals, view.camera)
-    contexts = view.render(recorded.scene, recorded.poses[recorded.context(trials.goals, k)])
+    contexts = view.render(recorded.scene, recorded.poses[around])
     return [Goals(seen[[i]], contexts[[i]]) for i in range(len(trials))]
 
 

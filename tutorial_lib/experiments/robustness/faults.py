@@ -23,6 +23,7 @@ from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import measured_over_worlds
 from tutorial_lib.experiments.protocols.navigation import (
     FACING,
+    ONE,
     K,
     experiences,
     goals_of,
@@ -153,9 +154,11 @@ def _close(poses: Array, pose: Array) -> NDArray[np.bool_]:
     return np.linalg.norm(poses[:, :2] - pose[:2], axis=1) < _CLOSE
 
 
-def refusals(agent: MengAgent, observations: Observation, trials: Trials) -> dict[str, Array]:
+def refusals(
+    agent: MengAgent, observations: Observation, trials: Trials, images: str = ONE
+) -> dict[str, Array]:
     """Whether each goal is refused, and the probability of the best path to it."""
-    goals = goals_of(trials, VIEWS["camera16"], K)
+    goals = goals_of(trials, VIEWS["camera16"], K, images)
     pairs = range(min(len(goals), len(observations)))
     plans = [agent.planner.plan(observations[[i]], goals[i], agent.topomap) for i in pairs]
     return {
