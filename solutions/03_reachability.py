@@ -20,7 +20,7 @@ import torch
 from IPython.display import display
 from torch import nn
 from torch.nn import functional
-from tqdm import tqdm
+from tqdm.auto import tqdm
 
 from tutorial_lib.checks.nb03 import (
     check_fit_temperature,

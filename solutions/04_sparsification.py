@@ -22,7 +22,7 @@ import numpy as np
 import torch
 from IPython.display import display
 from scipy.stats import spearmanr
-from tqdm import tqdm
+from tqdm.auto import tqdm
 
 from tutorial_lib.checks.nb04 import (
     BY_HAND,

@@ -421,7 +421,7 @@ match_sequence = check_match_sequence.use(match_sequence)
 #
 # The loop around `predict` and `update` has to answer three more questions.
 #
-# - **When to look?** Each look costs a pass of the network over many vertices. So: when the robot has moved by `rules.stride` since the last prediction, or after `rules.interval` steps without a look.
+# - **When to look?** Each look costs a pass of the network over many vertices. So: when the robot has moved by `rules.stride` metres since the last prediction, or after `rules.interval` steps of 0.1 s without a look.
 # - **What does a robot learn that stands still?** It sees the same again. *The same evidence must not count twice*, or a robot that stands for a minute would be sure of anything. So the update starts from the **prior of the last motion** each time, not from the belief.
 # - **Where is it, in one word?** At the state with the most belief. But two neighbours that take turns would make it flicker. So it stays at its vertex as long as that has at least `rules.hysteresis` times the best one's belief.
 #
@@ -449,11 +449,13 @@ print(rules)
 def track(odometry, look, lengths, onward, rules):
     """Localize one robot at each step of a drive.
 
-    odometry: array (T, 3) of poses as the wheels measure them.
+    odometry: array (T, 3) of poses as the wheels measure them, metres and
+    radians.
     look: look(step) returns an array (V,) of the likelihoods of what is seen
     at that step; call it only where the robot looks, once.
     lengths, onward: as for predict.
-    rules: rules.stride, .interval, .least, .unknown, .sharpness, .hysteresis.
+    rules: rules.stride in metres, .interval in steps; .least, .unknown,
+    .sharpness and .hysteresis have no unit.
     Returns the beliefs after each step, an array (T, V + 1), and the vertices,
     a list of T whole numbers, -1 for off the map.
     """
@@ -686,6 +688,7 @@ around_cycles = check_around_cycles.use(around_cycles)
 
 # %% hidden=true
 # The same trials without a remedy and with all, and a film strip of one of them
+KINDS, FAR = (("none", "single views"), ("all", "sequences")), 3.0
 WORDS = {"gave_up": "gave up", "late": "out of time", "arrived": "arrived", "stuck": "stuck"}
 
 
@@ -699,7 +702,7 @@ def plan_picture(places, ahead, pose, goal):
     """A plan from the car over anchors, its long legs orange."""
     picture = faded(view.base)
     stops = np.array([pose, *(places[vertex] for vertex in ahead)])[:, :2]
-    far = building.paths.between(stops[:-1], stops[1:]) > 3.0
+    far = building.paths.between(stops[:-1], stops[1:]) > FAR
     for leg, is_far in zip(pairwise(stops), far, strict=True):
         view.polyline(picture, leg, colours.LASER if is_far else colours.INK, 4.0)
     view.points(picture, stops[1:], colours.INK, 5.0)
@@ -713,7 +716,7 @@ few = trials.subset(order[:FEW])
 goals = goals_of(few, lens, k)
 parts = {"predictor": agent.predictor, "controller": agent.controller, "reachability": net}
 ends, strips = {}, {}
-for name, kind in (("none", "single views"), ("all", "sequences")):
+for name, kind in KINDS:
     robot = agents.remedied(name, **parts)
     robot.topomap = maps[kind]
     navigation = robot.start(goals)
@@ -728,9 +731,25 @@ for name, kind in (("none", "single views"), ("all", "sequences")):
 
     outcome = run_agent(building, few, lambda _, started=navigation: started, record=keep)
     ends[name] = outcome, [len(history) for history in navigation.history], moments
-scores = [int(ends["all"][0].success[i]) - int(ends["none"][0].success[i]) for i in range(len(few))]
-shown = max(range(len(few)), key=lambda i: (scores[i], ends["all"][1][i]))
-for name, kind in (("none", "single views"), ("all", "sequences")):
+
+
+def begins_elsewhere(name, kind, trial):
+    """Whether the first anchor that a robot drives to is far from where it starts."""
+    first = next((plans[trial] for _, plans in ends[name][2] if plans[trial]), ())
+    anchor = vertex_poses(building, maps[kind])[list(first[:1])]
+    return bool((building.paths.between(few.starts[[trial], :2], anchor[:, :2]) > FAR).any())
+
+
+def tells(trial):
+    """How many of the things that Fig. 12 shows a trial shows, and how often it replans."""
+    alone, with_all = ends["none"], ends["all"]
+    both = [begins_elsewhere(*each, trial) for each in KINDS]
+    helped = with_all[0].success[trial] and not alone[0].success[trial]
+    return 2 * int(helped) + sum(both), min(with_all[1][trial], 4)
+
+
+shown = max(range(len(few)), key=tells)
+for name, kind in KINDS:
     outcome, plans, moments = ends[name]
     steps = max(int(outcome.seconds[shown] * 10), 1)
     kept = [moments[i] for i in np.linspace(0, min(steps, len(moments)) - 1, 4).astype(int)]

@@ -13,6 +13,7 @@ from tutorial_lib.commands.map_options import add_map
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
 from tutorial_lib.experiments.protocols.drives import parse_drives
+from tutorial_lib.experiments.protocols.navigation import GOAL_IMAGES
 from tutorial_lib.experiments.protocols.trial_choices import GOALS, STARTS
 from tutorial_lib.experiments.registry import EXPERIMENTS
 from tutorial_lib.files import check_writable, write_text
@@ -41,6 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--starts", choices=STARTS, default="", help="of trials")
     parser.add_argument("--goals", choices=GOALS, default="", help="how they are seen")
+    parser.add_argument(
+        "--goal-images", choices=GOAL_IMAGES, default="", help="one image, or the end of a drive"
+    )
     parser.add_argument(
         "--remedies", choices=REMEDIES, default="", help="for places that look alike"
     )

@@ -39,7 +39,7 @@ class DijkstraPlanner:
 
     least: float = 0.2
     p_query: float = 0.5
-    p_goal: float = 0.985
+    p_goal: float = 0.95
     candidates: int = 64
     localizer: Localizer | None = None
 

@@ -29,15 +29,16 @@ def test_times_lead_back_to_the_poses(recorded):
     assert (recorded.poses_at(times[some]) == recorded.poses[some]).all()
 
 
-def test_goals_are_frames_in_their_context(recorded):
+def test_a_goal_is_one_frame_which_stands_for_its_context(recorded):
     frames = np.array([40, 90])
     first, second = recorded.goals(frames, k=2)
     assert isinstance(first, Goals)
     assert len(first) == len(second) == 1
-    contexts = VIEWS["camera16"].render(recorded.scene, recorded.poses[recorded.context(frames, 2)])
+    images = VIEWS["camera16"].render(recorded.scene, recorded.poses[frames])
     for number, goal in enumerate((first, second)):
-        assert (goal.contexts == contexts[[number]]).all()
-        assert (goal.observations.image == contexts[[number], 2]).all()
+        assert goal.contexts.shape[:2] == (1, 5)
+        assert (goal.contexts == images[number]).all()
+        assert (goal.observations.image == images[[number]]).all()
         assert (goal.observations.odometry == 0.0).all()
         assert goal.observations.camera == Camera()
     assert recorded.goals(frames[:1])[0].contexts.shape[1] == 11

@@ -22,9 +22,11 @@ EVERYTHING = {
     "starts": Options(starts="anywhere"),
     "goals": Options(goals="turned"),
     "remedies": Options(remedies="no_filter"),
+    "goal-images": Options(goal_images="clip"),
 }
 OPTIONAL = {
-    *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies")
+    *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
+    "goal-images",
 }
 NOTED = {
     "palette": "palette: shifted",
@@ -150,6 +152,7 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "meng_table1 worlds",
         "meng_table1 rows",
         "meng_table1 smoothing",
+        "meng_table2 goal_images",
         "meng_table2 thresholds",
         "meng_fig12 localization",
         "meng_fig13 reuse",

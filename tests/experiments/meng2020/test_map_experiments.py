@@ -25,6 +25,7 @@ from tutorial_lib.experiments.meng2020 import (
     fig13,
     fig13_reuse,
     table2,
+    table2_goal_images,
     table2_thresholds,
 )
 from tutorial_lib.experiments.protocols import navigation_tasks, repeated_drives
@@ -38,7 +39,10 @@ from tutorial_lib.world.scene import Scene
 use_threads(1)
 networks = needs("waypoint_k5", "reach_k5")
 QUICK = Options(quick=True, worlds=(20_000,))
-MODULES = (fig4, fig8, fig9, fig10, fig11, fig13, fig13_reuse, faults, table2_thresholds)
+MODULES = (
+    *(fig4, fig8, fig9, fig10, fig11, fig13, fig13_reuse, faults),
+    *(table2_goal_images, table2_thresholds),
+)
 
 
 @pytest.fixture(scope="module")
@@ -101,8 +105,10 @@ def test_the_two_trajectories_of_fig_4_run_side_by_side_farthest(building):
 @networks
 def test_each_stage_of_fig_4_leaves_less_of_the_map(building):
     rows = fig4.EXPERIMENT.report(QUICK).rows
-    assert [row["stage"] for row in rows] == ["dense", "pruned", "reused"]
-    dense, pruned, reused = rows
+    assert [row["stage"] for row in rows] == [fig4.FRAMES, "dense", "pruned", "reused"]
+    every, dense, pruned, reused = rows
+    assert every["vertices"] == every["frames"]
+    assert every["edges"] > every["vertices"] > 10 * pruned["vertices"]
     assert dense["edges"] == dense["vertices"] * (dense["vertices"] - 1)
     assert pruned["vertices"] == dense["vertices"] >= reused["vertices"]
     assert pruned["edges"] < dense["edges"]
@@ -533,3 +539,19 @@ def test_comparing_with_every_vertex_leaves_the_map_as_it_is(building):
     # In both directions with every vertex, and with each other but to itself and to the next.
     assert queries >= 2 * count * known
     assert seconds > 0
+
+
+@networks
+def test_the_higher_the_threshold_of_a_goal_the_more_goals_are_refused():
+    few = table2_goal_images.Settings(4, 4, (0.0, 0.9, 1.0))
+    ablation = replace(table2_goal_images.EXPERIMENT, settings=few)
+    rows = saved(ablation.report(Options(worlds=(1,))))["rows"]
+    keys = [(row["goal_images"], row["p_goal"]) for row in rows]
+    assert keys == [(images, least) for images in ("one", "clip") for least in few.p_goal]
+    for images in ("one", "clip"):
+        none, some, every = (row for row in rows if row["goal_images"] == images)
+        assert none["success"] >= some["success"] > every["success"] == 0.0
+        for column in ("refused", "refused_strange"):
+            assert none[column] <= some[column] <= every[column] == 1.0
+        assert {row["trials"] for row in (none, some, every)} == {4}
+        assert (none["trials_composed"], none["success_composed"]) == (0, None)

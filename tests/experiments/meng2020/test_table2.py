@@ -179,9 +179,22 @@ def test_trials_are_drawn_by_their_seed(building, trials):
     assert not np.array_equal(other.starts, trials.starts)
 
 
-def test_goals_are_shown_in_their_context_as_seen_from_there(trials):
+def test_a_goal_is_one_image_as_seen_from_there(trials):
     view = VIEWS["camera16"]
     goals = goals_of(trials, view, 5)
+    assert len(goals) == 10
+    for trial, goal in enumerate(goals):
+        assert goal.contexts.shape == (1, 11, 16, 64, 3)
+        there = view.render(trials.recorded.scene, trials.goal_poses[[trial]])
+        assert (goal.observations.image == there).all()
+        assert (goal.contexts == there).all()
+    with pytest.raises(InputError, match="images: 'film'; give one or clip"):
+        goals_of(trials, view, 5, "film")
+
+
+def test_a_clip_shows_the_end_of_a_drive_to_the_goal(trials):
+    view = VIEWS["camera16"]
+    goals = goals_of(trials, view, 5, "clip")
     assert len(goals) == 10
     for trial, goal in enumerate(goals):
         assert goal.contexts.shape == (1, 11, 16, 64, 3)

@@ -19,10 +19,10 @@ from tutorial_lib.experiments.results_page.worlds import plans
 
 
 def test_stages_of_a_map_are_in_order():
-    names = ("reused", "dense", "pruned")
+    names = ("reused", "dense", "pruned", "every frame")
     rows = [{"stage": s, "vertices": 1_000 + n, "edges": n} for n, s in enumerate(names)]
     assert [line[1:] for line in cells(stages(rows))[1:]] == [
-        *(["1,001", "1"], ["1,002", "2"], ["1,000", "0"])
+        *(["1,003", "3"], ["1,001", "1"], ["1,002", "2"], ["1,000", "0"])
     ]
 
 

@@ -140,19 +140,18 @@ class RecordedWorld:
     def goals(
         self, frames: NDArray[np.intp], k: int = 5, camera: Camera | None = None
     ) -> list[Goals]:
-        """The images of frames (N,) as goals, each in its context.
+        """The images of frames (N,) as goals: each alone stands for its context.
 
         Args:
             frames: their indices.
-            k: images of context on either side.
+            k: images of context on either side, as the networks want them.
             camera: takes the images; the usual one unless given.
 
         Raises:
-            InputError: as `observe` and `context` do.
+            InputError: as `observe` does.
         """
-        seen, around = self.observe(frames, camera), self.context(frames, k)
-        images = self.observe(around.ravel(), camera).image
-        contexts = images.reshape(*around.shape, *images.shape[1:])
+        seen, k = self.observe(frames, camera), whole("k", k, least=0, most=MOST_CONTEXT)
+        contexts = np.repeat(seen.image[:, None], 2 * k + 1, axis=1)
         return [Goals(seen[[i]], contexts[[i]]) for i in range(len(seen))]
 
     def context(self, frames: NDArray[np.intp], k: int) -> NDArray[np.intp]:

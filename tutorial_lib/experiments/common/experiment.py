@@ -14,6 +14,7 @@ STANDARD = "standard"
 """The palette unless another one is given."""
 OPTIONAL = (
     *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
+    "goal-images",
 )
 """Options that only some experiments take."""
 
@@ -96,6 +97,7 @@ class Experiment:
             "starts": bool(options.starts),
             "goals": bool(options.goals),
             "remedies": bool(options.remedies),
+            "goal-images": bool(options.goal_images),
         }
         for name, is_given in given.items():
             if is_given and name not in self.accepts:

@@ -39,6 +39,8 @@ class Options:
         starts: where trials start, see `protocols.trial_choices`; at the places if empty.
         goals: how goals are seen, likewise; as on arrival from the start if empty.
         remedies: for places that look alike, see `agents.remedies`; the experiment's own if empty.
+        goal_images: what shows a goal, one of `protocols.navigation.GOAL_IMAGES`; one image if
+            empty.
     """
 
     worlds: tuple[int, ...] = ()
@@ -55,6 +57,7 @@ class Options:
     starts: str = ""
     goals: str = ""
     remedies: str = ""
+    goal_images: str = ""
 
     @property
     def drifts(self) -> bool:

@@ -13,7 +13,7 @@ from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.experiments.protocols.drives import share_order
-from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_of, navigate
+from tutorial_lib.experiments.protocols.navigation import ONE, K, experiences, goals_of, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
     WORLDS,
@@ -90,6 +90,7 @@ def _row(share: float, parts: list[dict[str, Array]]) -> dict[str, Any]:
     success, low, high = over_worlds(columns["success"].astype(float), world)
     return {
         "method": "meng",
+        "goal_images": ONE,
         "share": share,
         "trials": len(world),
         "success": success,

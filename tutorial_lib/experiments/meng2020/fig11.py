@@ -11,6 +11,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.navigation import (
+    ONE,
     K,
     experiences,
     goals_of,
@@ -75,6 +76,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         {
             "from_place": first,
             "to_place": last,
+            "goal_images": ONE,
             "step": step,
             "vertex": int(vertex),
             "trajectory": int(kept[agent.topomap.trajectory[vertex]]),

@@ -29,6 +29,7 @@ from tutorial_lib.experiments.protocols.lookalikes import (
 )
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
+    ONE,
     WORMHOLE,
     K,
     Outcome,
@@ -131,6 +132,7 @@ def _row(name: str, parts: list[Attempt], world: NDArray[np.intp]) -> dict[str, 
     success, low, high = over_worlds(_success(parts), world)
     row: dict[str, Any] = {
         "remedy": name,
+        "goal_images": ONE,
         "trials": len(world),
         "success": success,
         "low": low,

@@ -11,7 +11,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import over_worlds
-from tutorial_lib.experiments.protocols.navigation import K, goals_of, navigate
+from tutorial_lib.experiments.protocols.navigation import ONE, K, goals_of, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_trials, make_building
 from tutorial_lib.experiments.protocols.repeated_drives import repeated_drives
 from tutorial_lib.geometry import Array
@@ -90,6 +90,7 @@ def _row(rule: Rule, parts: list[dict[str, Array]]) -> dict[str, Any]:
         np.array([part[name] for part in parts]) for name in ("half", "vertices", "edges")
     )
     return {
+        "goal_images": ONE,
         "p_reuse": rule[0],
         "p_between": rule[1],
         "vertices": float(vertices.mean()),

@@ -1,11 +1,16 @@
-"""Fig. 4 of Meng 2020: a map of two trajectories, dense, after pruning, and after reuse."""
+"""Fig. 4 of Meng 2020: a map of two trajectories, dense, after pruning, and after reuse.
+
+Beside it the map of all their frames, in which nothing is sparsified: a sparse one is to have less
+than 1/10 of its vertices and 1/100 of its edges (III-E).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
@@ -17,14 +22,21 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     make_building,
 )
 from tutorial_lib.learning.threads import use_threads
+from tutorial_lib.observation import Experience
+from tutorial_lib.topology.mapping.anchors import Anchors
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.sparsify import contextified
 
+EVERY = 1_000_000
+"""So many candidates are all vertices."""
 STAGES = {
-    "dense": MapSettings(p_edge=0.0, p_reuse=1.0, sequence=0, candidates=1_000_000),
+    "dense": MapSettings(p_edge=0.0, p_reuse=1.0, sequence=0, candidates=EVERY),
     "pruned": MapSettings(p_reuse=1.0),
     "reused": MapSettings(),
 }
-"""Settings of the map at each stage."""
+"""Settings of the map of anchors at each stage."""
+FRAMES = "every frame"
+"""The stage whose vertices are all frames; its edges are pruned as those of the anchors are."""
 
 
 @dataclass(frozen=True)
@@ -45,16 +57,27 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     use_threads(2)
     building = make_building(options.worlds[0], options.seed, settings.places)
     pair = most_in_common(building, settings.beside)
-    rows: Rows = []
+    seen = list(experiences(building, pair))
+    dense = agents.meng(settings=replace(STAGES["pruned"], candidates=EVERY), turns=None)
+    for one in seen:
+        dense.insert(every_frame(dense, one))
+    maps = {FRAMES: dense.topomap.graph}
     for stage, map_settings in STAGES.items():
         agent = agents.meng(settings=map_settings)
-        agent.learn(list(experiences(building, pair)))
-        graph = agent.topomap.graph
-        rows.append(
-            {"stage": stage, "vertices": len(graph), "edges": graph.number_of_edges()}
-            | {"frames": sum(len(building.recorded.frames_of(i)) for i in pair)}
-        )
-    return rows, []
+        agent.learn(seen)
+        maps[stage] = agent.topomap.graph
+    frames = sum(len(one.observations) for one in seen)
+    return [
+        {"stage": stage, "vertices": len(graph), "edges": graph.number_of_edges(), "frames": frames}
+        for stage, graph in maps.items()
+    ], []
+
+
+def every_frame(agent: MengAgent, experience: Experience) -> Anchors:
+    """A trajectory of which each frame is an anchor."""
+    seen = experience.observations
+    contexts = contextified(agent.predictor.view.of(seen), agent.predictor.k)
+    return Anchors(seen, contexts, experience.timestamps)
 
 
 def most_in_common(building: Building, beside: float = Settings.beside) -> list[int]:

@@ -11,7 +11,7 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import wilson
-from tutorial_lib.experiments.protocols.navigation import K, experiences, goals_of, navigate
+from tutorial_lib.experiments.protocols.navigation import ONE, K, experiences, goals_of, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     PLACES,
     WORLDS,
@@ -89,6 +89,7 @@ def _rows(calibrated: bool, probability: Array, success: Array) -> Rows:
         share, low, high = wilson(success[part])
         rows.append(
             {
+                "goal_images": ONE,
                 "calibrated": calibrated,
                 "bin": index,
                 "trials": len(part),

@@ -32,6 +32,7 @@ from tutorial_lib.experiments.protocols.drives import (
 )
 from tutorial_lib.experiments.protocols.navigation import (
     ENDINGS,
+    ONE,
     Result,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -100,7 +101,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     else:  # the agents share the cores instead
         parts = [_together(place, options, settings, for_each) for place in places]
     rows = [
-        _row(place, options.drives, part, method)
+        _row(place, options, part, method)
         for place, part in zip(places, parts, strict=True)
         for method in part.results
     ]
@@ -146,7 +147,7 @@ def _together(
     limits = settings.thresholds.get(drives, Thresholds())
     given = (
         *(building, whole, trials, limits.p_edge, limits.s_shortcut),
-        *(options.agent, options.remedies),
+        *(options.agent, options.remedies, options.goal_images or ONE),
     )
     found = each(run_method, methods, *given, label=f"{building.name}, methods")
     plan = building.scene.plan
@@ -168,7 +169,7 @@ def _in_turn(work: Callable[..., Any], items: Sequence[Any], *given: Any, label:
     return list(found if sys.stderr.isatty() else lines_of_progress(found, len(items), label))
 
 
-def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401
+def _row(place: Any, options: Options, part: InWorld, method: str) -> dict[str, Any]:  # noqa: ANN401
     found = part.results[method]
     outcome = found.outcome
     success, low, high = wilson(outcome.success.astype(float))
@@ -176,6 +177,7 @@ def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:
         "world": place if isinstance(place, int) else place.name,
         **part.columns,
         "method": method,
+        "goal_images": options.goal_images or ONE,
         "vertices": found.vertices,
         "edges": found.edges,
         "wormholes": found.wormholes,
@@ -186,6 +188,7 @@ def _row(place: Any, drives: str, part: InWorld, method: str) -> dict[str, Any]:
         "wrong_place": float(outcome.wrong.mean()),
     }
     row |= {name: float((outcome.ending == name).mean()) for name in ENDINGS[1:]}
+    drives = options.drives
     if not drives:
         return row
     return row | {

@@ -25,6 +25,7 @@ def run_method(
     s_shortcut: float,
     agent: str,
     remedies: str,
+    images: str,
 ) -> Result | Fault:
     """One agent: what it learns of a building, and how its trials end; or how it failed.
 
@@ -37,6 +38,7 @@ def run_method(
         s_shortcut: of SPTM's.
         agent: FILE.py:CLASS of the custom one.
         remedies: of Meng's, for places that look alike; see `agents.remedies`.
+        images: of the goals, one of `GOAL_IMAGES`.
     """
     if method == "oracle":
         return Result(
@@ -45,13 +47,14 @@ def run_method(
             )
         )
     if method == CUSTOM:
-        return or_fault(agent, lambda: attempt(building, trials, agents.custom(agent)))
-    if method == "random":
-        rng = np.random.default_rng([*building.odometry.seed, 1])
-        return attempt(building, trials, agents.random_agent(rng))
-    if method == "sptm":
-        return attempt(building, trials, agents.sptm(s_shortcut=s_shortcut))
+        return or_fault(agent, lambda: attempt(building, trials, agents.custom(agent), images))
     settings = MapSettings(p_edge=p_edge)
-    if remedies:
-        return attempt(building, trials, agents.remedied(remedies, settings=settings))
-    return attempt(building, trials, agents.meng(settings=settings))
+    if method == "random":
+        made = agents.random_agent(np.random.default_rng([*building.odometry.seed, 1]))
+    elif method == "sptm":
+        made = agents.sptm(s_shortcut=s_shortcut)
+    elif remedies:
+        made = agents.remedied(remedies, settings=settings)
+    else:
+        made = agents.meng(settings=settings)
+    return attempt(building, trials, made, images)

@@ -146,11 +146,11 @@ def goals_of(trials: Trials, view: View, k: int, images: str = ONE) -> list[Goal
     recorded = instance("trials", trials, Trials).recorded
     with_methods("view", view, "render")
     one_of("images", images, GOAL_IMAGES)
-    around = recorded.context(trials.goals, k)
-    if images == ONE:
-        around = np.broadcast_to(trials.goals[:, None], around.shape)
+    around = trials.goals[:, None] if images == ONE else recorded.context(trials.goals, k)
     seen = recorded.observe(trials.goals, view.camera)
     contexts = view.render(recorded.scene, recorded.poses[around])
+    if images == ONE:
+        contexts = np.repeat(contexts, 2 * k + 1, axis=1)
     return [Goals(seen[[i]], contexts[[i]]) for i in range(len(trials))]
 
 
@@ -167,15 +167,15 @@ def edge_lengths(building: Building, topomap: TopoMap) -> Array:
     return building.paths.between(poses[edges[:, 0], :2], poses[edges[:, 1], :2])
 
 
-def attempt(building: Building, trials: Trials, agent: Agent) -> Result:
-    """Let an agent learn a building, then run its trials."""
+def attempt(building: Building, trials: Trials, agent: Agent, images: str = ONE) -> Result:
+    """Let an agent learn a building, then run its trials, with `images` of their goals."""
     agent.learn(list(experiences(building)))
-    return measured(building, trials, agent)
+    return measured(building, trials, agent, images)
 
 
-def measured(building: Building, trials: Trials, agent: Agent) -> Result:
+def measured(building: Building, trials: Trials, agent: Agent, images: str = ONE) -> Result:
     """Run the trials with an agent that has learned the building."""
-    goals = goals_of(trials, VIEWS["camera16"], K)
+    goals = goals_of(trials, VIEWS["camera16"], K, images)
     outcome = navigate(building, trials, lambda _: agent.start(goals))
     topomap = getattr(agent, "topomap", None)
     if topomap is None:

@@ -17,7 +17,7 @@ from tutorial_lib.experiments.results_page.markdown import (
     with_best_bold,
 )
 from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import Results, matching, one
+from tutorial_lib.experiments.results_page.sources import Results, goal_words, matching, one
 
 NAMES = {
     "none": "none",
@@ -99,7 +99,7 @@ def _remedies_section(results: Results) -> list[str]:
         f"*replan*: a lost robot plans again; *cycles*: from the {CYCLE}rd visit of a vertex on a "
         f"robot plans around what it visited, and gives up at the {ENDLESS}th; *filter*: a Bayes "
         f"filter over the vertices and *off the map* says where plans begin and when they are "
-        f"void. The paper shows one example and has no table.",
+        f"void. The paper shows one example and has no table. {goal_words(rows)}",
         success_by_remedy(results),
         f"With all remedies {percent(every['success'])} of the trials succeed, with none "
         f"{percent(none['success'])}; differences are paired, their intervals over worlds. *In "
@@ -162,6 +162,11 @@ def _elsewhere_section(results: Results) -> list[str]:
         "Do the remedies cost anything where few places look alike? The trials of Table II again, "
         "with all remedies: the paper's protocol, and a part of the drives.",
         success_elsewhere(results),
+        *(
+            f"{learned.capitalize()}, {which} the remedies: {goal_words(results.rows(name))}"
+            for learned, names in ELSEWHERE.items()
+            for which, name in zip(("without", "with"), names, strict=True)
+        ),
         f"With all drives one loop corridor loses, and no other building. With a fifth of them "
         f"{late[1]} of the trials run out of time with the remedies, "
         f"{late[0]} without. No single remedy is to blame: on validation worlds none that is left "

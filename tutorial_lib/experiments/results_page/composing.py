@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
-from tutorial_lib.experiments.results_page.markdown import number, percent, table
+from tutorial_lib.experiments.results_page.markdown import listed, number, percent, table
 from tutorial_lib.experiments.results_page.navigation import METHODS, thresholds
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import (
@@ -11,6 +11,7 @@ from tutorial_lib.experiments.results_page.sources import (
     HARDER,
     LEARNED,
     Results,
+    goal_words,
     matching,
     stored_as,
 )
@@ -84,7 +85,8 @@ def _composing_section(results: Results) -> list[str]:
         f"the same part of the drives: a share of them, or a tour (each place to the next and "
         f"back, as separate drives, or as one with the car's own turns in it). Trials that no "
         f"learned drive covers must be *composed* of several. {worlds} test worlds, the same "
-        f"trials for all; intervals are bootstrapped over worlds, differences are paired.",
+        f"trials for all; intervals are bootstrapped over worlds, differences are paired. "
+        f"{_goals_of(results, names | {'a tour, harder trials': HARDER})}",
         composed_trials(results, names | {"a tour, harder trials": HARDER}),
         f"Harder trials start anywhere instead of at the places, and of all images of a place the "
         f"goal is the one that looks most unlike what the robot would see on arrival. The oracle "
@@ -123,6 +125,16 @@ def chosen(results: Results, name: str) -> str:
     shares = (f" {percent(row['success_composed'])} " for row in rows)
     more = [" composed ", "---", *shares]
     return "\n".join(f"{line}{cell}|" for line, cell in zip(lines, more, strict=True))
+
+
+def _goals_of(results: Results, names: dict[str, str]) -> str:
+    """What showed the goals, by what was learned."""
+    said: dict[str, list[str]] = {}
+    for label, name in names.items():
+        said.setdefault(goal_words(results.rows(name)), []).append(label)
+    if len(said) == 1:
+        return next(iter(said))
+    return " ".join(f"{listed(labels).capitalize()}: {words}" for words, labels in said.items())
 
 
 SECTIONS = (

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import groupby
 
 from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.meng2020.fig4 import FRAMES
 from tutorial_lib.experiments.meng2020.fig4 import Settings as PairSettings
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES
 from tutorial_lib.experiments.results_page import reuse
@@ -17,14 +18,15 @@ from tutorial_lib.experiments.results_page.markdown import (
     with_best_bold,
 )
 from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import Results, matching, one
+from tutorial_lib.experiments.results_page.sources import Results, goal_words, matching, one
 
 STAGES = {
+    FRAMES: "every frame a vertex, pruned",
     "dense": "dense: every pair",
     "pruned": "pruned: RE above p_edge",
     "reused": "vertices reused",
 }
-FRAMES = (10_000, 20_000, 50_000, 100_000)
+SIZES = (10_000, 20_000, 50_000, 100_000)
 """Of Fig. 13, at which the table shows the maps."""
 METHODS = {"indexed": "indexed", "exhaustive": "all pairs"}
 
@@ -55,15 +57,15 @@ def whole_maps(rows: Rows) -> str:
 def growth(rows: Rows) -> str:
     """Vertices of the map of each world after so many frames."""
     lines = [
-        [str(world), *(f"{one(rows, world=world, frames=n)['vertices']:,}" for n in FRAMES)]
+        [str(world), *(f"{one(rows, world=world, frames=n)['vertices']:,}" for n in SIZES)]
         for world in dict.fromkeys(row["world"] for row in rows)
     ]
-    return table(["world", *(f"{n:,} frames" for n in FRAMES)], lines)
+    return table(["world", *(f"{n:,} frames" for n in SIZES)], lines)
 
 
 def growths(rows: Rows) -> list[float]:
     """By what share each world's map grows over the second half of the frames."""
-    half, last = FRAMES[-2:]
+    half, last = SIZES[-2:]
     return [
         row["vertices"] / one(rows, world=row["world"], frames=half)["vertices"] - 1
         for row in matching(rows, frames=last)
@@ -124,11 +126,16 @@ def composed_of(rows: Rows) -> list[int]:
 
 def _stages_section(results: Results) -> list[str]:
     rows = results.rows("meng_fig4")
+    every, sparse = one(rows, stage=FRAMES), one(rows, stage="pruned")
+    vertices, edges = (every[key] / sparse[key] for key in ("vertices", "edges"))
     return [
         f"A map at three stages (Fig. 4 of Meng 2020), of the two trajectories of one building "
         f"that run side by side (within {PairSettings().beside:g} m) the farthest: "
         f"{rows[0]['frames']:,} frames in all.",
         stages(rows),
+        f"Above them stands the map of all frames, with no anchors chosen. Sparsified, it has "
+        f"1/{vertices:.0f} of the vertices and 1/{edges:.0f} of the edges (the paper, III-E: less "
+        f"than 1/10 and 1/100).",
         "Two trajectories are an example, not a measurement; sizes of whole maps are in Table II.",
     ]
 
@@ -145,7 +152,7 @@ def _whole_section(results: Results) -> list[str]:
 def _growth_section(results: Results) -> list[str]:
     rows = results.rows("meng_fig13")
     found = growths(rows)
-    half, last = FRAMES[-2:]
+    half, last = SIZES[-2:]
     return [
         f"How maps grow with the number of observations (Fig. 13 of Meng 2020): trajectories "
         f"between the {PLACES} places of a building are recorded again and again, "
@@ -165,7 +172,7 @@ def _fewer_section(results: Results) -> list[str]:
         f"Navigation with a part of the trajectories (Fig. 10 of Meng 2020): "
         f"{results.worlds('meng_fig10')} test worlds, the trials are the same for every part. "
         f"*Repeating alone* counts the trials whose own trajectory was learned: an agent that "
-        f"repeats trajectories succeeds in these at most.",
+        f"repeats trajectories succeeds in these at most. {goal_words(rows)}",
         fewer_trajectories(rows),
         f"With {percent(most['share'], 0)} of the trajectories success is "
         f"{percent(most['success'] / peak)} of its peak (the paper: close to the peak). Each cell "
@@ -179,8 +186,8 @@ def _composed_section(results: Results) -> list[str]:
     (note,) = results.reports["meng_fig11"].notes
     parts = composed_of(rows)
     return [
-        "A path that was never recorded (Fig. 11 of Meng 2020; an example, chosen because it "
-        "succeeds and joins several trajectories).",
+        f"A path that was never recorded (Fig. 11 of Meng 2020; an example, chosen because it "
+        f"succeeds and joins several trajectories). {goal_words(rows)}",
         f"{note[0].upper()}{note[1:]}. Its {len(rows)} vertices are from "
         f"{len({row['trajectory'] for row in rows})} trajectories, in pieces of "
         f"{', '.join(map(str, parts))}.",

@@ -7,7 +7,7 @@ from collections.abc import Collection
 
 from tutorial_lib.driving.data.perturbation import PAPER_PERTURBATION
 from tutorial_lib.experiments.common.report import Rows
-from tutorial_lib.experiments.protocols.navigation import FACING, NEAR, WORMHOLE
+from tutorial_lib.experiments.protocols.navigation import FACING, GOAL_IMAGES, NEAR, WORMHOLE
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES
 from tutorial_lib.experiments.results_page import paper
 from tutorial_lib.experiments.results_page.markdown import (
@@ -21,8 +21,15 @@ from tutorial_lib.experiments.results_page.markdown import (
     with_best_bold,
 )
 from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import MAPS, Results, matching, one
+from tutorial_lib.experiments.results_page.sources import (
+    MAPS,
+    Results,
+    goal_words,
+    matching,
+    one,
+)
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.planner import DijkstraPlanner
 
 METHODS = {"meng": "Meng", "sptm": "SPTM", "random": "random", "oracle": "oracle"}
 MAPPING = ("meng", "sptm")
@@ -153,7 +160,8 @@ def _table_2_section(results: Results) -> list[str]:
         f"on no recorded trajectory. A trial succeeds when the agent declares arrival within "
         f"{NEAR:g} m and {math.degrees(FACING):.0f}° of the goal's pose. Both maps get the same "
         f"controller, follower and replanning; *random* drives at random until it recognises the "
-        f"goal, the *oracle* knows everything.",
+        f"goal, the *oracle* knows everything. {goal_words(rows)} A start faces along the recorded "
+        f"drive to this very goal; trials that start anywhere are under *a part of the drives*.",
         success_by_world(rows),
         sizes_by_world(rows),
         papers_table(),
@@ -182,7 +190,7 @@ def _colours_section(results: Results) -> list[str]:
     standard = total_vertices(results.rows("meng_table2"), places=[r["world"] for r in shifted])
     return [
         f"The same in {results.worlds('meng_table2_shifted')} of the buildings in colours that no "
-        f"network was trained on.",
+        f"network was trained on. {goal_words(shifted)}",
         success_by_world(shifted),
         sizes_by_world(shifted),
         f"Success hardly changes ({both[0]} for Meng, {both[1]} for SPTM). Meng's maps have "
@@ -201,7 +209,7 @@ def _maps_section(results: Results) -> list[str]:
     ]
     return [
         f"The same on the three occupancy grids that come with Nav2, where nothing was tuned (one "
-        f"world each; {small['trials']} trials; the intervals are Wilson's).",
+        f"world each; {small['trials']} trials; the intervals are Wilson's). {goal_words(maps)}",
         table_of_maps(maps),
         sizes_by_world(maps),
         failures(maps),
@@ -234,11 +242,50 @@ def _threshold_section(results: Results) -> list[str]:
         f"How much depends on the threshold above which two images are joined: p_edge of RE for "
         f"Meng, similarity for SPTM. {results.worlds('meng_table2_thresholds')} validation worlds "
         f"together, {rows[0]['trials']} trials; SPTM's threshold was chosen here. The paper has "
-        f"{paper.P_REUSE:g} for both.",
+        f"{paper.P_REUSE:g} for both. {goal_words(rows)}",
         thresholds(rows),
         f"Success is {ranges['meng']} over RE's thresholds and {ranges['sptm']} over SPTM's, "
         f"which cover another range: a similarity is no probability, and the right threshold has "
         f"to be searched for.",
+    ]
+
+
+def goal_images(rows: Rows, others: Rows) -> str:
+    """Success by what shows the goal and by p_goal, and what is refused.
+
+    Args:
+        rows: of trials in buildings whose drives were all learned.
+        others: of the same after a tour.
+    """
+    lines = [
+        [
+            row["goal_images"],
+            f"{row['p_goal']:g}",
+            counted(row["success"], row["trials"]),
+            counted(other["success_composed"], other["trials_composed"]),
+            percent(row["refused"]),
+            percent(row["refused_strange"]),
+        ]
+        for row in rows
+        for other in [one(others, goal_images=row["goal_images"], p_goal=row["p_goal"])]
+    ]
+    success = ["success", "composed, after a tour"]
+    return table(["goal", "p_goal", *success, "refused", "goals elsewhere refused"], lines)
+
+
+def _goal_images_section(results: Results) -> list[str]:
+    rows = results.rows("meng_table2_goal_images")
+    used, clip = (one(rows, goal_images=i, p_goal=DijkstraPlanner().p_goal) for i in GOAL_IMAGES)
+    return [
+        f"One image of the goal, as in the paper (o_G, Sec. III-F), or a clip: the images of the "
+        f"last 1.5 s of an oracle's drive to it, as the contexts of anchors are. One image is "
+        f"repeated in place of its context. p_goal is RE from some vertex above which the goal "
+        f"counts as on the map; {results.worlds('meng_table2_goal_images')} validation worlds, "
+        f"goals of as many other buildings beside.",
+        goal_images(rows, results.rows("meng_table2_goal_images_tour")),
+        f"The planner has p_goal = {used['p_goal']:g}, the highest of those with the most "
+        f"success to one image: {percent(used['success'])}, and {percent(clip['success'])} to a "
+        f"clip.",
     ]
 
 
@@ -249,6 +296,11 @@ SECTIONS = (
         "Table II on maps from Nav2",
         tuple(f"meng_table2_{name}" for name in MAPS),
         _maps_section,
+    ),
+    Section(
+        "Table II: one image, or a clip",
+        ("meng_table2_goal_images", "meng_table2_goal_images_tour"),
+        _goal_images_section,
     ),
     Section("Table II: thresholds", ("meng_table2_thresholds",), _threshold_section),
 )

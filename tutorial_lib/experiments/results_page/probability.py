@@ -8,7 +8,7 @@ from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.protocols.navigation_tasks import ANYWHERE_PERTURBATION
 from tutorial_lib.experiments.results_page.markdown import counted, interval, percent, table
 from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import Results, matching, one
+from tutorial_lib.experiments.results_page.sources import Results, goal_words, matching, one
 from tutorial_lib.experiments.robustness.faults import DETOUR
 from tutorial_lib.topology.planner import DijkstraPlanner
 
@@ -59,8 +59,9 @@ def _probability_section(results: Results) -> list[str]:
         f"2020)? {sum(row['trials'] for row in raw):,} trials in {results.worlds('meng_fig9')} "
         f"test worlds start anywhere on the recorded trajectories, many facing aside (σ = "
         f"{math.degrees(ANYWHERE_PERTURBATION.wide_turn):.0f}°), every plan is followed without "
-        f"replanning, and none is refused. {len(raw)} bins of {raw[0]['trials']} trials; "
-        f"intervals are Wilson's and treat trials of one world as independent.",
+        f"replanning, and none is refused. {goal_words(raw)} {len(raw)} bins of "
+        f"{raw[0]['trials']} trials; intervals are Wilson's and treat trials of one world as "
+        f"independent.",
         plan_probabilities(rows),
         f"The order is right, the size is not: the product of RE over a plan is overconfident "
         f"({product}): of plans with {percent(raw[0]['probability'])} on average "
@@ -79,7 +80,7 @@ def _faults_section(results: Results) -> list[str]:
         f"most {DETOUR:g} times its length exists and the agent's map has another path, too "
         f"({blocked['trials']} trials), and goal images from another building, of which none can "
         f"be reached. {results.worlds('faults')} test worlds, too few for an "
-        f"interval.",
+        f"interval. {goal_words(rows)}",
         outcomes_of_faults(rows),
         f"Blocked paths are the weak point: {percent(blocked['reached'])} reach the place, where "
         f"{percent(free['reached'])} do when nobody is there. Of the goals in another building "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.results_page.markdown import counted, number, percent, table
 from tutorial_lib.experiments.results_page.section import Section
-from tutorial_lib.experiments.results_page.sources import Results, one
+from tutorial_lib.experiments.results_page.sources import Results, goal_words, one
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
 
@@ -34,7 +34,7 @@ def _reuse_section(results: Results) -> list[str]:
         f"vertex replaces an anchor above p_reuse; where none does, an edge may on which the "
         f"anchor lies, with RE above p_between from its source and to its target (not in the "
         f"paper). *Growth* is that of the vertices over the second half of the frames, success "
-        f"that of the same trials on each map at its end.",
+        f"that of the same trials on each map at its end. {goal_words(rows)}",
         rules_of_reuse(rows),
         f"With p_reuse = {usual.p_reuse:g} and p_between = {usual.p_between:g}, as maps are built "
         f"now, they grow by {percent(used['growth'])} instead of {percent(alone['growth'])}, and "

@@ -11,6 +11,7 @@ from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report, Rows
 from tutorial_lib.experiments.common.results import FOLDER, load_result
 from tutorial_lib.experiments.protocols.drives import CONTINUOUS, TOUR
+from tutorial_lib.experiments.protocols.navigation import CLIP, ONE
 from tutorial_lib.experiments.results_page.markdown import Row
 
 MAPS = ("depot", "tb3_sandbox", "warehouse")
@@ -78,6 +79,10 @@ COMMANDS = {
     "meng_table2": "experiment meng_table2",
     "meng_table2_shifted": "experiment meng_table2 --palette shifted",
     **{f"meng_table2_{name}": f"experiment meng_table2 --map {name}.yaml" for name in MAPS},
+    "meng_table2_goal_images": "experiment meng_table2 --ablation goal_images",
+    "meng_table2_goal_images_tour": (
+        "experiment meng_table2 --ablation goal_images --drives tour --worlds 10000:10003"
+    ),
     "meng_table2_thresholds": "experiment meng_table2 --ablation thresholds",
     **_with_drives(),
     HARDER: (
@@ -123,6 +128,17 @@ class Results:
         """What a report notes behind those words, which end with a space."""
         notes = [note for note in self.reports[name].notes if note.startswith(beginning)]
         return notes[0].removeprefix(beginning)
+
+
+def goal_words(rows: Rows) -> str:
+    """What showed the goals in a report; those before there was a choice had clips.
+
+    >>> goal_words([{"goal_images": "one"}])
+    'A goal is one image.'
+    """
+    if rows[0].get("goal_images", CLIP) == ONE:
+        return "A goal is one image."
+    return "A goal is a clip here: the images of the last 1.5 s of a drive to it."
 
 
 def load_results(folder: Path = FOLDER) -> Results:

@@ -224,7 +224,7 @@ def _across(building: Building, track: Array) -> Array | None:
 def _row(fault: str, parts: list[dict[str, Array]]) -> dict[str, Any]:
     columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     world = np.repeat(np.arange(len(parts)), [len(next(iter(p.values()))) for p in parts])
-    row: dict[str, Any] = {"fault": fault, "trials": len(world)}
+    row: dict[str, Any] = {"fault": fault, "goal_images": ONE, "trials": len(world)}
     for name in ("reached", "refused"):
         shares: tuple[float | None, ...] = (None, None, None)
         if name in columns and len(world):
