@@ -49,7 +49,7 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """
     parts = for_each(run_world, options.worlds, options, settings, label="meng_fig10")
     rows = [_row(share, [part[share] for part in parts]) for share in SHARES]
-    peak = max(row["success"] for row in rows)
+    peak = max(row["success"] for row in rows) or 1.0  # where none succeeds
     relative = {row["share"]: row["success"] / peak for row in rows}
     return rows, [f"with 60% of the trajectories {relative[0.6]:.1%} of the peak"]
 

@@ -25,9 +25,9 @@ from tutorial_lib.experiments.protocols.navigation import (
     experiences,
     goals_of,
     navigate,
+    refusals,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_trials, make_building
-from tutorial_lib.experiments.robustness.faults import refusals
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each

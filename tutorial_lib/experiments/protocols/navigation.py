@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.driving.rollouts import NavigationEnds, Record, Rollouts, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
 from tutorial_lib.experiments.protocols.odometry import NAVIGATING
-from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation
+from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation, Observation
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
@@ -152,6 +153,19 @@ def goals_of(trials: Trials, view: View, k: int, images: str = ONE) -> list[Goal
     if images == ONE:
         contexts = np.repeat(contexts, 2 * k + 1, axis=1)
     return [Goals(seen[[i]], contexts[[i]]) for i in range(len(trials))]
+
+
+def refusals(
+    agent: MengAgent, observations: Observation, trials: Trials, images: str = ONE
+) -> dict[str, Array]:
+    """Whether each goal is refused, and the probability of the best path to it."""
+    goals = goals_of(trials, VIEWS["camera16"], K, images)
+    pairs = range(min(len(goals), len(observations)))
+    plans = [agent.planner.plan(observations[[i]], goals[i], agent.topomap) for i in pairs]
+    return {
+        "refused": np.array([bool(plan.refusal) for plan in plans]),
+        "probability": np.array([plan.probability for plan in plans]),
+    }
 
 
 def vertex_poses(building: Building, topomap: TopoMap) -> Array:

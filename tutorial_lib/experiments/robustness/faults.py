@@ -28,6 +28,7 @@ from tutorial_lib.experiments.protocols.navigation import (
     experiences,
     goals_of,
     navigate,
+    refusals,
     vertex_poses,
 )
 from tutorial_lib.experiments.protocols.navigation_tasks import (
@@ -39,7 +40,6 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     make_building,
 )
 from tutorial_lib.geometry import distance_to_segments
-from tutorial_lib.interfaces import Observation
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
 from tutorial_lib.se2 import Array, wrap
@@ -152,19 +152,6 @@ def other_paths(
 def _close(poses: Array, pose: Array) -> NDArray[np.bool_]:
     """Which poses (V, 3) are so close to one that it is on the map there."""
     return np.linalg.norm(poses[:, :2] - pose[:2], axis=1) < _CLOSE
-
-
-def refusals(
-    agent: MengAgent, observations: Observation, trials: Trials, images: str = ONE
-) -> dict[str, Array]:
-    """Whether each goal is refused, and the probability of the best path to it."""
-    goals = goals_of(trials, VIEWS["camera16"], K, images)
-    pairs = range(min(len(goals), len(observations)))
-    plans = [agent.planner.plan(observations[[i]], goals[i], agent.topomap) for i in pairs]
-    return {
-        "refused": np.array([bool(plan.refusal) for plan in plans]),
-        "probability": np.array([plan.probability for plan in plans]),
-    }
 
 
 def blockades(
