@@ -50,6 +50,34 @@ def test_a_fault_that_raises_explains_nothing():
         compare("add", lambda a, b: a * b, CASES, add, faults)
 
 
+def test_known_mistakes_are_made_once_for_all_answers():
+    calls = []
+
+    def rule(numbers, fault=""):
+        calls.append(fault)
+        return len(numbers) if fault == "count" else sum(numbers)
+
+    def said(cases):
+        faults = with_faults(rule, {"add, do not count": "count"})
+        with pytest.raises(WrongAnswer) as caught:
+            compare("total", len, cases, rule, faults)
+        return str(caught.value)
+
+    cases = {"two": ([3, 4],), "three": ([1, 1, 5],)}
+    assert said(cases) == "total, two: add, do not count (2 came back; 7 is right)"
+    assert calls.count("count") == 2
+    assert (
+        said(cases)
+        == said(dict(cases))
+        == "total, two: add, do not count (2 came back; 7 is right)"
+    )
+    assert calls.count("count") == 2
+    assert (
+        said({"others": ([5, 6],)}) == "total, others: add, do not count (2 came back; 11 is right)"
+    )
+    assert calls.count("count") == 3
+
+
 def test_the_form_comes_first_and_holds_for_faults_as_well():
     def form(what, answer, a, b):
         return numbers(what, answer, ()).round()

@@ -8,7 +8,6 @@ import pytest
 from nbformat import NotebookNode
 from nbformat.v4 import new_code_cell, new_notebook
 
-from tests.conftest import LIMITS
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
 
 PROJECT = Path(__file__).parents[2]
@@ -65,10 +64,8 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
 
 
 @each_source
-def test_it_runs_from_top_to_bottom_unsolved_and_solved(monkeypatch, source):
+def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
     """One after the other, each from an empty namespace; the kernel imports the library once."""
-    for name in LIMITS:  # as on a student's machine, also where tests run side by side
-        monkeypatch.delenv(name, raising=False)
     versions = {"not attempted": for_students(solved(source)), "passed": solved(source)}
     cells = [cell for notebook in versions.values() for cell in (EMPTY, *notebook.cells)]
     both = new_notebook(cells=[NotebookNode(cell, id=f"cell-{i}") for i, cell in enumerate(cells)])

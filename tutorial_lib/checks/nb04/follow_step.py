@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -156,6 +157,7 @@ _EXACT = {
 }
 
 
+@cache  # the same objects each time, by which `compare` knows what it has answers to
 def _moments(name: str, story: Story) -> dict[str, tuple[Any, ...]]:
     """Every step of a story."""
     cases, corridor, memory = {}, Corridor(story), Memory()
@@ -189,11 +191,11 @@ def check_follow_step(student: Callable[..., Any]) -> None:
 
 def _invoke(what: str, student: Callable[..., Any], memory: Memory, *seen: Any) -> Any:  # noqa: ANN401
     """A student's answer, if the memory and what was seen stay as they are."""
-    arrays = dict(zip(_ARRAYS, (memory.place, *seen[:4]), strict=True))
-    copies = {key: array.copy() for key, array in arrays.items()}
-    got = calling(_HINTS)(what, partial(student, memory, *seen))
-    for key, array in arrays.items():
-        if not np.array_equal(array, copies[key], equal_nan=True):
+    given = copy.deepcopy((memory, *seen))
+    got = calling(_HINTS)(what, partial(student, *given))
+    before, after = (memory.place, *seen[:4]), (given[0].place, *given[1:5])
+    for key, old, new in zip(_ARRAYS, before, after, strict=True):
+        if not np.array_equal(old, new, equal_nan=True):
             raise WrongAnswer(f"{what}: your function changes {key}; make a new array")
     return got
 

@@ -200,17 +200,17 @@ _FAULTS = {
     "the paper's visited + 1 lets the active anchor fall back as soon as the next one is in doubt; "
     "here it stays": "paper",
 }
+_CASES = dict(OBSERVATIONS.values()) | random_observations(80, 1)
 
 
 @check(move_on, OBSERVATIONS["next"][1])
 def check_move_on(student: Callable[..., Any]) -> None:
     """Under way, near, at an anchor, at both ends, exactly at thresholds, and 80 at random."""
     faults = with_faults(_moved, _FAULTS)
-    cases = dict(OBSERVATIONS.values()) | random_observations(80, 1)
     compare(
         "move_on",
         student,
-        cases,
+        _CASES,
         move_on,
         faults,
         invoke=INVOKE,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -224,6 +225,7 @@ _CASES = [
 ]
 
 
+@cache
 def _random_steps(count: int, seed: int) -> dict[str, tuple[Any, ...]]:
     """Steps of all kinds from every state."""
     rng, steps = np.random.default_rng(seed), {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -34,7 +35,7 @@ _LISTS = "vertices and paths stay lists of whole numbers"
 def check_insert(student: Callable[..., Any]) -> None:
     """Trajectories that pass the same places, part, stand still, turn back, or meet nothing."""
     for name, case in CASES.items():
-        wanted = _grown(insert, case)
+        wanted = _by_rule(insert, name)
         try:
             got = _grown(student, case, f"insert, {name}")
         except (WrongAnswer, NotImplementedError):
@@ -61,6 +62,12 @@ def _grown(function: Callable[..., Any], case: Case, what: str = "") -> list[Sma
             _check_form(what, grown, back, case, own, given)
         maps.append(copy.deepcopy(grown))
     return maps
+
+
+@cache
+def _by_rule(rule: Callable[..., Any], name: str) -> list[SmallMap]:
+    """The maps that a rule of the library makes of a case, for all answers that are checked."""
+    return _grown(rule, CASES[name])
 
 
 def _check_form(
@@ -112,7 +119,7 @@ def _known(student: Callable[..., Any]) -> str:
     """What to say of the first known mistake that makes the same maps; empty if none does."""
     mine = [state for case in CASES.values() for state in _grown(student, case)]
     for words, fault in FAULTS.items():
-        theirs = [state for case in CASES.values() for state in _grown(fault, case)]
+        theirs = [state for name in CASES for state in _by_rule(fault, name)]
         if all(not _difference(one, other) for one, other in zip(mine, theirs, strict=True)):
             return words
     return ""
