@@ -21,13 +21,44 @@ _COPIED = (np.ndarray, list, tuple, dict, set, nx.Graph)
 _PLAIN = (bool, int, float, complex, str, bytes, set, np.generic)
 
 
+class Alias(WrongAnswer):
+    """An answer that lies in the memory of an argument.
+
+    Attributes:
+        answer: what came back; it may be right otherwise.
+    """
+
+    def __init__(self, name: str, answer: Any) -> None:  # noqa: ANN401
+        words = "what changes one of them later changes the other; return a new array"
+        super().__init__(f"what comes back is your argument {name} itself: {words}")
+        self.answer = answer
+
+
+def patient(invoke: Callable[..., Any]) -> tuple[Callable[..., Any], list[Alias]]:
+    """A way to call that goes on after an `Alias`, and those that it met.
+
+    Wrong numbers come first; that they are not the student's own is said in the end.
+    """
+    met: list[Alias] = []
+
+    def on(*arguments: Any) -> Any:  # noqa: ANN401
+        try:
+            return invoke(*arguments)
+        except Alias as alias:
+            met.append(alias)
+            return alias.answer
+
+    return on, met
+
+
 def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return
     """Call a student's function, and demand that it leaves its arguments alone.
 
     It gets copies of what could be changed: what it changes does not spoil the next case.
 
     Raises:
-        WrongAnswer: when an argument was changed, or came back as the answer or a part of it.
+        WrongAnswer: when an argument was changed.
+        Alias: when one came back as the answer or a part of it.
     """
     given = [copy.deepcopy(a) if isinstance(a, _COPIED) else a for a in arguments]
     answer = student(*given)
@@ -37,8 +68,7 @@ def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 -
             new_one = new_one.removeprefix("nd")
             raise WrongAnswer(f"your function changes its argument {name}; make a new {new_one}")
         if _shares(answer, new):
-            words = "what changes one of them later changes the other; return a new array"
-            raise WrongAnswer(f"what comes back is your argument {name} itself: {words}")
+            raise Alias(str(name), answer)
     return answer
 
 

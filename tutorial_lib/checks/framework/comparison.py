@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tutorial_lib.checks.framework.alterations import altered
-from tutorial_lib.checks.framework.answers import call, numbers
+from tutorial_lib.checks.framework.answers import call, numbers, patient, unchanged
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 
@@ -70,7 +70,7 @@ def compare(
         WrongAnswer: for the first case with a wrong answer.
     """
     named = {f"{name}, {why}": case for why, case in cases.items()}
-    picture = None
+    picture, (invoke, aliases) = None, patient(invoke)
     for what, case in named.items():
         mine = form(what, invoke(what, student, *case), *case)
         want = form(what, right(*case), *case)
@@ -82,7 +82,7 @@ def compare(
             return [_answer(function, invoke, form, what, case) for what, case in named.items()]
 
         again = _answer(student, invoke, form, what, case)
-        if again is _NONE or not same(again, mine, *case):
+        if again is _NONE or not (unchanged(mine, again) or same(again, mine, *case)):
             raise WrongAnswer(f"{what}: {AGAIN}", picture)
         wanted = answers(right, _plainly)
         got = answers(student, invoke)
@@ -93,6 +93,8 @@ def compare(
         )
         said = difference(mine, want, *case)
         raise WrongAnswer(f"{what}: {words} ({said})" if words else f"{what}: {said}", picture)
+    if aliases:
+        raise aliases[0]
     return picture
 
 

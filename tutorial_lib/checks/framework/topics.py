@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.alterations import altered, telling
-from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.answers import call, patient, unchanged
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import AGAIN, PARTLY, close, farthest
+from tutorial_lib.checks.framework.comparison import AGAIN, close, farthest
 from tutorial_lib.checks.framework.explanation import meant, stops
 from tutorial_lib.checks.framework.wording import kind
 
@@ -70,6 +70,7 @@ def judge_topics(
     Raises:
         WrongAnswer: for the first case with a wrong answer.
     """
+    invoke, aliases = patient(invoke)
     for topic in topics:
         what = f"{name}, {topic.about}"
         for case in topic.cases:
@@ -81,9 +82,14 @@ def judge_topics(
             called = partial(invoke, student)
             if not _repeats(called, case, got, form, same):
                 raise WrongAnswer(f"{what}: {AGAIN}")
-            known = _known(called, topics, right, faults, form, same)
-            words = known or f"{topic.words} ({difference(got, want, *case)})"
+            given = _given(called, topics, form)
+            words = _known(given, right, faults, same)
+            if not words:
+                partly = _partly(given, right, faults, same)
+                words = f"{topic.words} ({difference(got, want, *case)}){partly}"
             raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
+    if aliases:
+        raise aliases[0]
 
 
 def attempt(what: str, words: str, student: Function, *case: Any, invoke: Function = call) -> Any:  # noqa: ANN401 - whatever students return
@@ -124,50 +130,50 @@ def _repeats(
 ) -> bool:
     """Whether a student's function gives its wrong answer again."""
     try:
-        return bool(same(form("", called(*case), *case), got, *case))
+        again = form("", called(*case), *case)
+        return unchanged(got, again) or bool(same(again, got, *case))
     except Exception:
         return False
 
 
+def _given(called: Function, topics: Sequence[Topic], form: Function) -> list[tuple[tuple, Any]]:
+    """The cases and a student's answers to them."""
+    given = []
+    for case in (case for topic in topics for case in topic.cases):
+        with suppress(Exception):
+            given.append((case, form("", called(*case), *case)))
+    return given
+
+
 def _known(
-    called: Function,
-    topics: Sequence[Topic],
-    right: Function,
-    faults: Mapping[str, Function],
-    form: Function,
-    same: Function,
+    given: list[tuple[tuple, Any]], right: Function, faults: Mapping[str, Function], same: Function
 ) -> str | None:
     """What to say of the first known mistake that gives all of a student's answers.
 
     An argument that changes nothing is such a mistake, too.
     """
-    given = []
-    for case in (case for topic in topics for case in topic.cases):
-        with suppress(Exception):
-            given.append((case, form("", called(*case), *case)))
     for words, fault in faults.items():
         with suppress(Exception), np.errstate(all="ignore"):
             if all(same(got, fault(*case), *case) for case, got in given):
                 return words
-    found = altered([(got, right(*case)) for case, got in given]) or _unused(given, right)
-    return found or _partly(given, right, faults, same)
+    return altered([(got, right(*case)) for case, got in given]) or _unused(given, right)
 
 
 def _partly(
     given: list[tuple[tuple, Any]], right: Function, faults: Mapping[str, Function], same: Function
-) -> str | None:
-    """What to say of the known mistake that gives all wrong answers, and fewest others.
+) -> str:
+    """What to add of the known mistake that gives all wrong answers, and fewest others.
 
     Answers that are all 0 or infinite are those of many mistakes, and say nothing.
     """
     wrong = [got for case, got in given if not same(got, right(*case), *case)]
-    best, fewest = None, len(given) if telling(wrong) else 0
+    best, fewest = "", len(given) if telling(wrong) else 0
     for words, fault in faults.items():
         with suppress(Exception), np.errstate(all="ignore"):
             unlike = [one for one in given if not same(one[1], fault(*one[0]), *one[0])]
             innocent = all(same(got, right(*case), *case) for case, got in unlike)
             if innocent and len(unlike) < fewest:
-                best, fewest = f"{PARTLY}: {words}", len(unlike)
+                best, fewest = f". In part of the cases: {words}", len(unlike)
     return best
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.answers import calling
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 
@@ -158,7 +159,7 @@ def _vertex(what: str, got: Any, into: Array, *_: object) -> int:  # noqa: ANN40
     if isinstance(got, np.ndarray) and got.shape == () and got.dtype.kind == "i":
         whole = True
     if not whole:
-        shown = f"a {type(got).__name__}" if isinstance(got, np.ndarray | list) else repr(got)
+        shown = kind(got) if isinstance(got, np.ndarray | list) else repr(got)
         words = "return the index of one vertex, a whole number, or -1"
         raise WrongAnswer(f"{what}: {shown} came back; {words}")
     if not -1 <= int(got) < max(len(into), 1):
