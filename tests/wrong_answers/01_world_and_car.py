@@ -1338,3 +1338,22 @@ def to_local__sends_the_heading_through_an_arctan(pose, points):
 def wall_share__returns_grey_levels(depth, rows):
     """no grey levels here"""
     return (255 * _right_share(depth, rows)).astype(np.uint8)
+
+
+def to_local__drops_small_offsets(pose, points):
+    """a near point is a point like any other"""
+    offset = points - pose[:2]
+    offset = np.where(np.abs(offset) < 0.05, 0, offset)
+    return to_local__right_by_complex_numbers(np.array([0, 0, pose[2]]), offset)
+
+
+def compose__drops_small_motions(first, second):
+    """leave none of them out"""
+    if np.hypot(second[0], second[1]) < 0.05:
+        second = np.array([0, 0, second[2]])
+    return compose__right_by_matrices(first, second)
+
+
+def compose__gives_back_the_first(first, second):
+    """what comes back is your argument first itself"""
+    return compose__right_by_matrices(first, second) if np.any(second) else first

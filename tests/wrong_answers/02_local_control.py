@@ -1788,3 +1788,9 @@ def resolve__limits_accelerations(policies):
     for j, a, m in policies:
         force, metric = force + j.T @ m @ a, metric + j.T @ m @ j
     return np.clip(np.linalg.solve(metric, force), -5, 5)
+
+
+def waypoint_label__wants_five_centimetres(start, track, source, target, sees):
+    """there is no smallest distance"""
+    label = waypoint_label__right_mask(start, track, source, target, sees)
+    return None if label is not None and target > source and np.hypot(*label) < 0.05 else label

@@ -1070,3 +1070,16 @@ def reach_loss__weighs_the_labels_only(logits, labels, weights):
 def reach_loss__leaves_out_pairs_without_weight(logits, labels, weights):
     """not only whether it does"""
     return _each(logits, labels)[weights > 0].mean()
+
+
+def rollout_labels__leaves_out_the_last_moment(times, gaps, touched, geodesic):
+    """near in the last moment alone"""
+    if len(times) == 1:
+        return rollout_labels__right_with_sums(times, gaps, touched, geodesic)
+    return rollout_labels__right_with_sums(times[:-1], gaps[:-1], touched[:-1], geodesic)
+
+
+def reach_loss__drops_small_weights(logits, labels, weights):
+    """small weights"""
+    weights = np.where(weights < 0.05 * weights.max(), 0.0, weights)
+    return reach_loss__right_pair_by_pair(logits, labels, weights)

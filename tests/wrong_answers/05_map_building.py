@@ -1135,3 +1135,14 @@ def ask_next__forgets_one_neighbour(reach, before, after, p_edge):
             if 0 <= row < len(reach) and column >= 0:
                 votes[row, column] = True
     return votes & np.isnan(reach)
+
+
+def weakest_aligned__rounds(reach, before, after, steps):
+    """your answers are rounded to 2 digits; return all digits"""
+    return np.round(_pair_by_pair(reach, before, after, steps), 2)
+
+
+def edge_weights__takes_sure_edges_for_certain(reach, driven, p_edge):
+    """RE of 0.995 and of 0.9999"""
+    weights = edge_weights__right_with_loops(reach, driven, p_edge)
+    return np.where(weights < 0.01, 0.0, weights)

@@ -140,9 +140,13 @@ def _topics() -> list[Topic]:
             [case([2.0, 0.0, -2.8], [1.0, 0.0, -1.4])],
         ),
         Topic(
-            "a step of 2 cm and a turn of 0.03",
+            "no motion, a step of 2 cm and a turn of 0.03",
             "a track is made of many small motions: leave none of them out",
-            [case([1.0, 2.0, 0.4], [0.02, 0.01, 0.03]), case([1.0, 2.0, 0.02], [1.0, 0.0, 0.01])],
+            [
+                case([1.0, 2.0, 0.4], [0.0, 0.0, 0.0]),
+                case([1.0, 2.0, 0.4], [0.02, 0.01, 0.03]),
+                case([1.0, 2.0, 0.02], [1.0, 0.0, 0.01]),
+            ],
         ),
         Topic(
             "30 random pairs",
