@@ -136,7 +136,7 @@ CASES = {
         "class Equal:\n    __eq__ = lambda self, other: True\n"
         "def to_local(*a):\n    return Equal()\n",
         "failed",
-        "a Equal came back",
+        "an Equal came back",
     ),
     "frames": (FRAMES, "failed", "returned nothing"),
     "gc": (GC, "failed", ""),

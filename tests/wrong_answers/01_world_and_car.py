@@ -69,7 +69,7 @@ def compose__keeps_the_second_heading(first, second):
 
 
 def compose__changes_its_argument(first, second):
-    """changes its argument 1"""
+    """your function changes its argument first"""
     first[:] = compose__right_by_matrices(first, second)
     return first
 
@@ -126,7 +126,7 @@ def bicycle_step__swaps_sine_and_cosine(pose, speed, steering, wheelbase, second
 
 
 def bicycle_step__changes_its_argument(pose, speed, steering, wheelbase, seconds):
-    """changes its argument 1"""
+    """your function changes its argument pose"""
     pose += bicycle_step__right_by_euler(pose, speed, steering, wheelbase, seconds) - pose
     return pose
 
@@ -287,14 +287,14 @@ def to_local__drops_an_axis(pose, points):
 
 
 def to_local__changes_the_points(pose, points):
-    """your function changes its argument 2; make a new array"""
+    """your function changes its argument points"""
     points -= pose[:2]
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return points @ np.array([[c, -s], [s, c]])
 
 
 def to_local__rounds(pose, points):
-    """the answers are rounded; return all digits"""
+    """your answers are rounded to 2 digits"""
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return np.round((points - pose[:2]) @ np.array([[c, -s], [s, c]]), 2)
 
@@ -456,7 +456,7 @@ def compose__right_ifs(first, second):
 
 
 def bicycle_step__ignores_the_seconds(pose, speed, steering, wheelbase, seconds):
-    """another seconds never changes your answer; use the argument"""
+    """another seconds never changes your answer; it should"""
     x, y, h = pose
     seconds = 0.1
     return np.array(
@@ -745,7 +745,7 @@ def ray_segment__measures_to_the_nearest_end(origin, direction, start, end):
 
 
 def ray_segment__changes_its_arguments(origin, direction, start, end):
-    """your function changes its argument 3; make a new array"""
+    """your function changes its argument start"""
     end -= start
     start -= origin
     n = cross(direction, end)
@@ -835,7 +835,7 @@ def wall_share__makes_rows_as_high_as_of_16(depth, rows):
 
 
 def wall_share__ignores_the_depth(depth, rows):
-    """another depth never changes your answer; use the argument"""
+    """another depth never changes your answer; it should"""
     return _right_share(2.0, rows)
 
 
@@ -941,7 +941,7 @@ def to_local__mixes_up_dx_and_dy(pose, points):
 
 
 def to_local__returns_whole_numbers(pose, points):
-    """the answers are whole numbers; return all digits"""
+    """your answers are whole numbers: their digits are cut off"""
     return ((points - pose[:2]) @ _rotation(pose[2])).astype(int)
 
 
@@ -1325,7 +1325,7 @@ def wall_share__makes_two_halves(depth, rows):
 
 
 def to_local__rounds_to_millimetres(pose, points):
-    """rounded to millimetres"""
+    """your answers are rounded to 3 digits"""
     return to_local__right_by_complex_numbers(pose, points).round(3)
 
 
@@ -1338,3 +1338,22 @@ def to_local__sends_the_heading_through_an_arctan(pose, points):
 def wall_share__returns_grey_levels(depth, rows):
     """no grey levels here"""
     return (255 * _right_share(depth, rows)).astype(np.uint8)
+
+
+def to_local__drops_small_offsets(pose, points):
+    """a near point is a point like any other"""
+    offset = points - pose[:2]
+    offset = np.where(np.abs(offset) < 0.05, 0, offset)
+    return to_local__right_by_complex_numbers(np.array([0, 0, pose[2]]), offset)
+
+
+def compose__drops_small_motions(first, second):
+    """leave none of them out"""
+    if np.hypot(second[0], second[1]) < 0.05:
+        second = np.array([0, 0, second[2]])
+    return compose__right_by_matrices(first, second)
+
+
+def compose__gives_back_the_first(first, second):
+    """what comes back is your argument first itself"""
+    return compose__right_by_matrices(first, second) if np.any(second) else first

@@ -412,17 +412,17 @@ def _toward(offsets, near):
 
 
 def goal_policy__ignores_near(offsets, velocities, gain, damping, near):
-    """another near never changes your answer; use the argument"""
+    """another near never changes your answer; it should"""
     return gain * _toward(offsets, 0.35) - damping * velocities, _eyes(offsets)
 
 
 def goal_policy__ignores_the_gain(offsets, velocities, gain, damping, near):
-    """another gain never changes your answer; use the argument"""
+    """another gain never changes your answer; it should"""
     return 2.4 * _toward(offsets, near) - damping * velocities, _eyes(offsets)
 
 
 def goal_policy__ignores_the_damping(offsets, velocities, gain, damping, near):
-    """another damping never changes your answer; use the argument"""
+    """another damping never changes your answer; it should"""
     return gain * _toward(offsets, near) - 3.0 * velocities, _eyes(offsets)
 
 
@@ -483,7 +483,7 @@ def goal_policy__adds_up_components(offsets, velocities, gain, damping, near):
 
 
 def goal_policy__changes_velocities(offsets, velocities, gain, damping, near):
-    """your function changes its argument 2; make a new array"""
+    """your function changes its argument velocities"""
     velocities *= damping
     return gain * _toward(offsets, near) - velocities, _eyes(offsets)
 
@@ -525,7 +525,7 @@ def obstacle_policy__begins_at_10_centimetres(distances, closing, push, brake, w
 
 
 def obstacle_policy__ignores_fade(distances, closing, push, brake, weight, fade):
-    """another fade never changes your answer; use the argument"""
+    """another fade never changes your answer; it should"""
     d = _near(distances)
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / 0.08)
 
@@ -588,7 +588,7 @@ def obstacle_policy__drops_the_sign_of_the_distance(distances, closing, push, br
 
 
 def obstacle_policy__changes_its_arguments(distances, closing, push, brake, weight, fade):
-    """your function changes its argument 1; make a new array"""
+    """your function changes its argument distances"""
     distances[distances < 0.01] = 0.01
     return (push + brake * np.maximum(closing, 0)) / distances, weight * np.exp(-distances / fade)
 
@@ -1783,8 +1783,14 @@ def resolve__adds_up_nothing(policies):
 
 
 def resolve__limits_accelerations(policies):
-    """limit nothing here"""
+    """your answers are cut off at 5"""
     force, metric = np.zeros(2), 1e-6 * np.eye(2)
     for j, a, m in policies:
         force, metric = force + j.T @ m @ a, metric + j.T @ m @ j
     return np.clip(np.linalg.solve(metric, force), -5, 5)
+
+
+def waypoint_label__wants_five_centimetres(start, track, source, target, sees):
+    """there is no smallest distance"""
+    label = waypoint_label__right_mask(start, track, source, target, sees)
+    return None if label is not None and target > source and np.hypot(*label) < 0.05 else label

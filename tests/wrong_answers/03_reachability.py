@@ -165,7 +165,7 @@ def rollout_labels__goes_along_the_wrong_axis(times, gaps, touched, geodesic):
 
 
 def rollout_labels__writes_into_touched(times, gaps, touched, geodesic):
-    """changes its argument 3"""
+    """your function changes its argument touched"""
     np.logical_or.accumulate(touched, axis=0, out=touched)
     return _float((gaps <= 0.3) & ~touched & _in_time(times, geodesic))
 
@@ -347,7 +347,7 @@ def reach_loss__calls_pythons_math(logits, labels, weights):
 
 
 def reach_loss__scales_the_weights_in_place(logits, labels, weights):
-    """changes its argument 3"""
+    """your function changes its argument weights"""
     weights /= weights.sum()
     return (weights * _each(logits, labels)).sum()
 
@@ -564,7 +564,7 @@ def reliability_diagram__keeps_a_dictionary(predicted, came_true, bins):
 
 
 def reliability_diagram__sorts_in_place(predicted, came_true, bins):
-    """changes its argument 1"""
+    """your function changes its argument predicted"""
     predicted.sort()
     return _diagram(predicted, came_true, np.array_split(np.arange(len(predicted)), bins))
 
@@ -722,7 +722,7 @@ def fit_temperature__returns_a_pair(logits, labels):
 
 
 def fit_temperature__divides_in_place(logits, labels):
-    """changes its argument 1"""
+    """your function changes its argument logits"""
     best = _fitted(logits, labels)
     logits /= best
     return best
@@ -820,7 +820,7 @@ def mine_pairs__draws_by_itself(*case):
 
 
 def mine_pairs__draws_with_repeats(*case):
-    """comes 2 times; each comes once"""
+    """comes twice; each comes once"""
     return _mined(*case, draw=lambda rows, rng: rng.choice(rows, len(rows)) if len(rows) else rows)
 
 
@@ -1070,3 +1070,16 @@ def reach_loss__weighs_the_labels_only(logits, labels, weights):
 def reach_loss__leaves_out_pairs_without_weight(logits, labels, weights):
     """not only whether it does"""
     return _each(logits, labels)[weights > 0].mean()
+
+
+def rollout_labels__leaves_out_the_last_moment(times, gaps, touched, geodesic):
+    """near in the last moment alone"""
+    if len(times) == 1:
+        return rollout_labels__right_with_sums(times, gaps, touched, geodesic)
+    return rollout_labels__right_with_sums(times[:-1], gaps[:-1], touched[:-1], geodesic)
+
+
+def reach_loss__drops_small_weights(logits, labels, weights):
+    """small weights"""
+    weights = np.where(weights < 0.05 * weights.max(), 0.0, weights)
+    return reach_loss__right_pair_by_pair(logits, labels, weights)

@@ -161,7 +161,7 @@ def choose_anchors__returns_a_set(reach, threshold):
 
 
 def choose_anchors__cuts_the_table(reach, threshold):
-    """changes its argument 1"""
+    """your function changes its argument reach"""
     reach[reach <= threshold] = 0.0
     return _greedy(lambda i, k: reach[i, k] > threshold, len(reach))
 

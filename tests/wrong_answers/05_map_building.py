@@ -96,7 +96,7 @@ def edge_weights__lists_the_edges(reach, driven, p_edge):
 
 
 def edge_weights__writes_into_the_table(reach, driven, p_edge):
-    """your function changes its argument 1"""
+    """your function changes its argument reach"""
     reach[~((reach > p_edge) | driven)] = 0.0
     np.fill_diagonal(reach, 0.0)
     with np.errstate(divide="ignore"):
@@ -814,7 +814,7 @@ def edge_weights__driven_symmetric(reach, driven, p_edge):
 
 
 def edge_weights__mutates_driven(reach, driven, p_edge):
-    """your function changes its argument 2; make a new array"""
+    """your function changes its argument driven"""
     driven |= reach > p_edge
     np.fill_diagonal(driven, False)
     return np.where(driven, -np.log(np.maximum(reach, 1e-12)), np.inf)
@@ -877,7 +877,7 @@ def reusable__skip0(into, onward, allowed, p):
 
 
 def reusable__list(into, onward, allowed, p):
-    """a ndarray came back; return the index of one vertex, a whole number, or -1"""
+    """an ndarray came back; return the index of one vertex, a whole number, or -1"""
     return np.flatnonzero((into > p) & (onward > p) & allowed)
 
 
@@ -887,7 +887,7 @@ def reusable__bool(into, onward, allowed, p):
 
 
 def reusable__mutates(into, onward, allowed, p):
-    """your function changes its argument 1; make a new array"""
+    """your function changes its argument into"""
     into[~allowed] = 0
     f = (into > p) & (onward > p)
     return int(np.where(f, into * onward, -1).argmax()) if f.any() else -1
@@ -966,7 +966,7 @@ def weakest_aligned__maxsteps2(reach, before, after, steps):
 
 
 def weakest_aligned__mutates(reach, before, after, steps):
-    """your function changes its argument 1; make a new array"""
+    """your function changes its argument reach"""
     return _wa(reach, before, after, steps, mut=True)
 
 
@@ -1065,7 +1065,7 @@ def ask_next__nonan(reach, before, after, p):
 
 
 def ask_next__mutates(reach, before, after, p):
-    """your function changes its argument 1; make a new array"""
+    """your function changes its argument reach"""
     f = _an(reach, before, after, p) & np.isnan(reach)
     reach[np.isnan(reach)] = 0
     return f
@@ -1135,3 +1135,14 @@ def ask_next__forgets_one_neighbour(reach, before, after, p_edge):
             if 0 <= row < len(reach) and column >= 0:
                 votes[row, column] = True
     return votes & np.isnan(reach)
+
+
+def weakest_aligned__rounds(reach, before, after, steps):
+    """your answers are rounded to 2 digits; return all digits"""
+    return np.round(_pair_by_pair(reach, before, after, steps), 2)
+
+
+def edge_weights__takes_sure_edges_for_certain(reach, driven, p_edge):
+    """RE of 0.995 and of 0.9999"""
+    weights = edge_weights__right_with_loops(reach, driven, p_edge)
+    return np.where(weights < 0.01, 0.0, weights)

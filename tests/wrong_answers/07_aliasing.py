@@ -94,7 +94,7 @@ def predict__without_none(belief, motion, lengths, onward):
 
 
 def predict__changes_the_belief(belief, motion, lengths, onward):
-    """your function changes its argument 1"""
+    """your function changes its argument belief"""
     belief *= np.exp(-motion[:, None] / lengths)
     return belief
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from inspect import Parameter, signature
 from typing import Any
 
 import networkx as nx
@@ -12,26 +14,103 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 
-_COPIED = (np.ndarray, list, nx.Graph)
+_COPIED = (np.ndarray, list, tuple, dict, set, nx.Graph)
+_PLAIN = (bool, int, float, complex, str, bytes, set, np.generic)
+
+
+class Alias(WrongAnswer):
+    """An answer that lies in the memory of an argument.
+
+    Attributes:
+        answer: what came back; it may be right otherwise.
+    """
+
+    def __init__(self, name: str, answer: Any) -> None:  # noqa: ANN401
+        words = "what changes one of them later changes the other; return a new array"
+        super().__init__(f"what comes back is your argument {name} itself: {words}")
+        self.answer = answer
+
+
+def patient(invoke: Callable[..., Any]) -> tuple[Callable[..., Any], list[Alias]]:
+    """A way to call that goes on after an `Alias`, and those that it met.
+
+    Wrong numbers come first; that they are not the student's own is said in the end.
+    """
+    met: list[Alias] = []
+
+    def on(*arguments: Any) -> Any:  # noqa: ANN401
+        try:
+            return invoke(*arguments)
+        except Alias as alias:
+            met.append(alias)
+            return alias.answer
+
+    return on, met
 
 
 def call(student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401 - whatever students return
     """Call a student's function, and demand that it leaves its arguments alone.
 
-    It gets copies of arrays, lists and graphs: what it changes does not spoil the next case.
+    It gets copies of what could be changed: what it changes does not spoil the next case.
 
     Raises:
         WrongAnswer: when an argument was changed.
+        Alias: when one came back as the answer or a part of it.
     """
     given = [copy.deepcopy(a) if isinstance(a, _COPIED) else a for a in arguments]
-    before = [np.array(argument, copy=True) for argument in arguments]
     answer = student(*given)
-    for number, (old, new) in enumerate(zip(before, given, strict=True), 1):
-        if not np.array_equal(old, new, equal_nan=old.dtype.kind == "f"):
-            raise WrongAnswer(f"your function changes its argument {number}; make a new array")
+    for name, old, new in zip(_names(student, len(given)), arguments, given, strict=True):
+        if not unchanged(old, new):
+            new_one = "graph" if isinstance(old, nx.Graph) else kind(old).split()[-1]
+            new_one = new_one.removeprefix("nd")
+            raise WrongAnswer(f"your function changes its argument {name}; make a new {new_one}")
+        if _shares(answer, new):
+            raise Alias(str(name), answer)
     return answer
+
+
+def _names(student: Callable[..., Any], count: int) -> Sequence[object]:
+    """What a student's function calls its first arguments; numbers from 1 on if that is unknown."""
+    with suppress(TypeError, ValueError):
+        every = signature(student).parameters.values()
+        names = [p.name for p in every if p.kind is Parameter.POSITIONAL_OR_KEYWORD]
+        if len(names) >= count:
+            return names[:count]
+    return range(1, count + 1)
+
+
+def unchanged(old: Any, new: Any) -> bool:  # noqa: ANN401 - arguments of any kind
+    """Whether an argument is still what it was; of objects that is not looked into."""
+    if isinstance(old, nx.Graph):
+        return isinstance(new, nx.Graph) and unchanged(_tables(old), _tables(new))
+    if isinstance(old, np.ndarray):
+        alike = isinstance(new, np.ndarray) and old.dtype == new.dtype
+        return alike and np.array_equal(old, new, equal_nan=old.dtype.kind in "fc")
+    if isinstance(old, list | tuple):
+        alike = isinstance(new, list | tuple) and len(old) == len(new)
+        return alike and all(map(unchanged, old, new))
+    if isinstance(old, dict):
+        alike = isinstance(new, dict) and old.keys() == new.keys()
+        return alike and all(unchanged(old[key], new[key]) for key in old)
+    if isinstance(old, _PLAIN) or old is None:
+        return bool(old == new) or (old != old and new != new)
+    return True
+
+
+def _tables(graph: nx.Graph) -> list[dict[Any, Any]]:
+    """The nodes and the edges of a graph, with what is stored of them."""
+    return [dict(graph.nodes(data=True)), nx.to_dict_of_dicts(graph)]
+
+
+def _shares(answer: Any, argument: Any) -> bool:  # noqa: ANN401
+    """Whether an answer, or a part of it, lies in the memory of an argument."""
+    if not isinstance(argument, np.ndarray):
+        return False
+    found: Iterable[Any] = answer if isinstance(answer, tuple | list) else [answer]
+    return any(isinstance(a, np.ndarray) and np.may_share_memory(a, argument) for a in found)
 
 
 def calling(
@@ -99,16 +178,15 @@ def numbers(what: str, got: object, shape: tuple[int, ...]) -> Array:
         WrongAnswer: when it is none.
     """
     got = returned(what, got)
-    kind = type(got).__name__
     if shape and not isinstance(got, np.ndarray):
-        raise WrongAnswer(f"{what}: a {kind} came back; return a numpy array")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; return a numpy array")
     try:
         if isinstance(got, str):
             raise TypeError
         values = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
         words = "is no array of numbers; return an array" if shape else "is no number; return one"
-        raise WrongAnswer(f"{what}: a {kind} {words}") from None
+        raise WrongAnswer(f"{what}: {kind(got)} {words}") from None
     if values.shape != shape:
         raise WrongAnswer(f"{what}: shape {values.shape}, but {shape} is needed")
     return values
@@ -122,7 +200,7 @@ def mask(what: str, got: object, shape: tuple[int, ...]) -> NDArray[np.bool_]:
     """
     got = returned(what, got)
     if not isinstance(got, np.ndarray):
-        raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a numpy array")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; return a numpy array")
     if got.dtype != bool:
         raise WrongAnswer(f"{what}: return True or False for each, not numbers ({got.dtype})")
     if got.shape != shape:

@@ -10,13 +10,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tutorial_lib.checks.framework.answers import call, numbers
+from tutorial_lib.checks.framework.alterations import altered
+from tutorial_lib.checks.framework.answers import call, numbers, patient, unchanged
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.geometry import Array
 
 Function = Callable[..., Any]
 ALIKE = 0.75
 """Share of the wrong answers that a known mistake must explain to be named."""
+SEVERAL = 3
+"""Wrong answers that a known mistake must explain to be named where others are right."""
+PARTLY = "in part of the cases"
+"""Goes before a mistake that explains all wrong answers, but is not made everywhere."""
+AGAIN = (
+    "called again with the same arguments, your function gives another answer; it must not keep "
+    "anything from call to call"
+)
+"""What to say of a function that does not give its answer again."""
 _NONE = object()
 _KNOWN: dict[tuple[int, ...], tuple[Any, ...]] = {}
 """What rules of the library answer, by their ids; the rule and the case keep theirs."""
@@ -39,7 +49,8 @@ def compare(
 
     The first case with a wrong answer is reported, with what is wrong there. Of the known mistakes
     that give the same wrong answer to it, the one is named that explains most of the others, if
-    those are `ALIKE` at least: few students make exactly the mistake that was foreseen.
+    those are `ALIKE` at least, with a "perhaps" if it does not explain all: few students make
+    exactly the mistake that was foreseen.
 
     Args:
         name: of the exercise.
@@ -61,7 +72,7 @@ def compare(
         WrongAnswer: for the first case with a wrong answer.
     """
     named = {f"{name}, {why}": case for why, case in cases.items()}
-    picture = None
+    picture, (invoke, aliases) = None, patient(invoke)
     for what, case in named.items():
         mine = form(what, invoke(what, student, *case), *case)
         want = form(what, right(*case), *case)
@@ -72,11 +83,20 @@ def compare(
         def answers(rule: Function) -> list[Any]:
             return [_known(rule, form, what, case) for what, case in named.items()]
 
+        again = _answer(student, invoke, form, what, case)
+        if again is _NONE or not (unchanged(mine, again) or same(again, mine, *case)):
+            raise WrongAnswer(f"{what}: {AGAIN}", picture)
+        wanted = answers(right)
         got = [_answer(student, invoke, form, what, case) for what, case in named.items()]
         first = list(named).index(what)
-        words = _best(first, got, answers(right), faults, answers, same, list(named.values()))
+        pairs = [(g, w) for g, w in zip(got, wanted, strict=True) if g is not _NONE]
+        words = altered(pairs) or _best(
+            first, got, wanted, faults, answers, same, list(named.values())
+        )
         said = difference(mine, want, *case)
         raise WrongAnswer(f"{what}: {words} ({said})" if words else f"{what}: {said}", picture)
+    if aliases:
+        raise aliases[0]
     return picture
 
 
@@ -132,16 +152,19 @@ def _best(
         zipped = enumerate(zip(some, wanted, cases, strict=True))
         return {i for i, (one, want, case) in zipped if not agree(one, want, case)}
 
-    mine, best, most = wrong(got), "", ALIKE
+    mine, best, most, partly, fewest = wrong(got), "", ALIKE, "", len(cases)
     for words, fault in faults.items():
         theirs = answers(fault)
         if not agree(got[first], theirs[first], cases[first]):
             continue
         either = mine | wrong(theirs)
-        share = sum(agree(got[i], theirs[i], cases[i]) for i in either) / len(either)
+        alike = {i for i in either if agree(got[i], theirs[i], cases[i])}
+        share = len(alike) / len(either)
         if share > most or (share == most == ALIKE):
-            best, most = words, share
-    return best
+            best, most = words if share == 1 else f"perhaps: {words}", share
+        if alike == mine and len(mine) >= SEVERAL and len(either) < fewest:
+            partly, fewest = f"{PARTLY}: {words}", len(either)
+    return best or partly
 
 
 def with_faults(rule: Function, faults: Mapping[str, str]) -> dict[str, Function]:

@@ -21,6 +21,15 @@ _USUAL: dict[type[Exception], str] = {
     ZeroDivisionError: "something is divided by zero",
     RecursionError: "the function calls itself for ever",
 }
+_NEW = "what you were given may not be changed; make a new one"
+_MEANT = {
+    "Cannot cast ufunc": "+= and its like change an array in place, in the type that it has; "
+    "a = a + b makes a new one",
+    "read-only": _NEW,
+    "does not support item assignment": _NEW,
+    "cannot assign to field": f"{_NEW}, with dataclasses.replace",
+}
+"""What words of Python's own message mean in any exercise."""
 _ANY = "try this case by hand, and print what you have just before that line"
 
 
@@ -37,9 +46,15 @@ def explained(
         said: what words of Python's own message mean here; they go first.
     """
     known = {**_USUAL, **(hints or {})}
-    meant = [words for part, words in (said or {}).items() if part in str(error)]
-    meant += [known[kind] for kind in type(error).__mro__ if kind in known]
-    return "; ".join([stops(error), *(meant or [_ANY])[:1]])
+    words = [meant(error, said)] if meant(error, said) else []
+    words += [known[kind] for kind in type(error).__mro__ if kind in known]
+    return "; ".join([stops(error), *(words or [_ANY])[:1]])
+
+
+def meant(error: Exception, said: Mapping[str, str] | None = None) -> str:
+    """What the words of an error's message mean; empty if that is not known."""
+    known = {**(said or {}), **_MEANT}
+    return next((words for part, words in known.items() if part in str(error)), "")
 
 
 def stops(error: BaseException) -> str:

@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.answers import call
+from tutorial_lib.checks.framework.alterations import altered, telling
+from tutorial_lib.checks.framework.answers import call, patient, unchanged
 from tutorial_lib.checks.framework.check import WrongAnswer
-from tutorial_lib.checks.framework.comparison import close, farthest
-from tutorial_lib.checks.framework.explanation import stops
+from tutorial_lib.checks.framework.comparison import AGAIN, close, farthest
+from tutorial_lib.checks.framework.explanation import meant, stops
+from tutorial_lib.checks.framework.wording import kind
 
 Function = Callable[..., Any]
 _TOLERANCE = 1e-5  # as single precision has
@@ -58,7 +60,7 @@ def judge_topics(
         topics: in the order of their difficulty.
         right: gives the right answer to a case.
         faults: for known mistakes, what to say and a function that makes this mistake. It is named
-            when it gives every answer that the student's function gives.
+            when it gives every answer that the student's function gives, or every wrong one.
         form: (what, answer, *case) demands an answer of the right form.
         invoke: (student, *case) calls the student's function.
         same: (got, want, *case) tells whether two answers are equally good.
@@ -68,6 +70,7 @@ def judge_topics(
     Raises:
         WrongAnswer: for the first case with a wrong answer.
     """
+    invoke, aliases = patient(invoke)
     for topic in topics:
         what = f"{name}, {topic.about}"
         for case in topic.cases:
@@ -77,9 +80,16 @@ def judge_topics(
             if same(got, want, *case):
                 continue
             called = partial(invoke, student)
-            known = _known(called, topics, right, faults, form, same)
-            words = known or f"{topic.words} ({difference(got, want, *case)})"
+            if not _repeats(called, case, got, form, same):
+                raise WrongAnswer(f"{what}: {AGAIN}")
+            given = _given(called, topics, form)
+            words = _known(given, right, faults, same)
+            if not words:
+                partly = _partly(given, right, faults, same)
+                words = f"{topic.words} ({difference(got, want, *case)}){partly}"
             raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
+    if aliases:
+        raise aliases[0]
 
 
 def attempt(what: str, words: str, student: Function, *case: Any, invoke: Function = call) -> Any:  # noqa: ANN401 - whatever students return
@@ -93,7 +103,7 @@ def attempt(what: str, words: str, student: Function, *case: Any, invoke: Functi
     except (NotImplementedError, WrongAnswer, MemoryError):
         raise
     except Exception as error:
-        raise WrongAnswer(f"{what}: {stops(error)}.\n{words}") from None
+        raise WrongAnswer(f"{what}: {stops(error)}.\n{meant(error) or words}") from None
 
 
 def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # noqa: ANN401
@@ -108,30 +118,63 @@ def _formed(form: Function, what: str, answer: object, *case: Any) -> Any:  # no
         raise
     except Exception:
         words = "came back whose form is not the one that the docstring names"
-        raise WrongAnswer(f"{what}: a {type(answer).__name__} {words}") from None
+        raise WrongAnswer(f"{what}: {kind(answer)} {words}") from None
+
+
+def _repeats(
+    called: Function,
+    case: tuple[Any, ...],
+    got: Any,  # noqa: ANN401
+    form: Function,
+    same: Function,
+) -> bool:
+    """Whether a student's function gives its wrong answer again."""
+    try:
+        again = form("", called(*case), *case)
+        return unchanged(got, again) or bool(same(again, got, *case))
+    except Exception:
+        return False
+
+
+def _given(called: Function, topics: Sequence[Topic], form: Function) -> list[tuple[tuple, Any]]:
+    """The cases and a student's answers to them."""
+    given = []
+    for case in (case for topic in topics for case in topic.cases):
+        with suppress(Exception):
+            given.append((case, form("", called(*case), *case)))
+    return given
 
 
 def _known(
-    called: Function,
-    topics: Sequence[Topic],
-    right: Function,
-    faults: Mapping[str, Function],
-    form: Function,
-    same: Function,
+    given: list[tuple[tuple, Any]], right: Function, faults: Mapping[str, Function], same: Function
 ) -> str | None:
     """What to say of the first known mistake that gives all of a student's answers.
 
     An argument that changes nothing is such a mistake, too.
     """
-    given = []
-    for case in (case for topic in topics for case in topic.cases):
-        with suppress(Exception):
-            given.append((case, form("", called(*case), *case)))
     for words, fault in faults.items():
         with suppress(Exception), np.errstate(all="ignore"):
             if all(same(got, fault(*case), *case) for case, got in given):
                 return words
-    return _unused(given, right)
+    return altered([(got, right(*case)) for case, got in given]) or _unused(given, right)
+
+
+def _partly(
+    given: list[tuple[tuple, Any]], right: Function, faults: Mapping[str, Function], same: Function
+) -> str:
+    """What to add of the known mistake that gives all wrong answers, and fewest others.
+
+    Answers that are all 0 or infinite are those of many mistakes, and say nothing.
+    """
+    wrong = [got for case, got in given if not same(got, right(*case), *case)]
+    best, fewest = "", len(given) if telling(wrong) else 0
+    for words, fault in faults.items():
+        with suppress(Exception), np.errstate(all="ignore"):
+            unlike = [one for one in given if not same(one[1], fault(*one[0]), *one[0])]
+            innocent = all(same(got, right(*case), *case) for case, got in unlike)
+            if innocent and len(unlike) < fewest:
+                best, fewest = f". In part of the cases: {words}", len(unlike)
+    return best
 
 
 def _unused(given: list[tuple[tuple, Any]], right: Function) -> str | None:
@@ -143,7 +186,7 @@ def _unused(given: list[tuple[tuple, Any]], right: Function) -> str | None:
             matters.setdefault(differ[0], []).append(_equal(got, answer))
     names = list(signature(right).parameters)
     unused = [names[i] for i, unchanged in matters.items() if len(unchanged) > 1 and all(unchanged)]
-    return f"another {unused[0]} never changes your answer; use the argument" if unused else None
+    return f"another {unused[0]} never changes your answer; it should" if unused else None
 
 
 def _equal(first: Any, second: Any) -> bool:  # noqa: ANN401 - arguments and answers of any kind

@@ -8,7 +8,9 @@ import os
 import pickle
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from importlib import import_module
+from inspect import signature
 from multiprocessing.connection import Client, Connection
 from pathlib import Path
 from typing import Any
@@ -53,10 +55,13 @@ class _Answer:
                 message = to_check(("raised", *error_parts(error), place(error), key))
             self.connection.send_bytes(message)
 
-    def load(self, file: str, text: bytes, name: str) -> None:
-        """Run the student's file, whose lines can then be shown."""
+    def load(self, file: str, text: bytes, name: str) -> list[str]:
+        """Run the student's file, whose lines can then be shown; the names of its arguments."""
         Path(file).write_bytes(text)
         self.function = read(Path(file), name)
+        with suppress(TypeError, ValueError):
+            return list(signature(self.function).parameters)
+        return []
 
     def call(self, *arguments: Any, **named: Any) -> Any:  # noqa: ANN401
         """Call the student's function."""

@@ -6,6 +6,8 @@ import dataclasses
 import io
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
+from inspect import Parameter, Signature
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -44,9 +46,12 @@ class StandIn:
             TimeUp: when that takes too long.
         """
         try:
-            self._ask("load", (file, text, name), {})
+            names = self._ask("load", (file, text, name), {})
         except Exception as error:
             raise InputError(str(error) or f"{file} does not run ({words_of(error)})") from None
+        with suppress(Exception):  # for messages alone
+            kind = Parameter.POSITIONAL_OR_KEYWORD
+            self.__signature__ = Signature([Parameter(str(name), kind) for name in names])
         self._latest = time.monotonic() + guard.WAITING
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:  # noqa: ANN401

@@ -98,6 +98,9 @@ _FAULTS = {
     "the turning rate has the tangent of the steering angle, not its sine": _with_turn(
         lambda v, steering, wheelbase, dt: v * np.sin(steering) / wheelbase * dt
     ),
+    "the turning rate has the tangent of the steering angle, np.tan, not its inverse": _with_turn(
+        lambda v, steering, wheelbase, dt: v * np.arctan(steering) / wheelbase * dt
+    ),
     "the turn is the turning rate times the seconds": _with_turn(
         lambda v, steering, wheelbase, dt: v * np.tan(steering) / wheelbase
     ),
@@ -196,6 +199,15 @@ def _topics() -> list[Topic]:
             "a fast car with its wheels turned far",
             "limit nothing here: the car's motors limit steering and speed before this function",
             [(pose, 1.5, 0.0, 0.3, 0.02), (pose, -1.0, 0.0, 0.3, 0.02), (pose, 0.5, 0.7, 0.3, 0.1)],
+        ),
+        Topic(
+            "a slow car, and one whose wheels are hardly turned",
+            "a slow car moves, and a small steering angle turns it: leave no small number out",
+            [
+                (pose, 0.03, 0.4, 0.3, 0.1),
+                (pose, 0.8, 0.02, 0.3, 0.1),
+                (pose, 0.8, -0.02, 0.3, 0.1),
+            ],
         ),
         Topic(
             "30 random steps",

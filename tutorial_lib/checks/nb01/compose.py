@@ -140,6 +140,15 @@ def _topics() -> list[Topic]:
             [case([2.0, 0.0, -2.8], [1.0, 0.0, -1.4])],
         ),
         Topic(
+            "no motion, a step of 2 cm and a turn of 0.03",
+            "a track is made of many small motions: leave none of them out",
+            [
+                case([1.0, 2.0, 0.4], [0.0, 0.0, 0.0]),
+                case([1.0, 2.0, 0.4], [0.02, 0.01, 0.03]),
+                case([1.0, 2.0, 0.02], [1.0, 0.0, 0.01]),
+            ],
+        ),
+        Topic(
             "30 random pairs",
             "the simple cases are right; does a part of your formula hold for some headings only?",
             [tuple(pair) for pair in pairs],

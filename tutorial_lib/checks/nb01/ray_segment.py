@@ -8,6 +8,7 @@ from tutorial_lib.checks.framework.answers import numbers
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.checks.framework.topics import Topic, judge_topics
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 
 _PARALLEL = 1e-12
@@ -102,6 +103,12 @@ _FAULTS = {
     "u has the wrong sign: both fractions have a - o above and d x (b - a) below": _variant(
         lambda t, u: t >= 0 and -1 <= u <= 0
     ),
+    "the wall runs from a to b: subtract a from b": (
+        lambda origin, direction, start, end: ray_segment(origin, direction, start, start + end)
+    ),
+    "the offset runs from the ray's origin to the wall's start: subtract o from a": (
+        lambda origin, direction, start, end: ray_segment(0 * origin, direction, start, end)
+    ),
     "u is a share of the wall's length; do not divide b - a by its length": _unit_wall,
     "a parallel wall is missed: return np.inf before you divide by zero": _variant(parallel=np.nan),
     "a parallel wall is missed: its answer, too, is np.inf": _variant(parallel=0.0),
@@ -150,15 +157,17 @@ def _topics() -> list[Topic]:
         ),
         both(
             "a wall that the ray just misses",
-            "beyond an end by a centimetre is a miss, too: u runs from 0 to 1, exactly",
+            "beyond an end by a centimetre or less is a miss, too: u runs from 0 to 1, exactly",
             case(by, ahead, [2, 0.26], [2, 1.26]),
             case(by, ahead, [2, -0.75], [2, 0.24]),
+            case(by, ahead, [2, 0.2501], [2, 1.2501]),
         ),
         both(
             "a wall behind the robot",
             "a ray runs one way only: t is negative, so it misses",
             case(by, ahead, [-1, -1], [-1, 1]),
             case(by, ahead, [0.25, -1], [0.25, 1]),
+            case(by, ahead, [0.4999, -1], [0.4999, 1]),
             case(by, slanted, [-2, 0], [2, -2]),
         ),
         both(
@@ -199,6 +208,7 @@ def _topics() -> list[Topic]:
             "a wall that is almost parallel to the ray",
             "a small denominator is not zero: only 1e-12 or less counts as parallel",
             case(at, ahead, [10, -0.0001], [20, 0.0001]),
+            case(at, ahead, [1, -2e-10], [3, 2e-10]),
         ),
         both(
             "walls of 1 cm and of 1 mm",
@@ -243,7 +253,7 @@ def _form(what: str, answer: object, *case: Array) -> Array:
     if answer is None and np.isinf(ray_segment(*case)):
         raise WrongAnswer(f"{what}: nothing came back; a ray that misses returns np.inf")
     if isinstance(answer, list | tuple):
-        raise WrongAnswer(f"{what}: a {type(answer).__name__} came back; return one number")
+        raise WrongAnswer(f"{what}: {kind(answer)} came back; return one number")
     if np.shape(answer) == (2,):
         raise WrongAnswer(f"{what}: a point came back; return how far away it is, one number")
     if np.shape(answer):

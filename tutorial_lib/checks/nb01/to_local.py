@@ -76,9 +76,6 @@ _FAULTS = {
     "points behind the robot lie at a negative x; do not cut or drop the sign": (
         lambda pose, points: np.maximum(geometry.to_local(pose, points), [0, -np.inf])
     ),
-    "the answers are whole numbers; return all digits": (
-        lambda pose, points: np.trunc(geometry.to_local(pose, points))
-    ),
     "points to the right of the robot lie at a negative y; do not drop the sign": (
         lambda pose, points: (
             np.abs(geometry.to_local(pose, points) * [0, 1])
@@ -87,12 +84,6 @@ _FAULTS = {
     ),
     "the formula of the new y is that of x with another sign; it is cos * dy - sin * dx": (
         _y_from_x
-    ),
-    "the answers are rounded; return all digits": (
-        lambda pose, points: np.round(geometry.to_local(pose, points), 2)
-    ),
-    "the answers are rounded to millimetres; return all digits": (
-        lambda pose, points: np.round(geometry.to_local(pose, points), 3)
     ),
     "the heading goes through an arctan, which takes half a turn from some": (
         lambda pose, points: _turned(-np.arctan(np.tan(pose[2])), points - pose[:2])
@@ -140,6 +131,11 @@ def _topics() -> list[Topic]:
             "their local coordinates have digits: np.zeros_like and astype take over the type of "
             "whole numbers, which cuts them off",
             [(np.array([1.0, 2.0, 0.7]), np.array([[2, 1], [-1, 3], [0, 0]]))],
+        ),
+        Topic(
+            "points within 5 cm of the robot, and a heading of 0.03",
+            "a near point is a point like any other, and a small turn a turn: leave nothing out",
+            [(np.array([1.0, 2.0, 0.03]), np.array([[1.03, 2.02], [0.96, 1.99], [1.001, 2.0]]))],
         ),
         Topic(
             "20 random poses with one to nine points",

@@ -177,6 +177,24 @@ FAULTS = {
     "the number of rows is an argument; a row is not always 2s / 16 high": (
         lambda depth, rows: _cells(Camera().slope, _height(16), depth, rows)
     ),
+    "the number of rows is an argument; a row is not always 2s / 64 high": (
+        lambda depth, rows: _cells(Camera().slope, _height(64), depth, rows)
+    ),
+    "a row is h = 2s / rows high, not 2s / (rows - 1)": (
+        lambda depth, rows: _cells(Camera().slope, _height(max(rows - 1, 1)), depth, rows)
+    ),
+    "the wall's foot lies below the horizon, at the slope -0.25 / depth: a minus is missing": (
+        lambda depth, rows: _shares(_ABOVE / depth, EYE / depth, rows)
+    ),
+    "divide the overlap by the height of a row, h = 2s / rows; times rows is not the same": (
+        lambda depth, rows: wall_share(depth, rows) * _height(rows) * rows
+    ),
+    "the row that the wall's foot cuts is covered in part, too, as the one of its upper end is": (
+        lambda depth, rows: _shares(_ABOVE / depth, -np.inf, rows) * (wall_share(depth, rows) > 0)
+    ),
+    "a row of which the wall covers a few hundredths has that share; leave none out": (
+        lambda depth, rows: np.where(wall_share(depth, rows) < 0.05, 0, wall_share(depth, rows))
+    ),
 }
 
 

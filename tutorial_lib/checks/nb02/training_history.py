@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb02.training_arrays import close_arrays
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.training_probe import Trace
@@ -17,8 +18,9 @@ def history_mistake(got: Trace, want: Trace) -> str | None:
         return f"nothing came back; {words} evaluation"
     if not isinstance(got.history, list | tuple) or len(got.history) != len(want.history):
         count = f" of {len(got.history)}" if isinstance(got.history, list | tuple) else ""
-        kind = type(got.history).__name__
-        return f"a {kind}{count} came back; {words} of the {len(want.history)} evaluations"
+        return (
+            f"{kind(got.history)}{count} came back; {words} of the {len(want.history)} evaluations"
+        )
     rows = list(_rows(got.history))
     if any(isinstance(row, str) for row in rows):
         return next(row for row in rows if isinstance(row, str))

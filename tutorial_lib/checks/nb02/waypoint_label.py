@@ -70,6 +70,11 @@ def _topics() -> list[Topic]:
             [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
         ),
         Topic(
+            "a waypoint 3 cm away",
+            "there is no smallest distance: a place beside the car counts",
+            [case([0.6, 0.03, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
+        ),
+        Topic(
             "target behind, in sight",
             BEHIND,
             [case([2.1, 1.5, 1.6], CORNER, 35, 25, among([CORNER_WALL]))],

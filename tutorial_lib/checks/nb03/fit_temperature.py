@@ -51,6 +51,10 @@ _CASES: dict[str, Case] = {
     "soft labels": _logits(1.8, soft=True),
     "a network that is hardly sure of anything": _logits(0.08, seed=3),
     "a network that is far too sure": _logits(14.0, seed=4),
+    "a few pairs of which a network is wrongly very sure": (
+        np.concatenate([np.tile([1.0, -1.0], 100), np.full(40, 12.0)]),
+        np.concatenate([np.tile([1.0, 0.0], 80), np.tile([0.0, 1.0], 20), np.arange(40) != 7]),
+    ),
     "few pairs": _logits(1.3, count=40, seed=8),
     "a network that is always right, so that the lowest temperature is best": (
         _ALWAYS,

@@ -10,6 +10,7 @@ import numpy as np
 from tutorial_lib.checks.framework import answers
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 
 _SAID = {
@@ -39,7 +40,7 @@ def one_number(what: str, got: Any, meaning: str) -> float:  # noqa: ANN401 - st
         words = f"an array of shape {got.shape} came back"
         raise WrongAnswer(f"{what}: {words}; return one number, {meaning}")
     if not isinstance(got, int | float | np.number | np.ndarray) or np.iscomplexobj(got):
-        raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return {meaning}, a number")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; return {meaning}, a number")
     try:
         return float(got)
     except (TypeError, ValueError):
@@ -60,7 +61,7 @@ def vector(what: str, got: Any, length: int, meaning: str) -> Array:  # noqa: AN
     """
     got = returned(what, got)
     if not isinstance(got, np.ndarray):
-        words = f"a {type(got).__name__} came back; return {meaning}"
+        words = f"{kind(got)} came back; return {meaning}"
         raise WrongAnswer(f"{what}: {words}, a numpy array of shape ({length},)")
     if got.shape != (length,):
         words = f"an array of shape {got.shape} came back; return {meaning}"

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.wording import times
 from tutorial_lib.checks.nb03.forms import calling, vector
 from tutorial_lib.checks.nb03.mining_pools import POOLS, Pool, Rollouts
 from tutorial_lib.geometry import Array
@@ -137,7 +138,7 @@ def _demand_pairs(
     told = f"RE {{:.4g}}, and sure is {pool.sure}"
     words = ""
     if (counts > 1).any():
-        words = f"pair {values[counts > 1][0]} comes {counts.max()} times; each comes once"
+        words = f"pair {values[counts > 1][0]} comes {times(counts.max())}; each comes once"
     elif missing.size:
         words = f"pair {missing[0]} has a label, {pool.labels[missing[0]]:.0f}, and is missing; "
         words += "all pairs whose label is known belong to the training set"

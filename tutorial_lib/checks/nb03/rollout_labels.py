@@ -18,6 +18,7 @@ from tutorial_lib.checks.nb03.rollout_stories import (
     STORIES,
     Case,
     at_limits,
+    last_moment,
     random_rollouts,
     rollouts_of,
 )
@@ -29,6 +30,7 @@ from tutorial_lib.viz.canvas.labels import label
 _CASES: dict[str, Case] = {
     "single stories": rollouts_of(),
     "exactly at the limits": at_limits(),
+    "near in the last moment alone": last_moment(),
     "uneven times": random_rollouts(9, 40, 1),
     "as many moments as cars": random_rollouts(12, 12, 2),
     "one car": random_rollouts(30, 1, 11),

@@ -59,6 +59,14 @@ def at_limits() -> Case:
     return times, gaps, touched, np.full(3, 3.0)
 
 
+def last_moment() -> Case:
+    """Two cars that are near in the last of three moments alone; one touches something then."""
+    gaps = np.array([[2.0, 2.0, 0.1], [1.0, 1.0, 2.0], [0.2, 0.2, 3.0]])
+    touched = np.zeros(gaps.shape, dtype=bool)
+    touched[2, 1] = True
+    return np.array([0.0, 4.0, 8.0]), gaps, touched, np.full(3, 2.0)
+
+
 def random_rollouts(moments: int, cars: int, seed: int) -> Case:
     """Rollouts at uneven times; some touch something, and half of them come near somewhere."""
     rng = np.random.default_rng(seed)

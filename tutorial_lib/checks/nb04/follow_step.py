@@ -13,6 +13,7 @@ import numpy as np
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb04.follow_words import (
     FAULTS,
     NEARER,
@@ -204,30 +205,33 @@ def _form(what: str, got: Any, *_: object) -> Answer:  # noqa: ANN401 - students
     """A memory and a point, of the right form."""
     memory, target = parts(what, got, 2, "return memory, target: a Memory, and a point or None")
     if not isinstance(memory, Memory):
-        words = f"the first thing that came back is a {type(memory).__name__}; return a Memory"
+        words = f"the first thing that came back is {kind(memory)}; return a Memory"
         raise WrongAnswer(f"{what}: {words}, as Memory(...) or memory._replace(...) makes it")
     if not all(map(whole, memory[:3])) or int(memory.state) not in list(State):
         words = "memory.state is a State, memory.active and memory.visited are whole numbers"
         raise WrongAnswer(f"{what}: {words}; yours are {memory[:3]}")
+    state = State(int(memory.state))
+    if state in (State.LOST, State.DONE) and target is None:  # the rest no longer matters
+        return memory._replace(state=state), None
     place = _point(f"{what}: memory.place", memory.place)
     for name in ("waited", "nearest"):
         value = getattr(memory, name)
         if not isinstance(value, int | float | np.number) or isinstance(value, bool):
-            words = f"memory.{name} is a {type(value).__name__}; it is a number"
+            words = f"memory.{name} is {kind(value)}; it is a number"
             raise WrongAnswer(f"{what}: {words}")
     if target is not None:
         target = _point(f"{what}: the point to drive to", target)
-    return memory._replace(place=place, state=State(int(memory.state))), target
+    return memory._replace(place=place, state=state), target
 
 
 def _point(what: str, got: Any) -> Array:  # noqa: ANN401
     try:
         point = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
-        raise WrongAnswer(f"{what} is a {type(got).__name__}; it is an array (2,)") from None
+        raise WrongAnswer(f"{what} is {kind(got)}; it is an array (2,)") from None
     if point.shape != (2,) or not isinstance(got, np.ndarray | list | tuple):
-        kind = f"shape {point.shape}" if isinstance(got, np.ndarray) else type(got).__name__
-        raise WrongAnswer(f"{what} has {kind}; it is an array (2,)")
+        form = f"has shape {point.shape}" if isinstance(got, np.ndarray) else f"is {kind(got)}"
+        raise WrongAnswer(f"{what} {form}; it is an array (2,)")
     return point
 
 

@@ -9,20 +9,20 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.wording import kind
 
 
 def frame_indices(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401
     """The indices of frames (A,) that a student returned."""
     got = returned(what, got)
-    kind = type(got).__name__
     if not isinstance(got, np.ndarray | list | tuple):
         words = "return the indices of the frames, an array or a list"
-        raise WrongAnswer(f"{what}: a {kind} came back; {words}")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; {words}")
     try:
         numbers = np.asarray(got, dtype=float)
     except (TypeError, ValueError):
         words = "return whole numbers, the indices of the frames"
-        raise WrongAnswer(f"{what}: the {kind} holds other things; {words}") from None
+        raise WrongAnswer(f"{what}: the {type(got).__name__} holds other things; {words}") from None
     if np.asarray(got).dtype == bool:
         words = "return the indices, as np.flatnonzero gives them"
         raise WrongAnswer(f"{what}: these are True and False; {words}")

@@ -188,6 +188,7 @@ _CASES = [
     _step("Follow, RE(active) of exactly p_lose", _F, observe("", 1, 0, _EXACT, _BESIDE)),
     _step("Dead reckoning, RE of exactly p_follow", _D, observe("", 1, 0, _EVEN, _BESIDE), 1.0),
     _step("Search, none reachable", _S, _sought((0.6, 0.9, 0.5, 0.4))),
+    _step("Search, the last one reachable, at", _S, _sought((0.6, 0.5, 0.4, 0.95)), 0.0, True),
     _step("Search, other rules", _S, _sought((0.1, 0.75, 0.5), OTHER_RULES)),
     _step("Follow, under way", _F, OBSERVATIONS["way"]),
     _step("Follow, the next anchor reachable and near", _F, OBSERVATIONS["next"]),

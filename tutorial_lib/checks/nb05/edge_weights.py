@@ -63,6 +63,7 @@ _LOOPS = DRIVEN | np.eye(6, dtype=bool)
 _CASES = (
     ("the map above", BY_HAND, DRIVEN, 0.9),
     ("another p_edge", BY_HAND, DRIVEN, 0.5),
+    ("RE of 0.995 and of 0.9999", np.where(BY_HAND > 0.98, 0.9999, BY_HAND + 0.005), DRIVEN, 0.9),
     ("RE equals p_edge", np.where(BY_HAND == 0.3, 0.9, BY_HAND), DRIVEN, 0.9),
     ("a diagonal below p_edge", np.where(np.eye(6, dtype=bool), 0.2, BY_HAND), DRIVEN, 0.9),
     ("driven both ways", BY_HAND, _TWO_WAYS, 0.9),

@@ -11,6 +11,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb05.insert_faults import FAULTS
 from tutorial_lib.checks.nb05.insert_maps import CASES, EXAMPLE, Case
 from tutorial_lib.checks.nb05.small_map import SmallMap, insert, through
@@ -75,7 +76,7 @@ def _check_form(
 ) -> None:
     """Demand a map of the right form, whose table and trajectory did not change."""
     if back is not None and back is not grown:
-        words = f"a {type(back).__name__} came back; change the map that is given, return nothing"
+        words = f"{kind(back)} came back; change the map that is given, return nothing"
         raise WrongAnswer(f"{what}: {words}")
     same = np.array_equal(grown.reach, case.reach) and np.array_equal(given[1], case.scores)
     if not same or not np.array_equal(given[0], own):

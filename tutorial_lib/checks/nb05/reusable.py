@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.answers import calling
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.mapping import edge_rules
 
@@ -43,6 +44,7 @@ _CASES: dict[str, Case] = {
         ("the last one fits", [0.2, 0.99], [0.2, 0.99], [1, 1], 0.9),
         ("none is allowed", [0.99, 0.98], [0.99, 0.98], [0, 0], 0.9),
         ("a low threshold", [0.1, 0.3, 0.2], [0.2, 0.15, 0.3], [1, 1, 1], 0.05),
+        ("p_reuse = 0 and small RE", [0.1, 0.2, 0.0], [0.1, 0.1, 0.9], [1, 1, 1], 0.0),
         ("never reuse", [1.0, 1.0], [1.0, 1.0], [1, 1], 1.0),
         ("one vertex", [0.99], [0.98], [1], 0.97),
     )
@@ -158,7 +160,7 @@ def _vertex(what: str, got: Any, into: Array, *_: object) -> int:  # noqa: ANN40
     if isinstance(got, np.ndarray) and got.shape == () and got.dtype.kind == "i":
         whole = True
     if not whole:
-        shown = f"a {type(got).__name__}" if isinstance(got, np.ndarray | list) else repr(got)
+        shown = kind(got) if isinstance(got, np.ndarray | list) else repr(got)
         words = "return the index of one vertex, a whole number, or -1"
         raise WrongAnswer(f"{what}: {shown} came back; {words}")
     if not -1 <= int(got) < max(len(into), 1):

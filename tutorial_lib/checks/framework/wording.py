@@ -1,0 +1,25 @@
+"""Words that generated messages share."""
+
+from __future__ import annotations
+
+from typing import Any
+
+_COUNTED = {0: "never", 1: "once", 2: "twice"}
+
+
+def kind(value: Any) -> str:  # noqa: ANN401 - whatever students return
+    """The type of a value with its article: "an int", "a list"; "None" for None."""
+    name = type(value).__name__
+    if value is None:
+        return "None"
+    return f"{'an' if name[0] in 'aeioAEIO' or name == 'ndarray' else 'a'} {name}"
+
+
+def times(count: int) -> str:
+    """How often: "never", "once", "twice", "3 times"."""
+    return _COUNTED.get(count, f"{count} times")
+
+
+def number_of(count: int, one: str) -> str:
+    """So many of something, of which one is called `one`: "1 step", "2 steps"."""
+    return f"{count} {one}{'' if count == 1 else 's'}"
