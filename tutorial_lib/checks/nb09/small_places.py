@@ -38,7 +38,7 @@ class PlacesRobot:
         self.log: list[tuple[object, ...]] = []
         self._place, self._nodes, self._last = 0, dict[int, int](), -1
         self._heading, self._seen = 0.0, dict[int, Array]()  # of nodes: their poses
-        self._false, self._visits = set(building.deceptive), Counter({0: 1})
+        self._false, self._visits = {*building.deceptive, *building.persistent}, Counter({0: 1})
         self._remembered = False  # since the last drive
         self._questions, self._arrived_short = Counter[str](), False
         self._arrived = False
@@ -152,7 +152,8 @@ class PlacesRobot:
             self.steps = 0
             return arrived
         if self._sees(self._false):
-            self._false.discard(self._place)
+            if self._place not in self._building.persistent:
+                self._false.discard(self._place)
             self.steps = max(self.steps - 5, 0)
             return False
         words = "look first: only where robot.sees_goal() returns True"
