@@ -98,7 +98,9 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
 def _play(explores: Callable[..., Any], building: Building) -> tuple[Any, list[tuple[object, ...]]]:
     """What comes back, and where the robot was driven."""
     robot = PlacesRobot(building)
-    return explores(robot), robot.log
+    found = explores(robot)
+    robot.demand_untouched()
+    return found, robot.log
 
 
 def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any:  # noqa: ANN401
