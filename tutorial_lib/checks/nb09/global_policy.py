@@ -118,7 +118,7 @@ _FAULTS = {
     "finds none": "above 0",
     "`weight` itself multiplies the distance, also where it is below 1": "switch",
     "`weight` may be more than 1": "at most 1",
-    "`weight` says how much travelling counts; in yours it changes nothing here": "no travel",
+    "`weight` says how much travelling counts; in yours it changes nothing": "no travel",
     "`weight` says how much travelling counts; yours always counts it": "always",
 }
 
@@ -185,8 +185,6 @@ _CASES = {
         3,
         0.0,
     ),
-    "the goal over short edges, and travelling costs": (_ROUND, 0, {(1, 2)}, _SCORES, 3, 1.0),
-    "the ghost over short edges, and travelling costs": _costs(_ROUND, 0, {(3, 1): 0.9}),
     "scores of 0 and below": (
         _ROW,
         1,
@@ -194,12 +192,6 @@ _CASES = {
         {(0, 1): -0.4, (3, 1): -0.2},
         None,
         0.0,
-    ),
-    "a fraction of a metre decides, and it would be rounded away": _costs(
-        _graph((0, 1, 3.4), (0, 2, 2.6)), 0, {(1, 1): 0.72, (2, 1): 0.70}
-    ),
-    "both more than 20 m away": _costs(
-        _graph((0, 1, 24.0), (0, 2, 34.0)), 0, {(1, 1): 0.5, (2, 1): 0.8}
     ),
     "the goal is in node 0": (_ROW, 2, {(3, 4)}, _SCORES, 0, 0.0),
     "the goal is in the robot's node": (_ROW, 2, {(0, 4)}, _SCORES, 2, 0.0),
@@ -231,6 +223,14 @@ _CASES = {
     ),
     "travelling costs half as much": _costs(_ROW, 0, {(0, 1): 0.5, (3, 1): 0.7}, 0.5),
     "travelling costs twice as much": _costs(_ROW, 0, {(0, 1): 0.1, (3, 1): 0.9}, 2.0),
+    "the goal over short edges, and travelling costs": (_ROUND, 0, {(1, 2)}, _SCORES, 3, 1.0),
+    "the ghost over short edges, and travelling costs": _costs(_ROUND, 0, {(3, 1): 0.9}),
+    "a fraction of a metre decides, and it would be rounded away": _costs(
+        _graph((0, 1, 3.4), (0, 2, 2.6)), 0, {(1, 1): 0.72, (2, 1): 0.70}
+    ),
+    "both more than 20 m away": _costs(
+        _graph((0, 1, 24.0), (0, 2, 34.0)), 0, {(1, 1): 0.5, (2, 1): 0.8}
+    ),
     **{f"at random ({seed})": _random(seed) for seed in range(9)},
 }
 

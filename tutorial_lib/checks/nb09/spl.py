@@ -144,7 +144,7 @@ def check_spl(student: Callable[..., Any]) -> None:
             {ValueError: "the arguments are arrays, a number for each episode; np.maximum, not max"}
         ),
         form=_formed,
-        same=partial(close, tolerance=1e-9),
+        same=partial(close, tolerance=1e-6),
         difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",
     )
 
