@@ -5,7 +5,8 @@ import math
 from collections import Counter, defaultdict
 from itertools import pairwise
 
-from tutorial_lib.checks.nb06 import check_decide
+from tutorial_lib.checks.nb06 import check_decide, check_navigate
+from tutorial_lib.checks.nb06.join_ends import join_ends
 from tutorial_lib.checks.nb06.navigate import without
 
 HERE, GOAL = -1, -2
@@ -241,7 +242,7 @@ def most_probable_path__right_by_bellman_and_ford(graph, start, goal):
 
 
 def join_ends__changes_the_map(graph, from_here, to_goals, p_here, p_goal):
-    """your function changes its argument 1"""
+    """your function changes its argument graph"""
     graph[HERE] = {v: p for v, p in from_here.items() if p > p_here}
     graph[GOAL] = {}
     return graph
@@ -705,7 +706,7 @@ def tally__gives_a_list(trips):
 
 
 def tally__gives_shares(trips):
-    """give (tried, passed)"""
+    """give a tuple of two, (tried, passed)"""
     return {edge: b / a for edge, (a, b) in _counted(trips, _judged).items()}
 
 
@@ -1513,7 +1514,7 @@ def tally__passed_first(trips):
 
 
 def tally__mutates(trips):
-    """your function changes its argument 1; it is needed again for the next plan;"""
+    """your function changes its argument trips; it is needed again"""
     c = {}
     while trips:
         path, stopped = trips.pop()
@@ -1620,3 +1621,63 @@ def navigate__refuses_after_the_goal(robot, graph, rules, limits):
 def navigate__gives_up_before_the_last_look(robot, graph, rules, limits):
     """where a look is due, it comes before giving up"""
     return _driven_by(robot, graph, rules, limits, last_look=False)
+
+
+# Ties, small values, the last step, vertex 0
+
+
+def join_ends__rounds(graph, from_here, to_goals, p_here, p_goal):
+    """is it rounded? RE stays as it is"""
+    joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
+    joined[HERE] = {v: round(p, 2) for v, p in joined[HERE].items()}
+    return joined
+
+
+def join_ends__shares_what_it_does_not_change(graph, from_here, to_goals, p_here, p_goal):
+    """the new graph shares inner dictionaries with the map"""
+    joined = join_ends(graph, from_here, to_goals, p_here, p_goal)
+    return {v: graph[v] if graph.get(v) == out else out for v, out in joined.items()}
+
+
+def decide__rounds(graph, from_here, to_goals, rules):
+    """compare the probability as it is, not rounded"""
+    path, p, reason = check_decide.reference(graph, from_here, to_goals, rules)
+    starts = reason == "too improbable" and round(p, 2) >= rules.least
+    return path, p, "" if starts else reason
+
+
+def travel__knows_no_vertex_0(plan, drive, replans):
+    """vertex 0 is a vertex of the map like the others"""
+    excluded = set()
+    for _ in range(replans + 1):
+        path = plan(set(excluded))
+        if not path:
+            break
+        stopped = drive(path)
+        if stopped is None:
+            return True, excluded
+        if path[stopped] > 0:
+            excluded.add(path[stopped])
+    return False, excluded
+
+
+def navigate__wastes_the_last_step(robot, graph, rules, limits):
+    """the ending is 'arrived', not 'late'"""
+    steps = 0
+
+    class Watched:
+        look = robot.look
+        active = property(lambda self: robot.active)
+
+        def turn(self):
+            nonlocal steps
+            steps += 1
+            robot.turn()
+
+        def follow(self, path):
+            nonlocal steps
+            steps += 1
+            return robot.follow(path)
+
+    ending, *rest = check_navigate.reference(Watched(), graph, rules, limits)
+    return "late" if ending == "arrived" and steps == limits.steps else ending, *rest

@@ -5,10 +5,16 @@ The check must say the docstring; answers called right must pass.
 
 from collections import Counter
 from itertools import groupby, pairwise
+from types import SimpleNamespace
 
 import numpy as np
 
-from tutorial_lib.checks.nb07 import distance
+from tutorial_lib.checks.nb07 import (
+    check_around_cycles,
+    check_match_sequence,
+    check_track,
+    distance,
+)
 from tutorial_lib.checks.nb07.predict import predict as moved_on
 from tutorial_lib.checks.nb07.update import update as looked
 
@@ -537,7 +543,7 @@ def around_cycles__removes(graph, visited, cycle, bias):
 
 
 def around_cycles__changes_the_map(graph, visited, cycle, bias):
-    """your function changes its arguments"""
+    """your function changes the map"""
     n = _counts(visited)
     for out in graph.values():
         for w in out:
@@ -980,3 +986,34 @@ def track__waits_from_the_last_look_at_rest(odometry, look, lengths, onward, rul
 def track__greatest_of_the_vertices(odometry, look, lengths, onward, rules):
     """look for it among all states"""
     return _with_base(odometry, look, lengths, onward, rules, all_states=False)
+
+
+# Ties, small values
+
+
+def predict__drops_small_motions(belief, motion, lengths, onward):
+    """small motions count as well"""
+    return moved_on(belief, np.where(motion < 0.05, 0, motion), lengths, onward)
+
+
+def match_sequence__cuts_off_above_1(likelihoods, before):
+    """a likelihood may be above 1"""
+    return check_match_sequence.reference(np.minimum(likelihoods, 1), before)
+
+
+def track__leaves_at_equality(odometry, look, lengths, onward, rules):
+    """just rules.hysteresis times the greatest keeps the vertex"""
+    rules = SimpleNamespace(**{**vars(rules), "hysteresis": np.nextafter(rules.hysteresis, 2)})
+    return check_track.reference(odometry, look, lengths, onward, rules)
+
+
+def track__least_off_the_map(odometry, look, lengths, onward, rules):
+    """rules.least is for the vertices"""
+    rules = SimpleNamespace(**{**vars(rules), "unknown": max(rules.unknown, rules.least)})
+    return check_track.reference(odometry, look, lengths, onward, rules)
+
+
+def around_cycles__drops_edges_of_0(graph, visited, cycle, bias):
+    """an edge stays also where its RE becomes 0"""
+    found, new = check_around_cycles.reference(graph, visited, cycle, bias)
+    return found, {v: {w: p for w, p in out.items() if p} for v, out in new.items()}

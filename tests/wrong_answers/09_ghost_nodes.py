@@ -362,7 +362,7 @@ def global_policy__any_direction(graph, here, ghosts, scores, goal=None, weight=
 
 
 def global_policy__no_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """yours never looks at it"""
+    """in yours it changes nothing"""
     path, ghost = _policy(graph, here, ghosts, scores, goal, 0.0)
     return path[:2][-1], ghost
 
@@ -722,7 +722,7 @@ def explore__edges_of_one_metre(robot):
 
 
 def explore__no_edges(robot):
-    """None: no such edge"""
+    """is missing: each new node gets edges"""
     return _loop(robot, no_edges=True)
 
 
@@ -898,3 +898,38 @@ def explore__edges_with_a_weight(robot):
 def explore__steps_called(robot):
     """robot.steps is a number, without parentheses"""
     return _loop(robot) if robot.steps() > 0 else None
+
+
+# One branch only, costs, the last step, aliases
+
+
+def explorable__rounds_the_radius(free, radius):
+    """round the cells of the points, not the radius"""
+    turns = np.arange(12) * np.pi / 6
+    at = len(free) // 2 + np.rint(
+        round(radius / 0.1) * np.array([np.sin(turns), np.cos(turns)])
+    ).astype(int)
+    return path_lengths(free)[tuple(at)] <= 1.05 * radius
+
+
+def global_policy__fewest_edges_to_the_goal(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """the path to the node of the goal is the shortest in metres, too"""
+    node, ghost = chosen(graph, here, ghosts, scores, goal, weight)
+    return (node if goal is None else nx.shortest_path(graph, here, goal)[:2][-1]), ghost
+
+
+def global_policy__caps_the_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """the cost goes on growing beyond 20 m"""
+    far = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+    worth = {g: scores[g] - weight * min(far[g[0]] / 20, 1) for g in ghosts}
+    return chosen(graph, here, ghosts, worth, goal)
+
+
+def add_ghosts__gives_the_same_set_back(ghosts, node, explorable, beside):
+    """return a new set, also where nothing changes"""
+    return added(ghosts, node, explorable, beside) if any(explorable) or beside else ghosts
+
+
+def spl__at_rest(success, shortest, travelled):
+    """it counts fully"""
+    return np.mean(success * (travelled > 0) * shortest / np.maximum(shortest, travelled))

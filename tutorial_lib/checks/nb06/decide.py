@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -89,6 +90,13 @@ def _decided(
             enough = min(joined_edges(path)) >= rules.least
         if fault == "strict":
             enough = probability > rules.least
+        if fault == "rounded":
+            enough = round(probability, 2) >= rules.least
+        if fault == "weakest" and path:
+            probability = min(joined_edges(path))
+            enough = probability >= rules.least
+        if fault == "path of the second plan" and not enough:
+            path, probability = found(rules.p_query)
         if fault == "p_goal for all":
             enough = probability > rules.p_goal
         if not enough and fault == "empty":
@@ -150,6 +158,24 @@ _BY_OTHER_RULES: dict[str, Callable[..., Decision]] = {
     "goal from here again": _otherwise(_USUAL, ("p_goal", "p_query")),
     "no second path": _emptied("not on the map"),
     "no improbable path": _emptied("too improbable"),
+    "refused without path": lambda *case: (
+        ([], *decide(*case)[1:]) if decide(*case)[2] == "too improbable" else decide(*case)
+    ),
+    "refused without probability": lambda *case: (
+        (decide(*case)[0], 0.0, "too improbable")
+        if decide(*case)[2] == "too improbable"
+        else decide(*case)
+    ),
+    "first image": lambda graph, here, goals, rules: decide(graph, here, goals[:1], rules),
+    "never directly": lambda graph, here, goals, rules: decide(
+        graph, here, [{v: p for v, p in image.items() if v != HERE} for image in goals], rules
+    ),
+    "p_query is 0.5": lambda graph, here, goals, rules: decide(
+        graph, here, goals, DijkstraPlanner(rules.least, 0.5, rules.p_goal)
+    ),
+    "p_goal is 0.985": lambda graph, here, goals, rules: decide(
+        graph, here, goals, DijkstraPlanner(rules.least, rules.p_query, 0.985)
+    ),
     "inner path": lambda *case: (decide(*case)[0][1:-1], *decide(*case)[1:]),
     "half": lambda graph, here, goals, rules: decide(
         graph, here, goals, DijkstraPlanner(0.5, rules.p_query, rules.p_goal)
@@ -183,6 +209,21 @@ _FAULTS = {
     ),
     "the path leads from HERE to GOAL; both belong to it": "inner path",
     "rules.least is not always 0.5": "half",
+    "rules.p_query is not always 0.5": "p_query is 0.5",
+    "rules.p_goal is not always 0.985": "p_goal is 0.985",
+    "return the path also where it is too improbable: the user may overrule it": (
+        "refused without path"
+    ),
+    "return the probability also where it is too low: the user wants to see it": (
+        "refused without probability"
+    ),
+    "where the first plan is too improbable, its own path and probability are returned": (
+        "path of the second plan"
+    ),
+    "compare the probability as it is, not rounded, with rules.least": "rounded",
+    "the probability of a path is the product of its edges, not the weakest of them": "weakest",
+    "all goal images count; yours looks at the first only": "first image",
+    "the goal may be in sight: the edge from HERE to GOAL is a path as well": "never directly",
     "a path that is less probable than rules.least is too improbable": "dares",
     "exactly rules.least is enough": "strict",
     "the thresholds stand in rules, and are not always the same: rules.p_query, rules.p_goal and "
@@ -219,7 +260,7 @@ def check_decide(student: Callable[..., Any]) -> None:
         CASES,
         decide,
         faults,
-        invoke=untouched,
+        invoke=partial(untouched, names=["graph", "from_here", "to_goals", "rules"]),
         form=_decision,
         difference=_unlike,
     )
@@ -255,6 +296,10 @@ def _unlike(
         why += f"{rules.p_query:g} at both ends there is one"
     else:
         why = f"even with p_query = {rules.p_query:g} at both ends there is no path"
+    if want[0] == [HERE, GOAL] != got[0]:
+        why = "the goal is in sight, and the edge from HERE to GOAL alone is the best path"
+    if got[0] == want[0][1:-1] and want[0]:
+        why = "HERE and GOAL belong to the path"
     if got[2] == want[2] and got[0] == want[0]:
         why = "the probability is that of the whole path"
     return f"yours returns {shown[0]}; {shown[1]} is right: {why}"

@@ -47,5 +47,7 @@ CASES: dict[str, tuple[Any, ...]] = {
     "only in sight": ({}, {}, [{HERE: 0.99}], RULES),
     "doubtfully in sight": ({}, {}, [{HERE: 0.9}], RULES),
     "an empty map": ({}, {}, [{}], RULES),
+    "nearly as probable as needed": ({0: {1: 0.4999}, 1: {}}, {0: 1.0}, [{1: 1.0}], RULES),
+    "seen by the second image alone": (SMALL_MAP, {0: 0.95}, [{}, {2: 0.99}], RULES),
     "surely there, over a doubtful edge": (_HALF, {0: 0.9}, [{1: 0.99}], RULES),
 } | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(10)}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from inspect import signature
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,10 @@ def _joined(
             if fault == "both ways" and w != GOAL:
                 joined[w][v] = p
 
-    for vertex, probability in from_here.items():
+    seen = from_here
+    if fault == "best start":
+        seen = dict(sorted(from_here.items(), key=lambda item: item[1])[-1:])
+    for vertex, probability in seen.items():
         connect(HERE, vertex, probability, p_here)
     reach: dict[Vertex, list[float]] = {}
     if fault == "goal from here":
@@ -79,6 +83,7 @@ def _joined(
         "first": lambda p: p[0],
         "least of all": min,
         "any": lambda p: 1.0 - math.prod(1.0 - q for q in p),
+        "any above": lambda p: 1.0 - math.prod(1.0 - q for q in p) if max(p) > p_goal else 0.0,
         "every": lambda p: max(p) if len(p) == len(to_goals) and min(p) > p_goal else 0.0,
         "last above": lambda p: next((q for q in reversed(p) if q > p_goal), 0.0),
         "first above": lambda p: next((q for q in p if q > p_goal), 0.0),
@@ -93,6 +98,18 @@ def _joined(
         if (fault == "not directly") == (vertex == HERE) and fault.endswith("directly"):
             continue
         connect(vertex, GOAL, combine.get(fault, max)(probabilities), p_goal)
+    if fault == "vertex 0":
+        joined[HERE].pop(0, None)
+        joined.get(0, {}).pop(GOAL, None)
+    if fault == "vertex 0 from here":
+        joined[HERE].pop(0, None)
+    if fault == "vertex 0 to the goal":
+        joined.get(0, {}).pop(GOAL, None)
+    if fault == "ones":
+        joined = {
+            v: {w: p if v != HERE and w != GOAL else 1.0 for w, p in out.items()}
+            for v, out in joined.items()
+        }
     if fault == "weights":
         return {
             v: {w: -math.log(max(p, 1e-12)) for w, p in out.items()} for v, out in joined.items()
@@ -145,6 +162,14 @@ _CASES: dict[str, tuple[Any, ...]] = {
     "no goal image": (SMALL_MAP, {0: 0.9}, [], 0.5, 0.9),
     "an empty map": ({}, {0: 0.9}, [{HERE: 0.9, 0: 0.9}], 0.5, 0.5),
     "thresholds of 0": (SMALL_MAP, {0: 0.0, 1: 0.1}, [{2: 0.0, 3: 0.1}], 0.0, 0.0),
+    "RE with many digits": (
+        SMALL_MAP,
+        {0: 0.98765, 1: 0.50004, 3: 0.49996},
+        [{2: 0.98504, 3: 0.98496}],
+        0.5,
+        0.985,
+    ),
+    "vertex 0 sees the goal": (SMALL_MAP, {1: 0.9}, [{0: 0.95}], 0.5, 0.9),
 } | {f"numbers drawn at random ({seed})": _random_case(seed) for seed in range(8)}
 _FAULTS = {
     "edges lead from HERE to a vertex, and from a vertex to GOAL, not back": "backwards",
@@ -175,6 +200,17 @@ _FAULTS = {
     "edges lead from HERE to a vertex, not back as well": "both ways",
     "new edges hold RE, as the map's do; -log RE is taken by the planner": "new weights",
     "all vertices above p_goal are joined to GOAL, not only the best one": "best only",
+    "HERE is joined to all vertices above p_here, not only to the best one": "best start",
+    "vertex 0 is a vertex of the map like the others; 0 is false in Python": "vertex 0",
+    "vertex 0 is a vertex like the others, from HERE as well; 0 is false in Python": (
+        "vertex 0 from here"
+    ),
+    "vertex 0 is a vertex like the others, on the way to GOAL as well; 0 is false in Python": (
+        "vertex 0 to the goal"
+    ),
+    "a new edge holds its RE, not 1: above the threshold it is not sure yet": "ones",
+    "one goal image is enough: take the highest RE of them; the chances of several are not "
+    "combined": "any above",
     "edges hold RE here; -log RE is taken by the planner": "weights",
     "one goal image is enough; yours demands all of them": "least",
     "one goal image is enough; do not average over them": "mean",
@@ -204,10 +240,27 @@ def check_join_ends(student: Callable[..., Any]) -> None:
         _CASES,
         join_ends,
         faults,
-        invoke=untouched,
+        invoke=_invoke,
         form=_graph,
         difference=_unlike,
     )
+
+
+def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa: ANN401
+    """A student's answer, if it is a graph of its own."""
+    none = "there may be no goal image: an empty list has no element, and max() of nothing fails"
+    hints: dict[type[Exception], str] = {IndexError: none, ValueError: none}
+    given: list[Graph] = []
+
+    def noted(graph: Graph, *others: Any) -> Any:  # noqa: ANN401
+        given.append(graph)
+        return student(graph, *others)
+
+    got = untouched(what, noted, *case, hints=hints, names=list(signature(join_ends).parameters))
+    if isinstance(got, dict) and {*map(id, got.values())} & {*map(id, given[0].values())}:
+        words = "copy those of all vertices: who changes the new graph must not change the map"
+        raise WrongAnswer(f"{what}: the new graph shares inner dictionaries with the map; {words}")
+    return got
 
 
 def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students'
@@ -249,13 +302,17 @@ def _unlike(
             given = [from_here.get(other)] if vertex == HERE and other != GOAL else []
             if other == GOAL:
                 given = [image.get(vertex) for image in to_goals]
-            shown = ", ".join(f"{p:g}" for p in given if p is not None)
+            shown = ", ".join(f"{p:.6g}" for p in given if p is not None)
             least = f"p_goal is {p_goal:g}" if other == GOAL else f"p_here is {p_here:g}"
             why = f"RE is {shown}, and {least}" if shown else "the map has it" if right else ""
             if yours is None:
                 return f"the edge {step} is missing: {why}"
             if right is None:
+                strange = {vertex, other} - {*graph, HERE, GOAL}
+                why = f"{strange.pop()} is no vertex of the map" if strange else why
                 return f"there must be no edge {step}: {why or 'nothing says so'}"
-            return f"the edge {step} has {yours:.4g}, but {right:.4g} is right: {why}"
+            near = abs(yours - right) < 0.009
+            why += "; is it rounded? RE stays as it is" if near else "; an edge holds its RE"
+            return f"the edge {step} has {yours:.6g}, but {right:.6g} is right: {why}"
     extra = [vertex for vertex in got if vertex not in want]
     return f"vertices {extra} are not on the map, and are no vertices of the new graph"

@@ -130,7 +130,9 @@ def _apart(got: Found, want: Found, graph: Graph, *_: Vertex) -> str:
         return f"{path}, {probability:.3g} came back; no path leads there: return [], 0.0"
     shown = f"{_spoken(want[0])} has probability {want[1]:.4g}"
     if not path:
-        return f"yours finds no path; {shown}"
+        why = "; it is long, and a long path is a path" if len(want[0]) > 8 else ""
+        why = "; its probability is small, but not 0" if want[1] < 1e-3 else why
+        return f"yours finds no path; {shown}{why}"
     if path[0] != want[0][0] or path[-1] != want[0][-1]:
         return f"the path begins with the start and ends with the goal, as in {_spoken(want[0])}"
     gaps = [(v, w) for v, w in pairwise(path) if w not in graph.get(v, {})]
@@ -138,9 +140,12 @@ def _apart(got: Found, want: Found, graph: Graph, *_: Vertex) -> str:
         return f"yours goes from {gaps[0][0]} to {gaps[0][1]}, where no edge leads"
     product = probability_of(graph, path)
     if not math.isclose(product, probability, abs_tol=1e-9):
+        near = abs(product - probability) < 0.02 * product
+        digits = 4 if f"{product:.4g}" != f"{probability:.4g}" else 9
+        why = "; is something rounded, or of 32 bits? Keep all digits" if near else ""
         return (
-            f"along {_spoken(path)} the product of RE is {product:.4g}; "
-            f"yours returns {probability:.4g}"
+            f"along {_spoken(path)} the product of RE is {product:.{digits}g}; "
+            f"yours returns {probability:.{digits}g}{why}"
         )
     return f"yours takes {_spoken(path)} with {probability:.4g}; {shown}"
 

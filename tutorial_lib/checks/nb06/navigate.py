@@ -61,27 +61,34 @@ def _navigated(
     """The navigation, with a `fault` if one is named."""
     excluded, plans, lost = set[Vertex](), list[Decision](), 0
     path, searched, started = [], 0, False
+    seen = robot.look() if fault == "looks at first only" else None
     interval = {"always looks": 1}.get(fault, limits.interval)
     limits = _limited(limits, fault)
     for step in range(limits.steps):
         turned = {"all steps": step, "looks late": searched + 1}.get(fault, searched)
         turned = 0 if fault == "looks late" and not searched else turned
+        turned = searched + 1 if fault == "turns before it looks" else turned
         looks = searched == 0 if fault == "looks once" else turned % interval == 0
         over = fault == "no last look" and searched >= limits.search
         if (not path or fault == "replans all the time") and looks and not over:
             left = graph if fault == "excludes nothing" else without(graph, excluded)
-            path, probability, reason = decide(left, *robot.look(), rules)
+            path, probability, reason = decide(left, *(seen or robot.look()), rules)
             plans.append((path, probability, reason))
             fresh = not excluded if fault == "by excluded" else not lost
-            refuses = path and reason and (fresh or fault == "always refuses")
+            refuses = bool(path and reason) and (fresh or fault == "always refuses")
+            refuses &= fault != "refuses the improbable only" or reason == "too improbable"
+            refuses |= fault == "refuses without a path" and not path and fresh
             if refuses and fault == "turns on":
                 path, refuses = [], False
+            if path and reason and not fresh and fault == "never improbable":
+                path = []
             if refuses and fault != "dares":
                 return "refused", plans, excluded
             if not path and fault == "gives up at once":
                 return "gave up", plans, excluded
         if not path:
-            if searched >= limits.search and fault != "searches for ever":
+            count = len(plans) if fault == "counts looks" else searched
+            if count >= limits.search and fault != "searches for ever":
                 return "gave up", plans, excluded
             robot.turn()
             searched += 1
@@ -98,15 +105,24 @@ def _navigated(
         if state != "lost":
             continue
         lost += 1
-        place = {"behind": robot.active - 1, "ahead": min(robot.active + 1, len(path) - 1)}
+        place = {
+            "first": 1,
+            "behind": robot.active - 1,
+            "ahead": min(robot.active + 1, len(path) - 1),
+        }
         place |= {"active too early": min(before, len(path) - 1)}
         vertex = path[place.get(fault, robot.active)]
+        lost -= fault == "goal is free" and vertex == GOAL
+        lost -= fault == "only the goal counts" and vertex != GOAL and lost > 1
+        if fault == "gives up at the goal" and vertex == GOAL:
+            return "gave up", plans, excluded
         if vertex == GOAL and fault == "goal":
             excluded.add(vertex)
         if fault == "forgets":
             excluded = set()
         if vertex not in (HERE, GOAL):
-            excluded |= {vertex} | _beside(graph, vertex, fault)
+            itself = set() if fault == "not itself" else {vertex}
+            excluded |= itself | _beside(graph, vertex, fault)
         if lost > limits.replans - (fault == "too few") + (fault == "too many"):
             return "gave up", plans, excluded
         if fault != "same path":
@@ -129,6 +145,8 @@ def _limited(limits: Limits, fault: str) -> Limits:
 def _beside(graph: Graph, vertex: Vertex, fault: str) -> set[Vertex]:
     """The vertices beside one: those that it leads to, and that lead back."""
     there, back = set(graph[vertex]), {v for v, out in graph.items() if vertex in out}
+    if fault == "two away":
+        return {v for near in (there & back) for v in {near} | _beside(graph, near, "")}
     return {"alone": set(), "out": there, "in": back, "either": there | back}.get(
         fault, there & back
     )
@@ -231,8 +249,10 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
         when = f"in call {call + 1} of the robot"
         if mine[0] == right[0] == "follow":
             return f"{when} yours follows {list(mine[1:])}; {list(right[1:])} is right"
-        before = f", after {want[3][call - 1][0]}" if call else ""
-        return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}"
+        before = want[3][call - 1][0] if call else ""
+        why = _DUE[before == "follow"][right[0]]
+        before = f", after {before}" if before else ""
+        return f"{when} yours calls {mine[0]}, but {right[0]} is right{before}: {why}"
     if len(got[3]) != len(want[3]):
         least, rest = min(len(got[3]), len(want[3])), max(got[3], want[3], key=len)
         more = "goes on" if len(got[3]) > len(want[3]) else "ends"
@@ -242,6 +262,22 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
     if got[2] != want[2]:
         return f"excluded is {sorted(got[2])}, but {sorted(want[2])} is right"
     return f"plans holds {len(got[1])} entries; keep all {len(want[1])} that decide returned"
+
+
+_DUE = {
+    False: {
+        "look": "a look is due in the first step of a search, and every limits.interval steps of "
+        "turning",
+        "turn": "there is no path, and no other look is due yet",
+        "follow": "there is a path that it may take",
+    },
+    True: {
+        "look": "it was lost, and a search begins with a look: it stands elsewhere now",
+        "turn": "it was lost",
+        "follow": "it is on its way: nothing but follow until it arrives or is lost",
+    },
+}
+"""Whether the call before was follow, and the right call: why it is due."""
 
 
 def _end(want: tuple[Any, ...]) -> str:

@@ -51,5 +51,27 @@ FAULTS = {
         "active too early"
     ),
     "return all vertices that were excluded, also on arrival": "forgets in the end",
+    "the first step of a search looks; yours turns before": "turns before it looks",
+    "look again in each search: what was seen at first is of another place": "looks at first only",
+    "not on the map is a reason, too: any reason refuses a robot that was never lost": (
+        "refuses the improbable only"
+    ),
+    "without a path there is nothing to refuse: turn, and look again": "refuses without a path",
+    "a robot that was lost takes an improbable path; yours turns on": "never improbable",
+    "limits.search counts steps of turning, not looks": "counts looks",
+    "exclude path[robot.active], not the first vertex of the path": "first",
+    "being lost before the goal counts as well: limits.replans is for the whole drive": (
+        "goal is free"
+    ),
+    "being lost at a vertex counts each time, not only before the goal": "only the goal counts",
+    "lost before the goal is no end: nothing is excluded, and the robot searches again": (
+        "gives up at the goal"
+    ),
+    "the vertex that could not be reached is excluded itself, not only those beside it": (
+        "not itself"
+    ),
+    "beside a vertex are those one edge away, there and back, not those beside them as well": (
+        "two away"
+    ),
 }
 """For each mistake, what to say and the name of the fault."""

@@ -179,6 +179,30 @@ STORIES: dict[str, Story] = {
     "the time is up while it searches": _told([_NOTHING], [_GOES], steps=5),
     "the time is up after it was lost": _told([_SEEN], [(4, "lost", 3), _STUCK], steps=11),
     "it looks at each step": _told([_NOTHING] * 4 + [_SEEN], [_GOES], interval=1),
+    "it arrives in the last step": _told([_SEEN], [_GOES], steps=4),
+    "it would arrive one step later": _told([_SEEN], [_GOES], steps=3),
+    "it is lost in the last step": _told([_SEEN], [(4, "lost", 3)], steps=4),
+    "it is lost once too often in the last step": _told(
+        [_SEEN], [(4, "lost", 3)], replans=0, steps=4
+    ),
+    "there is a path in the last step": _told([_NOTHING, _SEEN], [_GOES], steps=4),
+    "a path to another building in the last step": _told([_NOTHING, _FOREIGN], [_GOES], steps=4),
+    "the search is over in the last step": _told([_NOTHING], [_GOES], steps=11),
+    "the time is up just before the search": _told([_NOTHING], [_GOES], steps=10),
+    "lost at one vertex, then at another": _told(
+        [_SEEN], [(2, "lost", 3), (2, "lost", 3)], replans=1
+    ),
+    "lost beside vertices that have others beside them": Story(
+        _MAP | {6: {2: 0.995, 3: 0.99, 7: 0.9}, 7: {6: 0.9, 3: 0.9}},
+        [_SEEN],
+        [(2, "lost", 3), _GOES],
+        _RULES,
+        _LIMITS,
+    ),
+    "the goal again and again, then it arrives": _told(
+        [_SEEN], [(2, "lost", 99), (3, "lost", 99), (1, "lost", 99), _GOES]
+    ),
+    "lost at vertex 0": _told([_SEEN, _BY_5], [(2, "lost", 1), _GOES]),
     "an empty map, the goal in sight": Story(
         {}, [({}, [{HERE: 0.99}])], [(2, "lost", 1), _GOES], _RULES, _LIMITS
     ),

@@ -116,6 +116,25 @@ def _few_rounds(rounds: int) -> Callable[..., Found]:
     return answer
 
 
+def _either_way(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+    """Edges driven in both directions, also in that in which they do not lead."""
+    both: Graph = {v: dict(out) for v, out in graph.items()}
+    for v, out in graph.items():
+        for w, p in out.items():
+            both[w].setdefault(v, p)
+    return most_probable_path(both, start, goal)
+
+
+def _without(unlikely: Callable[[float], bool]) -> Callable[..., Found]:
+    """The best path over what is left when some edges are taken away."""
+
+    def answer(graph: Graph, start: Vertex, goal: Vertex) -> Found:
+        left = {v: {w: p for w, p in out.items() if not unlikely(p)} for v, out in graph.items()}
+        return most_probable_path(left, start, goal)
+
+    return answer
+
+
 def _vertex_first(graph: Graph, start: Vertex, goal: Vertex) -> Found:
     """A heap of (vertex, length)."""
     least, before, heap, done = {start: 0.0}, {start: start}, [(start, 0.0)], set()
@@ -135,6 +154,18 @@ def _vertex_first(graph: Graph, start: Vertex, goal: Vertex) -> Found:
 
 
 FAULTS: dict[str, Callable[..., Found]] = {
+    "edges have a direction: graph[v][w] leads from v to w, not back": _either_way,
+    "an edge of RE 1 is an edge: its length is 0, and 0 is false in Python": _without(
+        lambda p: p == 1
+    ),
+    "a doubtful edge is an edge, too: there may be no other one, however small RE is": _without(
+        lambda p: p < 0.01
+    ),
+    "where start and goal are the same vertex, the probability is 1: nothing can go wrong": (
+        lambda graph, start, goal: (
+            ([start], 0.0) if start == goal else most_probable_path(graph, start, goal)
+        )
+    ),
     "vertex 0 is a vertex, too: compare with None, or with the start, since 0 is false in Python": (
         lambda graph, start, goal: _restated(
             lambda path, p, steps: ([v for v in path if v != 0], p)

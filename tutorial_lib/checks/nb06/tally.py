@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
 from typing import Any
 
@@ -57,6 +58,19 @@ def _tallied(trips: Sequence[Trip], fault: str = "") -> Tally:
             arrived = stopped is None
             passed = arrived or place < stopped
             tried = arrived or place <= stopped
+            if fault == "one place less":
+                tried = arrived or place < stopped
+            if fault == "first is arrival" and stopped == 1:
+                passed = tried = True
+            if fault == "by vertices" and not arrived:
+                first = path[1:].index(path[stopped]) + 1
+                passed, tried = place < first, place <= first
+            if fault == "vertex 0" and 0 in edge:
+                continue
+            if fault == "from vertex 0" and edge[0] == 0:
+                continue
+            if fault == "zeros" and not tried:
+                counts.setdefault(edge, (0, 0))
             if fault == "blames all":
                 passed, tried = arrived, True
             if fault == "blames what was not tried":
@@ -131,6 +145,7 @@ _CASES: dict[str, tuple[list[Trip]]] = {
     "the same trip twice": ([([HERE, 3, 4, GOAL], 2), ([HERE, 3, 4, GOAL], None)],),
     "twice over an edge in one trip": ([([HERE, 1, 2, 1, 2, GOAL], None)],),
     "lost when it comes to an edge again": ([([HERE, 1, 2, 1, 2, GOAL], 4)],),
+    "over vertex 0": ([([HERE, 0, 3, GOAL], None), ([HERE, 3, 0, 2, GOAL], 3)],),
     "there and back": ([([HERE, 1, 2, 1, GOAL], 3), ([HERE, 2, 1, GOAL], 2)],),
 } | {f"trips drawn at random ({seed})": (_random_trips(seed),) for seed in range(6)}
 _FAULTS = {
@@ -144,6 +159,16 @@ _FAULTS = {
         "one too early"
     ),
     "the edges from HERE count as well": "not from here",
+    "the edge to path[stopped] was tried as well, in vain: it counts as tried": "one place less",
+    "an edge that no trip tried is left out; yours has (0, 0) for it": "zeros",
+    "stopped is 1 where the first edge could not be driven; only None is an arrival": (
+        "first is arrival"
+    ),
+    "a vertex may stand on a path twice: compare places, not vertices, with stopped": (
+        "by vertices"
+    ),
+    "vertex 0 is a vertex like the others, and false in Python": "vertex 0",
+    "the edges from vertex 0 count as well; 0 is false in Python": "from vertex 0",
     "the edges to GOAL count as well": "not to the goal",
     "on arrival the last edge was passed, too": "last one never passed",
     "passed is counted over all trips, as tried is: add": "not added",
@@ -161,6 +186,12 @@ _FAULTS = {
 }
 
 
+_HINTS: dict[type[Exception], str] = {
+    IndexError: "there may be no trip, and a path has one edge less than vertices",
+    TypeError: "stopped is None on arrival, otherwise a number; path is a list of vertices",
+}
+
+
 @check(tally, ([([HERE, *range(200), GOAL], 150)] * 20,))
 def check_tally(student: Callable[..., Any]) -> None:
     """Trips that arrived, trips that were lost at the start, under way and at the end, and none."""
@@ -171,7 +202,7 @@ def check_tally(student: Callable[..., Any]) -> None:
         _CASES,
         tally,
         faults,
-        invoke=untouched,
+        invoke=partial(untouched, names=["trips"], hints=_HINTS),
         form=_counts,
         difference=_unlike,
     )
@@ -200,8 +231,9 @@ def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - student
     for edge, numbers in got.items():
         if not isinstance(edge, tuple) or len(edge) != 2:
             raise WrongAnswer(f"{what}: the key {edge!r}; an edge is a pair of vertices")
-        if not isinstance(numbers, tuple | list) or len(numbers) != 2:
-            raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; give (tried, passed)")
+        if not isinstance(numbers, tuple) or len(numbers) != 2:
+            words = "give a tuple of two, (tried, passed)"
+            raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; {words}")
         both = [number(what, n, f"for edge {edge}") for n in map(_plain, numbers)]
         if any(n != round(n) for n in both):
             raise WrongAnswer(f"{what}: {numbers!r} for edge {edge}; count, in whole numbers")

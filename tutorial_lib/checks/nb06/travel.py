@@ -37,6 +37,7 @@ def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple
     if fault == "plans ahead":
         return _planning_ahead(plan, drive, replans)
     rounds = {"too few": replans, "too many": replans + 2, "once": 1}.get(fault, replans + 1)
+    rounds = max(rounds, 2) if fault == "one at least" else rounds
     path: list[Vertex] = []
     number = -1
     while number + 1 < rounds:
@@ -61,8 +62,8 @@ def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple
             return True, excluded
         if fault == "last one forgotten" and number == replans:
             return False, excluded
-        if fault == "behind or here" and path[stopped] != GOAL:
-            excluded.add(path[place])
+        if fault == "behind or here":
+            excluded |= {path[place]} if path[stopped] != GOAL else set()
             continue
         vertex = path[place] if path else GOAL
         if vertex == GOAL and fault == "gives up at the goal":
@@ -73,6 +74,10 @@ def _travelled(plan: Plan, drive: Drive, replans: int, fault: str = "") -> tuple
             vertex = path[place - 1]
         if fault == "forgets":
             excluded = set()
+        if fault == "all before, lost at a vertex" and vertex != GOAL:
+            excluded |= set(path[1:stopped])
+        if fault == "vertex 0" and vertex == 0:
+            continue
         if fault == "whole path":
             excluded |= {v for v in path if v not in (HERE, GOAL)}
         elif fault == "all until":
@@ -147,6 +152,9 @@ _CASES: dict[str, tuple[list[list[Vertex]], list[int | None], int]] = {
     "refused with the last plan": ([_A], [2], 1),
     "lost with the only plan": ([_A, _B], [3, None], 0),
     "one replan": ([_A, _B, _C], [2, 3, None], 1),
+    "lost at vertex 0": ([[HERE, 0, 2, GOAL], _A, _C], [1, 2, None], 5),
+    "lost at vertex 0, under way": ([[HERE, 1, 0, GOAL], _C], [2, None], 5),
+    "the goal again and again, then it arrives": ([_A, _B], [4, 4, 4, None], 3),
 }
 _FAULTS = {
     "exclude the vertex that could not be reached, path[stopped], not the one before it": "behind",
@@ -185,6 +193,9 @@ _FAULTS = {
     "after the first plan there may be `replans` more; yours makes one too few": "too few",
     "after the first plan there may be `replans` more; yours makes one too many": "too many",
     "yours plans only once": "once",
+    "where `replans` is 0 there is the first plan and no other": "one at least",
+    "exclude path[stopped] alone: those before it were reached": "all before, lost at a vertex",
+    "vertex 0 is a vertex of the map like the others; only GOAL is never excluded": "vertex 0",
 }
 
 
@@ -199,8 +210,11 @@ def _play(
 def _invoke(what: str, student: Callable[..., Any], *case: Any) -> tuple[Any, list[Any]]:  # noqa: ANN401
     words = "plan(excluded) and drive(path) take one argument each; drive returns a number or None"
     hints = {TypeError: words, IndexError: "stopped is a place along the path: path[stopped]"}
+    none = (
+        "drive returned None, on arrival: that is no place. Drive once a round, ask for None first"
+    )
     try:
-        return explaining(what, lambda: _play(student, *case), hints)
+        return explaining(what, lambda: _play(student, *case), hints, {"NoneType": none})
     except WrongAnswer as wrong:
         said = str(wrong)
         raise WrongAnswer(said if said.startswith(what) else f"{what}: {said}") from None
@@ -244,6 +258,9 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *case: Any) -> str:  # 
             before = _told(want[1][:number], case)
             if (kind, right[0]) == ("plan", "plan"):
                 return f"yours plans without {list(argument)}; {list(right[1])} is right{before}"
+            if (kind, right[0]) == ("drive", "drive"):
+                words = "give drive the path as plan returned it, whole"
+                return f"yours drives along {list(argument)}, not {list(right[1])}; {words}{before}"
             words = f"yours calls {kind} with {list(argument)}, but {right[0]} was to be called"
             return f"{words}{before}"
     if len(got[1]) != len(want[1]):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -18,21 +18,34 @@ _HINTS: dict[type[Exception], str] = {
 }
 
 
-def untouched(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
+def untouched(
+    what: str,
+    student: Callable[..., Any],
+    *arguments: Any,  # noqa: ANN401
+    names: Sequence[str],
+    hints: Mapping[type[Exception], str] | None = None,
+) -> Any:  # noqa: ANN401
     """A student's answer, if the arguments are as they were.
+
+    Args:
+        what: was called, for the message.
+        student: is called.
+        arguments: copies of these are given.
+        names: of the arguments.
+        hints: for kinds of errors, what to say of them in this exercise.
 
     Raises:
         WrongAnswer: when one was changed, an error was raised, or nothing came back.
     """
     given = copy.deepcopy(arguments)
-    got = explaining(what, partial(student, *given))
-    for number, (old, new) in enumerate(zip(arguments, given, strict=True), 1):
+    got = explaining(what, partial(student, *given), hints)
+    for name, old, new in zip(names, arguments, given, strict=True):
         if old == new:
             continue
-        inner = isinstance(old, dict) and old.keys() == new.keys()
+        inner = name == "graph" and old.keys() == new.keys()
         words = "the copy shares its inner dictionaries with the map; copy those, too"
-        words = words if inner else "it is needed again for the next plan; make a new one"
-        raise WrongAnswer(f"{what}: your function changes its argument {number}; {words}")
+        words = words if inner else "it is needed again; make a new one"
+        raise WrongAnswer(f"{what}: your function changes its argument {name}; {words}")
     return returned(what, got)
 
 
@@ -40,6 +53,7 @@ def explaining(
     what: str,
     student: Callable[[], Any],
     hints: Mapping[type[Exception], str] | None = None,
+    said: Mapping[str, str] | None = None,
 ) -> Any:  # noqa: ANN401
     """A student's answer.
 
@@ -47,6 +61,7 @@ def explaining(
         what: was called, for the message.
         student: is called.
         hints: for kinds of errors, what to say of them in this exercise.
+        said: what words of Python's own message mean here; they go first.
 
     Raises:
         WrongAnswer: when an error was raised: what it was, its line, and what it may mean.
@@ -56,7 +71,9 @@ def explaining(
     except (WrongAnswer, NotImplementedError, MemoryError):
         raise
     except Exception as error:
-        raise WrongAnswer(f"{what}: {explained(error, {**_HINTS, **(hints or {})})}") from error
+        raise WrongAnswer(
+            f"{what}: {explained(error, {**_HINTS, **(hints or {})}, said)}"
+        ) from error
 
 
 def number(what: str, got: object, words: str) -> float:

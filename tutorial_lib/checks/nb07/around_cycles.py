@@ -38,11 +38,14 @@ def _around(
             v for u, v in zip([None, *visited], visited, strict=False) if not u or u != v
         ],
         "second on": came[1:],
+        "last left out": came[:-1],
+        "two before": [v for i, v in enumerate(visited) if v not in visited[max(i - 2, 0) : i]],
         "from 0": came[1:] if came[:1] == [0] else came,
     }.get(fault, came)
     visits = Counter(came)
     most = max(visits.values(), default=0)
-    limit = cycle + (fault == "more than") - (fault == "one too few")
+    limit = 3 if fault == "cycle is 3" else cycle
+    limit = limit + (fault == "more than") - (fault == "one too few")
     found = {"any": len(came) >= cycle, "last": bool(came) and visits[came[-1]] >= cycle}.get(
         fault, most >= limit
     )
@@ -58,6 +61,14 @@ def _around(
             "at the limit": n - 1 if n >= max(cycle, 1) else 0,
             "not one less": n if n >= 2 else 0,
         }.get(fault, max(n - 1, 0))
+        if fault == "product":
+            return 1.0 if n < 2 else bias * (n - 1)
+        if fault == "no visit divides":
+            return bias ** (n - 1)
+        if fault == "half":
+            return 0.5**more
+        if fault == "at most twice":
+            return bias ** min(more, 2)
         if fault == "times":
             return 1.0 if n < 2 else bias / n
         return bias**more
@@ -70,6 +81,8 @@ def _around(
             v: {w: p - bias * max(visits[w] - 1, 0) for w, p in out.items()}
             for v, out in graph.items()
         }
+    if fault == "drops zeros":
+        biased = {v: {w: p for w, p in out.items() if p > 0} for v, out in biased.items()}
     if fault == "same":
         biased = copy.deepcopy(graph)
     return found, biased
@@ -103,6 +116,14 @@ _FAULTS = {
     "edges to vertices that were visited stay, with less probability; there may be no other path": (
         "removes"
     ),
+    "an edge stays also where its RE becomes 0": "drops zeros",
+    "the last of the list is a visit, too": "last left out",
+    "compare with the vertex just before, not with the two before": "two before",
+    "a power of the bias, bias ** (n - 1), not a multiple of it": "product",
+    "a vertex that was not visited keeps its RE: max(n - 1, 0)": "no visit divides",
+    "bias is an argument, not always 0.5": "half",
+    "cycle is an argument, not always 3": "cycle is 3",
+    "every visit but the first counts, also beyond the third": "at most twice",
     "multiply RE by the bias; a difference may be negative": "subtracts",
     "the graph that you return has the same RE as before; bias the edges to visited vertices": (
         "same"
@@ -126,6 +147,9 @@ _CASES: dict[str, tuple[Graph, list[int], int, float]] = {
     "twice is a cycle": (_SMALL, [2, 3, 2], 2, 0.9),
     "one vertex for long, then others": (_SMALL, [4, 4, 4, 4, 3, 1], 4, 0.5),
     "four times": (_SMALL, [0, 1, 0, 1, 0, 2, 0], 4, 0.7),
+    "a bias of 0": (_SMALL, [0, 1, 2, 0, 1], 3, 0.0),
+    "a bias of 1": (_SMALL, [0, 1, 2, 0, 1], 3, 1.0),
+    "a vertex left and entered anew at the end": (_SMALL, [3, 1, 2, 0, 1], 2, 0.5),
     "an empty map": ({}, [], 3, 0.5),
 }
 
@@ -159,8 +183,10 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa:
         }
         raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
     if given != case:
-        words = "the map is needed again; make a new one, with new inner dictionaries"
-        raise WrongAnswer(f"{what}: your function changes its arguments; {words}")
+        words = "make a new one, with new inner dictionaries"
+        if given[0] == case[0]:
+            raise WrongAnswer(f"{what}: your function changes its argument visited; make a copy")
+        raise WrongAnswer(f"{what}: your function changes the map, which is needed again; {words}")
     if _shared(got, given[0]):
         words = "also where nothing changes: the robot may go on to change what it got"
         raise WrongAnswer(

@@ -23,6 +23,7 @@ def match_sequence(likelihoods: Array, before: NDArray[np.intp]) -> Array:
 
 def _matched(likelihoods: Array, before: NDArray[np.intp], fault: str = "") -> Array:
     """The best alignment's geometric mean, with a `fault` if one is named."""
+    likelihoods = np.minimum(likelihoods, 1.0) if fault == "clipped" else likelihoods
     looks = likelihoods[::-1] if fault == "reversed" else likelihoods
     if fault == "last only":
         return np.array(looks[-1], dtype=float)
@@ -44,6 +45,8 @@ def _matched(likelihoods: Array, before: NDArray[np.intp], fault: str = "") -> A
             come = np.concatenate([[0.0], total[:-1]])
         best = np.maximum(total, come)
         best = {
+            "anywhere": np.full_like(total, total.max()),
+            "worse": np.minimum(total, come),
             "stays": total,
             "comes": come,
             "both": total + come,
@@ -51,13 +54,22 @@ def _matched(likelihoods: Array, before: NDArray[np.intp], fault: str = "") -> A
             "comes or stays": np.where(before >= 0, come, total),
         }.get(fault, best)
         total = look + best if fault == "adds" else look * best
+        if fault == "tiny":
+            total[total < 1e-6] = 0.0
+        if fault == "scaled":
+            total /= total.max()
         if fault == "least":
             total = np.minimum(look, best)
     if fault in ("no root", "least"):
         return total
     if fault in ("divides", "adds"):
         return total / len(looks)
-    return total ** (1.0 / {"one less": max(len(looks) - 1, 1), "square": 2}.get(fault, len(looks)))
+    return total ** (
+        1.0
+        / {"one less": max(len(looks) - 1, 1), "square": 2, "of V": len(before)}.get(
+            fault, len(looks)
+        )
+    )
 
 
 _FAULTS = {
@@ -68,6 +80,12 @@ _FAULTS = {
     "the robot may also have come from the vertex before": "stays",
     "of staying and coming the better one counts, not their sum": "both",
     "of staying and coming the better one counts, not their mean": "mean",
+    "a likelihood may be above 1; do not cut it off": "clipped",
+    "a tiny product is not 0": "tiny",
+    "do not divide by the greatest: sequences are compared by their own products": "scaled",
+    "the robot comes from the vertex before alone, not from any vertex": "anywhere",
+    "of staying and coming the better one counts, not the worse": "worse",
+    "the T-th root: T views, not V vertices": "of V",
     "likelihoods multiply; yours adds them": "adds",
     "likelihoods multiply; yours takes the least": "least",
     "the robot comes from the vertex before, total[before], not from the one after": "after",
@@ -101,6 +119,8 @@ _CASES = {
     "five views": (_looks(5, 8, 3), _TWO),
     "vertices in no order": (_looks(4, 7, 4), _MIXED),
     "more views than vertices": (_looks(6, 3, 5), np.array([-1, 0, 1])),
+    "likelihoods above 1": (_looks(3, 8, 8) * 5.0, _TWO),
+    "views that hardly fit anywhere": (_looks(3, 8, 9) * 1e-4, _TWO),
     "no neighbours": (_looks(3, 4, 6), np.full(4, -1)),
 }
 

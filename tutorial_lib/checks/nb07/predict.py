@@ -25,6 +25,13 @@ def _predicted(
     belief: Array, motion: Array, lengths: Array, onward: Array, fault: str = ""
 ) -> Array:
     """The prediction, with a `fault` if one is named."""
+    motion = {
+        "small dropped": np.where(motion < 0.05, 0.0, motion),
+        "mean motion": np.full_like(motion, motion.mean()),
+        "capped": np.minimum(motion, 1.0),
+        "base 2": motion * np.log(2.0),
+        "no motion": np.ones_like(motion),
+    }.get(fault, motion)
     ratio = motion[:, None] / (lengths.mean() if fault == "same length" else lengths)
     if fault == "first robot":
         ratio = np.tile(ratio[:1], (len(belief), 1))
@@ -46,6 +53,11 @@ def _predicted(
         return belief
     ways = onward.T if fault == "transposed" else onward
     arrives = (belief * leave) @ ways
+    if fault == "no way back":
+        arrives = (belief * leave)[:, :-1] @ ways[:-1]
+    if fault == "two edges":
+        far = motion[:, None] > 2 * lengths.mean()
+        arrives = np.where(far, arrives @ ways, arrives)
     if fault == "greatest":
         arrives = ((belief * leave)[:, :, None] * ways).max(axis=1)
     if fault == "off never reached":
@@ -89,6 +101,13 @@ _FAULTS = {
     "only what leaves arrives elsewhere, not the whole belief": "all arrives",
     "what does not leave stays: add belief * (1 - leave)": "lost",
     "what leaves a vertex is no longer there: take it away": "kept twice",
+    "small motions count as well: many of them make a large one": "small dropped",
+    "each robot has moved on its own; yours moves all by their mean": "mean motion",
+    "a robot may have moved far: do not cut its motion off": "capped",
+    "the share that stays is exp(-motion / length), to base e": "base 2",
+    "the share that leaves depends on the motion, not on the length alone": "no motion",
+    "what leaves arrives over one edge, however far the robot has moved": "two edges",
+    "from off the map a robot comes back: onward has a row for it as well": "no way back",
     "what leaves must arrive somewhere: (belief * leave) @ onward is missing": "nothing arrives",
 }
 
@@ -116,6 +135,11 @@ _CASES = {
     "a robot that did not move": (random_beliefs(1, 4, 3), np.zeros(1), *random_model(4, 3)),
     "one vertex": _case(2, 1, 4, 2.0),
     "many vertices": _case(4, 12, 5, 1.0),
+    "motions of a few centimetres and less": (
+        random_beliefs(3, 4, 8),
+        np.array([0.03, 0.004, 0.012]),
+        *random_model(4, 8),
+    ),
 }
 
 

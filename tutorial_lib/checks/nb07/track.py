@@ -66,9 +66,12 @@ def _tracked(
         waited = 0
     for step, pose in enumerate(odometry):
         driven += distance(odometry[max(step - 1, 0)], pose)
-        motion = {"adds up": driven, "no turns": math.dist(last[:2], pose[:2])}.get(
-            fault, distance(last, pose)
-        )
+        motion = {
+            "no wrap": math.dist(last[:2], pose[:2]) + 0.5 * abs(pose[2] - last[2]),
+            "no small ones": distance(last, pose) * (distance(last, pose) >= 0.05),
+            "adds up": driven,
+            "no turns": math.dist(last[:2], pose[:2]),
+        }.get(fault, distance(last, pose))
         far = motion > rules.stride if fault == "greater" else motion >= rules.stride
         if fault == "each step":
             far = motion > 0
@@ -99,6 +102,7 @@ def _likelihood(seen: Array, rules: FilterSettings, fault: str) -> Array:
         return np.append(np.maximum(seen, rules.least) ** power, unknown)
     if fault == "power before least":
         return np.append(np.maximum(seen**power, rules.least), unknown**power)
+    unknown = max(unknown, rules.least) if fault == "least for all" else unknown
     seen = np.maximum(seen, 0.0 if fault == "no least" else rules.least)
     return (
         np.append(unknown, seen) if fault == "unknown first" else np.append(seen, unknown)
@@ -114,6 +118,10 @@ def _chosen(belief: Array, before: int, rules: FilterSettings, fault: str) -> in
         greatest = belief[best] if fault == "never lost" else greatest
     share = {"no hysteresis": 2.0, "for ever": 0.0}.get(fault, rules.hysteresis)
     stays = belief[before] >= share * greatest
+    if fault == "more than the share":
+        stays = belief[before] > share * greatest
+    if fault == "share is a half":
+        stays = belief[before] >= 0.5 * greatest
     if fault == "half":
         stays = belief[before] >= share
     if stays and not (fault == "off at once" and before == -1):

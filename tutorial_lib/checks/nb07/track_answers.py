@@ -13,7 +13,7 @@ from tutorial_lib.checks.nb07.small_models import distance
 from tutorial_lib.checks.nb07.track_stories import Story
 from tutorial_lib.geometry import Array
 
-_TOLERANCE = 1e-6
+_TOLERANCE = 1e-9
 """Of beliefs."""
 Answer = tuple[Array, list[int], list[int]]
 """Beliefs (T, V + 1), vertices of T steps, and the steps at which the robot looked."""

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -29,7 +30,7 @@ class Story:
     likelihoods: Array
     lengths: Array
     onward: Array
-    rules: FilterSettings
+    rules: FilterSettings | SimpleNamespace
 
 
 class Drive:
@@ -109,6 +110,22 @@ def _random(seed: int) -> Story:
     return Story(np.cumsum(motion, axis=0), likelihoods, *random_model(vertices, seed), rules)
 
 
+def _seen(looks: list[list[float]], **rules: float) -> Story:
+    """A robot that stands still, and sees one thing for three steps, then another for three."""
+    likelihoods = np.repeat(np.array(looks, dtype=float), 3, axis=0)
+    # Not FilterSettings, which refuse the limits that the exercise allows, as a hysteresis of 1.
+    settings = SimpleNamespace(**{**asdict(FilterSettings(interval=3)), **rules})
+    return Story(np.zeros((6, 3)), likelihoods, *row_of(likelihoods.shape[1]), settings)
+
+
+def _turning() -> Story:
+    """A robot that turns on the spot, past the heading at which angles jump."""
+    heading = (np.arange(2.8, 3.6, 0.08) + np.pi) % (2 * np.pi) - np.pi
+    odometry = np.column_stack([0 * heading, 0 * heading, heading])
+    seen = np.random.default_rng(5).uniform(0.0, 1.0, (len(heading), 4))
+    return Story(odometry, seen, *row_of(4), FilterSettings(interval=20))
+
+
 _EXACT = FilterSettings(stride=0.25, interval=6)
 _AT_REST = FilterSettings(interval=3)
 _ON = np.arange(0.0, 2.0, 0.1)
@@ -131,5 +148,22 @@ STORIES: dict[str, Story] = {
     "at rest, a little nearer to vertex 1 than to vertex 0": _along(np.full(3, 0.55)),
     "at rest, a little nearer to vertex 2 than to vertex 1": _along(np.full(3, 1.55)),
     "exactly a stride a step": _along(np.arange(0.0, 2.0, 0.25), rules=_EXACT),
+    "two vertices alike, and a hysteresis of 1": _seen(
+        [[0, 0, 1, 0], [0, 1, 1, 0]], hysteresis=1.0
+    ),
+    "another one twice as likely, and a hysteresis of a half": _seen(
+        [[0, 0, 1, 0], [0, 1, 0.5, 0]], sharpness=1.0, hysteresis=0.5
+    ),
+    "another one a little more likely, and a hysteresis of 0.9": _seen(
+        [[0, 0, 1, 0], [0, 1, 0.7, 0]], sharpness=1.0, hysteresis=0.9
+    ),
+    "another one far more likely, and a hysteresis of 0.2": _seen(
+        [[0, 0, 1, 0], [0, 1, 0.3, 0]], sharpness=1.0, hysteresis=0.2
+    ),
+    "least above unknown": _seen([[0, 0.6, 0, 0], [0.1, 0, 0, 0]], least=0.3, unknown=0.1),
+    "strides of a few centimetres": _along(
+        np.arange(0.0, 0.6, 0.03), rules=FilterSettings(stride=0.02, interval=6)
+    ),
+    "turning past half a turn": _turning(),
     **{f"at random ({seed})": _random(seed) for seed in range(4)},
 }

@@ -54,6 +54,15 @@ FAULTS = {
     ),
     "off the map is a state like the others: the robot stays there, too, while that has "
     "rules.hysteresis times the best belief": "off at once",
+    "rules.least is for the vertices: off the map the likelihood is rules.unknown, even below it": (
+        "least for all"
+    ),
+    "a belief of just rules.hysteresis times the greatest keeps the vertex: >=": (
+        "more than the share"
+    ),
+    "rules.hysteresis is not always 0.5": "share is a half",
+    "headings jump at half a turn: distance(last, pose) takes the short way round": "no wrap",
+    "small motions count as well, where rules.stride is small": "no small ones",
     "nothing is known at first: the vertex begins at -1, and 0 is the first vertex": "at 0",
     "off the map the vertex is -1, not the number of the last state": "last number",
     "the robot stays at its vertex while that has rules.hysteresis times the best belief": (

@@ -158,6 +158,7 @@ _CASES = {
     ),
     "no ghost was left": (set(), 1, _seen(0, 6), {0: _pose(3, 180, 0)}),
     "no node is beside the new one": ({(0, 1), (0, 4)}, 1, _seen(0, 6), {}),
+    "nothing new, and nothing beside": ({(0, 1), (0, 4)}, 1, _seen(), {}),
     "the ghost there was removed already": ({(0, 2)}, 1, _seen(1, 2), {0: _pose(3, 62, 3)}),
     **{f"at random ({seed})": _random(seed) for seed in range(8)},
 }

@@ -35,7 +35,14 @@ def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDAr
     if fault == "both ends":
         bearings = np.linspace(0.0, 2 * np.pi, _DIRECTIONS)
     bearings = {"clockwise": -bearings, "degrees": np.rad2deg(bearings)}.get(fault, bearings)
-    reach = {"edge": middle, "cells": radius}.get(fault, radius / CELL)
+    whole = round(radius / CELL)
+    bound = whole * CELL if fault == "rounded bound" else radius
+    reach = {
+        "rounded radius": whole,
+        "cut radius": int(radius / CELL),
+        "edge": middle,
+        "cells": radius,
+    }.get(fault, radius / CELL)
     ahead, left = reach * np.cos(bearings), reach * np.sin(bearings)
     turn = np.trunc if fault == "cut off" else np.rint
     rows, columns = (middle + turn(part).astype(int) for part in (left, ahead))
@@ -50,7 +57,7 @@ def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDAr
         return np.isfinite(found)
     if fault == "longer":
         return found > _DETOUR * radius
-    return found <= {"no detour": 1.0, "half as much": 1.5}.get(fault, _DETOUR) * radius
+    return found <= {"no detour": 1.0, "half as much": 1.5}.get(fault, _DETOUR) * bound
 
 
 _FAULTS = {
@@ -75,6 +82,11 @@ _FAULTS = {
     "no direction is explorable in yours: the point is `radius` metres away, not at the map's "
     "edge, and the length of the path to it is compared with 1.05 * radius, both in metres": "edge",
     "the robot is in the middle of the map, cell (S // 2, S // 2), not in its corner": "corner",
+    "radius need not be a multiple of CELL: round the cells of the points, not the radius": (
+        "rounded radius"
+    ),
+    "radius need not be a multiple of CELL: // and int cut it off, round the points": "cut radius",
+    "compare with 1.05 * radius, as it is given, not rounded to cells": "rounded bound",
     "take the nearest cell, np.rint; astype(int) alone cuts off, towards zero": "cut off",
     "take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded down": (
         "rounded down"
@@ -111,6 +123,8 @@ _CASES = {
     "points that lie in walls": (small_map((2.7, -1.0, 3.2, 1.0), (-0.4, 2.8, 0.4, 3.2)), 3.0),
     "two metres": (small_map((0.8, -1.5, 1.0, 0.5), radius=2.0), 2.0),
     "two metres on a large map": (small_map((2.5, -3.0, 2.7, 3.0), (-1, -3, -0.8, 0.5)), 2.0),
+    **{f"a radius between two cells ({seed})": _random(seed, 2.36) for seed in range(8)},
+    **{f"a radius between two cells ({seed})": _random(seed, 2.94) for seed in range(8, 16)},
     **{f"at random ({seed})": _random(seed, 3.0 - 0.5 * (seed % 2)) for seed in range(8)},
 }
 

@@ -37,7 +37,7 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
     """The loop, with a `fault` if one is named."""
     graph, ghosts, scores = nx.Graph(), set[Ghost](), dict[Ghost, float]()
     arrived, last, there, first = False, 0, -1, True
-    while robot.steps > 0 or fault == "no end":
+    while robot.steps > (fault == "last step unused") or fault == "no end":
         looks = {
             "looks once": first,
             "looks at ghosts": arrived,
@@ -49,6 +49,8 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
         if looks and robot.sees_goal():
             if robot.to_goal() or fault == "believes":
                 return True, graph, ghosts
+            if fault == "tries again":
+                continue
             if fault == "gives up":
                 return False, graph, ghosts
             arrived = {"forgets arrival": False, "invents arrival": True}.get(fault, arrived)
@@ -73,7 +75,8 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
         if fault == "scores anew":
             scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}
         last = here
-        node, ghost = global_policy(graph, here, ghosts, scores)
+        travel = 1.0 if fault == "weighs" else 0.3 if fault == "weighs a little" else 0.0
+        node, ghost = global_policy(graph, here, ghosts, scores, weight=travel)
         if ghost is None:
             break
         there = ghost[0]
@@ -95,7 +98,9 @@ def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
 def _play(explores: Callable[..., Any], building: Building) -> tuple[Any, list[tuple[object, ...]]]:
     """What comes back, and where the robot was driven."""
     robot = PlacesRobot(building)
-    return explores(robot), robot.log
+    found = explores(robot)
+    robot.demand_untouched()
+    return found, robot.log
 
 
 def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any:  # noqa: ANN401
@@ -188,7 +193,12 @@ def _why(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
     if got[2] != want[2]:
         edge = sorted(set(got[2].items()) ^ set(want[2].items()))[0][0]
         mine, right = got[2].get(edge), want[2].get(edge)
-        return f"edge {edge} has {mine} metres, but {right} is right; None: no such edge"
+        if right is None:
+            return f"edge {edge} is one too many: the nodes were not beside each other"
+        if mine is None:
+            return f"edge {edge} is missing: {_EDGES}, with the metres to them"
+        words = "the metres of a pose are np.hypot(pose[0], pose[1]), as they are"
+        return f"edge {edge} has {mine:g} metres, but {right:g} is right: {words}"
     return f"the ghosts left are {sorted(got[3])}, but {sorted(want[3])} is right"
 
 

@@ -21,6 +21,14 @@ FAULTS = {
     "to_goal() returns False where something was mistaken for the goal; then go on exploring": (
         "gives up"
     ),
+    "to_goal() returned False: go on below, in this round, with the node and its ghosts": (
+        "tries again"
+    ),
+    "the last step counts as well: go on while robot.steps is above 0": "last step unused",
+    "the score alone chooses the ghost, as in the paper: no weight for global_policy": "weighs",
+    "the score alone chooses the ghost, as in the paper: call global_policy without a weight": (
+        "weighs a little"
+    ),
     "the loop ends when robot.steps is 0": "no end",
     "a ghost that was reached becomes a node also where F_L still has the robot in the old one": (
         "only where lost"

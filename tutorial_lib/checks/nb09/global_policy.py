@@ -41,7 +41,8 @@ def _chosen(
     fault: str = "",
 ) -> Choice:
     """The policy, with a `fault` if one is named."""
-    by = None if fault == "edges" else "metres"
+    few = {"edges", "edges to the goal" if goal is not None else "edges to a ghost"}
+    by = None if fault in few else "metres"
     start = {"from 0": 0}.get(fault, here)
     metres = nx.single_source_dijkstra_path_length(graph, start, weight="metres")
     if fault == "hops":
@@ -54,8 +55,17 @@ def _chosen(
     weight = {"switch": float(weight >= 1), "at most 1": min(weight, 1.0)}.get(fault, weight)
 
     def value(ghost: Ghost) -> float:
+        cost = metres[ghost[0]]
+        if fault == "rounded":
+            cost = round(cost)
+        if fault == "capped":
+            cost = min(cost, _FAR)
+        if fault == "ratio":
+            return scores[ghost] / (1.0 + weight * cost / far)
+        if fault == "shares":
+            return (1.0 - weight) * scores[ghost] - weight * cost / far
         score = {"worst": -scores[ghost], "nearest": -metres[ghost[0]]}.get(fault, scores[ghost])
-        return score - weight * metres[ghost[0]] / far
+        return score - weight * cost / far
 
     known = goal is not None and fault != "no goal" and not (fault == "goal 0" and goal == 0)
     if not known and not (ghosts or fault == "all scores"):
@@ -65,6 +75,8 @@ def _chosen(
         open_to = [ghost for ghost in open_to if ghost[0] == here] or open_to
     ghost = max(open_to, key=value) if not known or (fault == "ghost too" and ghosts) else None
     if fault == "above 0" and not known and ghost is not None and value(ghost) <= 0:
+        return here, None
+    if fault == "positive only" and not known and all(scores[g] <= 0 for g in ghosts):
         return here, None
     end = goal if known else ghost[0] if ghost is not None else here
     path = nx.shortest_path(graph, here, end, weight=by)
@@ -82,6 +94,15 @@ _FAULTS = {
     "never were ghosts": "all scores",
     "all ghosts of the graph count, not only those of the node where the robot is": "own first",
     "the path is the shortest in metres, not the one of the fewest edges: weight='metres'": "edges",
+    "the path to the node of the goal is the shortest in metres, too: weight='metres'": (
+        "edges to the goal"
+    ),
+    "the path to a ghost is the shortest in metres, too: weight='metres'": "edges to a ghost",
+    "the metres are not rounded: a fraction may decide": "rounded",
+    "the cost goes on growing beyond 20 m": "capped",
+    "a ghost may have a score of 0 or below; it is a ghost all the same": "positive only",
+    "the difference of score and cost, not their ratio": "ratio",
+    "the score counts fully, whatever the weight: only the cost is multiplied by it": "shares",
     "return the next node on the path, not its end": "end",
     "return the next node on the path: the first one is the robot's own": "start",
     "return the second node of the path, not the last but one": "one before",
@@ -97,7 +118,7 @@ _FAULTS = {
     "finds none": "above 0",
     "`weight` itself multiplies the distance, also where it is below 1": "switch",
     "`weight` may be more than 1": "at most 1",
-    "`weight` says how much travelling counts; yours never looks at it": "no travel",
+    "`weight` says how much travelling counts; in yours it changes nothing": "no travel",
     "`weight` says how much travelling counts; yours always counts it": "always",
 }
 
@@ -156,6 +177,22 @@ _CASES = {
     ),
     "a long edge, and three short ones": (_ROUND, 0, {(3, 0)}, _SCORES, None, 0.0),
     "the goal is in another node": (_ROW, 0, {(0, 4)}, _SCORES, 3, 0.0),
+    "the goal is at the end of a long edge, and of three short ones": (
+        _ROUND,
+        0,
+        {(1, 2)},
+        _SCORES,
+        3,
+        0.0,
+    ),
+    "scores of 0 and below": (
+        _ROW,
+        1,
+        {(0, 1), (3, 1)},
+        {(0, 1): -0.4, (3, 1): -0.2},
+        None,
+        0.0,
+    ),
     "the goal is in node 0": (_ROW, 2, {(3, 4)}, _SCORES, 0, 0.0),
     "the goal is in the robot's node": (_ROW, 2, {(0, 4)}, _SCORES, 2, 0.0),
     "no ghost is left": (_ROW, 1, set(), _SCORES, None, 0.0),
@@ -186,6 +223,14 @@ _CASES = {
     ),
     "travelling costs half as much": _costs(_ROW, 0, {(0, 1): 0.5, (3, 1): 0.7}, 0.5),
     "travelling costs twice as much": _costs(_ROW, 0, {(0, 1): 0.1, (3, 1): 0.9}, 2.0),
+    "the goal over short edges, and travelling costs": (_ROUND, 0, {(1, 2)}, _SCORES, 3, 1.0),
+    "the ghost over short edges, and travelling costs": _costs(_ROUND, 0, {(3, 1): 0.9}),
+    "a fraction of a metre decides, and it would be rounded away": _costs(
+        _graph((0, 1, 3.4), (0, 2, 2.6)), 0, {(1, 1): 0.72, (2, 1): 0.70}
+    ),
+    "both more than 20 m away": _costs(
+        _graph((0, 1, 24.0), (0, 2, 34.0)), 0, {(1, 1): 0.5, (2, 1): 0.8}
+    ),
     **{f"at random ({seed})": _random(seed) for seed in range(9)},
 }
 

@@ -19,6 +19,7 @@ class Building:
         goal: the place of the goal.
         seen_from: places from which it is seen.
         deceptive: places at which the robot takes something else for the goal, once.
+        persistent: places at which it does so whenever it looks.
         blocked: pairs (from, to) of places: the drive ends where it began.
         astray: for a drive from one place to the node at another, the place where it ends instead.
         short: places whose ghosts are so near that F_L still has the robot in the old node.
@@ -34,6 +35,7 @@ class Building:
     goal: int
     seen_from: tuple[int, ...]
     deceptive: tuple[int, ...] = ()
+    persistent: tuple[int, ...] = ()
     blocked: tuple[tuple[int, int], ...] = ()
     astray: dict[tuple[int, int], int] = field(default_factory=dict)
     short: tuple[int, ...] = ()
@@ -154,6 +156,16 @@ BUILDINGS: dict[str, Building] = {
     ),
     "steps that end where the goal is first seen": Building(
         _ROW, ((0, 1), (1, 2), (2, 3)), 3, (2, 3), steps=23
+    ),
+    "one step is left where the goal is seen": Building(
+        np.array([[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [6.25, 0.0]]),
+        ((0, 1), (1, 2), (2, 3)),
+        3,
+        (2,),
+        steps=25,
+    ),
+    "something is mistaken for the goal, and seen again where the robot stands": Building(
+        _ROOMS, _ROOM_LINKS, 7, (7,), persistent=(0, 4), misleading={(0, 8): 0.3}
     ),
     "a long corridor": Building(
         np.column_stack([3.0 * np.arange(60), np.zeros(60)]),

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,10 +39,11 @@ class PlacesRobot:
         self.log: list[tuple[object, ...]] = []
         self._place, self._nodes, self._last = 0, dict[int, int](), -1
         self._heading, self._seen = 0.0, dict[int, Array]()  # of nodes: their poses
-        self._false, self._visits = set(building.deceptive), Counter({0: 1})
+        self._false, self._visits = {*building.deceptive, *building.persistent}, Counter({0: 1})
         self._remembered = False  # since the last drive
         self._questions, self._arrived_short = Counter[str](), False
         self._arrived = False
+        self._given: list[tuple[NDArray[Any], NDArray[Any]]] = []  # with copies
 
     def sees_goal(self) -> bool:
         """F_L of what is seen here and the goal's picture."""
@@ -64,7 +66,7 @@ class PlacesRobot:
         found = np.zeros(_DIRECTIONS, bool)
         for other in self._building.beside(self._place):
             found[self._direction(self._pose, other)] = True
-        return found
+        return self._noted(found)
 
     def scores(self) -> Array:
         """F_S (12,)."""
@@ -75,7 +77,7 @@ class PlacesRobot:
             metres = np.linalg.norm(building.places[other] - building.places[building.goal])
             more = building.misleading.get((self._place, other), 0.0)
             found[self._direction(self._pose, other)] = 0.95 - metres / 20 + more - less
-        return found
+        return self._noted(found)
 
     def beside(self) -> dict[int, Array]:
         """Poses, in the robot's frame, of nodes to which it can drive straight from here."""
@@ -152,11 +154,29 @@ class PlacesRobot:
             self.steps = 0
             return arrived
         if self._sees(self._false):
-            self._false.discard(self._place)
+            if self._place not in self._building.persistent:
+                self._false.discard(self._place)
             self.steps = max(self.steps - 5, 0)
             return False
         words = "look first: only where robot.sees_goal() returns True"
         raise WrongAnswer(f"to_goal(): the goal is not seen from here; {words}")
+
+    def demand_untouched(self) -> None:
+        """Demand that nobody has changed what `explorable` and `scores` returned.
+
+        Raises:
+            WrongAnswer: when somebody has.
+        """
+        if any(not np.array_equal(given, kept) for given, kept in self._given):
+            raise WrongAnswer(
+                "your function changes the array that robot.explorable() or robot.scores() gave "
+                "it; the robot may keep it, so make a new one"
+            )
+
+    def _noted(self, found: NDArray[Any]) -> NDArray[Any]:
+        """An array that is given away, and must stay as it is."""
+        self._given.append((found, found.copy()))
+        return found
 
     def _sees(self, places: Collection[int]) -> bool:
         """Whether what is seen from these places is seen now."""

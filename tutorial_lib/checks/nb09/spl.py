@@ -31,6 +31,10 @@ def _weighted(
             "travelled": travelled / longer,
             "inverted": longer / shortest,
             "least": shortest / np.minimum(shortest, travelled),
+            "at rest counts 0": np.where(travelled == 0, 0.0, shortest / longer),
+            "capped": shortest / np.minimum(longer, 2 * shortest),
+            "whole": shortest // longer,
+            "squared": (shortest / longer) ** 2,
             "difference": 1 - (longer - shortest),
             "clipped travel": np.minimum(travelled, shortest) / longer,
         }.get(fault, shortest / longer)
@@ -58,6 +62,10 @@ _FAULTS = {
     "one episode counts more than 1": "above one",
     "shortest / travelled, not travelled / shortest: a detour must lower it": "inverted",
     "divide by the greater of the two, not by the smaller": "least",
+    "a robot that has not moved and succeeds took no detour: it counts fully": "at rest counts 0",
+    "a detour is not cut off: the ratio may become very small": "capped",
+    "divide with /; // drops the fraction": "whole",
+    "the ratio itself, not its square": "squared",
     "weight by the ratio of lengths, not by their difference": "difference",
     "an episode that travelled less than the shortest path and succeeded counts fully; yours "
     "counts it less": "clipped travel",
@@ -107,6 +115,11 @@ _CASES = {
     "a robot that does not move and fails": (
         np.array([False, True]),
         np.array([3.0, 2.0]),
+        np.array([0.0, 2.5]),
+    ),
+    "a robot that starts at the goal and stops at once": (
+        np.array([True, True]),
+        np.array([0.4, 2.0]),
         np.array([0.0, 2.5]),
     ),
     "a short episode and a long one": (
