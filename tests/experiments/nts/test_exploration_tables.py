@@ -110,6 +110,8 @@ def test_agents_without_their_weights_are_refused_before_anything_is_run(monkeyp
             module.run(OPTIONS, module.Settings())
     with pytest.raises(InputError, match=r"train nts --sensor rgb --blind"):
         explorers.shipped("nts_blind", "rgb")
+    with pytest.raises(InputError, match=r"nts_masked_rgbd: .* train nts --sensor rgbd --masked"):
+        explorers.check_shipped(("nts_paper",), "rgbd")
     explorers.check_shipped(("oracle",), "rgbd")
 
 
