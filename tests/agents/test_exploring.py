@@ -10,6 +10,7 @@ from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.exploration.episodes import Episodes, draw_episodes, exploration_world
 from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
 from tutorial_lib.exploration.frontier import is_frontier
+from tutorial_lib.exploration.graph_update import Localisation
 from tutorial_lib.exploration.grid_kernels import FREE, OCCUPIED
 from tutorial_lib.exploration.labels import relative_polar
 from tutorial_lib.exploration.task import ExplorationTask, explore
@@ -274,9 +275,17 @@ def test_without_noise_an_agent_with_true_geometry_finds_all_that_is_near(kind, 
     assert task.spl.mean() > 0.9
 
 
-@pytest.mark.parametrize(("moved", "becomes"), [(0.8, False), (1.2, True)])
-def test_only_a_ghost_that_was_reached_away_from_its_node_becomes_one(moved, becomes):
-    agent, robot = NTSAgent(Hall(), np.random.default_rng(0)), ExploringRobot(None)
+@pytest.mark.parametrize(
+    ("moved", "rules", "becomes"),
+    [
+        (0.8, Localisation(), False),
+        (1.2, Localisation(), True),
+        (1.2, Localisation(nodes_at_ghosts=False), False),
+    ],
+)
+def test_only_a_ghost_that_was_reached_away_from_its_node_becomes_one(moved, rules, becomes):
+    settings = NTSSettings(localisation=rules)
+    agent, robot = NTSAgent(Hall(), np.random.default_rng(0), settings), ExploringRobot(None)
     memory = robot.memory
     memory.node = memory.graph.add_node([k == 0 for k in range(12)])
     ghost = memory.graph.ghosts[0, 0]
@@ -287,6 +296,20 @@ def test_only_a_ghost_that_was_reached_away_from_its_node_becomes_one(moved, bec
     assert not memory.graph.ghosts
     robot.go_to(Destination(0, np.zeros(2)))  # a node again
     assert not agent._resolve(robot)
+
+
+def test_by_the_papers_rule_a_reached_ghost_makes_no_node_where_the_robot_is_localised():
+    """In a hall of one node that reaches 3.5 m: the ghosts, 3 m away, are all inside it."""
+    nodes = []
+    for rules in (Localisation(), Localisation(nodes_at_ghosts=False)):
+        model = Hall()
+        model.same_node = lambda sources, goals: (
+            (np.linalg.norm(sources[:, :2] - goals[:, :2], axis=1) < 3.5) & (goals[:, 3] > 0)
+        ).astype(float)
+        agent = NTSAgent(model, np.random.default_rng(0), NTSSettings(localisation=rules))
+        list(steps(in_a_hall(16.0), agent, 20))
+        nodes.append(len(agent.robots[0].memory.graph))
+    assert nodes == [2, 1]
 
 
 def test_a_goal_is_remembered_from_the_node_that_sees_it_and_from_no_other():

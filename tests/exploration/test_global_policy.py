@@ -15,7 +15,13 @@ from tutorial_lib.exploration.global_policy import (
     subgoal,
     travel,
 )
-from tutorial_lib.exploration.graph_update import GraphUpdate, Memory, free_metres
+from tutorial_lib.exploration.graph_update import (
+    PAPER,
+    GraphUpdate,
+    Localisation,
+    Memory,
+    free_metres,
+)
 from tutorial_lib.exploration.labels import panorama_ranges
 from tutorial_lib.geometry import compose
 from tutorial_lib.world.scene import Scene
@@ -188,11 +194,41 @@ def test_a_robot_is_looked_for_in_the_four_nearest_nodes_around_it():
     memory.node = memory.graph.add_node(NONE)
     for x in (2.0, -0.5, 1.0, 4.4, -1.5, 3.0, 4.6):
         memory.graph.add_node(NONE, None, 0, [x, 0.0, 0.0])
-    assert memory.beside() == [2, 3, 5, 1]
+    assert memory.others(everywhere=False) == [2, 3, 5, 1]
+    assert memory.others(everywhere=True) == [2, 3, 5, 1, 6, 4, 7]
     memory.move(np.array([4.0, 0.0, 0.0]))
-    assert memory.beside() == [4, 7, 6, 1]
+    assert memory.others(everywhere=False) == [4, 7, 6, 1]
     memory.move(np.array([8.5, 0.0, 0.0]))
-    assert memory.beside() == [7, 4]  # the others are 4.5 m away and more
+    assert memory.others(everywhere=False) == [7, 4]  # the others are 4.5 m away and more
+    assert memory.others(everywhere=True) == [7, 4, 6, 1, 3, 2, 5]
+
+
+@pytest.mark.parametrize(("rules", "found"), [(None, False), (Localisation(all_nodes=True), True)])
+def test_f_l_compares_with_nodes_that_are_far_by_odometry_only_in_the_paper(rules, found):
+    update = GraphUpdate(NearbyFeatures(), 0.5, 0.5, localisation=rules)
+    memory, ranges = Memory(), np.full((1, 192), 5.0)
+    for x, feature in ((0.0, 0.0), (3.0, 10.0), (6.0, 20.0)):
+        memory.move(np.array([x, 0.0, 0.0]))
+        update.update([memory], np.array([[feature]], np.float32), ranges)
+    made = update.update([memory], np.array([[0.2]], np.float32), ranges)[0]
+    assert made != found
+    assert memory.node == (0 if found else 3)
+    assert (0 in memory.graph.edges[2]) is found
+
+
+def test_the_edge_to_a_known_node_has_its_pose_by_odometry_in_the_paper():
+    """Along the graph: where F_R has the robot (0.4 m to the left of node 0) does not matter."""
+    update = GraphUpdate(NearbyFeatures(), 0.5, 0.5, localisation=PAPER)
+    memory, ranges = Memory(), np.full((1, 192), 5.0)
+    for pose, feature in (([0, 0, 0], 0.0), ([2, 0, 0.5], 10.0), ([2, 1.5, 1.0], 20.0)):
+        memory.move(np.array(pose, float))
+        update.update([memory], np.array([[feature]], np.float32), ranges)
+    memory.move(np.array([0.5, 0.5, 2.0]))
+    assert not update.update([memory], np.array([[0.2]], np.float32), ranges)[0]
+    assert memory.node == 0
+    assert np.allclose(memory.offset, [0.5, 0.5, 2.0])
+    assert np.allclose(memory.graph.edges[0][2], [2.0, 1.5, 1.0])
+    assert np.allclose(compose(memory.graph.edges[2][0], [2.0, 1.5, 1.0]), 0.0)
 
 
 def test_the_most_likely_node_is_not_entered_unless_it_is_likely():

@@ -236,6 +236,18 @@ def test_blocks_depend_on_their_seed_alone(world):
     assert part.images.shape[:2] == (3, GROUP)
 
 
+def test_a_masked_source_has_scores_of_unconnected_pairs_only(world):
+    usual, masked = (PanoramaSource([world], worlds=3, targets=4, masked=m) for m in (False, True))
+    one, other = (source.block([0, 1]) for source in (usual, masked))
+    assert same(replace(other, metres=one.metres), one)
+    connected = one.connected > 0
+    assert 0.1 < connected[one.used].mean() < 0.9
+    assert np.isinf(other.metres[connected]).all()
+    assert np.array_equal(other.metres[~connected], one.metres[~connected])
+    assert usual.recipe != masked.recipe  # an interrupted training does not go on as the other
+    assert "scores" not in usual.recipe  # the checkpoints there are stay its own
+
+
 def test_variation_changes_images_and_never_what_is_stored(world):
     before = {signs: images.copy() for signs, images in world.images.items()}
     PanoramaSource([world], worlds=4, targets=8).block([0])

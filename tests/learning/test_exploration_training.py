@@ -327,12 +327,17 @@ def test_the_command_trains_saves_and_goes_on_where_it_was_stopped(tiny, tmp_pat
 
 
 def test_every_recipe_is_its_own_and_small():
-    assert set(NTS) == {(sensor, blind) for sensor in ("rgb", "rgbd") for blind in (False, True)}
-    assert len({recipe.name for recipe in NTS.values()}) == 4
-    for (sensor, blind), recipe in NTS.items():
-        assert recipe.architecture == PanoramaArchitecture(sensor, blind)
+    kinds = ("", "blind", "masked")
+    assert set(NTS) == {(sensor, kind) for sensor in ("rgb", "rgbd") for kind in kinds}
+    assert len({recipe.name for recipe in NTS.values()}) == 6
+    for (sensor, kind), recipe in NTS.items():
+        assert recipe.architecture == PanoramaArchitecture(sensor, kind == "blind")
+        assert recipe.masked == (kind == "masked")
         options = cli.parse(recipe.command.split())
-        assert (options.name, options.sensor, options.blind) == ("nts", sensor, blind)
+        assert (options.name, options.sensor, options.kind) == ("nts", sensor, kind)
+    usual = NTS["rgbd", ""]
+    changed = {"name": usual.name, "command": usual.command, "masked": False}
+    assert replace(NTS["rgbd", "masked"], **changed) == usual  # by the same recipe
     assert exploration_recipes.FIRST_STOPPING >= 10_000
 
 
@@ -343,6 +348,7 @@ def test_every_recipe_is_its_own_and_small():
         (["nts", "--sensor", "lidar"], "rgbd"),
         (["nts", "--k", "2", "--sensor", "rgb"], "--k"),
         (["waypoint", "--k", "2", "--blind"], "--blind"),
+        (["nts", "--sensor", "rgb", "--blind", "--masked"], "not allowed with"),
     ],
 )
 def test_options_of_other_networks_are_refused(capsys, arguments, words):

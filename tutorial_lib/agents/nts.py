@@ -13,7 +13,7 @@ from tutorial_lib.exploration.exploring_robot import Destination, ExploringRobot
 from tutorial_lib.exploration.ghost_graph import GhostGraph
 from tutorial_lib.exploration.global_policy import GhostChoice, choose_ghost, subgoal
 from tutorial_lib.exploration.goal_search import GoalSearch, SearchSettings, Sensed, checked_model
-from tutorial_lib.exploration.graph_update import GraphUpdate, Memory, free_metres
+from tutorial_lib.exploration.graph_update import GraphUpdate, Localisation, Memory, free_metres
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, to_world
@@ -24,7 +24,7 @@ _APART = 1.0  # metres between a node and a ghost that is explored by a node of 
 
 @dataclass(frozen=True)
 class NTSSettings:
-    """The paper's agent, and what is changed in it.
+    """The course's agent, the paper's where nothing else is said, and what is changed in it.
 
     Attributes:
         use_graph: without it, the best direction of the present panorama is taken, and no graph
@@ -36,6 +36,7 @@ class NTSSettings:
         explorable: probability of F_G from which a direction gets a ghost.
         directions: of each node, as many as the model has; 12 in the paper.
         radius: metres from a node to its ghosts, as of the model's; 3 in the paper.
+        localisation: how a robot finds itself in its graph.
         choice: how ghosts are compared.
         search: how the goal is noticed.
     """
@@ -47,6 +48,7 @@ class NTSSettings:
     explorable: float = 0.5
     directions: int = DIRECTIONS
     radius: float = RADIUS
+    localisation: Localisation = field(default_factory=Localisation)
     choice: GhostChoice = field(default_factory=GhostChoice)
     search: SearchSettings = field(default_factory=SearchSettings)
 
@@ -57,6 +59,7 @@ class NTSSettings:
         floats("explorable", self.explorable, (), least=0.0)
         whole("directions", self.directions, least=1, most=10_000)
         floats("radius", self.radius, (), least=0.1, most=50.0)
+        instance("localisation", self.localisation, Localisation)
         instance("choice", self.choice, GhostChoice)
         instance("search", self.search, SearchSettings)
 
@@ -81,7 +84,9 @@ class NTSAgent:
         settings = NTSSettings() if settings is None else settings
         self._settings = instance("settings", settings, NTSSettings)
         chosen = self._settings
-        self._update = GraphUpdate(model, chosen.same_node, chosen.explorable, chosen.radius)
+        self._update = GraphUpdate(
+            model, chosen.same_node, chosen.explorable, chosen.radius, chosen.localisation
+        )
 
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,); forget all before."""
@@ -147,6 +152,8 @@ class NTSAgent:
         if ghost is None:
             return False
         memory.graph.remove(ghost)
+        if not self._settings.localisation.nodes_at_ghosts:
+            return False
         return bool(np.linalg.norm(memory.offset[:2]) >= _APART)
 
     def _explore(self, robots: NDArray[np.intp]) -> None:

@@ -40,7 +40,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         command = names.add_parser(name, help=words)
         command.add_argument("--sensor", choices=SENSORS, required=True)
         if name == "nts":
-            command.add_argument("--blind", action="store_true", help="scores without the goal")
+            kinds = command.add_mutually_exclusive_group()
+            for kind, meaning in exploration_recipes.KINDS.items():
+                kinds.add_argument(
+                    f"--{kind}",
+                    dest="kind",
+                    action="store_const",
+                    const=kind,
+                    default="",
+                    help=meaning,
+                )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -62,7 +71,7 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
         InputError: when there is no such network of that k.
     """
     if options.name == "nts":
-        recipe = exploration_recipes.NTS[options.sensor, options.blind]
+        recipe = exploration_recipes.NTS[options.sensor, options.kind]
         return recipe, exploration_recipes.train_nts
     if options.name == "il":
         return imitation_recipes.IMITATION[options.sensor], imitation_recipes.train_imitation

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,10 +12,40 @@ from tutorial_lib.exploration.bearings import DIRECTIONS, RADIUS, column_bearing
 from tutorial_lib.exploration.ghost_graph import BESIDE, GhostGraph
 from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.se2 import Array, compose, inverse, relative, to_world
+from tutorial_lib.validation import flag, instance
 
 _TRIED = 4  # nodes besides its own in which a robot is looked for
 _WIDE = 0.22  # metres to either side that a robot needs
 _FREE = 1.0  # metres that a direction is free, at least, to be kept in reserve
+
+
+@dataclass(frozen=True)
+class Localisation:
+    """How a robot finds itself in its graph, where the course's agent departs from the paper (4.1).
+
+    Attributes:
+        all_nodes: F_L compares a panorama with every node, as in the paper; else with the robot's
+            own and at most four that are within `BESIDE` by odometry. Over 500 steps odometry
+            drifts by less than that, and fewer comparisons make fewer mistakes between places that
+            look alike.
+        edges_by_odometry: a new edge to a known node has its pose by odometry along the graph, as
+            in the paper; else the robot's place in that node is F_R's.
+        nodes_at_ghosts: a ghost that is reached becomes a node though F_L still has the robot in
+            the old one. In the paper there is a new node only where a robot is in none; what
+            becomes of such a ghost it does not say: here it goes.
+    """
+
+    all_nodes: bool = False
+    edges_by_odometry: bool = False
+    nodes_at_ghosts: bool = True
+
+    def __post_init__(self) -> None:
+        for name in ("all_nodes", "edges_by_odometry", "nodes_at_ghosts"):
+            flag(name, getattr(self, name))
+
+
+PAPER = Localisation(all_nodes=True, edges_by_odometry=True, nodes_at_ghosts=False)
+"""The paper's rules."""
 
 
 class Memory:
@@ -50,17 +81,12 @@ class Memory:
         """Be in a node from now on, at the pose `offset` (3,) in its frame."""
         self.node, self._origin = node, compose(self._odometry, inverse(offset))
 
-    def beside(self) -> list[int]:
-        """The nodes near the robot, except its own, the nearest first.
-
-        A departure from the paper, which compares a panorama with all nodes of the graph: at most
-        four that are within `BESIDE` by odometry. Over 500 steps odometry drifts by less than that,
-        and fewer comparisons make fewer mistakes between places that look alike.
-        """
+    def others(self, *, everywhere: bool) -> list[int]:
+        """The nodes but its own, the nearest first: all, or at most four within `BESIDE`."""
         gaps = self.graph.poses_from(self.node)[:, :2] - self.offset[:2]
         far = np.linalg.norm(gaps, axis=1)
-        order = [int(n) for n in np.argsort(far, kind="stable") if far[n] < BESIDE]
-        return [node for node in order if node != self.node][:_TRIED]
+        order = [int(n) for n in np.argsort(far, kind="stable") if n != self.node]
+        return order if everywhere else [n for n in order if far[n] < BESIDE][:_TRIED]
 
     def enter(self, node: int, place: Array | None = None) -> None:
         """Be in another node from now on.
@@ -97,7 +123,12 @@ class GraphUpdate:
     """Keeps the graphs of many robots up to date, with few calls of the model for all of them."""
 
     def __init__(
-        self, model: ExplorationModel, same: float, explorable: float, radius: float = RADIUS
+        self,
+        model: ExplorationModel,
+        same: float,
+        explorable: float,
+        radius: float = RADIUS,
+        localisation: Localisation | None = None,
     ) -> None:
         """Set when answers of the model count, and what is explored.
 
@@ -106,14 +137,17 @@ class GraphUpdate:
             same: probability of F_L from which a robot is in a node.
             explorable: probability of F_G from which a direction gets a ghost.
             radius: metres from a node to its ghosts.
+            localisation: by which rules robots find themselves; the course's unless given.
         """
+        localisation = Localisation() if localisation is None else localisation
+        self.localisation = instance("localisation", localisation, Localisation)
         self._model, self._same, self._explorable = model, same, explorable
         self._radius = radius
 
     def update(
         self, memories: Sequence[Memory], features: NDArray[np.float32], ranges: Array
     ) -> NDArray[np.bool_]:
-        """Localise each robot in its node, or in another one near it, or make a new node.
+        """Localise each robot in its node, or in another one, or make a new node.
 
         Args:
             memories: of M robots.
@@ -153,7 +187,8 @@ class GraphUpdate:
         self, memories: Sequence[Memory], features: NDArray[np.float32]
     ) -> NDArray[np.bool_]:
         """(M,) whether a robot is in another node than its own; if so, it enters that."""
-        nodes = [memory.beside() for memory in memories]
+        rules = self.localisation
+        nodes = [memory.others(everywhere=rules.all_nodes) for memory in memories]
         rows = np.repeat(np.arange(len(memories)), [len(near) for near in nodes])
         entered = np.zeros(len(memories), bool)
         if not len(rows):
@@ -170,7 +205,7 @@ class GraphUpdate:
             if likely[best] >= self._same:
                 place = metres[best] * np.array([np.cos(bearing[best]), np.sin(bearing[best])])
                 memory, node = pairs[best]
-                known = node in memory.graph.edges[memory.node]
+                known = node in memory.graph.edges[memory.node] or rules.edges_by_odometry
                 memory.enter(node, None if known else place)
                 entered[row] = True
         return entered

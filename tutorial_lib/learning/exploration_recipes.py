@@ -46,6 +46,7 @@ class NtsRecipe:
         worlds: how many training plans, seeds 0 and up.
         validation_worlds: how many plans for early stopping, and as many for calibration.
         panoramas: of each plan.
+        masked: whether scores are learnt from unconnected pairs only, as in the paper.
     """
 
     name: str
@@ -55,6 +56,7 @@ class NtsRecipe:
     worlds: int = 160
     validation_worlds: int = 12
     panoramas: int = PANORAMAS
+    masked: bool = False
 
     def checkpoints(self, work: Path) -> tuple[Path]:
         """File of the state of its training."""
@@ -64,8 +66,8 @@ class NtsRecipe:
 STEPS = 6_500
 
 
-def _recipe(sensor: str, *, blind: bool) -> NtsRecipe:
-    name = f"nts_blind_{sensor}" if blind else f"nts_{sensor}"
+def _recipe(sensor: str, kind: str) -> NtsRecipe:
+    name = "_".join(filter(None, ("nts", kind, sensor)))
     settings = Settings(
         max_steps=STEPS,
         targets=16,
@@ -75,16 +77,18 @@ def _recipe(sensor: str, *, blind: bool) -> NtsRecipe:
         patience=STEPS,
         threads=1,
     )
-    command = f"train nts --sensor {sensor}" + (" --blind" if blind else "")
-    return NtsRecipe(name, command, PanoramaArchitecture(sensor, blind), settings)
+    command = f"train nts --sensor {sensor}" + (f" --{kind}" if kind else "")
+    architecture = PanoramaArchitecture(sensor, goal_blind=kind == "blind")
+    return NtsRecipe(name, command, architecture, settings, masked=kind == "masked")
 
 
-NTS = {
-    (sensor, blind): _recipe(sensor, blind=blind)
-    for sensor in ("rgb", "rgbd")
-    for blind in (False, True)
+KINDS = {
+    "blind": "scores without the goal",
+    "masked": "scores learn from unconnected pairs only, as in the paper",
 }
-"""What `train nts` can train, by sensor and whether its scores are blind to the goal."""
+"""Of multi-task networks, beside the one whose scores see the goal and learn from all pairs."""
+NTS = {(sensor, kind): _recipe(sensor, kind) for sensor in ("rgb", "rgbd") for kind in ("", *KINDS)}
+"""What `train nts` can train, by sensor and kind."""
 
 
 def train_nts(recipe: NtsRecipe, work: Path, jobs: int = 2) -> tuple[PanoramaNetwork, Card]:
@@ -102,7 +106,8 @@ def train_nts(recipe: NtsRecipe, work: Path, jobs: int = 2) -> tuple[PanoramaNet
     """
     begun = time.monotonic()
     plans = [training_plan(seed) for seed in range(recipe.worlds)]
-    source = PanoramaSource(panorama_worlds(plans, work, recipe.panoramas, jobs))
+    recorded = panorama_worlds(plans, work, recipe.panoramas, jobs)
+    source = PanoramaSource(recorded, masked=recipe.masked)
     stopping = _unseen(recipe, FIRST_STOPPING, work, jobs)
     spent = time.monotonic() - begun
     network, progress = train(
@@ -134,7 +139,7 @@ def _unseen(recipe: NtsRecipe, first: int, work: Path, jobs: int) -> list[Panora
     plans = [unseen_plan(first + i) for i in range(recipe.validation_worlds)]
     worlds = panorama_worlds(plans, work, recipe.panoramas, jobs)
     count = 2 * len(worlds)
-    source = PanoramaSource(worlds, worlds=count, targets=8, vary=False)
+    source = PanoramaSource(worlds, worlds=count, targets=8, vary=False, masked=recipe.masked)
     return [source.block([first, number]) for number in range(2)]
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -88,17 +88,19 @@ class PanoramaSource:
         worlds: drawn for a block.
         targets: groups of each world.
         vary: whether groups are mirrored and their colours changed.
+        masked: whether scores are learnt from unconnected pairs only, see `masked`.
     """
 
     recorded: Sequence[PanoramaWorld]
     worlds: int = 16
     targets: int = 8
     vary: bool = True
+    masked: bool = False
 
     @property
     def recipe(self) -> dict[str, Any]:
         """What its blocks depend on, in brief."""
-        return {
+        recipe = {
             "labels": VERSION,
             "panoramas": sum(len(world.poses) for world in self.recorded),
             "signs": sorted({signs for world in self.recorded for signs in world.images}),
@@ -106,6 +108,7 @@ class PanoramaSource:
             "vary": self.vary,
             "hues": "all, those of the shifted palette included",
         }
+        return recipe | ({"scores": "of unconnected pairs"} if self.masked else {})
 
     def block(self, seed: Sequence[int]) -> PanoramaBatch:
         """The block of that seed: groups of `worlds` worlds, shuffled."""
@@ -121,6 +124,8 @@ class PanoramaSource:
         signs = str(rng.choice(sorted(world.images)))
         groups = draw_groups(world.far, self.targets, rng)
         batch = batch_of(world, signs, groups)
+        if self.masked:
+            batch = masked(batch)
         if not self.vary:
             return batch
         batch = mirrored(batch, rng.random(len(groups)) < 0.5)
@@ -180,6 +185,12 @@ def batch_of(world: PanoramaWorld, signs: str, groups: NDArray[np.intp]) -> Pano
         used=(sources != goals) & (far <= FARTHEST_PAIR),
         signs=np.full(len(groups), signs == "wayfinding"),
     )
+
+
+def masked(batch: PanoramaBatch) -> PanoramaBatch:
+    """The batch without labels of F_S for pairs of one node (Chaplot et al. 2020, appendix B)."""
+    metres = np.where(batch.connected[..., None] > 0, np.float32(np.inf), batch.metres)
+    return replace(batch, metres=metres)
 
 
 def mirrored(batch: PanoramaBatch, groups: NDArray[np.bool_]) -> PanoramaBatch:

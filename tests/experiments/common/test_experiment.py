@@ -166,4 +166,5 @@ def test_commands_and_their_ablations_are_those_of_the_design():
         "nts_second_visit geometry",
         "nts_table1 options",
         "nts_fig8 options",
+        "nts_fig8 exact",
     }

@@ -9,6 +9,7 @@ from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.nts import fig8, table1, table2
 from tutorial_lib.experiments.protocols import exploration
 from tutorial_lib.experiments.protocols.exploration import make_world, run_agent
+from tutorial_lib.exploration.graph_update import PAPER, Localisation
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
 
@@ -132,7 +133,7 @@ def test_names_stand_for_the_agents_that_they_say(monkeypatch):
         def scores(self, sources, goals):
             return np.full((len(sources), 12), 0.25)
 
-    kinds = {"nts": TrueGeometry(task), "nts_blind": Constant(task)}
+    kinds = {"nts": TrueGeometry(task), "nts_blind": Constant(task), "nts_masked": Constant(task)}
     monkeypatch.setattr(explorers, "shipped", lambda kind, sensor: kinds[kind])
 
     def make(name, **options):
@@ -143,7 +144,8 @@ def test_names_stand_for_the_agents_that_they_say(monkeypatch):
         seen = agent._model.embed(task.observe())
         return agent._model.scores(seen, agent._model.embed(task.goals()))
 
-    assert (scores(make("nts_blind")) == 0.25).all()
+    for name in ("nts_blind", "nts_masked", "nts_paper"):  # theirs are another network's scores
+        assert (scores(make(name)) == 0.25).all()
     assert not (scores(make("nts")) == 0.25).any()
     changed = {
         "nts_no_graph": ("use_graph", False),
@@ -155,6 +157,16 @@ def test_names_stand_for_the_agents_that_they_say(monkeypatch):
         assert getattr(usual, field) != value
         assert getattr(make(name)._settings, field) == value
         assert vars(make(name)._settings) == {**vars(usual), field: value}
+    rules = {
+        "nts_masked": Localisation(),
+        "nts_all_nodes": Localisation(all_nodes=True),
+        "nts_by_odometry": Localisation(edges_by_odometry=True),
+        "nts_no_ghost_nodes": Localisation(nodes_at_ghosts=False),
+        "nts_paper": PAPER,
+    }
+    assert set(rules) == set(explorers.AS_IN_PAPER)
+    for name, wanted in rules.items():
+        assert vars(make(name)._settings) == {**vars(usual), "localisation": wanted}
     assert make("nts_travel")._settings.choice.travel_weight == 0.1
     assert make("nts_views")._settings.choice.combine_views
     assert make("nts_reserve")._settings.choice.reserve_penalty == 0.1

@@ -111,6 +111,9 @@ def test_agents_without_their_weights_are_refused_before_anything_is_run(monkeyp
     with pytest.raises(InputError, match=r"train nts --sensor rgb --blind"):
         explorers.shipped("nts_blind", "rgb")
     explorers.check_shipped(("oracle",), "rgbd")
+    (tmp_path / "nts_rgbd.safetensors").touch()
+    with pytest.raises(InputError, match=r"nts_masked_rgbd: .* train nts --sensor rgbd --masked"):
+        explorers.check_shipped(("nts_paper",), "rgbd")
 
 
 def test_every_agent_that_needs_no_network_can_be_made_and_no_other_name():

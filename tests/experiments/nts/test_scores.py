@@ -13,6 +13,7 @@ from tutorial_lib.learning.exploration_data import random_poses
 from tutorial_lib.world.worlds import scene_of
 
 WORLD = "office/1/standard"
+KEYS = ("score", "sensor", "signs", "pairs", "difficulty")
 SMALL = Settings(places=20, goals=6, sensors=("rgbd",))
 
 
@@ -43,6 +44,8 @@ def perfect(monkeypatch):
 def test_decisions_are_those_of_the_difficulties_with_a_choice(perfect):
     found = choices(WORLD, 0, SMALL)
     assert set(np.unique(found.difficulty)) == {0, 1, 2}
+    assert found.connected[found.difficulty == 0].mean() > 0.5
+    assert not found.connected[found.difficulty == 2].any()  # farther away than a node reaches
     assert set(found.regret) == {("rgbd", score) for score in SCORES}
     for regret in found.regret.values():
         assert regret.shape == found.difficulty.shape
@@ -64,8 +67,10 @@ def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
     monkeypatch.setattr(scores, "for_each", in_turn)
     monkeypatch.setattr(scores, "exploration_world", lambda seed, signs: WORLD)
     rows, _ = scores.run(Options(worlds=(20_000, 20_001)), SMALL)
-    keys = [tuple(row[key] for key in ("score", "sensor", "signs", "difficulty")) for row in rows]
-    assert len(set(keys)) == len(keys) == 4 * 1 * 2 * 3
+    keys = [tuple(row[key] for key in KEYS) for row in rows]
+    # In this office all that is easy is in sight: between unconnected places nothing is easy.
+    assert len(set(keys)) == len(keys) == 5 * 1 * 2 * (2 + 3)
+    assert [row["pairs"] for row in rows[: 5 * (2 + 3)]] == ["unconnected"] * 10 + ["all"] * 15
     for row in rows:
         assert row["low"] <= row["top1"] <= row["high"]
         if row["score"] == "semantic":
@@ -75,9 +80,31 @@ def test_the_table_has_each_row_once_and_gains_are_paired(perfect, monkeypatch):
             assert row["gain_low"] <= row["gain"] <= row["gain_high"]
 
 
+def test_f_s_is_judged_where_it_is_asked(perfect, monkeypatch):
+    """Between places of one node it may be wrong: those decisions count only among all."""
+    monkeypatch.setattr(scores, "for_each", in_turn)
+    monkeypatch.setattr(scores, "exploration_world", lambda seed, signs: WORLD)
+    made = choices(WORLD, 0, SMALL)
+    made.connected[::2] = False  # or else all that is easy would be in sight
+    made.regret["rgbd", "semantic"][:] = np.where(made.connected, 2.0, 0.0)
+    monkeypatch.setattr(scores, "choices", lambda *given: made)
+    rows, _ = scores.run(Options(worlds=(20_000, 20_001)), SMALL)
+    found = {
+        row["pairs"]: row
+        for row in rows
+        if (row["score"], row["signs"], row["difficulty"]) == ("semantic", "plain", "easy")
+    }
+    assert (found["unconnected"]["top1"], found["unconnected"]["regret"]) == (1.0, 0.0)
+    easy = made.difficulty == 0
+    assert found["all"]["top1"] == pytest.approx(1 - made.connected[easy].mean())
+    assert found["all"]["decisions"] == 2 * easy.sum()
+    assert found["unconnected"]["decisions"] == 2 * (easy & ~made.connected).sum() > 0
+
+
 def test_the_blind_scores_are_compared_with_depth_only(perfect):
     found = choices(WORLD, 0, Settings(places=6, goals=3, sensors=("rgb", "rgbd")))
-    assert {score for sensor, score in found.regret if sensor == "rgb"} == {*SCORES} - {"blind"}
+    without = {score for sensor, score in found.regret if sensor == "rgb"}
+    assert without == {*SCORES} - {"blind", "masked"}
     assert set(scores.scores_of("rgbd")) == set(SCORES)
 
 

@@ -14,6 +14,16 @@ ROWS = {
     for row in load_result("nts_wayfinding").rows
 }
 
+SCORED = {
+    (row["signs"], row["difficulty"]): row
+    for row in load_result("nts_scores").rows
+    if (row["score"], row["pairs"]) == ("blind", "unconnected")
+}
+
+
+def worth(signs, difficulty):
+    return f"{100 * SCORED[signs, difficulty]['gain']:.0f}"
+
 
 def gain(signs, difficulty):
     return f"{100 * ROWS[signs, difficulty, 'goal']['gain']:.0f}"
@@ -30,6 +40,9 @@ SENTENCES = [
     f"{gain('wayfinding', 'hard')}:",
     f"finds the best direction in {top('wayfinding')} % of all decisions, and in {top('plain')} % "
     "in plain buildings",
+    f"the goal is worth {worth('plain', 'easy')} to {worth('wayfinding', 'easy')} points and on "
+    f"medium ones {worth('plain', 'medium')} to {worth('wayfinding', 'medium')}:",
+    f"with wayfinding accents it is worth {worth('wayfinding', 'hard')} points",
 ]
 
 

@@ -4,6 +4,7 @@ from itertools import product
 
 from tests.experiments.results_page.tables import cells
 from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.nts.scores import PAIRS, SCORES
 from tutorial_lib.experiments.results_page import exploring, returning, speed
 from tutorial_lib.experiments.results_page.exploring import choices, in_time, success_and_spl
 from tutorial_lib.experiments.results_page.sources import EXPLORING, Results
@@ -19,18 +20,23 @@ LESS = {"easy": 0.0, "medium": 0.02, "hard": 0.1}
 OTHER_GAIN = {"gain": 0.4, "gain_low": 0.3, "gain_high": 0.5}
 
 
-def chosen(score, sensor, signs, difficulty):
-    top1 = {"semantic": 0.8, "blind": 0.6, "histogram": 0.4, "random": 0.2}[score]
+def chosen(score, sensor, signs, difficulty, pairs):
+    top1 = {"semantic": 0.8, "masked": 0.7, "blind": 0.6, "histogram": 0.4, "random": 0.2}[score]
     top1 -= LESS[difficulty] + 0.03 * (sensor == "rgb") + 0.05 * (signs == "plain")
     row = {"score": score, "sensor": sensor, "signs": signs, "difficulty": difficulty}
-    row |= {"decisions": 100, "top1": top1, "low": top1 - 0.01, "high": top1 + 0.01}
+    row |= {"pairs": pairs}
+    row |= {
+        "decisions": 100 if pairs == "all" else 80,
+        "top1": top1,
+        "low": top1 - 0.01,
+        "high": top1 + 0.01,
+    }
     return row | (OTHER_GAIN if score == "histogram" else GAIN)
 
 
-CHOSEN = [
-    chosen(*key)
-    for key in product(("semantic", "blind", "histogram", "random"), ("rgbd",), SIGNS, LEVELS)
-] + [chosen("semantic", "rgb", signs, level) for signs in SIGNS for level in LEVELS]
+CHOSEN = [chosen(*key) for key in product(SCORES, ("rgbd",), SIGNS, LEVELS, PAIRS)] + [
+    chosen("semantic", "rgb", *key) for key in product(SIGNS, LEVELS, PAIRS)
+]
 TABLE = [
     {
         "agent": agent,
@@ -58,26 +64,32 @@ def results(name, rows, notes):
 
 def test_choices_stand_beside_a_blind_score_and_another_sensor():
     head, *lines = cells(choices(CHOSEN))
-    assert len(lines) == 6
-    assert head[2:6] == ["F_S", "blind", "colours", "random"]
-    shares = ["65.0% (64.0 to 66.0)", "45.0%", "25.0%", "5.0%"]
-    gaps = ["+20.0 points (+10.0 to +30.0)", "+40.0 points (+30.0 to +50.0)"]
-    assert lines[2] == ["plain", "hard", *shares, *gaps, "62.0%"]
-    assert lines[4][:3] == ["wayfinding", "medium", "78.0% (77.0 to 79.0)"]
+    assert len(lines) == 12
+    assert head[4:9] == ["F_S", "masked", "blind", "colours", "random"]
+    shares = ["65.0% (64.0 to 66.0)", "55.0%", "45.0%", "25.0%", "5.0%"]
+    gaps = ["+20.0 points (+10.0 to +30.0)"] * 2 + ["+40.0 points (+30.0 to +50.0)"]
+    assert lines[2] == ["unconnected", "plain", "hard", "80", *shares, *gaps, "62.0%"]
+    assert lines[10][:4] == ["all", "wayfinding", "medium", "100"]
+    assert lines[10][4] == "78.0% (77.0 to 79.0)"
     text = exploring.SECTIONS[0].text(results("nts_scores", CHOSEN, ()))
     assert "600 decisions" not in text
     assert "300 decisions in 14 test worlds" in text
+    assert "those 240 *unconnected* pairs come first" in text
 
 
 def test_the_best_agent_is_bold_and_bounds_take_no_part():
     _, *lines = cells(success_and_spl(TABLE, "plain"))
     assert [line[0] for line in lines[:2]] == ["NTS", "NTS, random scores"]
-    assert len(lines) == len(SPL) + 1
+    assert len(lines) == len(SPL) + 1 + 3  # those of reinforcement learning
+    later = [line for line in lines if line[2] == exploring.LATER]
+    target, with_map = exploring.RL.values()
+    assert [line[0] for line in later] == [target, with_map, target]
+    assert later[1][5] == "0.69 / 0.27, 0.22 / 0.07, 0.12 / 0.04"
     assert lines[0][2:5] == ["**65.0% / 0.600**", "**63.0% / 0.580**", "**55.0% / 0.500**"]
     walk = next(line for line in lines if line[0] == "random walk")
     assert walk[2] == "75.0% / 0.700"
     assert lines[0][5] == "0.43 / 0.26, 0.41 / 0.24, 0.33 / 0.16"
-    assert lines[-1][:3] == ["NTS", "without depth", "65.0% / 0.570"]
+    assert lines[-2][:3] == ["NTS", "without depth", "65.0% / 0.570"]
     _, mine, *_ = cells(in_time(TABLE, "plain"))
     spread = ["10.0% / 20.0% / 65.0%", "9.0% / 19.0% / 63.0%", "5.0% / 15.0% / 55.0%"]
     assert mine == ["NTS", *spread]
@@ -109,10 +121,13 @@ def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
         if condition != "standard"
     ]
     text = exploring.SECTIONS[2].text(results("nts_table2", rows, notes))
-    line = (
-        "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points | 56% / 49% |"
-    )
-    assert line in text
+    for line in (
+        "| nearest frontier | plain | 56.0% | 57.0% | 58.0% | +7 points | +8 points |",
+        "| nearest frontier | the paper | 42% | 56% | 49% | +14.0 points | +7.0 points |",
+        "| NTS | the paper | 63% | 75% | 64% | +12.0 points | +1.0 points |",
+        "| metric map and RL | Part of the course's last notebook |  |  |  |  |  |",
+    ):
+        assert line in text
     assert "300 episodes of each difficulty" in text
 
 

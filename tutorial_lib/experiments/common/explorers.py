@@ -16,6 +16,7 @@ from tutorial_lib.agents.random_walk import RandomWalkAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.own import load_own
 from tutorial_lib.exploration.global_policy import GhostChoice
+from tutorial_lib.exploration.graph_update import PAPER, Localisation
 from tutorial_lib.exploration.other_scores import HistogramScores, ScoresOf
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.exploration.true_geometry import TrueGeometry
@@ -39,9 +40,16 @@ WITH_GEOMETRY = (
 )
 """The agents that run without a network where an oracle stands in for it."""
 OPTIONS = ("nts", "nts_travel", "nts_views", "nts_reserve", "nts_by_sight")
-"""The paper's agent, and the same with one rule that the paper does not have: travelling costs,
-views of one opening are combined, the reserve is compared with ghosts, what is in sight counts as
-explored."""
+"""The course's agent, and the same with one more rule that the paper does not have: travelling
+costs, views of one opening are combined, the reserve is compared with ghosts, what is in sight
+counts as explored."""
+AS_IN_PAPER = (
+    *("nts_masked", "nts_all_nodes", "nts_by_odometry", "nts_no_ghost_nodes"),
+    "nts_paper",
+)
+"""The same with one thing as the paper has it, and with all four: F_S that learnt from unconnected
+pairs only; F_L over all nodes; edges to known nodes by odometry; no node at a ghost where F_L has
+the robot in the old one."""
 _FINE = {"directions": 24, "radius": 2.0}
 """Of "nts_2m": more directions with ghosts that are nearer, which fit into small rooms."""
 _SETTINGS = {
@@ -55,11 +63,23 @@ _SETTINGS = {
     "nts_views": NTSSettings(choice=GhostChoice(combine_views=True)),
     "nts_reserve": NTSSettings(choice=GhostChoice(reserve_penalty=0.1)),
     "nts_by_sight": NTSSettings(explored_by_sight=True),
+    "nts_masked": NTSSettings(),
+    "nts_all_nodes": NTSSettings(localisation=Localisation(all_nodes=True)),
+    "nts_by_odometry": NTSSettings(localisation=Localisation(edges_by_odometry=True)),
+    "nts_no_ghost_nodes": NTSSettings(localisation=Localisation(nodes_at_ghosts=False)),
+    "nts_paper": NTSSettings(localisation=PAPER),
 }
 """Of the agents with ghost nodes, by their name."""
+_SCORED_BY = {
+    "nts_blind": "nts_blind",
+    "nts_masked": "nts_masked",
+    "nts_paper": "nts_masked",
+}
+"""Whose scores agents have that have those of another network, by their name."""
 _CLASSES: dict[str, Callable[[str], Any]] = {
     "nts": LearnedExploration,
     "nts_blind": LearnedExploration,
+    "nts_masked": LearnedExploration,
     "ans_like": LearnedFrontierScorer,
     "il": LearnedImitation,
 }
@@ -72,7 +92,8 @@ def make_explorer(
     """An agent for a task.
 
     Args:
-        name: one of `AGENTS` or `OPTIONS`; with `geometry` of `WITH_GEOMETRY` or `OPTIONS`.
+        name: one of `AGENTS`, `OPTIONS` or `AS_IN_PAPER`; with `geometry` of `WITH_GEOMETRY` in
+            place of the first.
         task: of which oracles see more than others.
         sensor: of its networks.
         rng: draws what is random in the agent.
@@ -81,7 +102,7 @@ def make_explorer(
     Raises:
         InputError: for an unknown name or sensor, and where weights are needed that are not there.
     """
-    known = (*(WITH_GEOMETRY if geometry else AGENTS["rgbd"]), *OPTIONS[1:])
+    known = (*(WITH_GEOMETRY if geometry else AGENTS["rgbd"]), *OPTIONS[1:], *AS_IN_PAPER)
     if name not in known:
         raise InputError(f"agent: {name!r} is unknown here; use one of {', '.join(known)}")
     if sensor not in AGENTS:
@@ -99,8 +120,8 @@ def make_explorer(
         return FrontierAgent(model, rng=rng)
     if name == "ans_like":
         return FrontierAgent(model, scorer=shipped("ans_like", sensor), rng=rng)
-    if name == "nts_blind":
-        model = ScoresOf(model, shipped("nts_blind", sensor))
+    if name in _SCORED_BY and not geometry:
+        model = ScoresOf(model, shipped(_SCORED_BY[name], sensor))
     elif name == "nts_histogram":
         model = HistogramScores(model)
     return NTSAgent(model, rng, _SETTINGS[name])
@@ -121,7 +142,7 @@ def check_shipped(agents: tuple[str, ...], sensor: str) -> None:
     Raises:
         InputError: naming those that are not, and the command that trains them.
     """
-    needed = {name for name in agents if name in _CLASSES}
+    needed = {_SCORED_BY.get(name, name) for name in agents} & set(_CLASSES)
     needed |= {"nts"} if set(agents) - {"il", "oracle"} else set()
     for kind in sorted(needed):
         _check(kind, sensor)
@@ -132,7 +153,7 @@ def shipped(kind: str, sensor: str) -> Any:  # noqa: ANN401 - a model, a scorer 
     """A trained network.
 
     Args:
-        kind: "nts", "nts_blind", "ans_like" or "il".
+        kind: "nts", "nts_blind", "nts_masked", "ans_like" or "il".
         sensor: "rgbd" or "rgb".
 
     Raises:
@@ -145,8 +166,8 @@ def shipped(kind: str, sensor: str) -> Any:  # noqa: ANN401 - a model, a scorer 
 def _check(kind: str, sensor: str) -> None:
     file = FOLDER / f"{kind}_{sensor}.safetensors"
     if not file.exists():
-        command = f"train {kind.removesuffix('_blind')} --sensor {sensor}"
-        command += " --blind" if kind.endswith("_blind") else ""
+        network, _, variant = kind.partition("_") if kind.startswith("nts") else (kind, "", "")
+        command = f"train {network} --sensor {sensor}" + (f" --{variant}" if variant else "")
         raise InputError(
             f"{file.stem}: its weights are not there; python -m tutorial_lib {command} makes them"
         )

@@ -31,12 +31,14 @@ class Settings:
         goals: of each episode.
         agents: "nts" first, to which gaps are.
         geometry: the true geometry stands in for the network.
+        noise: of motion and odometry.
     """
 
     episodes: int = 16
     goals: int = 10
     agents: tuple[str, ...] = AGENTS
     geometry: bool = False
+    noise: bool = True
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
@@ -83,7 +85,7 @@ def run_world(
     found = {}
     for agent in settings.agents:
         noise, own = (np.random.default_rng([options.seed, seed, i]) for i in (1, 2))
-        task = ExplorationTask({name: scene}, episodes, noise)
+        task = ExplorationTask({name: scene}, episodes, noise, noise=settings.noise)
         explorer = make_explorer(agent, task, "rgbd", own, geometry=settings.geometry)
         columns = list(explore_on(task, explorer, goals))
         success, spl = (np.array(column, float) for column in zip(*columns, strict=True))
@@ -125,6 +127,15 @@ _OPTIONS = Experiment(
     quick_settings=Settings(4, agents=OPTIONS),
     accepts=frozenset({"palette"}),
 )
+_EXACT = Experiment(
+    "nts_fig8_exact",
+    run,
+    VALIDATION,
+    VALIDATION[:3],
+    Settings(8, noise=False),
+    quick_settings=Settings(4, noise=False),
+    accepts=frozenset({"palette"}),
+)
 EXPERIMENT = Experiment(
     "nts_fig8",
     run,
@@ -133,5 +144,5 @@ EXPERIMENT = Experiment(
     Settings(),
     quick_settings=Settings(6),
     accepts=frozenset({"palette"}),
-    ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
+    ablations={"geometry": _GEOMETRY, "options": _OPTIONS, "exact": _EXACT},
 )

@@ -1,12 +1,15 @@
 """Does F_S choose the right direction? Its first choice on unseen worlds, beside baselines.
 
 A decision is a place, a goal, and the directions that are traversable for a metre or more. The
-choice is right when the path from its end is within 0.5 m of the best one's.
+choice is right when the path from its end is within 0.5 m of the best one's. F_S is asked where the
+goal is not in the node of the source: decisions between unconnected places come first, then all.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +32,13 @@ from tutorial_lib.world.generators import SIGNS
 from tutorial_lib.world.sensors import PanoramicCamera
 from tutorial_lib.world.worlds import scene_of
 
-SCORES = ("semantic", "blind", "histogram", "random")
-"""F_S; the same network with scores that see the source alone; how much a direction's patch has the
-colours of some patch of the goal; and no knowledge at all. The blind one is compared with depth
-only."""
+SCORES = ("semantic", "masked", "blind", "histogram", "random")
+"""F_S; the same network with scores that learnt from unconnected pairs only, as in the paper; with
+scores that see the source alone; how much a direction's patch has the colours of some patch of the
+goal; and no knowledge at all."""
+_DEPTH_ONLY = ("masked", "blind")
+PAIRS = ("unconnected", "all")
+"""Which decisions are counted: those whose goal is in another node than the source, or all."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +62,12 @@ class Chosen:
 
     Attributes:
         difficulty: (D,) index in `DIFFICULTIES`.
+        connected: (D,) whether source and goal are in one node, the label of F_L.
         regret: (D,) metres by which each choice is longer than the best, by sensor and score.
     """
 
     difficulty: NDArray[np.intp]
+    connected: NDArray[np.bool_]
     regret: dict[tuple[str, str], Array]
 
 
@@ -70,30 +78,36 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
         InputError: where weights are missing, before anything is run.
     """
     for sensor in settings.sensors:
-        blind = ("nts_blind",) if "blind" in scores_of(sensor) else ()
-        check_shipped(("nts", *blind), sensor)
+        others = (f"nts_{score}" for score in scores_of(sensor) if score in _DEPTH_ONLY)
+        check_shipped(("nts", *others), sensor)
     rows: Rows = []
     for signs in SIGNS:
         names = [exploration_world(seed, signs) for seed in options.worlds]
         found = for_each(choices, names, options.seed, settings, label=f"{signs} worlds")
         worlds = np.repeat(options.worlds, [len(chosen.difficulty) for chosen in found])
-        levels = np.concatenate([chosen.difficulty for chosen in found])
-        for sensor in settings.sensors:
-            regret = {
-                score: np.concatenate([chosen.regret[sensor, score] for chosen in found])
-                for score in scores_of(sensor)
-            }
+        joined = _joined(found)
+        for sensor, pairs in product(settings.sensors, PAIRS):
             for number, difficulty in enumerate(DIFFICULTIES):
-                mine = levels == number
+                mine = joined.difficulty == number
+                mine &= ~joined.connected | (pairs == "all")
                 if mine.any():
-                    subset = {score: metres[mine] for score, metres in regret.items()}
-                    key = {"sensor": sensor, "signs": signs, "difficulty": difficulty}
-                    rows += _rows(key, subset, worlds[mine])
+                    subset = {s: joined.regret[sensor, s][mine] for s in scores_of(sensor)}
+                    key = {"sensor": sensor, "signs": signs, "pairs": pairs}
+                    rows += _rows(key | {"difficulty": difficulty}, subset, worlds[mine])
     notes = [
         f"top1: the chosen direction's end is within {WITHIN} m of the best one's",
         "gain: of semantic over this score on the same decisions, 95 % intervals over worlds",
     ]
     return rows, notes
+
+
+def _joined(parts: Sequence[Chosen]) -> Chosen:
+    """The decisions of all worlds."""
+    regret = {key: np.concatenate([p.regret[key] for p in parts]) for key in parts[0].regret}
+    difficulty, connected = (
+        np.concatenate([getattr(p, name) for p in parts]) for name in ("difficulty", "connected")
+    )
+    return Chosen(difficulty, connected, regret)
 
 
 def _rows(key: dict[str, str], regret: dict[str, Array], worlds: NDArray[np.intp]) -> Rows:
@@ -138,12 +152,12 @@ def choices(name: str, seed: int, settings: Settings) -> Chosen:
             rows = model.embed(seen)
             found = model.scores(rows[source], rows[goal])
             regret[sensor, score] = regret_of(found, metres)
-    return Chosen(level.argmax(axis=1), regret)
+    return Chosen(level.argmax(axis=1), labels.connected(source, goal), regret)
 
 
 def scores_of(sensor: str) -> tuple[str, ...]:
-    """Those of `SCORES` that are compared with a sensor."""
-    return tuple(score for score in SCORES if score != "blind" or sensor == "rgbd")
+    """Those of `SCORES` that are compared with a sensor: some of them with depth only."""
+    return tuple(score for score in SCORES if score not in _DEPTH_ONLY or sensor == "rgbd")
 
 
 def models_of(sensor: str, rng: np.random.Generator) -> dict[str, ExplorationModel]:
@@ -154,9 +168,8 @@ def models_of(sensor: str, rng: np.random.Generator) -> dict[str, ExplorationMod
         "histogram": HistogramScores(learned),
         "random": RandomScores(learned, rng),
     }
-    if "blind" in scores_of(sensor):
-        models["blind"] = shipped("nts_blind", sensor)
-    return models
+    others = [score for score in scores_of(sensor) if score in _DEPTH_ONLY]
+    return models | {score: shipped(f"nts_{score}", sensor) for score in others}
 
 
 EXPERIMENT = Experiment(

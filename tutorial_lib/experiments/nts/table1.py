@@ -8,6 +8,7 @@ from functools import partial
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.explorers import (
     AGENTS,
+    AS_IN_PAPER,
     OPTIONS,
     WITH_GEOMETRY,
     check_shipped,
@@ -32,6 +33,9 @@ PAPER = {
     ("il", "rgb"): ((0.57, 0.23), (0.14, 0.06), (0.04, 0.02)),
     ("ans_like", "rgb"): ((0.63, 0.45), (0.31, 0.18), (0.12, 0.07)),
     ("nts", "rgb"): ((0.80, 0.60), (0.47, 0.31), (0.37, 0.22)),
+    ("target_rl", "rgb"): ((0.56, 0.22), (0.17, 0.06), (0.06, 0.02)),
+    ("target_rl", "rgbd"): ((0.68, 0.28), (0.21, 0.08), (0.09, 0.03)),
+    ("map_rl", "rgbd"): ((0.69, 0.27), (0.22, 0.07), (0.12, 0.04)),
     ("il", "rgbd"): ((0.72, 0.32), (0.16, 0.09), (0.05, 0.02)),
     ("fbe", "rgbd"): ((0.77, 0.56), (0.36, 0.18), (0.13, 0.05)),
     ("ans_like", "rgbd"): ((0.76, 0.55), (0.40, 0.24), (0.16, 0.09)),
@@ -132,8 +136,8 @@ _OPTIONS = Experiment(
     run,
     VALIDATION,
     VALIDATION[:4],
-    Settings(rgbd=OPTIONS, rgb=()),
-    quick_settings=Settings(9, OPTIONS, ()),
+    Settings(rgbd=(*OPTIONS, *AS_IN_PAPER), rgb=()),
+    quick_settings=Settings(9, (*OPTIONS, *AS_IN_PAPER), ()),
     accepts=frozenset({"palette"}),
 )
 _QUICK = ("nts", "fbe", "ans_like", "random", "oracle")
