@@ -10,6 +10,7 @@ from tutorial_lib.exploration.motion import actions_towards
 from tutorial_lib.exploration.task import ExplorationTask
 from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import to_local
 from tutorial_lib.validation import flags, instance
 from tutorial_lib.world.noise import STOP
 
@@ -42,6 +43,9 @@ class OracleExplorer:
         running = flags("running", running, (len(task),))
         actions = actions_towards(task.poses, self._waypoints(), _AIM)
         gap = np.linalg.norm(task.goal_poses[:, :2] - task.poses[:, :2], axis=1)
+        if observations.body is not None:
+            points = to_local(task.poses, self._waypoints())
+            return np.where(((gap < _STOP) | ~running)[:, None], np.nan, points)
         return np.where((gap < _STOP) | ~running, STOP, actions)
 
     def _waypoints(self) -> Array:

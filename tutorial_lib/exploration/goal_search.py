@@ -67,6 +67,7 @@ class Sensed:
     ranges: Array
     looking: NDArray[np.intp]
     features: NDArray[np.float32]
+    car: bool = False
 
 
 def of_all(observations: Observation, running: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
@@ -146,12 +147,18 @@ class GoalSearch:
         features = self._model.embed(here[looking])
         self._looked[robots[looking]] = here.odometry[looking, :2]
         self._look(robots[looking], here.odometry[looking], features)
-        return Sensed(robots, here.odometry, ranges, looking, features)
+        return Sensed(robots, here.odometry, ranges, looking, features, observations.body is not None)
 
     def drive(self, sensed: Sensed, targets: Array) -> NDArray[np.intp]:
         """Actions (N,): to the goals that were found, else to `targets` (N, 2)."""
         robots = sensed.robots
         targets = np.where(self.found[:, None], self.places, targets)[robots]
+        if sensed.car:
+            points, self.left[robots] = self._policy.waypoints(robots, sensed.odometry, targets)
+            found = np.full((len(self.found), 2), np.nan)
+            stop = self._arrived(robots, sensed.odometry)
+            found[robots] = np.where(stop[:, None], np.nan, points)
+            return found
         moves, self.left[robots] = self._policy.act(robots, sensed.odometry, targets)
         actions = np.full(len(self.found), STOP)
         actions[robots] = np.where(self._arrived(robots, sensed.odometry), STOP, moves)

@@ -130,6 +130,19 @@ class LocalPolicy:
         self._before[robots], self._action[robots] = here, actions
         return actions, np.linalg.norm(self._ends[robots] - here, axis=1)
 
+    def waypoints(
+        self, robots: NDArray[np.intp], odometry: Array, targets: Array
+    ) -> tuple[Array, Array]:
+        """Waypoints."""
+        here = odometry[:, :2]
+        moved = np.linalg.norm(here - self._before[robots], axis=1)
+        self._before[robots] = here
+        self._action[robots] = np.where(moved > 0.1, FORWARD, 0)
+        self._plan(robots, odometry, targets, np.zeros(len(robots), bool))
+        return to_local(odometry, self._ahead[robots]), np.linalg.norm(
+            self._ends[robots] - here, axis=1
+        )
+
     def _plan(
         self,
         robots: NDArray[np.intp],
