@@ -10,6 +10,8 @@ from typing import Any
 
 DRIFTING, EXACT = ODOMETRY = ("drifting", "exact")
 """The wheel odometry of robots, see `world.noise.WheelOdometry`."""
+ROUND, CAR = BODIES = ("round", "car")
+"""The robots that explore, see `exploration.task` and `exploration.car_task`."""
 Rows = list[dict[str, Any]]
 """One for each line of the table; all have the same keys."""
 
@@ -39,6 +41,7 @@ class Options:
         starts: where trials start, see `protocols.trial_choices`; at the places if empty.
         goals: how goals are seen, likewise; as on arrival from the start if empty.
         remedies: for places that look alike, see `agents.remedies`; the experiment's own if empty.
+        body: one of `BODIES`.
     """
 
     worlds: tuple[int, ...] = ()
@@ -55,6 +58,7 @@ class Options:
     starts: str = ""
     goals: str = ""
     remedies: str = ""
+    body: str = ROUND
 
     @property
     def drifts(self) -> bool:
