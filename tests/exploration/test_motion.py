@@ -24,14 +24,16 @@ def in_pymunk(segments, poses, motions):
 
     There a robot would slide on along a wall: its wheels stop as soon as it leaves its line.
     """
-    fleet, going = Fleet(segments, OUTLINE, poses, Crowd(())), np.ones(len(poses), bool)
     steps = (to_world(poses, motions[:, :2]) - poses[:, :2]) / SUBSTEPS
+    metres, going = np.linalg.norm(steps, axis=1), np.ones(len(poses), bool)
+    towards = np.column_stack([poses[:, :2], np.arctan2(steps[:, 1], steps[:, 0])])
+    fleet = Fleet(segments, OUTLINE, towards, Crowd(()))
     for substep in range(SUBSTEPS + 1):  # a velocity moves the body in the substep after
-        before, moving = fleet.poses, going & (substep < SUBSTEPS)
-        fleet.substep(*(moving * motions[:, :2].T), np.zeros(len(poses)), 1 / SUBSTEPS)
+        before, speeds = fleet.poses, metres * SUBSTEPS * going * (substep < SUBSTEPS)
+        fleet.substep(speeds, np.zeros(len(poses)), 1 / SUBSTEPS)
         if substep:
             off = np.linalg.norm(fleet.poses[:, :2] - before[:, :2] - steps, axis=1)
-            going &= off < 1e-3 * np.linalg.norm(steps, axis=1) + 1e-9
+            going &= off < 1e-3 * metres + 1e-9
     return fleet.poses[:, :2], ~going
 
 
