@@ -308,7 +308,7 @@ def many_cars(count, control_noise, seed=0):
         motion = np.zeros((count, 3))
         twist = car.twist(controls)
         motion[:, 0], motion[:, 2] = twist[:, 0] * 0.1, twist[:, 1] * 0.1
-        measured = odometry.measure(motion, None, rng)
+        measured = odometry.measure(motion, rng)
         true.append(np.array([compose(*pair) for pair in zip(true[-1], motion, strict=True)]))
         steps = zip(estimated[-1], measured, strict=True)
         estimated.append(np.array([compose(*pair) for pair in steps]))

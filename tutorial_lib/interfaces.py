@@ -209,8 +209,12 @@ class ExplorerAgent(Protocol):
     def start(self, goals: Observation) -> None:
         """Begin episodes towards `goals` (N,), see `Observation.pictures`; forget all before."""
 
-    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """Discrete actions (N,) of all robots; those of robots not `running` (N,) do nothing."""
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
+        """Discrete actions (N,) of all robots; those of robots not `running` (N,) do nothing.
+
+        Of cars (the observations say so) instead waypoints (N, 2) in their frames, metres; a row
+        that is not a number stops.
+        """
 
 
 @runtime_checkable

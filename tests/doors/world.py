@@ -388,7 +388,6 @@ DOORS = {
         world.WheelOdometry().measure,
         numbers,
         motions=poses(),
-        actions=None,
         rng=a(rng()),
     ),
     "WheelOdometry.disturbed": lambda: call(
@@ -405,12 +404,6 @@ DOORS = {
         numbers,
         actions=floats(POINTS, ("N", 2)),
         sigma=number(0.1, least=0),
-        rng=a(rng()),
-    ),
-    "sample_motions": lambda: call(
-        noise.sample_motions,
-        table=a(noise.ACTUATION),
-        actions=integers([0, 1], ("N",), least=0, most=3),
         rng=a(rng()),
     ),
     "Mixture": lambda: call(
@@ -442,9 +435,6 @@ DOORS = {
         rng=a(rng()),
     ),
     "Simulation.step": lambda: call(robots().step, actions=floats(POINTS * 0.1, (2, 2))),
-    "Simulation.act": lambda: call(
-        robots(rng=rng()).act, actions=integers([0, 1], (2,), least=0, most=3, either="whole float")
-    ),
     "Simulation.place": lambda: call(
         robots().place,
         robots=integers([0, 1], ("M",), least=0, most=1, refuses="more axes"),

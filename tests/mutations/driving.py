@@ -32,15 +32,15 @@ MUTATIONS = [
     (
         "a robot turns wherever its first waypoint is",
         "driving/control/oracle.py",
-        "(np.abs(bearings) > _BEHIND)",
+        "(np.abs(bearings) > BEHIND)",
         "(np.abs(bearings) > 0.0)",
         "driving/control/test_oracle.py -k behind",
     ),
     (
         "a robot that cannot turn tries for ever",
         "driving/control/oracle.py",
-        "(np.abs(bearings) > _AHEAD) & ~late",
-        "np.abs(bearings) > _AHEAD",
+        "(np.abs(bearings) > AHEAD) & ~late",
+        "np.abs(bearings) > AHEAD",
         "driving/control/test_oracle.py -k cannot",
     ),
     (

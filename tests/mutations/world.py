@@ -39,8 +39,8 @@ MUTATIONS = [
     (
         "speed in reverse is positive",
         "world/simulation.py",
-        "self.speed = motions[:, 0] / seconds",
-        "self.speed = np.linalg.norm(motions[:, :2], axis=1) / seconds",
+        "self.speed = motions[:, 0] / STEP",
+        "self.speed = np.linalg.norm(motions[:, :2], axis=1) / STEP",
         "world/test_simulation.py",
     ),
     (

@@ -14,11 +14,6 @@ from tutorial_lib.world.bodies import BicycleCar, DifferentialDrive, advance
 from tutorial_lib.world.generators import FAMILIES, generate
 from tutorial_lib.world.interaction import robot_discs
 from tutorial_lib.world.noise import (
-    FORWARD,
-    LEFT,
-    RIGHT,
-    STOP,
-    DiscreteOdometry,
     DriftingOdometry,
     WheelOdometry,
 )
@@ -158,41 +153,6 @@ def test_odometry_is_exact_without_noise_and_drifts_with_it(box):
     assert 0 < early < late < 0.5
 
 
-@pytest.mark.parametrize(
-    ("action", "motion"),
-    [
-        (FORWARD, [0.245, 0.0, 0.0086]),
-        (LEFT, [0.0, 0.02, np.deg2rad(11.2)]),
-        (RIGHT, [0.0, -0.02, np.deg2rad(-11.1)]),
-        (STOP, [0.0, 0.0, 0.0]),
-    ],
-)
-def test_discrete_actions_move_as_measured(box, action, motion):
-    starts = np.tile([5.0, 5.0, 0.5], (400, 1))
-    simulation = Simulation(
-        box,
-        starts,
-        body=DifferentialDrive(),
-        odometry_noise=DiscreteOdometry(),
-        rng=np.random.default_rng(0),
-    )
-    simulation.act(np.full(400, action))
-    moved = relative(starts, simulation.poses)
-    assert np.allclose(moved.mean(axis=0), motion, atol=2.5e-3)
-    error = relative(moved, simulation.odometry)
-    assert np.abs(error).max() < 0.05
-    assert (np.abs(error).mean() > 0) == (action != STOP)
-
-
-def test_a_wall_shortens_a_discrete_step(box):
-    simulation = Simulation(
-        box, [[9.75, 5.0, 0.0]], body=DifferentialDrive(), rng=np.random.default_rng(0)
-    )
-    simulation.act(np.array([FORWARD]))
-    assert simulation.collided[0]
-    assert simulation.poses[0, 0] < 9.85
-
-
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_same_seed_gives_the_same_episode(family):
     def episode():
@@ -258,11 +218,6 @@ def test_observations_select_robots(box):
         ),
         (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).step([[np.inf, 0.0]]), "finite"),
         (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).step([0.0, 0.0]), r"actions: shape \(2,\)"),
-        (
-            lambda s: Simulation(s, [[5.0, 5.0, 0.0]], rng=np.random.default_rng(0)).act([7]),
-            "from 0 to 3",
-        ),
-        (lambda s: Simulation(s, [[5.0, 5.0, 0.0]]).act([STOP]), "give the simulation an rng"),
         (lambda s: Simulation(s, [[5.0, 5.0]]), r"poses: shape \(1, 2\)"),
         (
             lambda s: Simulation(s, [[5.0, 5.0, 0.0]], control_noise=-1.0),
@@ -292,29 +247,6 @@ def test_a_post_under_the_car_is_no_place_to_start():
     scene = Scene(make_box(pillars=[(5.2, 5.0, 0.05)]))
     with pytest.raises(InputError, match="choose another start"):
         Simulation(scene, [5.0, 5.0, 0.0])
-
-
-def test_people_walk_equally_far_under_all_actions(box):
-    def walked(act):
-        person = Person([[1.0, 2.0], [9.0, 2.0]], speed=0.5)
-        rng = np.random.default_rng(0)
-        robot = DifferentialDrive()
-        simulation = Simulation(box, [[5.0, 8.0, 0.0]], body=robot, people=[person], rng=rng)
-        while simulation.seconds < 4.99:
-            act(simulation)
-        return simulation.crowd.positions[0, 0]
-
-    stopped = walked(lambda s: s.act(np.array([STOP])))
-    assert stopped == pytest.approx(3.5, abs=0.02)
-    assert stopped == pytest.approx(walked(lambda s: s.step([[0.0, 0.0]])), abs=0.02)
-
-
-def test_discrete_actions_leave_no_controls_behind(box):
-    rng = np.random.default_rng(0)
-    simulation = Simulation(box, [[5.0, 5.0, 0.0]], body=DifferentialDrive(), rng=rng)
-    simulation.step([[0.5, 1.0]])
-    simulation.act(np.array([FORWARD]))
-    assert simulation.observe().steering[0] == 0.0
 
 
 def test_poses_are_read_only(box):
@@ -419,7 +351,7 @@ def test_the_heading_drifts_with_the_square_root_of_the_distance():
     wheels, rng = WheelOdometry(distance=0.0, turn=0.0, drift=0.02), np.random.default_rng(4)
     for length in (0.01, 0.25, 4.0):
         motions = np.tile([0.6 * length, -0.8 * length, 0.3], (20_000, 1))
-        read = wheels.measure(motions, None, rng)
+        read = wheels.measure(motions, rng)
         assert (read[:, :2] == motions[:, :2]).all()
         assert read[:, 2].mean() == pytest.approx(0.3, abs=0.001)
         assert read[:, 2].std() == pytest.approx(0.02 * np.sqrt(length), rel=0.03)
@@ -498,7 +430,6 @@ def rest_of(simulation, rng, steps):
             action = np.column_stack([rng.uniform(-0.3, 0.8, 12), rng.uniform(-0.45, 0.45, 12)])
         simulation.step(action)
         seen += [simulation.poses, simulation.odometry, simulation.collided, simulation.touching]
-    simulation.act(rng.integers(0, 4, 12))
     last = simulation.observe()
     seen += [simulation.crowd.positions, last.image, last.laser, last.odometry]
     return b"".join(array.tobytes() for array in seen)

@@ -78,8 +78,8 @@ class FrontierAgent:
         self._targets, self._left = np.full((count, 2), np.nan), np.zeros(count)
         self._returns, self._streams = np.zeros(count, bool), self._rng.spawn(count)
 
-    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """Actions (N,) of all robots; those not `running` (N,) stop."""
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
+        """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
         sensed = self.search.sense(observations, running)
         due = self._due(sensed)
         if self._scorer is not None:  # it compares what is seen, so robots look first

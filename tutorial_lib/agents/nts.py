@@ -112,8 +112,8 @@ class NTSAgent:
                 robot.scores = list(self._scores(nodes, np.full(len(nodes), number)))
                 robot.go_to(self._remembered(nodes, self.search.goals[number]))
 
-    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """Actions (N,) of all robots; those not `running` (N,) stop."""
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
+        """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
         sensed = self.search.sense(observations, running)
         for number, odometry in zip(sensed.robots, sensed.odometry, strict=True):
             self.robots[number].memory.move(odometry)

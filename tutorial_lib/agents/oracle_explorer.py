@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.exploration.motion import actions_towards
 from tutorial_lib.exploration.task import ExplorationTask
-from tutorial_lib.geometry import Array
 from tutorial_lib.observation import Observation
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.validation import flags, instance
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.noise import STOP
 
 _STOP = 0.6  # metres from the goal
@@ -35,14 +36,17 @@ class OracleExplorer:
             paths = GridPaths(task.scenes[name].clearance)
             self._fields.append((paths.fields(task.goal_poses[rows, :2]), rows))
 
-    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """Actions (N,) of all robots; those not `running` (N,) stop."""
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
+        """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
         task = self._task
         instance("observations", observations, Observation)
         running = flags("running", running, (len(task),))
-        actions = actions_towards(task.poses, self._waypoints(), _AIM)
+        places = self._waypoints()
         gap = np.linalg.norm(task.goal_poses[:, :2] - task.poses[:, :2], axis=1)
-        return np.where((gap < _STOP) | ~running, STOP, actions)
+        stop = (gap < _STOP) | ~running
+        if isinstance(observations.body, BicycleCar):
+            return np.where(stop[:, None], np.nan, to_local(task.poses, places))
+        return np.where(stop, STOP, actions_towards(task.poses, places, _AIM))
 
     def _waypoints(self) -> Array:
         """(N, 2) the farthest point in sight of each robot's path."""

@@ -43,8 +43,8 @@ class RandomWalkAgent:
         self._targets, self._left = np.zeros((len(goals), 2)), np.zeros(len(goals))
         self._streams = self._rng.spawn(len(goals))
 
-    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray[np.intp]:
-        """Actions (N,) of all robots; those not `running` (N,) stop."""
+    def act(self, observations: Observation, running: NDArray[np.bool_]) -> NDArray:
+        """Actions (N,) of all robots, waypoints (N, 2) of cars; those not `running` (N,) stop."""
         sensed = self.search.sense(observations, running)
         robots = sensed.robots
         over = (self._left[robots] <= 0) | (self.search.left[robots] < _ARRIVED)

@@ -11,7 +11,14 @@ from tutorial_lib.agents.remedies import REMEDIES
 from tutorial_lib.commands.constants import WRONG_INPUT
 from tutorial_lib.commands.map_options import add_map
 from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
-from tutorial_lib.experiments.common.report import DRIFTING, ODOMETRY, Options, parse_worlds
+from tutorial_lib.experiments.common.report import (
+    BODIES,
+    DRIFTING,
+    ODOMETRY,
+    ROUND,
+    Options,
+    parse_worlds,
+)
 from tutorial_lib.experiments.protocols.drives import parse_drives
 from tutorial_lib.experiments.protocols.navigation import GOAL_IMAGES
 from tutorial_lib.experiments.protocols.trial_choices import GOALS, STARTS
@@ -48,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--remedies", choices=REMEDIES, default="", help="for places that look alike"
     )
+    parser.add_argument("--body", choices=BODIES, default=ROUND, help="of robots that explore")
 
 
 def add_common(parser: argparse.ArgumentParser, table: dict[str, Experiment]) -> None:

@@ -14,6 +14,7 @@ from tutorial_lib.interfaces import ExplorationModel
 from tutorial_lib.observation import Observation
 from tutorial_lib.se2 import Array, to_world
 from tutorial_lib.validation import flags, instance, number, with_methods
+from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.noise import STOP
 
 _SAME = 1.5  # metres between two estimates of one goal, at most
@@ -60,6 +61,7 @@ class Sensed:
         ranges: (M, W) metres.
         looking: (L,) which of the M compare what they see with goal and nodes.
         features: (L, D) of what these see.
+        cars: whether the robots are cars, which drive to waypoints.
     """
 
     robots: NDArray[np.intp]
@@ -67,6 +69,7 @@ class Sensed:
     ranges: Array
     looking: NDArray[np.intp]
     features: NDArray[np.float32]
+    cars: bool
 
 
 def of_all(observations: Observation, running: NDArray[np.bool_], count: int) -> NDArray[np.bool_]:
@@ -146,15 +149,21 @@ class GoalSearch:
         features = self._model.embed(here[looking])
         self._looked[robots[looking]] = here.odometry[looking, :2]
         self._look(robots[looking], here.odometry[looking], features)
-        return Sensed(robots, here.odometry, ranges, looking, features)
+        cars = isinstance(here.body, BicycleCar)
+        return Sensed(robots, here.odometry, ranges, looking, features, cars)
 
-    def drive(self, sensed: Sensed, targets: Array) -> NDArray[np.intp]:
-        """Actions (N,): to the goals that were found, else to `targets` (N, 2)."""
+    def drive(self, sensed: Sensed, targets: Array) -> NDArray:
+        """Actions of all robots: to the goals that were found, else to `targets` (N, 2).
+
+        Discrete ones (N,); or waypoints (N, 2) of cars, see `interfaces.ExplorerAgent`.
+        """
         robots = sensed.robots
         targets = np.where(self.found[:, None], self.places, targets)[robots]
-        moves, self.left[robots] = self._policy.act(robots, sensed.odometry, targets)
-        actions = np.full(len(self.found), STOP)
-        actions[robots] = np.where(self._arrived(robots, sensed.odometry), STOP, moves)
+        policy, stop = (self._policy.waypoints, np.nan) if sensed.cars else (self._policy.act, STOP)
+        moves, self.left[robots] = policy(robots, sensed.odometry, targets)
+        moves[self._arrived(robots, sensed.odometry)] = stop
+        actions = np.full((len(self.found), *moves.shape[1:]), stop)
+        actions[robots] = moves
         return actions
 
     @property

@@ -82,7 +82,7 @@ def find_paths(
 
 
 class LocalPolicy:
-    """Drives N robots to points in the frames of their odometry, each over its own map.
+    """Leads N robots to points in the frames of their odometry, each over its own map.
 
     Attributes:
         maps: of the robots.
@@ -114,7 +114,9 @@ class LocalPolicy:
         here = odometry[:, :2]
         moved = np.linalg.norm(here - self._before[robots], axis=1)
         blocked = (self._action[robots] == FORWARD) & (moved < _BLOCKED)
-        self._plan(robots, odometry, targets, blocked)
+        # While it turns, a robot keeps its path, or it would waver between two of one length;
+        # unless it slips past the point ahead.
+        self._plan(robots, odometry, targets, self._action[robots] == FORWARD, blocked)
         local = to_local(odometry, self._ahead[robots])
         bearing = np.arctan2(local[:, 1], local[:, 0])
         turn = np.where(bearing > 0, LEFT, RIGHT)
@@ -130,19 +132,28 @@ class LocalPolicy:
         self._before[robots], self._action[robots] = here, actions
         return actions, np.linalg.norm(self._ends[robots] - here, axis=1)
 
+    def waypoints(
+        self, robots: NDArray[np.intp], odometry: Array, targets: Array
+    ) -> tuple[Array, Array]:
+        """The same for cars: the points ahead on their paths (M, 2), in their frames."""
+        here = odometry[:, :2]
+        moved = np.linalg.norm(here - self._before[robots], axis=1) >= _BLOCKED
+        self._plan(robots, odometry, targets, moved, np.zeros(len(robots), bool))
+        self._before[robots] = here
+        points = to_local(odometry, self._ahead[robots])
+        return points, np.linalg.norm(self._ends[robots] - here, axis=1)
+
     def _plan(
         self,
         robots: NDArray[np.intp],
         odometry: Array,
         targets: Array,
+        moved: NDArray[np.bool_],
         blocked: NDArray[np.bool_],
     ) -> None:
         """Find new paths where the old one is old, done, or leads elsewhere."""
         gone = np.linalg.norm(targets - self._targets[robots], axis=1)
         left = np.linalg.norm(self._ahead[robots] - odometry[:, :2], axis=1)
-        # While it turns, a robot keeps its path, or it would waver between two of one length;
-        # unless it slips past the point ahead.
-        moved = self._action[robots] == FORWARD
         self._age[robots] += moved
         done = (left < _DONE) | (moved & (self._age[robots] >= _KEPT))
         stale = ~(gone < _MOVED) | done | blocked

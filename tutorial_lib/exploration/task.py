@@ -27,7 +27,7 @@ SENSORS = ("rgbd", "rgb")
 
 
 class ExplorationTask:
-    """N robots, each with an episode of its own, in one world or several.
+    """N round robots, each with an episode of its own, in one world or several.
 
     Robots pass through each other. An agent gets what `observe` and `goals` return and nothing
     else; the attributes here are for those who measure, and for oracles.
@@ -85,7 +85,6 @@ class ExplorationTask:
             raise InputError(f"sensor: {sensor!r} is unknown; use one of {', '.join(SENSORS)}")
         self.episodes, self.scenes, count = episodes, scenes, len(episodes)
         self._depth, self._limit, self._stops_itself = sensor == "rgbd", limit, stops_itself
-        self._noise = DiscreteNoise(count, rng) if noise else None
         self._rows = _rows_by_scene(scenes, episodes.worlds)
         self._camera = PanoramicCamera()
         self.poses, self.odometry = episodes.starts.astype(float), np.zeros((count, 3))
@@ -93,11 +92,16 @@ class ExplorationTask:
         self._image = np.zeros((count, self._camera.rows, self._camera.columns, 3), np.uint8)
         self._ranges = np.zeros((count, self._camera.columns))
         self._stale = np.ones(count, bool)
+        self._put_down(rng, noise)
         self.path, self.collisions = [self.poses], np.zeros(count, np.intp)
         self._begin()
 
     def __len__(self) -> int:
         return len(self.episodes)
+
+    def _put_down(self, rng: np.random.Generator, noise: bool) -> None:
+        """Make the robots ready to move from where they are."""
+        self._noise = DiscreteNoise(len(self), rng) if noise else None
 
     def _begin(self) -> None:
         """Reset the counters of the present goals."""
@@ -136,8 +140,16 @@ class ExplorationTask:
         Raises:
             InputError: when an action is none of these.
         """
-        actions = integers("actions", actions, (len(self),), least=min(ACTIONS), most=max(ACTIONS))
         running = ~self.done
+        stops = self._carry_out(actions, running)
+        self.steps[running] += 1
+        self._stale |= running & ~stops
+        self.path.append(self.poses)
+        self._end(running, stops)
+
+    def _carry_out(self, actions: ArrayLike, running: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Move the `running` robots (N,) as `step` does; which of them stop (N,)."""
+        actions = integers("actions", actions, (len(self),), least=min(ACTIONS), most=max(ACTIONS))
         actions = np.where(running, actions, STOP)
         wanted, errors = exact_motions(actions), np.zeros((len(self), 3))
         if self._noise is not None:
@@ -148,10 +160,7 @@ class ExplorationTask:
         motions = relative(before, self.poses)
         self.odometry = compose(self.odometry, motions + errors)
         self.travelled = self.travelled + np.linalg.norm(motions[:, :2], axis=1)
-        self.steps[running] += 1
-        self._stale |= actions != STOP
-        self.path.append(self.poses)
-        self._end(running, actions)
+        return actions == STOP
 
     def next_goals(self, goals: Array) -> None:
         """Give all robots another goal, from where they stand (section 6.1).
@@ -176,10 +185,10 @@ class ExplorationTask:
         self.poses[rows], stopped = move(self.poses[rows], motions[rows], segments, radius)
         self.collisions[rows] += stopped
 
-    def _end(self, running: NDArray[np.bool_], actions: NDArray[np.intp]) -> None:
+    def _end(self, running: NDArray[np.bool_], stops: NDArray[np.bool_]) -> None:
         """Mark finished episodes and successes."""
         near = np.linalg.norm(self.poses[:, :2] - self._goals[:, :2], axis=1) < SUCCESS
-        stopped = running & ((actions == STOP) | (near & self._stops_itself))
+        stopped = running & (stops | (near & self._stops_itself))
         self.success |= stopped & near
         self.done |= stopped | (running & (self.steps >= self._limit))
 

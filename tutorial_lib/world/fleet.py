@@ -93,16 +93,15 @@ class Fleet:
         self._history.append(("walk", (seconds,)))
         self.crowd.walk(self.poses, seconds)
 
-    def substep(self, ahead: Array, aside: Array | float, turn: Array, seconds: float) -> None:
-        """Request velocities in the robots' frames, m/s and rad/s (N,), and step."""
-        self._history.append(("substep", (ahead, aside, turn, seconds)))
+    def substep(self, ahead: Array, turn: Array, seconds: float) -> None:
+        """Request velocities ahead and turning rates, m/s and rad/s (N,), and step."""
+        self._history.append(("substep", (ahead, turn, seconds)))
         # The velocity acts in the next substep; halfway through, it points along the arc's chord.
         heading = self.poses[:, 2] + 1.5 * seconds * turn
-        cos, sin = np.cos(heading), np.sin(heading)
         # The space damps all velocity away, so force * time / mass is the velocity.
         forces, scale = self._forces[: len(self.poses)], _MASS / seconds
-        forces[:, 0] = (cos * ahead - sin * aside) * scale
-        forces[:, 1] = (sin * ahead + cos * aside) * scale
+        forces[:, 0] = np.cos(heading) * ahead * scale
+        forces[:, 1] = np.sin(heading) * ahead * scale
         forces[:, 2] = turn * scale
         pymunk.batch.set_space_bodies(self._space, _WRITE, self._orders)
         self._space.step(seconds)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.geometry import Array
-from tutorial_lib.validation import alike, floats, instance, integers, number, whole
+from tutorial_lib.validation import alike, floats, instance, number, whole
 
 Rng = np.random.Generator
 _STEPS_DRAWN = 100  # at a time, for each robot of a fleet
@@ -24,8 +24,8 @@ class OdometryNoise(Protocol):
 
     needs_rng: bool
 
-    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng | None) -> Array:
-        """Measured motions (N, 3), given the true ones; `actions` (N,) if discrete, else None."""
+    def measure(self, motions: Array, rng: Rng | None) -> Array:
+        """Measured motions (N, 3), given the true ones."""
 
 
 def scale_controls(actions: Array, sigma: float, rng: Rng) -> Array:
@@ -74,7 +74,7 @@ class WheelOdometry:
         for name in ("distance", "turn", "drift"):
             number(name, getattr(self, name), least=0)
 
-    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
+    def measure(self, motions: Array, rng: Rng) -> Array:
         """What the wheels measure for true motions (N, 3) in the robot's frame."""
         motions = floats("motions", motions, ("N", 3))
         return self.read(motions, instance("rng", rng, Rng).normal(size=motions.shape))
@@ -115,9 +115,9 @@ class DriftingOdometry:
         self._seed, self._streams = np.random.SeedSequence(seed), list[Rng]()
         self._noise, self._row = np.empty((0, 0, 3)), 0
 
-    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng | None) -> Array:
+    def measure(self, motions: Array, rng: Rng | None) -> Array:
         """What the wheels measure; nothing is drawn from `rng`."""
-        del actions, rng
+        del rng
         if self._row == len(self._noise):
             self._draw(len(motions))
         self._row += 1
@@ -136,7 +136,7 @@ class NoNoise:
 
     needs_rng = False
 
-    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
+    def measure(self, motions: Array, rng: Rng) -> Array:
         """The true motions."""
         return motions
 
@@ -205,18 +205,6 @@ ODOMETRY = {
 """Error of the odometry's reading of each discrete action, from the same source."""
 
 
-def sample_motions(table: dict[int, Mixture], actions: NDArray[np.intp], rng: Rng) -> Array:
-    """Motions (N, 3) of discrete actions (N,), in the robots' frames."""
-    actions = integers(
-        "actions", actions, ("N",), least=0, most=max(instance("table", table, dict))
-    )
-    rng, motions = instance("rng", rng, Rng), np.zeros((len(actions), 3))
-    for action, mixture in table.items():
-        chosen = np.flatnonzero(actions == action)
-        motions[chosen] = mixture.sample(len(chosen), rng)
-    return motions
-
-
 class DiscreteNoise:
     """`ACTUATION` and `ODOMETRY` of N robots, each with a random stream of its own.
 
@@ -247,15 +235,3 @@ class DiscreteNoise:
             for which, table in enumerate((ACTUATION, ODOMETRY)):
                 drawn[which, rows] = table[action].motions(luck[rows, which], noise[rows, which])
         return drawn[0], drawn[1]
-
-
-class DiscreteOdometry:
-    """Odometry of the differential drive under discrete actions."""
-
-    needs_rng = True
-
-    def measure(self, motions: Array, actions: NDArray[np.intp] | None, rng: Rng) -> Array:
-        """The true motions plus the error measured for each action."""
-        if actions is None:
-            return motions
-        return motions + sample_motions(ODOMETRY, actions, rng)

@@ -25,10 +25,8 @@ from tutorial_lib.world.bodies import BicycleCar, Body
 from tutorial_lib.world.fleet import Fleet
 from tutorial_lib.world.interaction import check_distinct, robot_discs
 from tutorial_lib.world.noise import (
-    ACTUATION,
     NoNoise,
     OdometryNoise,
-    sample_motions,
     scale_controls,
 )
 from tutorial_lib.world.people import Crowd, Person
@@ -40,8 +38,6 @@ from tutorial_lib.world.sensors import Sensors
 STEP = 0.1
 """Seconds between two actions: control at 10 Hz."""
 SUBSTEPS = 5
-ACTION_SECONDS = 0.5
-"""Seconds that a discrete action takes."""
 
 
 class Simulation:
@@ -162,32 +158,8 @@ class Simulation:
         for _ in range(SUBSTEPS):
             self.controls = self.body.respond(self.controls, wanted, STEP / SUBSTEPS)
             twists = self.body.twist(self.controls)
-            self._fleet.substep(twists[:, 0], 0.0, twists[:, 1], STEP / SUBSTEPS)
-        self._finish(before, STEP, None)
-
-    def act(self, actions: ArrayLike) -> None:
-        """Carry out discrete actions, with the noise of `ACTUATION`, for `ACTION_SECONDS`.
-
-        Args:
-            actions: (N,) of STOP, FORWARD, LEFT, RIGHT.
-
-        Raises:
-            InputError: when an action is none of these, or the simulation has no `rng`.
-        """
-        if self._rng is None:
-            raise InputError("actions: discrete ones are noisy; give the simulation an rng")
-        actions = integers("actions", actions, (len(self),), least=0, most=max(ACTUATION))
-        before, self.controls = self.poses, np.zeros((len(self), 2))
-        count = round(ACTION_SECONDS / STEP) * SUBSTEPS
-        # A velocity moves the body in the substep after, so the last one brings it to rest.
-        seconds = (count - 1) * STEP / SUBSTEPS
-        rates = sample_motions(ACTUATION, actions, self._rng).T / seconds
-        for substep in range(count):
-            if substep % SUBSTEPS == 0:
-                self._fleet.walk(STEP)
-            moving = 1.0 if substep < count - 1 else 0.0
-            self._fleet.substep(*(moving * rates), STEP / SUBSTEPS)
-        self._finish(before, ACTION_SECONDS, actions)
+            self._fleet.substep(twists[:, 0], twists[:, 1], STEP / SUBSTEPS)
+        self._finish(before)
 
     def place(self, robots: ArrayLike, poses: ArrayLike) -> None:
         """Teleport robots, at rest (kidnapped-robot test); odometry is unaffected.
@@ -248,18 +220,16 @@ class Simulation:
             return np.empty((len(poses), 0, 0, 3), np.uint8), np.empty((len(poses), 0))
         return self.sensors.camera.render(self.scene, poses, discs, numbers)
 
-    def _finish(
-        self, before: NDArray[np.float64], seconds: float, actions: NDArray[np.intp] | None
-    ) -> None:
+    def _finish(self, before: NDArray[np.float64]) -> None:
         """Update what follows from the motion since `before`."""
         poses = self._fleet.poses.copy()
         poses[:, 2] = wrap(poses[:, 2])
         self.poses = _frozen(poses)
         motions = relative(before, self.poses)
-        self.speed = motions[:, 0] / seconds
-        read = self._odometry_noise.measure(motions, actions, self._rng)
+        self.speed = motions[:, 0] / STEP
+        read = self._odometry_noise.measure(motions, self._rng)
         self.odometry = compose(self.odometry, read)
-        self.seconds += seconds
+        self.seconds += STEP
 
 
 def checked_actions(actions: ArrayLike, robots: int) -> Array:

@@ -262,12 +262,12 @@ def test_only_exact_odometry_holds_true_poses(building, trials, drifts):
 def test_drift_follows_from_the_seed():
     for use in (RECORDING, NAVIGATING):
         noises = [Odometry(seed=seed).noise(use) for seed in ((2, 5), (2, 5), (2, 6))]
-        one, again, other = (noise.measure(np.ones((4, 3)), None, None) for noise in noises)
+        one, again, other = (noise.measure(np.ones((4, 3)), None) for noise in noises)
         assert one.tobytes() == again.tobytes()
         assert (one != other).all()
-    both = [Odometry().noise(use).measure(np.ones((4, 3)), None, None) for use in (1, 2)]
+    both = [Odometry().noise(use).measure(np.ones((4, 3)), None) for use in (1, 2)]
     assert (both[0] != both[1]).all()
-    exact = Odometry(drifts=False).noise(RECORDING).measure(np.ones((4, 3)), None, None)
+    exact = Odometry(drifts=False).noise(RECORDING).measure(np.ones((4, 3)), None)
     assert (exact == 1.0).all()
 
 

@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.driving.control.composed import checked_robots
 from tutorial_lib.driving.control.rmp import RMPController
-from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.driving.control.three_point import AHEAD, BEHIND, STILL, STUCK, ThreePointTurn
 from tutorial_lib.driving.geodesics import DistanceFields, GridPaths
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import Controller, Observation, Robots
@@ -18,8 +18,6 @@ PARKING = RMPController(begin=0.45, miss=0.08, arrived=0.08, lane_reach=1.2, cra
 other settings the networks that come with the library could not be trained again."""
 TURN_ROUND = 16.0
 """Seconds after which `TurnFirst` drives on, wherever the robot looks."""
-_STILL, _STUCK = 1e-3, 1.0  # metres or rad a step that are no motion; seconds of that
-_BEHIND, _AHEAD = np.pi / 2, 0.5  # rad; a turn begins and ends where the waypoint is beyond these
 
 
 class OraclePolicy:
@@ -103,8 +101,8 @@ class TurnFirst:
 
     def _decide(self, robots: Robots, bearings: Array, odometry: Array) -> None:
         """Which robots turn, given the bearings (M,) of their waypoints, and to which side."""
-        begin = (self._seconds[robots] == 0.0) & (np.abs(bearings) > _BEHIND)
-        stuck = self._turning[robots] & (self._stood(robots) > _STUCK)
+        begin = (self._seconds[robots] == 0.0) & (np.abs(bearings) > BEHIND)
+        stuck = self._turning[robots] & (self._stood(robots) > STUCK)
         self._turning[robots] |= begin
         self._other[robots] ^= stuck
         self._still[robots[stuck]] = 0.0
@@ -113,12 +111,12 @@ class TurnFirst:
         self._control.begin(robots[rows], odometry[rows], bearings[rows] + other)
         self._seconds[robots] += STEP
         late = self._seconds[robots] > TURN_ROUND
-        self._turning[robots] &= (np.abs(bearings) > _AHEAD) & ~late
+        self._turning[robots] &= (np.abs(bearings) > AHEAD) & ~late
 
     def _stood(self, robots: Robots) -> Array:
         """Seconds (M,) that robots have stood still."""
         poses = self.oracle.simulation.poses[robots]
-        still = np.abs(poses - self._poses[robots]).max(axis=1) < _STILL
+        still = np.abs(poses - self._poses[robots]).max(axis=1) < STILL
         self._still[robots] = np.where(still, self._still[robots] + STEP, 0.0)
         self._poses[robots] = poses
         return self._still[robots]

@@ -17,6 +17,10 @@ from tutorial_lib.world.bodies import BicycleCar
 from tutorial_lib.world.sensors import full_circle
 from tutorial_lib.world.simulation import STEP
 
+BEHIND, AHEAD = np.pi / 2, 0.5
+"""Bearings in rad beyond which a turn towards a waypoint begins, and below which it is over."""
+STILL, STUCK = 1e-3, 1.0
+"""Metres or rad a step that are no motion; seconds of that after which a robot is stuck."""
 _OVER = 0.7  # rad that it turns beyond the wanted heading, and then back
 _STEP_OUT = 0.35  # metres ahead of and behind its place between which it drives to and fro
 _BEGIN, _GO_ON = 0.1, 0.03  # metres that must be free to begin with an arc, and to go on

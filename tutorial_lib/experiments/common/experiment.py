@@ -8,13 +8,14 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.experiments.common.report import Options, Report, Rows
+from tutorial_lib.experiments.common.report import ROUND, Options, Report, Rows
 
 STANDARD = "standard"
 """The palette unless another one is given."""
 OPTIONAL = (
     *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
     "goal-images",
+    "body",
 )
 """Options that only some experiments take."""
 
@@ -98,6 +99,7 @@ class Experiment:
             "goals": bool(options.goals),
             "remedies": bool(options.remedies),
             "goal-images": bool(options.goal_images),
+            "body": options.body != ROUND,
         }
         for name, is_given in given.items():
             if is_given and name not in self.accepts:

@@ -10,6 +10,8 @@ from typing import Any
 
 DRIFTING, EXACT = ODOMETRY = ("drifting", "exact")
 """The wheel odometry of robots, see `world.noise.WheelOdometry`."""
+ROUND, CAR = BODIES = ("round", "car")
+"""The robots that explore, see `exploration.task` and `exploration.car_task`."""
 Rows = list[dict[str, Any]]
 """One for each line of the table; all have the same keys."""
 
@@ -41,6 +43,7 @@ class Options:
         remedies: for places that look alike, see `agents.remedies`; the experiment's own if empty.
         goal_images: what shows a goal, one of `protocols.navigation.GOAL_IMAGES`; one image if
             empty.
+        body: one of `BODIES`.
     """
 
     worlds: tuple[int, ...] = ()
@@ -58,6 +61,7 @@ class Options:
     goals: str = ""
     remedies: str = ""
     goal_images: str = ""
+    body: str = ROUND
 
     @property
     def drifts(self) -> bool:

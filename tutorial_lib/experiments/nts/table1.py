@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 from tutorial_lib.experiments.common.experiment import Experiment
@@ -15,7 +15,7 @@ from tutorial_lib.experiments.common.explorers import (
     own_explorer,
 )
 from tutorial_lib.experiments.common.own import CUSTOM, or_fault
-from tutorial_lib.experiments.common.report import Fault, Options, Rows
+from tutorial_lib.experiments.common.report import CAR, Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference
 from tutorial_lib.experiments.protocols.exploration import (
     VALIDATION,
@@ -42,6 +42,9 @@ PAPER = {
     ("nts", "rgbd"): ((0.87, 0.65), (0.58, 0.38), (0.43, 0.26)),
 }
 """Success and SPL in the paper by difficulty; its worlds are scans of homes, seen by a camera."""
+_UNKNOWN = ((None, None),) * len(DIFFICULTIES)  # the paper has no car
+DRIVE = ("nts", "fbe", "ans_like", "random", "oracle")
+"""The agents that have rows with a car. Imitation knows discrete actions only."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     Raises:
         InputError: where weights are missing, before anything is run.
     """
+    if options.body == CAR:
+        settings = replace(settings, rgbd=tuple(n for n in settings.rgbd if n in DRIVE), rgb=())
     agents = {"rgbd": settings.rgbd, "rgb": settings.rgb}
     for sensor, names in agents.items():
         if not settings.geometry:
@@ -76,8 +81,8 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     found = in_all_worlds(run_world, options, settings, label="nts_table1")
     faults = [part for part in found.values() if isinstance(part, Fault)]
     results = {key: part for key, part in found.items() if not isinstance(part, Fault)}
-    rows = [row for key, part in results.items() for row in _rows(key, part)]
-    return rows, [*_notes(results), *faults[:1]]
+    rows = [row for key, part in results.items() for row in _rows(key, part, options.body)]
+    return rows, [*_notes(results), *_turned(results), *faults[:1]]
 
 
 def run_world(
@@ -88,25 +93,27 @@ def run_world(
     world = make_world(seed, signs, settings.episodes, options.seed, options.palette)
     own: dict[Key, dict[str, Array] | Fault] = {}
     if options.agent:
-        run = partial(run_agent, world, CUSTOM, "rgbd", own=options.agent)
+        run = partial(run_agent, world, CUSTOM, "rgbd", own=options.agent, body=options.body)
         own[CUSTOM, "rgbd", signs] = or_fault(options.agent, run)
     return own | {
-        (agent, sensor, signs): run_agent(world, agent, sensor, geometry=settings.geometry)
+        (agent, sensor, signs): run_agent(
+            world, agent, sensor, geometry=settings.geometry, body=options.body
+        )
         for sensor, agents in (("rgbd", settings.rgbd), ("rgb", settings.rgb))
         for agent in agents
     }
 
 
-def _rows(key: Key, found: dict[str, Array]) -> Rows:
+def _rows(key: Key, found: dict[str, Array], body: str) -> Rows:
     """A row for each difficulty."""
     agent, sensor, signs = key
     rows: Rows = []
     for number, difficulty in enumerate(DIFFICULTIES):
         mine = found["difficulty"] == number
         columns = {name: column[mine] for name, column in found.items()}
-        paper = PAPER.get((agent, sensor), [(None, None)] * len(DIFFICULTIES))[number]
+        paper = _UNKNOWN[number] if body == CAR else PAPER.get((agent, sensor), _UNKNOWN)[number]
         row = {"agent": agent, "sensor": sensor, "signs": signs, "difficulty": difficulty}
-        row |= measures(columns, columns["world"])
+        row |= {"body": body} | measures(columns, columns["world"])
         rows.append(row | {"paper_success": paper[0], "paper_spl": paper[1]})
     return rows
 
@@ -129,6 +136,12 @@ def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
             what = f"nts ({own}) - {agent} ({sensor}), {signs}, {difficulty}"
             notes.append(f"SPL, {what}: {mean} ({low} to {high})")
     return notes
+
+
+def _turned(results: dict[Key, dict[str, Array]]) -> list[str]:
+    """How many cars did not fit into their starts as they stood there."""
+    found = [part["turned"] for part in results.values() if "turned" in part][:1]
+    return [f"turned at their starts: {int(one.sum())} of {len(one)} cars" for one in found]
 
 
 _OPTIONS = Experiment(
@@ -157,6 +170,6 @@ EXPERIMENT = Experiment(
     WORLDS[:6],
     Settings(),
     quick_settings=Settings(9, _QUICK, ()),
-    accepts=frozenset({"palette", "agent"}),
+    accepts=frozenset({"palette", "agent", "body"}),
     ablations={"geometry": _GEOMETRY, "options": _OPTIONS},
 )

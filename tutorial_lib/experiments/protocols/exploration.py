@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.experiments.common.explorers import make_explorer, own_explorer
-from tutorial_lib.experiments.common.report import Fault, Options
+from tutorial_lib.experiments.common.report import CAR, ROUND, Fault, Options
 from tutorial_lib.experiments.common.statistics import over_worlds
+from tutorial_lib.exploration.car_task import CarTask
 from tutorial_lib.exploration.episodes import (
     DIFFICULTIES,
     Episodes,
@@ -76,6 +77,7 @@ def run_agent(
     geometry: bool = False,
     noise: bool = True,
     stops_itself: bool = False,
+    body: str = ROUND,
 ) -> dict[str, Array]:
     """Run an agent on all episodes of a world, in lock-step.
 
@@ -89,12 +91,13 @@ def run_agent(
         geometry: the true geometry stands in for the network.
         noise: of motion and odometry.
         stops_itself: see `ExplorationTask`.
+        body: of the robots, one of `BODIES`.
 
     Returns:
         Columns (N,) of the episodes: "success", "spl", "steps", "travelled", "collisions", and
-        "difficulty" as index in `DIFFICULTIES`.
+        "difficulty" as index in `DIFFICULTIES`; of cars also "turned".
     """
-    task = ExplorationTask(
+    task = (CarTask if body == CAR else ExplorationTask)(
         world.scenes,
         world.episodes,
         np.random.default_rng([*world.seed, 1]),
@@ -107,7 +110,8 @@ def run_agent(
         own_explorer(own) if own else make_explorer(name, task, sensor, rng, geometry=geometry)
     )
     explore(task, explorer)
-    return _columns(task)
+    columns = _columns(task)
+    return columns | {"turned": task.turned.astype(float)} if isinstance(task, CarTask) else columns
 
 
 def _columns(task: ExplorationTask) -> dict[str, Array]:
