@@ -1,9 +1,9 @@
 """Motion of round robots among walls: each discrete action in one straight piece, until contact.
 
-Cars drive in pymunk (`world.simulation`). Discrete actions have kernels of their own, which are some
-twenty times as fast; a test compares them with pymunk over 10,000 motions, a third of them into
-walls. Both stop at the same places but for the centimetre between two tests of contact. Then a robot
-of pymunk's would slide along its wall; this one has a bumper that stops its wheels.
+Cars drive in pymunk (`world.simulation`). Discrete actions have kernels of their own, which are
+some twenty times as fast; a test compares them with pymunk over 10,000 motions, a third of them
+into walls. Both stop at the same places but for the centimetre between two tests of contact. Then a
+robot of pymunk's would slide along its wall; this one has a bumper that stops its wheels.
 """
 
 from __future__ import annotations

@@ -23,10 +23,12 @@ EVERYTHING = {
     "goals": Options(goals="turned"),
     "remedies": Options(remedies="no_filter"),
     "goal-images": Options(goal_images="clip"),
+    "body": Options(body="car"),
 }
 OPTIONAL = {
     *("map", "palette", "family", "agent", "odometry", "drives", "starts", "goals", "remedies"),
     "goal-images",
+    "body",
 }
 NOTED = {
     "palette": "palette: shifted",

@@ -255,7 +255,7 @@ EXPERIMENT = Experiment(
     WORLDS[:3],
     Settings(),
     quick_settings=Settings(places=6, trials=40, trials_of_part=20),
-    accepts=frozenset(OPTIONAL),
+    accepts=frozenset(OPTIONAL) - {"body"},
     ablations={
         "thresholds": table2_thresholds.EXPERIMENT,
         "goal_images": table2_goal_images.EXPERIMENT,

@@ -97,6 +97,7 @@ COMMANDS = {
     ),
     "faults": "experiment faults",
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
+    "nts_table1_car": "experiment nts_table1 --body car",
     **{
         f"nts_{name}_options": f"experiment nts_{name} --ablation options"
         for name in ("table1", "fig8")
