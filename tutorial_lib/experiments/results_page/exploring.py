@@ -217,8 +217,8 @@ def _car_section(results: Results) -> list[str]:
         f"The same agents in the course's car, which has the panorama and cannot turn in place: "
         f"instead of an action an agent gives a waypoint, and the motion policy drives to it in "
         f"pymunk, with three-point turns, for the half second in which the round robot drives one "
-        f"action's 0.25 m; both have 0.5 m/s. {cars[0]['episodes']} episodes a cell, the same as the round "
-        f"robot's; where the car did not fit into a start it was turned ({turned}).",
+        f"action's 0.25 m; both have 0.5 m/s. {cars[0]['episodes']} episodes a cell, the same as "
+        f"the round robot's; where the car did not fit into a start it was turned ({turned}).",
         bodies(rows, cars),
         f"On medium goals NTS in a car succeeds in {percent(car['success'])} and the round robot "
         f"in {percent(body['success'])}. Its paths are longer (SPL {number(car['spl'])} and "
