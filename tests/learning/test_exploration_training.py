@@ -297,7 +297,7 @@ def tiny(tmp_path, monkeypatch):
     recipe = NtsRecipe(
         "tiny", "train nts --sensor rgb", PanoramaArchitecture("rgb"), settings, 2, 1, 12
     )
-    monkeypatch.setitem(NTS, ("rgb", False), recipe)
+    monkeypatch.setitem(NTS, ("rgb", ""), recipe)
     monkeypatch.setattr(recipes, "WORK", tmp_path / "work")
     monkeypatch.setattr(train_command, "PROJECT", tmp_path)
     folder = tmp_path / "weights"

@@ -439,8 +439,8 @@ MUTATIONS = [
     (
         "four nodes near by are too many",
         "exploration/graph_update.py",
-        "if node != self.node][:_TRIED]",
-        "if node != self.node][:1]",
+        "if far[n] < BESIDE][:_TRIED]",
+        "if far[n] < BESIDE][:1]",
         "exploration/test_global_policy.py",
     ),
     (

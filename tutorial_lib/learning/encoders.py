@@ -1,4 +1,4 @@
-"""Comparing two images: the paper's pair encoder, and one that matches their columns.
+"""Comparing two images: the paper's pair encoder in small, and one that matches their columns.
 
 Every encoder has two halves that each see one image, so that they can be computed once and kept,
 and `compare`, which is all that is left to do for a pair. Sums are made in place where they can be:
@@ -51,7 +51,10 @@ def _checked_size(channels: int, rows: int) -> tuple[int, int]:
 
 
 class PairEncoder(nn.Module):
-    """The paper's encoder of ``[cur, tgt, cur - tgt]`` (Meng 2020, III-B).
+    """The paper's encoder of ``[cur, tgt, cur - tgt]``, in small (Meng 2020, III-B and Fig. 3).
+
+    Theirs has four convolutions of 5 x 5 up to 512 channels on 64 x 64 images, some 8.5 million
+    parameters with what follows; this one, for images of 16 rows, has 180,000.
 
     Its first layer is linear, so what it makes of the stacked channels is a sum of what it makes of
     either image alone: ``A cur + B tgt + D (cur - tgt) = (A + D) cur + (B - D) tgt``.

@@ -139,7 +139,7 @@ class SureFrom:
 
     def probability(self, observations, prepared):
         del observations
-        return np.where(np.isin(np.arange(len(prepared)), self.places), 0.99, 0.98)
+        return np.where(np.isin(np.arange(len(prepared)), self.places), 0.96, 0.94)
 
 
 def test_a_goal_is_recognised_from_places_near_it_unless_from_elsewhere(usual, agent):

@@ -725,7 +725,7 @@ def test_maps_of_a_part_of_the_drives_have_its_thresholds(
     few = table2.Settings(places_on_map=3, trials=2, thresholds=chosen)
     met = {}
 
-    def attempt(building, trials, agent):
+    def attempt(building, trials, agent, images):
         met[type(agent).__name__] = agent
         nothing = np.zeros(len(trials))
         ending = np.full(len(trials), "late")

@@ -19,7 +19,7 @@ OF = {"nts": 0.6, "fbe": 0.4, "ans_like": 0.7, "il": 0.3}
 """SPL of each agent in the first world; it rises by 0.05 from world to world."""
 
 
-def made_up(world, name, sensor, *, geometry=False, noise=True, stops_itself=False):
+def made_up(world, name, sensor, *, geometry=False, noise=True, stops_itself=False, body="round"):
     """Columns of three episodes, which say what they were asked for."""
     value = OF[name] + 0.05 * WORLDS.index(world.seed[1]) - 0.1 * (sensor == "rgb")
     value += 0.02 * stops_itself - 0.03 * (not noise)

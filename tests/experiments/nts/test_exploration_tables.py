@@ -1,5 +1,6 @@
 """Table 1, Table 2 and Fig. 8 with the true geometry in place of the networks, on few episodes."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -45,6 +46,22 @@ def test_table1_has_a_row_for_each_agent_signs_and_difficulty():
     assert len(notes) == 2 * 3  # nts against fbe
     again, _ = table1.run(OPTIONS, table1.Settings(1, ("oracle",), (), geometry=True))
     assert again == [row for row in rows if row["agent"] == "oracle"]
+
+
+def test_table1_has_the_same_episodes_with_a_car():
+    settings = table1.Settings(1, ("nts", "il", "oracle"), ("nts",), geometry=True)
+    cars, notes = table1.run(replace(OPTIONS, body="car"), settings)
+    assert {(row["agent"], row["sensor"]) for row in cars} == {("nts", "rgbd"), ("oracle", "rgbd")}
+    assert all(row["paper_success"] is None for row in cars)  # its robot is no car
+    assert re.fullmatch(r"turned at their starts: \d of 6 cars", notes[-1])
+    bodies, _ = table1.run(OPTIONS, replace(settings, rgbd=("oracle",), rgb=()))
+    assert {row["body"] for row in cars} == {"car"}
+    assert {row["body"] for row in bodies} == {"round"}
+    oracles = [row for row in cars if row["agent"] == "oracle"]
+    for car, body in zip(oracles, bodies, strict=True):
+        assert [car[key] for key in KEYS] == [body[key] for key in KEYS]
+        assert car["success"] == body["success"] == 1.0
+        assert 0.5 < car["spl"] < body["spl"]  # its curves are longer
 
 
 def test_agents_meet_the_same_episodes_and_the_same_with_and_without_signs():

@@ -316,8 +316,8 @@ def test_odometry_alone_leads_to_the_goal_no_more_often_than_chance(building, mo
     at_random = attempt(building, trials, AtRandom(400)).outcome.success
     assert by_odometry.mean() <= at_random.mean() <= 0.1
 
-    def of_the_photographer(trials, view, k):
-        goals = fair(trials, view, k)
+    def of_the_photographer(trials, view, k, images):
+        goals = fair(trials, view, k, images)
         for goal, frame in zip(goals, trials.goals, strict=True):
             object.__setattr__(goal, "observations", trials.recorded.observe(np.array([frame])))
         return goals

@@ -79,7 +79,7 @@ def test_the_variant_with_the_least_error_and_the_most_success_is_bold():
     other |= {"success": 0.6, "low": 0.5, "high": 0.7}
     assert cells(variants([first, other]))[1:] == [
         ["columns matched (as shipped)", "1,234", "96", "0.30 m", "**80.0% (70.0 to 90.0)**"],
-        ["the paper's pair encoder", "999", "4", "**0.20 m**", "60.0% (50.0 to 70.0)"],
+        ["the paper's pair encoder, in small", "999", "4", "**0.20 m**", "60.0% (50.0 to 70.0)"],
     ]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.driving.data.recorded_world import MOST_CONTEXT
 from tutorial_lib.driving.rollouts import NavigationEnds, Record, Rollouts, rollout
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
@@ -17,7 +18,7 @@ from tutorial_lib.interfaces import Agent, Experience, Goals, Navigation, Observ
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
-from tutorial_lib.validation import instance, integers, one_of, with_methods
+from tutorial_lib.validation import instance, integers, one_of, whole, with_methods
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.simulation import Simulation
 
@@ -146,6 +147,7 @@ def goals_of(trials: Trials, view: View, k: int, images: str = ONE) -> list[Goal
     """
     recorded = instance("trials", trials, Trials).recorded
     with_methods("view", view, "render")
+    k = whole("k", k, least=0, most=MOST_CONTEXT)
     one_of("images", images, GOAL_IMAGES)
     around = trials.goals[:, None] if images == ONE else recorded.context(trials.goals, k)
     seen = recorded.observe(trials.goals, view.camera)
