@@ -886,8 +886,8 @@ table(headings, lines, best, words)
 
 # %% [markdown]
 # <details><summary>What did mining change?</summary>
-# The second network is sure of far fewer look-alikes in a building that it has never seen, above 0.5 as well as above 0.9: less than half as many. On the ordinary pairs both are about as good; differences of a hundredth in the AUC mean nothing with 150 rollouts. Sixty hard negatives from two buildings do not make it immune: with about a million pairs to query, one look-alike in twenty above 0.9 is still a disaster, and the library's network was trained on tens of thousands of mined pairs. The confident pairs keep it from
-# learning that whatever looks good is a trap: about four in ten of them do arrive.
+# The second network is sure of far fewer look-alikes in a building that it has never seen, above 0.5 as well as above 0.9: less than half as many. On the ordinary pairs both are about as good; differences of two hundredths in the AUC mean nothing with 150 rollouts. Sixty hard negatives from two buildings do not make it immune: with about a million pairs to query, one look-alike in thirty above 0.9 is still a disaster, and the library's network was trained on tens of thousands of mined pairs. The confident pairs keep it from
+# learning that whatever looks good is a trap: about one in three of them does arrive.
 # </details>
 #
 # So the question "is it calibrated?" has at least two answers: for pairs like those of exercise 1, and for *the pairs that a map would choose*. We can measure the second too: of all the pairs above that are not simply neighbours on one trajectory, take those with RE > 0.9, roll out up to 40 of them, and count. **Predict** what share arrives; RE's mean is the share that it expects.
