@@ -1,4 +1,4 @@
-"""Training losses (Meng 2020, III-B, with the weights of its authors' code)."""
+"""Training losses (Meng 2020, III-B, with the weights of its authors' code; LTVN's)."""
 
 from torch import Tensor
 from torch.nn import functional
@@ -13,7 +13,9 @@ TOLERANCE = 0.15
 """Metres of error that cost 1 at the target; 1 m away from it, twice as many do."""
 OVERLAP_WEIGHT = 0.3
 """Of the two overlaps, an auxiliary output of reachability."""
-CONTEXT_WEIGHT = {"waypoint": 2.0, "action": 2.0, "reachability": 2.0}
+POSE_WEIGHT = 0.5
+"""Of the target's pose in LTVN's model."""
+CONTEXT_WEIGHT = {"waypoint": 2.0, "action": 2.0, "reachability": 2.0, "relative": 2.0}
 """By a network's outputs, of the poses of the context's images: many labels for each pair, which
 teach matching. RE is queried about pairs that C was never trained with."""
 
@@ -70,6 +72,16 @@ def reach_loss(outputs: Tensor, batch: Batch) -> Tensor:
     return outcome_loss(outputs, batch) + OVERLAP_WEIGHT * shares.sum(1)
 
 
+def relative_loss(outputs: Tensor, batch: Batch) -> Tensor:
+    """(N,) of LTVN's model: reachability, and the target's pose where it is reachable."""
+    _check(outputs, batch, 5)
+    label = batch.tensor("reached")
+    reachable = functional.binary_cross_entropy_with_logits(outputs[:, 0], label, reduction="none")
+    place = position_loss(outputs[:, 1:3], batch.tensor("waypoint"))
+    heading = ((outputs[:, 3:] - batch.tensor("turn")) ** 2).sum(1)
+    return reachable + label * POSE_WEIGHT * (place + heading)
+
+
 def context_loss(poses: Tensor, batch: Batch) -> Tensor:
     """(N,) mean loss of the relative poses of the context's images."""
     wanted = instance("batch", batch, Batch).tensor("context_poses")
@@ -83,7 +95,12 @@ def _check(outputs: Tensor, batch: Batch, count: int) -> None:
     tensor("outputs", outputs, (len(instance("batch", batch, Batch).reached), count))
 
 
-LOSSES = {"waypoint": waypoint_loss, "action": action_loss, "reachability": reach_loss}
+LOSSES = {
+    "waypoint": waypoint_loss,
+    "action": action_loss,
+    "reachability": reach_loss,
+    "relative": relative_loss,
+}
 """By a network's outputs, the loss that it is trained with."""
 EVALUATION_LOSSES = {**LOSSES, "reachability": outcome_loss}
 """By a network's outputs, the loss that selects the best evaluation."""

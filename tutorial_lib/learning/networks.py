@@ -19,9 +19,10 @@ from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.validation import instance
 
 ENCODERS = ("matching", "pair", "separate", "stacked")
-OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3}
-"""Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; or
-the logit of reachability, and two overlaps."""
+OUTPUTS = {"waypoint": 6, "action": 2, "reachability": 3, "relative": 5}
+"""Waypoint x, y, cosine and sine of the heading difference, two overlaps; speed and steering; the
+logit of reachability, and two overlaps; or LTVN's model: the logit, x, y, cosine and sine of the
+target's pose."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Architecture:
 
 
 class LocalNetwork(nn.Module):
-    """Predicts waypoint, action or reachability from an image and a target in its context."""
+    """Predicts waypoint, action, reachability or relative pose of a target in its context."""
 
     def __init__(self, architecture: Architecture) -> None:
         """Build an untrained network."""

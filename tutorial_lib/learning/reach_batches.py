@@ -167,15 +167,15 @@ def rendered(
     if rng is not None:
         current, contexts = view.vary([current, contexts], rng)
     overlap = np.broadcast_to(labels["overlap"], (count, 2)).astype(np.float32)
-    none = np.zeros((count, 2), np.float32)
+    targets = posed(starts, recorded.poses[frames][:, None]).reshape(count, 4)
     return Batch(
         current=current.reshape(count, *current.shape[2:]),
         contexts=contexts,
-        waypoint=none,
-        turn=none,
+        waypoint=targets[:, :2],
+        turn=targets[:, 2:],
         overlap=overlap,
         context_poses=posed(starts[:, :, None], poses[:, None]).reshape(count, -1, 4),
-        action=none[:, :0],
+        action=np.zeros((count, 0), np.float32),
         reached=labels["reached"].astype(np.float32),
         weight=labels["weight"].astype(np.float32),
         # The relative pose of an image can be predicted only if the views overlap.
