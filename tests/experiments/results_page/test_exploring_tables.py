@@ -191,6 +191,17 @@ def test_the_other_sections_read_their_reports():
     text = returning.options(single, sequence)
     assert f"| explored by sight | wayfinding {line} +0.020 (-0.010 to +0.050) |" in text
     assert f"| the course's | plain {line}  |" in text
+    rows = [
+        {"figure": figure, "world": f"office/{world}/standard/wayfinding", "what": goal}
+        | {"chosen": ghost, "best": 5, "success": ghost != 3, "travelled": 7.25}
+        for figure in (4, 10)
+        for world, ghosts in (("20000", (4, 4)), ("20001", (3, 5)))
+        for goal, ghost in zip(("kitchen", "bathroom"), ghosts, strict=True)
+    ]
+    text = returning.SECTIONS[-1].text(results("nts_figs", rows, ()))
+    assert text.count("| office 20000 | kitchen | 4 | 5 | 7.2 m |") == 1
+    assert "| office 20001 | kitchen | 3 | 5 | missed |" in text
+    assert "Here they do in 1 of 2." in text
     rows = [{"agent": "nts", "model": "rgbd", "episodes": 64, "steps_per_s": 1_834.0}]
     assert "| NTS | network, with depth | 1,834 |" in speed.SECTIONS[-1].text(
         results("explore", rows, ())

@@ -1,4 +1,4 @@
-"""Several goals in one place: one after another, and on a second visit."""
+"""Several goals in one place: one after another, from one start, and on a second visit."""
 
 from __future__ import annotations
 
@@ -179,6 +179,27 @@ def _visit_section(results: Results) -> list[str]:
     ]
 
 
+def _examples_section(results: Results) -> list[str]:
+    rows = [row for row in results.rows("nts_figs") if row["figure"] == 10]
+    lines, chosen = [], {}
+    for row in rows:
+        place = " ".join(row["world"].split("/")[:2])
+        chosen.setdefault(place, set()).add(row["chosen"])
+        ended = f"{row['travelled']:.1f} m" if row["success"] else "missed"
+        lines.append([place, row["what"], f"{row['chosen']}", f"{row['best']}", ended])
+    different = sum(len(ghosts) == 2 for ghosts in chosen.values())
+    return [
+        "Examples (Figs. 3, 4, 9 and 10 of Chaplot et al. 2020) in test worlds with signs, as "
+        "pictures: explorable directions of panoramas, the scores of one place for two goals, an "
+        "episode with noise and without, and which ghost the robot takes first for either goal. "
+        "Geometry and seed choose the places, never what the network makes of them.",
+        "Fig. 10, one start and two goals in other directions:",
+        table(["place", "goal in", "ghost taken first", "best direction", "driven"], lines),
+        f"The paper shows one place, where two goals get two ghosts. Here they do in {different} "
+        f"of {len(chosen)}.",
+    ]
+
+
 SECTIONS = (
     Section("Fig. 8: goals one after another", ("nts_fig8",), _fig8_section),
     Section("A second visit", ("nts_second_visit",), _visit_section),
@@ -188,4 +209,5 @@ SECTIONS = (
         ("nts_table1_options", "nts_fig8_options"),
         _options_section,
     ),
+    Section("Figs. 3, 4, 9 and 10: examples", ("nts_figs",), _examples_section),
 )
