@@ -152,17 +152,17 @@ def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
 def test_the_other_sections_read_their_reports():
     rows = [
         {"agent": agent, "signs": signs, "goals": goals, "episodes": 320, "success": 0.9}
-        | {"spl": 0.7, "spl_gap": goals / 100}
-        | {
-            f"success_{key}": value
-            for key, value in zip(("gap", "gap_low", "gap_high"), (0.1, 0.0, 0.2), strict=True)
-        }
+        | {"spl": 0.7, "spl_gap": goals / 100, "success_gap": -0.02 * goals}
+        | {"success_gap_low": -0.3, "success_gap_high": 0.1}
         for agent in ("nts", "nts_no_graph", "nts_no_score")
         for signs in SIGNS
         for goals in range(1, 11)
     ]
     text = returning.SECTIONS[0].text(results("nts_fig8", rows, ()))
-    assert "NTS without a graph, plain: +0.010 to +0.100" in text
+    ends = "-2.0 points (-30.0 to +10.0) | -20.0 points (-30.0 to +10.0) | +0.010 | +0.100 |"
+    assert f"| NTS without a graph | plain | grows | {ends}" in text
+    assert f"| NTS, random scores | wayfinding | shrinks | {ends}" in text
+    assert "without a graph is ahead by 20.0 points" in text
     rows = [
         {"method": method, "signs": signs, "goals": goals, "trials": 80, "success": 0.9}
         | {"low": 0.8, "high": 0.95, "spl": 0.7, "steps": 60.0, "recalled": 0.6}

@@ -43,30 +43,37 @@ def _fig8_section(results: Results) -> list[str]:
         for agent in ("nts", "nts_no_graph", "nts_no_score"):
             found = [one(rows, agent=agent, signs=signs, goals=count) for count in counts]
             cells = [f"{percent(row['success'])} / {number(row['spl'])}" for row in found]
-            last = found[-1]
-            gap = "" if agent == "nts" else gap_of(last, "success_gap")
-            lines.append([AGENTS[agent], signs, *cells, gap])
+            lines.append([AGENTS[agent], signs, *cells])
     head = ["agent", "worlds", *(f"{count} goals" if count > 1 else "1 goal" for count in counts)]
+    ahead = one(rows, agent="nts_no_graph", signs=SIGNS[1], goals=10)
     return [
         f"Up to ten goals one after another, 500 actions each, and the graph is kept (Fig. 8 of "
         f"Chaplot et al. 2020): success / SPL over all goals until then. "
         f"{rows[0]['episodes']} episodes of each kind in {results.worlds('nts_fig8')} test worlds.",
-        table([*head, "NTS - other after ten"], lines),
-        *_gaps(rows),
+        table(head, lines),
+        gaps(rows),
+        f"All fall with the number of goals, as in the paper, which shows curves without numbers "
+        f"(Sec. 6.1). Two of its outcomes differ here. **Random scores**: there the gap shrinks, "
+        f"since random exploration builds a graph on which a later goal is more likely to be "
+        f"found; here it grows. **Without a graph**: there the gap grows, and here in plain "
+        f"worlds; with signs it shrinks in SPL, and in success the robot without a graph is ahead "
+        f"by {-100 * ahead['success_gap']:.1f} points after ten goals (an interval with 0 in it). "
+        f"The reasons are not measured here; `experiment nts_fig8 --ablation exact` takes the "
+        f"noise away.",
     ]
 
 
-def _gaps(rows: Rows) -> list[str]:
-    """How the gaps to both ablations change with the number of goals."""
-    parts = []
-    for agent in ("nts_no_graph", "nts_no_score"):
+def gaps(rows: Rows) -> str:
+    """The gap of NTS to both ablations at one goal and at ten, beside what the paper's does."""
+    lines = []
+    for agent, paper in (("nts_no_graph", "grows"), ("nts_no_score", "shrinks")):
         for signs in SIGNS:
-            first, last = (
-                one(rows, agent=agent, signs=signs, goals=count)["spl_gap"] for count in (1, 10)
-            )
-            words = f"{AGENTS[agent]}, {signs}: {first:+.3f} to {last:+.3f}"
-            parts.append(words)
-    return [f"The gap in SPL from one goal to ten: {'; '.join(parts)}."]
+            ends = [one(rows, agent=agent, signs=signs, goals=count) for count in (1, 10)]
+            cells = [gap_of(row, "success_gap") for row in ends]
+            cells += [f"{row['spl_gap']:+.3f}" for row in ends]
+            lines.append([AGENTS[agent], signs, paper, *cells])
+    head = ["success, 1 goal", "success, 10 goals", "SPL, 1 goal", "SPL, 10 goals"]
+    return table(["NTS - this", "worlds", "in the paper", *head], lines)
 
 
 def rules(results: Results) -> str:
