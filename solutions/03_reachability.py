@@ -398,7 +398,7 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 # ## 3 · A loss that makes a network predict probabilities
 #
 # The network of RE is that of $\mathcal C_{WP}$ (III-C: "almost identical"), and it is initialised with the encoder that $\mathcal C_{WP}$ has learnt: both need to find correspondences between two images. In place of a waypoint it returns a **logit** $z$, any real number, and $p = \sigma(z) = 1 / (1 + e^{-z})$ turns it into a probability. The label is $y$: 1 reached, 0 not. The paper trains
-# "with a binary classification loss", the cross-entropy
+# "with a binary classification loss" (III-C), the cross-entropy
 #
 # $$ \ell(z, y) \;=\; -\,y \log \sigma(z) \;-\; (1-y) \log\bigl(1 - \sigma(z)\bigr) \;=\; \log\bigl(1 + e^{z}\bigr) - y\,z . $$
 #
