@@ -164,7 +164,7 @@ def test_each_link_of_the_chapter_leads_to_a_heading():
 def test_a_damaged_row_is_named_with_its_command():
     rows = [row for row in RESULTS.rows("nts_fig8") if row["goals"] != 10]
     report = Report("nts_fig8", 0, (1,), False, 1.0, rows, ())
-    with pytest.raises(InputError, match=r"nts_fig8\.json: damaged.*experiment nts_fig8 "):
+    with pytest.raises(InputError, match=r"nts_fig8\.json.*: damaged.*experiment nts_fig8 "):
         compared.SECTIONS[2].text(Results({**RESULTS.reports, "nts_fig8": report}))
 
 
