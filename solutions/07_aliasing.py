@@ -168,7 +168,7 @@ table(head, [[f"from: {title}", *row] for title, row in zip(titles, reach, stric
 #
 # The paper's first answer is "to match a sequence of anchors during search and graph construction" (III-G): two segments look alike much less often than two single observations. Two places that only look alike have neighbours that do not, sooner or later.
 #
-# **Predict:** below, the same thirty trajectories make two maps, one from single views, one from sequences of four anchors on either side. Which map has more vertices? More edges? On which one is a plan shorter, from where a trajectory begins to where it ends? (About 10 s.)
+# **Predict:** below, the same thirty trajectories make two maps, one from single views, one from sequences of four anchors on either side (four is our choice). Which map has more vertices? More edges? On which one is a plan shorter, from where a trajectory begins to where it ends? (About 10 s.)
 
 # %% hidden=true
 # Two maps of the same trajectories: of single views, and of sequences
@@ -371,7 +371,7 @@ sliders(corridor_belief, {"step": "step"}, step=(0, STEPS - 1, 1, 4))
 #
 # ## 4 · Sequences
 #
-# The filter sums over all paths on which the robot can have come here. Sequence matching (III-G) takes the last few views only, and of all paths the *best* one. It needs no motion model: from one view to the next the robot has stayed at its vertex, or has come to it from the vertex before on the trajectory.
+# The filter sums over all paths on which the robot can have come here. Sequence matching (III-G asks for it, and leaves open how) takes the last few views only here, and of all paths the *best* one. It needs no motion model: from one view to the next the robot has stayed at its vertex, or has come to it from the vertex before on the trajectory.
 #
 # For two views, $L(v) = p_2(v) \cdot \max\big(p_1(v),\, p_1(\text{before}(v))\big)$; for more, the same again with the result so far in the place of $p_1$.
 #
@@ -633,7 +633,7 @@ show(from_figure(figure))
 #
 # ## 6 · Round and round
 #
-# A robot in a twin plans, drives, finds the next view missing, and plans again. The best plan may lead back to where it came from, and there the best plan leads forward again. A robot that replans needs a memory of where it has been. The paper names it as future work: count the visits, and plan *around* what was visited often.
+# A robot in a twin plans, drives, finds the next view missing, and plans again. The best plan may lead back to where it came from, and there the best plan leads forward again. A robot that replans needs a memory of where it has been. The paper names it as future work (III-G): count the visits, and plan *around* what was visited often. The rules below are ours.
 #
 # **Predict:** why not simply remove the vertices that were visited twice?
 #
