@@ -222,7 +222,7 @@ def _composed(results: Results) -> list[list[str]]:
             link("Fig. 13: growth of maps", "Fig. 13"),
             "maps grow sublinearly with the number of observations (IV-C.5), and converge in the "
             "end (III-E)",
-            f"{growth}",
+            growth,
             "sublinear as in the paper; they have not converged by then",
         ],
     ]

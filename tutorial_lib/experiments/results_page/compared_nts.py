@@ -109,7 +109,7 @@ def _table1(results: Results) -> list[list[str]]:
                 _percents(one(rows, signs=s, difficulty=d)["success"] for d in DIFFICULTIES)
                 for s in SIGNS
             ]
-            here, trend = f"{' / '.join(shares)}", _TRENDS[agent, sensor]
+            here, trend = " / ".join(shares), _TRENDS[agent, sensor]
         name = f"Table 1, {(AGENTS | RL)[agent]}, {sensor.upper()}"
         name = link("Table 1: image-goal navigation", name)
         found.append([name, _percents(success for success, _ in levels), here, trend])
@@ -146,7 +146,7 @@ def _table2(results: Results) -> list[list[str]]:
             if agent not in RL:
                 notes = [f"{agent}, {signs}: {condition} - standard: " for signs in SIGNS]
                 gains = " / ".join(results.note("nts_table2", note) for note in notes)
-                here, trend = f"{gains}", trends[agent]
+                here, trend = gains, trends[agent]
             name = f"Table 2, without {what}, {(AGENTS | RL)[agent]}"
             name = link("Table 2: stopping and noise", name)
             gain = points(TABLE2[agent, condition][-1] - usual)
@@ -178,13 +178,13 @@ def _sequences(results: Results) -> list[list[str]]:
         [
             link("Fig. 8: goals one after another", "Fig. 8, without a graph"),
             "the gap to NTS grows",
-            f"{gaps('nts_no_graph')}",
+            gaps("nts_no_graph"),
             "grows in plain worlds as in the paper; **differs** with signs",
         ],
         [
             link("Fig. 8: goals one after another", "Fig. 8, random scores"),
             "the gap to NTS shrinks",
-            f"{gaps('nts_no_score')}",
+            gaps("nts_no_score"),
             "**differs**: it grows",
         ],
     ]

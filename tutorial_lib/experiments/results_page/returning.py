@@ -6,7 +6,7 @@ from tutorial_lib.experiments.common.report import Rows
 from tutorial_lib.experiments.nts.second_visit import METHODS as VISITORS
 from tutorial_lib.experiments.nts.second_visit import Settings
 from tutorial_lib.experiments.protocols.visits import MISSED, PASSED
-from tutorial_lib.experiments.results_page.exploring import AGENTS, gap_of
+from tutorial_lib.experiments.results_page.exploring import AGENTS, gap_of, spl_gap
 from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import Results, one
@@ -84,7 +84,9 @@ def rules(results: Results) -> str:
         for signs in SIGNS:
             gaps = [""] * len(DIFFICULTIES)
             if agent != "nts":
-                gaps = [_spl_gap(results, agent, signs, level) for level in DIFFICULTIES]
+                gaps = [
+                    spl_gap(results, agent, signs, d, "nts_table1_options") for d in DIFFICULTIES
+                ]
             lines.append([words, signs, *_single_goals(rows, agent, signs), *gaps])
     head = [f"{level}: course's - this, SPL" for level in DIFFICULTIES]
     return table(["rule", "worlds", *DIFFICULTIES, *head], lines)
@@ -94,11 +96,6 @@ def _single_goals(rows: Rows, agent: str, signs: str) -> list[str]:
     """Success / SPL by difficulty."""
     found = [one(rows, agent=agent, signs=signs, difficulty=level) for level in DIFFICULTIES]
     return [f"{percent(row['success'])} / {number(row['spl'])}" for row in found]
-
-
-def _spl_gap(results: Results, agent: str, signs: str, level: str) -> str:
-    what = f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: "
-    return results.note("nts_table1_options", what)
 
 
 def _rules_section(results: Results) -> list[str]:
@@ -111,7 +108,7 @@ def _rules_section(results: Results) -> list[str]:
         ]
         return " / ".join(shares)
 
-    masked = _spl_gap(results, "nts_masked", SIGNS[0], "medium")
+    masked = spl_gap(results, "nts_masked", SIGNS[0], "medium", "nts_table1_options")
     return [
         f"Four of the rules in which the course's agent departs from Chaplot et al. 2020, each as "
         f"in the paper, alone and all together, on the {rows[0]['episodes']} single episodes of "
