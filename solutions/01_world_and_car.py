@@ -17,6 +17,7 @@
 
 # %%
 import numpy as np
+from IPython.display import display
 
 from tutorial_lib.checks.nb01 import (
     check_bicycle_step,
@@ -39,12 +40,14 @@ from tutorial_lib.viz import (
     side_by_side,
     sliders,
     stacked,
+    table,
 )
 from tutorial_lib.world import (
     EYE,
     WALL_HEIGHT,
     BicycleCar,
     Camera,
+    Person,
     Scene,
     Sensors,
     Simulation,
@@ -182,7 +185,9 @@ for axis, error, name in (
         spot = {"textcoords": "offset points", "xytext": (-4, -18), "fontsize": 13}
         axis.annotate(str(lap) if error else "", track[8 * lap][:2], **spot)
     axis.set(title=name, ylim=(-0.5, 2.7), aspect="equal", xlabel="x / m", ylabel="y / m")
-axes[1].legend(loc="center", fontsize=10)
+figure.legend(
+    *axes[1].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=10
+)
 show(from_figure(figure))
 
 # %% [markdown]
@@ -261,7 +266,7 @@ def turning_circle(steering_angle, speed):
         outline = to_world(end, car.footprint)
         axis.fill(*outline.T, color=colours.unit(colours.ROBOT))
     axis.set(xlim=(-2.2, 4.2), ylim=(-2.0, 2.0), aspect="equal", xlabel="x / m", ylabel="y / m")
-    axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), fontsize=10)
+    figure.legend(loc="outside lower center", ncols=3, fontsize=10)
     radius = car.wheelbase / np.tan(abs(steering_angle)) if steering_angle else np.inf
     width = np.ptp(corner[:, 1]) if steering_angle else 0.24
     text = f"radius {radius:.2f} m; the outer corner sweeps over {width:.2f} m across the corridor"
@@ -281,6 +286,81 @@ sliders(
 # needs 1.6 m for a half circle, and the corridor is too narrow at every steering angle: the car has to stop, reverse and go again. What it can reach <i>in one motion</i> is therefore not a question of
 # distance. A place half a metre to its left is much harder to reach than one three metres ahead. This is why notebook 03 learns reachability instead of
 # measuring distance. The speed does not change the circle at all.
+# </details>
+#
+# ### When it touches something
+#
+# These equations know nothing of walls. Contact is the work of [pymunk](https://www.pymunk.org), a physics library. The car is a **rigid body** there: it moves and turns, but never bends.
+#
+# Five times in each tenth of a second, the car's model sets the velocity that its wheels ask for. Where the car touches something there's a **contact**: pymunk takes away the part of the velocity that points into the wall, and the rest moves the car.
+#
+# **Predict:** three cars for five seconds. One drives straight at a wall, one meets it at 40°; both want 0.5 m/s and never stop their motors. The third stands still, and a person walks into it. Which of them moves how far after the contact? And how far does the person move aside?
+
+# %% hidden=true
+# Three contacts: a wall ahead, a wall at an angle, and a person
+WALL = 0.07  # y of a wall of the hallway, m
+passer = Person([[-8.9, 1.6], [-8.9, 0.7]], speed=0.3, keep_off=0.0)  # heeds no robot
+turns = np.linspace(0, 2 * np.pi, 40)
+disc = passer.radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
+trials = {
+    "a wall ahead": ([-8.5, 0.9, -np.pi / 2], 0.5, []),
+    "a wall at an angle": ([-9.4, 0.75, np.deg2rad(-40)], 0.5, []),
+    "a person": ([-9.0, 1.1, 0.0], 0.0, [passer]),
+}
+figure, axes = chart(10.5, 3.4, 3)
+rows = []
+for axis, (name, (start, speed, people)) in zip(axes, trials.items(), strict=True):
+    trial = Simulation(scene, start, people=people, sensors=Sensors(camera=None))
+    track, walked, touched = [trial.poses[0]], [trial.crowd.positions], [False]
+    for _ in range(29 if people else 50):
+        trial.step([[speed, 0.0]])
+        track.append(trial.poses[0])
+        walked.append(trial.crowd.positions)
+        touched.append(trial.touching[0])
+    track, walked, first = np.array(track), np.array(walked), int(np.argmax(touched))
+    moving = [(track, car.footprint, colours.ROBOT)]
+    if people:
+        passing = np.column_stack([walked[:, 0], np.zeros(len(walked))])
+        moving.append((passing, disc, colours.PERSON))
+        spot = walked[first, 0] - [0.0, passer.radius]
+    else:
+        corners = to_world(track[first], car.footprint)
+        spot = corners[corners[:, 1] < corners[:, 1].min() + 0.01].mean(axis=0)
+    for poses, outline, tone in moving:
+        for k, strength in ((0, 0.25), (first, 0.5), (-1, 1.0)):
+            shape = to_world(poses[k], outline)
+            axis.fill(*shape.T, color=colours.unit(tone), alpha=strength, linewidth=0)
+    axis.plot(*track[:, :2].T, color=colours.unit(colours.TRACK), label="rear axle of the car")
+    axis.plot(*spot, "x", color=colours.unit(colours.LASER), ms=11, mew=3, label="first contact")
+    axis.axhspan(WALL - 0.15, WALL, color=colours.unit(colours.SOLID), linewidth=0, label="wall")
+    middle = track[[0, -1], 0].mean() + 0.1
+    axis.set(xlim=(middle - 1.5, middle + 1.5), ylim=(WALL - 0.15, 1.85), aspect="equal")
+    axis.set(title=name, xlabel="x / m")
+    after = track[first:]
+    angle = None if people else -np.rad2deg(track[first, 2])
+    asked, moved = speed * 0.1 * (len(after) - 1), arc_length(after)[-1]
+    aside = np.ptp(walked[:, 0, 0]) if people else None
+    turn = np.rad2deg(after[-1, 2] - after[0, 2])
+    rows.append([name, angle, 0.1 * first, asked, moved, turn, aside])
+axes[0].set_ylabel("y / m")
+figure.legend(
+    *axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=10
+)
+head = {"the car meets": "", "at an angle of, °": ".0f", "first contact, s": ".1f"}
+head |= {"its wheels then ask for, m": ".2f", "it then moves, m": ".2f"}
+head |= {"it turns, °": "+.0f", "the person is moved aside, m": ".2f"}
+display(table(head, rows))
+show(from_figure(figure))
+
+# %% [markdown]
+# Paler is earlier: the start, the first contact, and the end; the person is pink.
+#
+# <details><summary>What do you see?</summary>
+# Head-on the whole velocity points into the wall, so nothing is left: the car stands, and its motor goes on. At 40° the part along the wall is left. The car scrapes along for 1.54 m, while its wheels ask for 1.85 m. The wall pushes at its front corner and turns it along the wall, by 13°. Walls have no <b>friction</b> here; a real one would slow the car down and scratch it.
+#
+# The person isn't moved aside at all, and the car gives way. A person follows a route, whatever touches it; pymunk calls such a body <i>kinematic</i>. So the person pushes the car 0.66 m, and a car that drives at a person stops as if at a wall. This one pays no attention to robots. The people of the later notebooks do: each stops 1.3 m before a robot, waits two seconds, and walks back.
+#
+# <code>simulation.touching</code> says whether a robot touches something now, and <code>simulation.collided</code> whether it ever did.
 # </details>
 #
 # ## 4 · Two hundred cars, the same commands

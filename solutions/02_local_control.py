@@ -191,7 +191,7 @@ show(closeup(view, picture, np.array([start[:2], goal[:2]]), 1.6))
 #
 # A policy with $M \approx 0$ has no influence on the result, whatever its $a$ is.
 #
-# The **goal policy** pulls a point $x$ to its goal $g$ and damps its velocity. It weights all directions equally (paper, III-B; the form is that of its authors' code):
+# The **goal policy** pulls a point $x$ to its goal $g$ and damps its velocity. It weights all directions equally (III-B names the framework only; the form is that of its authors' code):
 #
 # $$ a = \gamma\,\frac{g - x}{\max(|g - x|,\ \varepsilon)} - \beta\,\dot x, \qquad M = I . $$
 #
@@ -509,7 +509,7 @@ show(side_by_side(panels, list(results), height=420))
 #
 # ## 3 · Which waypoint should the network predict?
 #
-# The network learns from examples, and each example needs a [[label]]: the right waypoint. We have the recorded trajectory and, in simulation, the map. The rule (paper, IV, and its authors' code):
+# The network learns from examples, and each example needs a [[label]]: the right waypoint. We have the recorded trajectory and, in simulation, the map. The paper takes waypoints from the planner that drove the trajectories (A*, section IV). Our rule is that of its authors' code, applied to the trajectory itself:
 #
 # - the waypoint is **the farthest point of the trajectory, up to the target, that is in clear sight**: a straight line leads there and keeps 6 cm from every wall;
 # - a target that was recorded at or before the start's own frame (`target <= source`) is its own waypoint, in sight or not;
@@ -550,7 +550,7 @@ def waypoint_label(start, track, source, target, sees):
 waypoint_label = check_waypoint_label.use(waypoint_label)
 
 # %% [markdown]
-# Now on a recorded trajectory. Five starts are *perturbed*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as the paper's authors do, so that the network also learns from views off the trajectory. **Predict:** the
+# Now on a recorded trajectory. Five starts are *perturbed*: moved aside by 0.3 m and turned by 9 degrees (standard deviations), as in the authors' code, so that the network also learns from views off the trajectory. **Predict:** the
 # target is beyond a corner. Where will the green waypoints of the starts lie: all at the same point?
 
 # %% hidden=true
@@ -742,7 +742,7 @@ show(stacked([upper, side_by_side(panels[2:], titles, gap=40)]))
 # furniture gives a second line, and a chance of a wrong match.
 # </details>
 #
-# Is it worth it? The table below compares four encoders, trained in the same way, with $k = 2$, for the same number of steps: *pair* is the paper's, *separate* encodes each image into a feature vector of its own before they are compared, *stacked* puts all
+# Is it worth it? The table below compares four encoders, trained in the same way, with $k = 2$, for the same number of steps: *pair* is the paper's in small (its Fig. 3 has about fifty times as many parameters), *separate* encodes each image into a feature vector of its own before they are compared, *stacked* puts all
 # images into one stack. The paper found its design "much better" than the last two (III-B). (Three of them also learn where each image of the context was taken. The stack cannot, since it has no features of single images.) **Predict** the order before you look.
 
 # %% hidden=true
@@ -1293,12 +1293,12 @@ for name, title in maps.items():
 display(success_table(by_map, "On three maps from Nav2, which no network has seen"))
 
 # %% [markdown]
-# *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper (IV-B), which found "no noticeable difference". *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
+# *noise*: both controls are multiplied by a random number from $\mathcal N(1, 0.33)$ ten times a second, as in the paper, which found "no noticeable difference" when its robots followed trajectories (IV-B). *obstacles*: two posts that are in no recording stand near the path; these are other episodes, at least 2 m long and with room to pass, so compare them within their own column. *shifted*: colours and light that no network has seen in
 # training. The maps of the second table are occupancy grids that come with Nav2, the navigation software of ROS 2: their walls are crooked and have holes. (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_table1`.)
 #
 # <details><summary>Why do our numbers differ from the paper's?</summary>
 # In both, control through waypoints beats direct control. The paper's direct controller was trained to imitate forward acceleration and steering velocity; ours imitates speed and steering of the same demonstrator, and has k = 2. Our images are simpler than those of scanned buildings, which helps; but they have 16 rows in place of 64,
-# the networks are small enough to train in less than an hour on a laptop, and the car is larger relative to its world: its rear axle needs 1.24 m for its tightest circle, the paper's car 0.9 m. The oracle's row shows what the <i>body</i> and the time limit cost before any network is involved. Compare within one column; between
+# the networks are small enough to train in less than an hour on a laptop, and the car is larger relative to its world: its rear axle needs 1.24 m for its tightest circle, the car in the authors' code 0.9 m. The oracle's row shows what the <i>body</i> and the time limit cost before any network is involved. Compare within one column; between
 # the two simulators compare the order, not the numbers.
 # </details>
 # <details><summary>What does context do, and how far is the oracle?</summary>

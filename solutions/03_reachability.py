@@ -314,7 +314,7 @@ table({**headings, "arrive": ".0%", "starts": "d"}, lines)
 #
 # RE is learnt from outcomes. Draw a **pair** of a start and a target from the recorded trajectories at random (the paper: on the same trajectory with probability 0.6, on two trajectories otherwise; we move most starts a little aside), drive with $\mathcal C$ from the start to the target, and record whether it arrives. No rule has to say what makes a target hard.
 #
-# A car that circles for ten minutes and then hits upon the target by chance has not shown that it can reach it. So there is a time limit, from the length of the shortest path and the slowest speed that is tolerated (III-C; the 5 s come from the authors' code):
+# A car that circles for ten minutes and then hits upon the target by chance has not shown that it can reach it. So there is a time limit, from the length of the shortest path and the slowest speed that is tolerated (III-C; the 5 s and the 0.3 m/s come from the authors' code):
 #
 # $$ t_\text{max} = \frac{A^*(o_\text{current}, o_\text{target})}{v_\text{min}} + 5\ \text{s}, \qquad v_\text{min} = 0.3\ \text{m/s}. $$
 #
@@ -398,7 +398,7 @@ table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
 # ## 3 · A loss that makes a network predict probabilities
 #
 # The network of RE is that of $\mathcal C_{WP}$ (III-C: "almost identical"), and it is initialised with the encoder that $\mathcal C_{WP}$ has learnt: both need to find correspondences between two images. In place of a waypoint it returns a **logit** $z$, any real number, and $p = \sigma(z) = 1 / (1 + e^{-z})$ turns it into a probability. The label is $y$: 1 reached, 0 not. The paper trains
-# "with a binary classification loss", the cross-entropy
+# "with a binary classification loss" (III-C), the cross-entropy
 #
 # $$ \ell(z, y) \;=\; -\,y \log \sigma(z) \;-\; (1-y) \log\bigl(1 - \sigma(z)\bigr) \;=\; \log\bigl(1 + e^{z}\bigr) - y\,z . $$
 #
@@ -909,8 +909,8 @@ if sure.any():
 
 # %% [markdown]
 # <details><summary>Fewer arrive than RE expects, although it is calibrated. Why?</summary>
-# It was calibrated on pairs whose views overlap, most of which succeed. Here it was queried for thousands of pairs, nearly all of them unreachable, and we selected those with high predictions: good pairs, and the few unreachable ones that happen to look good. The more unreachable pairs are queried, the larger their share among the selected. Near 0.99 there are hardly any left; that is why the
-# paper builds its maps with this threshold, and why we will not read RE = 0.9 as "nine of ten" when a map has chosen the pair.
+# It was calibrated on pairs whose views overlap, most of which succeed. Here it was queried for thousands of pairs, nearly all of them unreachable, and we selected those with high predictions: good pairs, and the few unreachable ones that happen to look good. The more unreachable pairs are queried, the larger their share among the selected. Near 0.99 there are hardly any left. The
+# paper builds its maps with that threshold (IV-C.1; it gives no reason), and here you see why we will not read RE = 0.9 as "nine of ten" when a map has chosen the pair.
 # </details>
 #
 # ## 6 · Slide the target along a trajectory

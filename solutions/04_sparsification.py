@@ -506,7 +506,7 @@ table({"": "", "value": "g", "what must be above it": ""}, lines)
 #
 # <details><summary>Where does this differ from the paper?</summary>
 # The paper sets the active anchor to <i>last visited + 1</i> where the next one is not both reachable and near. Taken literally it falls back: once the car has advanced early to an anchor seen from afar, and then doubts the one after it, the active anchor jumps to one that lies beside the
-# car or behind it. Here it stays. And the paper leaves open what makes an anchor "visited"; it says "the closest".
+# car or behind it. Here it stays. And the paper leaves open what makes an anchor "visited"; it says "the closest" (III-H).
 # </details>
 #
 # ### Exercise 3 · `move_on` (medium, 12 minutes)
@@ -599,7 +599,7 @@ transition = check_transition.use(transition)
 #
 # In dead reckoning the car drives to a waypoint that was predicted a while ago: "1 m ahead and 0.6 m to the left". **Predict:** what does a car do that keeps these two numbers, and drives to 1 m ahead and 0.6 m to the left for twelve seconds?
 #
-# The odometer measures how the car has moved since. So the waypoint is kept as a *place*, in the [[odometry]]'s own frame, which does not move with the car: `to_world(odometry, waypoint)`. Whenever the car needs it, it is expressed in the car's present frame: `to_local(odometry, place)`. It need not be exact, since it only has to last for a few seconds: the paper's odometer "needs not be very accurate".
+# The odometer measures how the car has moved since. So the waypoint is kept as a *place*, in the [[odometry]]'s own frame, which does not move with the car: `to_world(odometry, waypoint)`. Whenever the car needs it, it is expressed in the car's present frame: `to_local(odometry, place)`. It need not be exact, since it only has to last for a few seconds: the paper's odometer "needs not be very accurate" (III-H).
 
 # %% hidden=true
 # Drive to the same two numbers, and to the same place
@@ -828,15 +828,16 @@ show(stacked(strips, CASES[1:], gap=4))
 #
 # ### Yours and the library's
 #
-# The library's [`Follower`](../tutorial_lib/topology/following/follower.py) has the same rules and some more memory (its [search for the heading](../tutorial_lib/topology/following/heading_search.py) is a file of its own):
+# The library's [`Follower`](../tutorial_lib/topology/following/follower.py) has the same rules and some more memory, all of it ours and not the paper's (its [search for the heading](../tutorial_lib/topology/following/heading_search.py) is a file of its own):
 #
 # - It leaves dead reckoning only after five steps in a row, by any anchor near the active one; and it has arrived only after five steps.
 # - At the end of dead reckoning it need not just stand at the last waypoint: as long as $\mathcal{RE}$ of the active anchor is above `p_try`, 0.2, it drives to a new waypoint that $\mathcal C_{WP}$ predicts for that anchor. The clock keeps running.
 # - **It searches for the heading.** A waypoint is a position without a heading. A car that is at an anchor, sees little of what was seen there (overlap below `rules.facing`), and cannot reach the next anchor yet, gets a waypoint *beside* it: it turns to one side as long as the overlap grows, and to the other when it shrinks. Only then does the anchor count as visited.
 # - After `rules.effort` seconds without coming nearer, the anchor counts as visited all the same; only if that does not help either, the car is lost. Yours is lost at once.
-# - **It doubts.** A kidnapped car may see something that looks a little like its anchor, with an $\mathcal{RE}$ of 0.7, and follow it. But driving changes a view little by little, and so does a person who walks into it; a kidnapping changes it at once. So does a push, but after a push the car soon sees its anchor as well as before. Where $\mathcal{RE}$ of the active anchor falls by more than `rules.fall`, 0.2, within a step, from above `p_follow`, the car has `rules.timeout` seconds until $\mathcal{RE}$ of its active anchor must be above `p_follow` again. Otherwise it is lost, even if it never left Follow. (This is ours, not the paper's.)
+# - **It doubts.** A kidnapped car may see something that looks a little like its anchor, with an $\mathcal{RE}$ of 0.7, and follow it. But driving changes a view little by little, and so does a person who walks into it; a kidnapping changes it at once. So does a push, but after a push the car soon sees its anchor as well as before. Where $\mathcal{RE}$ of the active anchor falls by more than `rules.fall`, 0.2, within a step, from above `p_follow`, the car has `rules.timeout` seconds until $\mathcal{RE}$ of its active anchor must be above `p_follow` again. Otherwise it is lost, even if it never left Follow.
+# - **It turns.** Where a map says that the path goes on in another direction (notebook 05), it turns until it sees the next anchors: one more state.
 #
-# Both follow all 24 trajectories. The **[[cover rate]]** (paper, IV-B) is the length that is followed before the car strays from the trajectory by more than a metre, touches something or gives up, over the length of all trajectories. For comparison, *random* drives to random waypoints, and the *oracle* is given its pose and the trajectory.
+# Both follow all 24 trajectories. The **[[cover rate]]** (paper, IV-B) is the length that is followed before the car strays from the trajectory by more than a metre (the metre is ours), touches something or gives up, over the length of all trajectories. For comparison, *random* drives to random waypoints, and the *oracle* is given its pose and the trajectory.
 # **Predict** the four numbers. (The cell takes about 10 s.)
 
 

@@ -339,13 +339,13 @@ show(side_by_side(panels, titles))
 #
 # ## 3 · Reuse
 #
-# Trajectories overlap. It is enough to store the common part once. The paper's rule: anchor $\hat o_i$ of a new trajectory is not needed if there is a vertex $\hat o$ that can take its place,
+# Trajectories overlap. It is enough to store the common part once. The paper's rule (III-E): anchor $\hat o_i$ of a new trajectory is not needed if there is a vertex $\hat o$ that can take its place,
 #
 # $$ \mathcal{RE}(\hat o_{i-1}, \hat o) > p_\text{reuse} \quad\text{and}\quad \mathcal{RE}(\hat o, \hat o_{i+1}) > p_\text{reuse}. $$
 #
 # Then $\hat o_i$ is dropped, and the trajectory is led over $\hat o$: $\hat o_{i-1} \to \hat o \to \hat o_{i+1}$. Note what the rule does *not* check: whether $\hat o$ **looks like** $\hat o_i$, or is at the same place. It only has to do the same job.
 #
-# If several vertices qualify, we take the one for which both steps together are the most probable: the largest $r_1 \cdot r_2$. (The paper does not specify this.) The first anchor is its own predecessor, and the last its own successor: at the first, the vertex must be reachable from the anchor; at the last, the anchor must be reachable from the vertex.
+# If several vertices qualify, we take the one for which both steps together are the most probable: the largest $r_1 \cdot r_2$. (The paper does not say which; its authors' code does so.) The first anchor is its own predecessor, and the last its own successor: at the first, the vertex must be reachable from the anchor; at the last, the anchor must be reachable from the vertex.
 #
 # ### Exercise 2 · `reusable` (easy, 8 minutes)
 #
@@ -772,7 +772,7 @@ sliders(
 #
 # With a trajectory for every pair of places that hardly matters: one of them leads from A to B. After a *tour*, each place to the next and back, it does. To get from A to C a car comes to B by one trajectory, and should leave by another, which passed here looking the other way; the two images have nothing in common, and no $\mathcal{RE}$ joins them. The paper's ninety trajectories never ask for it.
 #
-# But the car has a laser that sees all around. Where its scan, turned by some angle, lies on the scan of a vertex, and the walls had the same colours on both trajectories, the places are the same. The library's agent then adds a **[[turn edge]]** each way, with a fixed probability of 0.95, and the angle by which to turn; a robot drives it as a three-point turn. (Scans alone are not enough: two offices have the same walls. See [`turn_edges.py`](../tutorial_lib/topology/mapping/turn_edges.py). The map that you build here has none.)
+# But the car has a laser that sees all around. Where its scan, turned by some angle, lies on the scan of a vertex, and the walls had the same colours on both trajectories, the places are the same. The library's agent then adds a **[[turn edge]]** each way (ours; the paper has none), with a fixed probability of 0.95, and the angle by which to turn; a robot drives it as a three-point turn. (Scans alone are not enough: two offices have the same walls. See [`turn_edges.py`](../tutorial_lib/topology/mapping/turn_edges.py). The map that you build here has none.)
 #
 # <details><summary>Why may the laser find such places, but not all others?</summary>
 # It could, in a building whose rooms differ in shape. But a scan knows no posters and no stripes: rooms of the same shape would all be one. And that two places are 3 m apart does not say that a car gets from the one to the other. RE answers just that question. A turn where one stands is the one case in which being there is enough.
@@ -826,7 +826,7 @@ show(stacked([edge_picture(office_view, office, source, target)], [title]))
 #
 # $$ \mathcal{RE}_\text{seq}(\hat o_i, v) \;=\; \min_{-2 \le s \le 2} \; \mathcal{RE}(\hat o_{i+s},\, v_{+s}), $$
 #
-# where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own trajectory. (The paper says to match sequences, and leaves open how. The minimum of five is our choice.) Where a trajectory ends, the sequence is shorter. Here are five pairs of the wormhole above:
+# where $v_{+s}$ is the vertex $s$ steps after $v$ along $v$'s own trajectory. (The paper says to match sequences, and leaves open how. The minimum of five is that of its authors' code.) Where a trajectory ends, the sequence is shorter. Here are five pairs of the wormhole above:
 
 # %% hidden=true
 # The pairs around the wormhole
@@ -937,7 +937,7 @@ print(f"{len(swapped)} anchors replaced, {(apart > WORMHOLE).sum()} by a vertex 
 #
 # ## 6 · Not all pairs
 #
-# Inserting a trajectory of $A$ anchors into a map of $V$ vertices gives $2AV$ pairs to evaluate, and the next trajectory finds a larger map: in all, the queries grow with the **square** of the map. But nearly all answers are no. Two ideas save most of them:
+# Inserting a trajectory of $A$ anchors into a map of $V$ vertices gives $2AV$ pairs to evaluate, and the next trajectory finds a larger map: in all, the queries grow with the **square** of the map. But nearly all answers are no. The paper asks about every pair (III-E); two ideas of ours save most of them:
 #
 # 1. **Retrieval.** $\mathcal{RE}$ runs a network on each *pair*. An embedding is computed from each image *alone*, once, and comparing two of them is a dot product. So evaluate only the 12 vertices that are most similar.
 # 2. **Search along trajectories.** Where one pair is sure, its neighbours are worth a query, too: the next anchor and the vertex after, the anchor before and the vertex before, and for the same anchor the vertices next to this one. From these again the neighbours, and so on, until nothing new is sure.
@@ -1116,7 +1116,7 @@ show(from_figure(figure))
 # %% [markdown]
 # (A line for each of six orders of the trajectories.) Most of the twelve trajectories still find something new. The paper's Fig. 13 goes on to tens of thousands of images; so does this one, in unseen buildings. Dotted and dashed: every 10th and every 20th frame, as SPTM would keep them.
 #
-# **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from about 30,000 images (Table II).
+# **The paper's Fig. 13, and ours.** The paper's maps end with 900 to 1,454 vertices and 1,348 to 2,275 edges, from 28,679 to 39,788 images (Table II).
 
 # %% hidden=true
 # The twin of Fig. 13, from a stored run
@@ -1148,7 +1148,7 @@ show(from_figure(figure))
 # (To run it again: `.venv/bin/python -m tutorial_lib experiment meng_fig13`. **Same protocol, easier world.**)
 #
 # <details><summary>Why do our numbers differ from the paper's?</summary>
-# Our cars follow a planner along the same few hundred paths, so they soon have seen everything there is; the paper's buildings are scans of real ones, with clutter and scanning errors, where images are harder to trust ("denser samples are kept to stay conservative", IV-C.5). The shape is the same: steep, then flat. Sub-sampling has no such bend: it does not know what it has seen already.
+# Our cars follow a planner along the same few hundred paths, so they soon have seen everything there is; the paper's buildings are scans of real ones. In the one with the most rendering artefacts "denser samples are kept to stay conservative" (IV-C.5). The shape is the same: steep, then flat. Sub-sampling has no such bend: it does not know what it has seen already.
 # </details>
 # <details><summary>Why do the maps not stop growing altogether?</summary>
 # Anchors are as far apart as the sparsification allows. A replacement must be reachable from the anchor before <i>and</i> reach the anchor after, and has hardly any slack: some decimetres ahead or back, and one of the two is a little too far. In one building that we examined, half of the vertices added late were less than 0.3 m from an older one, with the same heading, whose RE was just below p_reuse.
@@ -1257,7 +1257,7 @@ for p_outdated in (0.0, 0.1):
 #
 # ## 10 · The complete map, and on disk
 #
-# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.94 on, and it reuses edges, as section 7 says; `p_between=1.0` would be the paper's rule, and yours. Together that leaves three quarters of the vertices.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
+# So far $\mathcal{RE}$ came from a table. Here is the library's map as a robot builds it: with the network inside, by retrieval, with sequences, reuse and forgetting, at the library's own thresholds. (The paper uses 0.99 for $p_\text{edge}$ and $p_\text{reuse}$, and so did we until now. The library reuses from 0.94 on, and it reuses edges, as section 7 says; `p_reuse=0.99, p_between=1.0` would be the paper's rule, and yours. Together that leaves three quarters of the vertices.) Its insertion is in [`insertion.py`](../tutorial_lib/topology/mapping/insertion.py): compare it with yours. (About 3 s.)
 
 # %% hidden=true
 # The library's map, with the network inside

@@ -211,7 +211,7 @@ show(with_places(map_picture.copy()))
 # The task is [[image-goal navigation]]: a car stands somewhere, sees $o_\text{current}$, and gets a goal image $o_G$. Neither is on the map. So for this one plan, edges are added to it (paper, III-F): from $o_\text{current}$ to every vertex $v$, with $\mathcal{RE}(o_\text{current}, \hat o_v)$, and from every vertex to $o_G$. There is no separate localization step before; the plan *is* the answer.
 # (SPTM, the paper's baseline, takes the single most similar vertex, and fails if that is wrong.)
 #
-# The map's own edges were tested by sequences of anchors (notebook 05, and III-G). The new ones rest on a single view, and below some threshold they are no edges at all. (The thresholds are ours, as is asking only the 64 vertices most alike at either end: the paper adds an edge for every vertex, and lets Dijkstra decide.)
+# The map's own edges were tested by sequences of anchors (notebook 05, and III-G). The new ones rest on a single view, and below some threshold they are no edges at all. (Ours are the thresholds, and asking only the 64 vertices most alike at either end. The paper adds an edge for every vertex, and lets Dijkstra decide: III-F.)
 #
 # A goal may also be given by *several* images ("a kitchen like this one, or that one"). Reaching one of them is enough.
 #
@@ -386,7 +386,7 @@ show(from_figure(figure))
 # A single vertex gives a foreign goal hardly less than one of ours, 0.26 against 0.30 on average; the best of all gives 0.72, and for four foreign goals in five more than 0.5. A calibrated $\mathcal{RE}$ is right <i>on average over all pairs</i>. Picking the pair with the highest prediction picks its mistakes, too. So the threshold for the goal, <code>p_goal</code> (the vertical line), must be far higher than that for a single pair, and the higher the more vertices are evaluated. It may have a price: goals of this building could lie below it as well. Of these twenty none does; of the forty foreign ones four lie above it.
 # </details>
 #
-# The second reason not to start is the path itself: a plan returns its probability, and "this allows a robot to assess the risk before executing a plan, and ask for help if necessary" (paper, IV-C). Ours must have at least `rules.least`.
+# The second reason not to start is the path itself: a plan returns its probability, and "this allows a robot to assess the risk before executing a plan, and ask for help if necessary" (paper, IV-C.2). Ours must have at least `rules.least`.
 
 # %%
 print(rules)
@@ -464,7 +464,7 @@ show(
 # %% [markdown]
 # ## 4 · Lost, and replanning
 #
-# A plan is a belief. A door closes, or an edge was a mistake: the follower of notebook 04 notices that it makes no progress, and is lost. The failure is informative, though. The car knows *which* vertex it could not reach, and it is somewhere else now, with a different view. So it **replans** from what it sees there (paper, III-G). Our robot also **excludes** the vertex that it could not reach, or it might make the same plan again. (The paper excludes nothing: there the robot's new view alone makes the new plan another one.)
+# A plan is a belief. A door closes, or an edge was a mistake: the follower of notebook 04 notices that it makes no progress, and is lost. The failure is informative, though. The car knows *which* vertex it could not reach, and it is somewhere else now, with a different view. So it **replans** from what it sees there (paper, III-G). Our robot also **excludes** the vertex that it could not reach, or it might make the same plan again. (That's ours. In the paper nothing is excluded, and the robot's new view alone makes the new plan another one.)
 #
 # **Predict:** would it be better to exclude the *edge* on which it was lost, and not the vertex?
 #
@@ -1025,7 +1025,7 @@ for row, i in enumerate(trial_indices[:2]):
 #
 # ### The paper's Fig. 9, and ours
 #
-# The paper starts robots anywhere in its maps, lets them plan and drive to one of ten places, and compares the probability of the plans with how often they arrived: "path probability strongly corresponds to empirical success rate" (IV-C; the text says Fig. 10 and means Fig. 9). Here is ours: plans in bins of equal size, once with the product as it is, and once after a calibration like that of notebook 03, fitted on other worlds. No robot replans or refuses, so that the plan itself is evaluated.
+# The paper starts robots anywhere in its maps, lets them plan and drive to one of ten places, and compares the probability of the plans with how often they arrived: "path probability strongly corresponds to empirical success rate" (IV-C.2; the text says Fig. 10 and means Fig. 9). Here is ours: plans in bins of equal size, once with the product as it is, and once after a calibration like that of notebook 03, fitted on other worlds. No robot replans or refuses, so that the plan itself is evaluated.
 #
 # **Predict:** will the points lie on the diagonal? Above it, or below? What are the arguments for either?
 
@@ -1126,7 +1126,7 @@ show(from_figure(figure))
 #
 # ## 8 · The paper's Table II, and ours
 #
-# Ninety trajectories join ten places of a large building; robots start near one place and get an image of another (paper, IV-C). The baseline is **SPTM** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): every 20th image is kept, two are joined where a network finds them similar (above `s_shortcut`), all edges count the same, and the robot is localized at the most similar image. It drives with the same controller and the same follower. *Random* drives about until it sees the goal; the *oracle* knows the map and its pose.
+# Ninety trajectories join ten places of a large building; robots start near one place and get an image of another (paper, IV-C.1). The baseline is **SPTM** (N. Savinov, A. Dosovitskiy and V. Koltun, [*Semi-Parametric Topological Memory for Navigation*](https://arxiv.org/abs/1803.00653), ICLR 2018): every 20th image is kept, two are joined where a network finds them similar (above `s_shortcut`), all edges count the same, and the robot is localized at the most similar image. It drives with the same controller and the same follower. *Random* drives about until it sees the goal; the *oracle* knows the map and its pose.
 #
 # In the paper: the system 84.6 to 95.7 %, with 900 to 1,454 vertices; SPTM 40.2 to 51.3 %, with 1,560 to 2,116. **Predict:** what changes in a world of painted walls, where images are easier to tell apart?
 

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 import pytest
@@ -67,6 +68,19 @@ def test_a_worker_that_dies_is_an_error():
         InputError, match=r"^worlds: a worker process was ended from outside.*; close"
     ):
         for_each(fail, range(4), label="worlds", jobs=2)
+
+
+def test_a_worker_that_dies_before_all_is_handed_out_is_an_error(monkeypatch):
+    class Broken:
+        def __init__(self, **options):
+            pass
+
+        def __call__(self, pieces):
+            raise BrokenProcessPool
+
+    monkeypatch.setattr(parallel, "Parallel", Broken)
+    with pytest.raises(InputError, match="worlds: a worker process was ended from outside"):
+        for_each(square, range(4), 1, label="worlds", jobs=2)
 
 
 class Clock:

@@ -59,8 +59,8 @@ def for_each(
         # That is intended, and the piece of work that waits is given to the next worker. One that
         # is killed is no warning but an error.
         warnings.filterwarnings("ignore", "A worker stopped while some jobs", UserWarning)
-        found = run_all(delayed(work)(item, *arguments) for item in items)
-        try:
+        try:  # the first pieces start at once, so a worker may be lost before a result is asked for
+            found = run_all(delayed(work)(item, *arguments) for item in items)
             return list(progress(found, len(items), label))
         except BrokenProcessPool as error:
             raise InputError(

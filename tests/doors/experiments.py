@@ -168,4 +168,4 @@ WITHOUT = dict.fromkeys(
         "place_people",
     ),
     RUN,
-)
+) | {"pictures": "it draws the rows of a stored run; `load_result` checks the file"}

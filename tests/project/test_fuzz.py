@@ -27,12 +27,12 @@ def check(seed, cases):
 
 
 @linux
-def test_a_thousand_files_are_loaded_as_they_were_saved_or_refused():
-    count, names = check(seed=0, cases=1_000)
+def test_hundreds_of_files_are_loaded_as_they_were_saved_or_refused():
+    count, names = check(seed=0, cases=400)
     assert len(names) == 22
     for name in names:
         assert count[name, LOADED] >= 1
-        assert count[name, REFUSED] >= 8
+        assert count[name, REFUSED] >= 3
 
 
 @linux

@@ -8,6 +8,7 @@ import pytest
 from nbformat import NotebookNode
 from nbformat.v4 import new_code_cell, new_notebook
 
+from tests.project.printed import differences, printed
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
 
 PROJECT = Path(__file__).parents[2]
@@ -65,7 +66,10 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
 
 @each_source
 def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
-    """One after the other, each from an empty namespace; the kernel imports the library once."""
+    """One after the other, each from an empty namespace; the kernel imports the library once.
+
+    What the solved one prints is what is stored, and so what its text speaks of.
+    """
     versions = {"not attempted": for_students(solved(source)), "passed": solved(source)}
     cells = [cell for notebook in versions.values() for cell in (EMPTY, *notebook.cells)]
     both = new_notebook(cells=[NotebookNode(cell, id=f"cell-{i}") for i, cell in enumerate(cells)])
@@ -75,9 +79,22 @@ def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
         said, names = texts(part), exercises(versions[expected].cells)
         assert re.findall(r"^(\w+): (?:passed|failed|not attempted)", said, re.MULTILINE) == names
         assert said.count(f": {expected}.") == len(names)
+    stored = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
+    for before, now in zip(stored.cells, both.cells[middle + 1 :], strict=True):
+        assert not differences(printed(before), printed(now)), before.source
 
 
 def test_no_notebook_is_without_a_source():
     known = {source.stem for source in SOURCES}
     for folder in ("notebooks", "solutions"):
         assert {file.stem for file in (PROJECT / folder).glob("*.ipynb")} == known
+
+
+def test_what_is_stored_is_compared_in_words_and_numbers():
+    said = "path: 12 edges, 0.87\nfound in 3.1 s"
+    assert differences(said, "path: 12 edges, 0.88\nfound in 12 s") == []
+    assert differences(said, "path: 15 edges, 0.87\nfound in 3.1 s") == [
+        "'path: 12 edges, 0.87', now 'path: 15 edges, 0.87'"
+    ]
+    assert differences(said, "path: 12 edges, 0.87\nlost in 3.1 s") != []
+    assert differences(said, "path: 12 edges, 0.87") == ["2 lines, now 1"]

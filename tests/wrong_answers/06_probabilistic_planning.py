@@ -1205,7 +1205,7 @@ def most_probable_path__start_eq_goal_empty(graph, start, goal):
 
 
 def most_probable_path__zero_int(graph, start, goal):
-    """a NoneType came back as the path; return a list"""
+    """None came back as the path; return a list"""
     r = _d(graph, start, goal)
     return r if r[0] else (None, 0)
 
@@ -1399,7 +1399,7 @@ def decide__prob_of_edge_min(graph, fh, tg, r):
 
 
 def travel__truthy(plan, drive, replans):
-    """yours plans 2 times, but 1 is right: there may be 5 replans, after the robot"""
+    """yours plans twice, but once is right: there may be 5 replans, after the robot"""
     ex = set()
     for _ in range(replans + 1):
         path = plan(ex)
@@ -1426,7 +1426,7 @@ def travel__drive_twice(plan, drive, replans):
 
 
 def travel__none_on_refusal(plan, drive, replans):
-    """yours plans 6 times, but 1 is right: there may be 5 replans"""
+    """yours plans 6 times, but once is right: there may be 5 replans"""
     ex = set()
     for _ in range(replans + 1):
         path = plan(ex)

@@ -805,7 +805,7 @@ def track__vertices_as_a_column(odometry, look, lengths, onward, rules):
 
 
 def track__one_vertex(odometry, look, lengths, onward, rules):
-    """the vertices are a int; return a list"""
+    """the vertices are an int; return a list"""
     beliefs, vertices = _tracked(odometry, look, lengths, onward, rules)
     return beliefs, vertices[-1]
 

@@ -231,7 +231,7 @@ def add_ghosts__all_directions(ghosts, node, explorable, beside):
 
 
 def add_ghosts__in_place(ghosts, node, explorable, beside):
-    """your function changes its argument 1"""
+    """your function changes its argument ghosts"""
     ghosts |= {(node, k) for k in range(12) if explorable[k]}
     return added(ghosts, node, explorable, beside)
 
@@ -398,7 +398,7 @@ def global_policy__next_index(graph, here, ghosts, scores, goal=None, weight=0.0
 
 
 def global_policy__changes_the_graph(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """your function changes its argument 1"""
+    """your function changes its argument graph"""
     graph.add_node(99)
     return chosen(graph, here, ghosts, scores, goal, weight)
 
@@ -865,7 +865,7 @@ def explore__all_ghosts_of_the_node_go(robot):
 
 
 def explore__fifty_rounds(robot):
-    """yours drives 50 times, but 60 is right"""
+    """yours drives 50 times, but 60 times is right"""
     return _loop(robot, rounds=50)
 
 

@@ -65,7 +65,7 @@ class NTSSettings:
 
 
 class NTSAgent:
-    """The `ExplorerAgent` of the paper, over any `ExplorationModel`.
+    """The `ExplorerAgent` after the paper, over any `ExplorationModel`.
 
     Attributes:
         robots: what each of the N robots remembers, and where it is going.

@@ -2,7 +2,10 @@
 
 from itertools import product
 
+import pytest
+
 from tests.experiments.results_page.tables import cells
+from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report
 from tutorial_lib.experiments.nts.scores import PAIRS, SCORES
 from tutorial_lib.experiments.results_page import exploring, returning, speed
@@ -149,17 +152,17 @@ def test_table2_says_what_is_gained_where_a_difficulty_is_taken_away():
 def test_the_other_sections_read_their_reports():
     rows = [
         {"agent": agent, "signs": signs, "goals": goals, "episodes": 320, "success": 0.9}
-        | {"spl": 0.7, "spl_gap": goals / 100}
-        | {
-            f"success_{key}": value
-            for key, value in zip(("gap", "gap_low", "gap_high"), (0.1, 0.0, 0.2), strict=True)
-        }
+        | {"spl": 0.7, "spl_gap": goals / 100, "success_gap": -0.02 * goals}
+        | {"success_gap_low": -0.3, "success_gap_high": 0.1}
         for agent in ("nts", "nts_no_graph", "nts_no_score")
         for signs in SIGNS
         for goals in range(1, 11)
     ]
     text = returning.SECTIONS[0].text(results("nts_fig8", rows, ()))
-    assert "NTS without a graph, plain: +0.010 to +0.100" in text
+    ends = "-2.0 points (-30.0 to +10.0) | -20.0 points (-30.0 to +10.0) | +0.010 | +0.100 |"
+    assert f"| NTS without a graph | plain | grows | {ends}" in text
+    assert f"| NTS, random scores | wayfinding | shrinks | {ends}" in text
+    assert "without a graph is ahead by 20.0 points" in text
     rows = [
         {"method": method, "signs": signs, "goals": goals, "trials": 80, "success": 0.9}
         | {"low": 0.8, "high": 0.95, "spl": 0.7, "steps": 60.0, "recalled": 0.6}
@@ -187,7 +190,18 @@ def test_the_other_sections_read_their_reports():
     line = "| 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 | 70.0% / 0.600 |"
     text = returning.options(single, sequence)
     assert f"| explored by sight | wayfinding {line} +0.020 (-0.010 to +0.050) |" in text
-    assert f"| the paper's | plain {line}  |" in text
+    assert f"| the course's | plain {line}  |" in text
+    rows = [
+        {"figure": figure, "world": f"office/{world}/standard/wayfinding", "what": goal}
+        | {"chosen": ghost, "best": 5, "success": ghost != 3, "travelled": 7.25}
+        for figure in (4, 10)
+        for world, ghosts in (("20000", (4, 4)), ("20001", (3, 5)))
+        for goal, ghost in zip(("kitchen", "bathroom"), ghosts, strict=True)
+    ]
+    text = returning.SECTIONS[-1].text(results("nts_figs", rows, ()))
+    assert text.count("| office 20000 | kitchen | 4 | 5 | 7.2 m |") == 1
+    assert "| office 20001 | kitchen | 3 | 5 | missed |" in text
+    assert "Here they do in 1 of 2." in text
     rows = [{"agent": "nts", "model": "rgbd", "episodes": 64, "steps_per_s": 1_834.0}]
     assert "| NTS | network, with depth | 1,834 |" in speed.SECTIONS[-1].text(
         results("explore", rows, ())
@@ -196,6 +210,35 @@ def test_the_other_sections_read_their_reports():
     assert named == {
         f"nts_{name}" for name in (*EXPLORING, "table1_car", "table1_options", "fig8_options")
     }
+
+
+RULES = [
+    {"agent": agent, "signs": signs, "difficulty": level, "episodes": 120}
+    | {"success": 0.9 - LESS[level] - number / 20, "spl": 0.8 - LESS[level]}
+    for number, agent in enumerate(returning.RULES)
+    for signs in SIGNS
+    for level in LEVELS
+]
+RULE_GAPS = [
+    f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {level}: +0.{number:02d}"
+    for number, (agent, signs, level) in enumerate(product([*returning.RULES][1:], SIGNS, LEVELS))
+]
+
+
+def test_rules_of_the_paper_stand_beside_the_course_s():
+    text = returning.SECTIONS[2].text(results("nts_table1_options", RULES, RULE_GAPS))
+    course = "| the course's | plain | 90.0% / 0.800 | 88.0% / 0.780 | 80.0% / 0.700 |  |  |  |"
+    masked = "| 85.0% / 0.800 | 83.0% / 0.780 | 75.0% / 0.700 | +0.03 | +0.04 | +0.05 |"
+    assert course in text
+    assert f"| F_S masked | wayfinding {masked}" in text
+    assert "60% / 60% of the hard goals are found (plain / wayfinding), with one 80% / 80%" in text
+    assert "better on medium goals in plain worlds: +0.01." in text
+    assert "```" not in text
+
+
+def test_a_section_without_a_command_names_the_report_that_is_damaged():
+    with pytest.raises(InputError, match=r"nts_table1_options\.json: damaged.*--ablation options"):
+        returning.SECTIONS[2].text(results("nts_table1_options", RULES[:-1], RULE_GAPS))
 
 
 def test_the_short_table_has_hard_goals_with_signs_and_without():

@@ -11,6 +11,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, SMALL_MAP, Graph, Vertex, random_graph
 from tutorial_lib.checks.nb06.untouched import number, untouched
 
@@ -266,9 +267,8 @@ def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa:
 def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students'
     """An answer that is a graph with both ends."""
     if not isinstance(got, dict) or not all(isinstance(out, dict) for out in got.values()):
-        kind = type(got).__name__
         words = "return a dictionary of dictionaries, as the graph is"
-        raise WrongAnswer(f"{what}: a {kind} came back; {words}")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; {words}")
     for vertex, name in ((HERE, "HERE"), (GOAL, "GOAL")):
         if vertex not in got:
             raise WrongAnswer(

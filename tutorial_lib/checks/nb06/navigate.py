@@ -10,6 +10,7 @@ from typing import Any
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.wording import number_of
 from tutorial_lib.checks.nb06.decide import Decision, decide
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.navigate_words import FAULTS
@@ -256,12 +257,13 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:
     if len(got[3]) != len(want[3]):
         least, rest = min(len(got[3]), len(want[3])), max(got[3], want[3], key=len)
         more = "goes on" if len(got[3]) > len(want[3]) else "ends"
-        return f"after {least} calls yours {more}, with {rest[least][0]} to come; {_end(want)}"
+        when = f"after {number_of(least, 'call')}"
+        return f"{when} yours {more}, with {rest[least][0]} to come; {_end(want)}"
     if got[0] != want[0]:
         return f"the ending is {want[0]!r}, not {got[0]!r}"
     if got[2] != want[2]:
         return f"excluded is {sorted(got[2])}, but {sorted(want[2])} is right"
-    return f"plans holds {len(got[1])} entries; keep all {len(want[1])} that decide returned"
+    return f"plans has length {len(got[1])}; keep all {len(want[1])} that decide returned"
 
 
 _DUE = {
@@ -281,4 +283,4 @@ _DUE = {
 
 
 def _end(want: tuple[Any, ...]) -> str:
-    return f"it ends with {want[0]!r} after {len(want[3])} calls"
+    return f"it ends with {want[0]!r} after {number_of(len(want[3]), 'call')}"

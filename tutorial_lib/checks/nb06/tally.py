@@ -11,6 +11,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Graph, Vertex
 from tutorial_lib.checks.nb06.untouched import number, untouched
 from tutorial_lib.se2 import Array, relative
@@ -225,8 +226,7 @@ def _unlike(got: Tally, want: Tally, trips: Sequence[Trip]) -> str:
 
 def _counts(what: str, got: Any, *_: object) -> Tally:  # noqa: ANN401 - students'
     if not isinstance(got, dict):
-        kind = type(got).__name__
-        raise WrongAnswer(f"{what}: a {kind} came back; return a dictionary with edges as keys")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; return a dictionary with edges as keys")
     counts = {}
     for edge, numbers in got.items():
         if not isinstance(edge, tuple) or len(edge) != 2:

@@ -11,6 +11,7 @@ import numpy as np
 from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.wording import kind, times
 from tutorial_lib.checks.nb06.graphs import GOAL, HERE, Vertex
 from tutorial_lib.checks.nb06.untouched import explaining
 
@@ -127,7 +128,7 @@ class _Story:
     def drive(self, path: list[Vertex]) -> int | None:
         """The next stop."""
         if path is not None and not isinstance(path, list | tuple):
-            raise WrongAnswer(f"drive got a {type(path).__name__}; give it the path that plan made")
+            raise WrongAnswer(f"drive got {kind(path)}; give it the path that plan made")
         if not path:
             raise WrongAnswer("plan returned [], a refusal, and yours drives all the same; give up")
         self.log.append(("drive", tuple(path)))
@@ -254,18 +255,18 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *case: Any) -> str:  # 
     """What a navigation does otherwise, and what happened just before."""
     for number, (yours, right) in enumerate(zip(got[1], want[1], strict=False)):
         if yours != right:
-            kind, argument = yours
+            called, argument = yours
             before = _told(want[1][:number], case)
-            if (kind, right[0]) == ("plan", "plan"):
+            if (called, right[0]) == ("plan", "plan"):
                 return f"yours plans without {list(argument)}; {list(right[1])} is right{before}"
-            if (kind, right[0]) == ("drive", "drive"):
+            if (called, right[0]) == ("drive", "drive"):
                 words = "give drive the path as plan returned it, whole"
                 return f"yours drives along {list(argument)}, not {list(right[1])}; {words}{before}"
-            words = f"yours calls {kind} with {list(argument)}, but {right[0]} was to be called"
+            words = f"yours calls {called} with {list(argument)}, but {right[0]} was to be called"
             return f"{words}{before}"
     if len(got[1]) != len(want[1]):
-        plans = [sum(kind == "plan" for kind, _ in log) for log in (got[1], want[1])]
-        words = f"yours plans {plans[0]} times, but {plans[1]} is right"
+        plans = [sum(called == "plan" for called, _ in log) for log in (got[1], want[1])]
+        words = f"yours plans {times(plans[0])}, but {times(plans[1])} is right"
         if plans[0] == plans[1]:
             words = "yours drives once more, or once less, than it plans"
         shorter = min(len(got[1]), len(want[1]))
@@ -276,7 +277,7 @@ def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *case: Any) -> str:  # 
 
 def _told(log: list[Any], case: tuple[Any, ...]) -> str:
     """What happened in the last drive of a log, in words."""
-    drives = [path for kind, path in log if kind == "drive"]
+    drives = [path for called, path in log if called == "drive"]
     if not drives:
         return ""
     stops = [*case[1], *([1] * len(drives))]

@@ -10,6 +10,7 @@ from typing import Any
 from tutorial_lib.checks.framework.answers import returned
 from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.framework.wording import kind
 
 _HINTS: dict[type[Exception], str] = {
     KeyError: "a dictionary has no such key; ask with in, or with .get(key, something)",
@@ -84,7 +85,7 @@ def number(what: str, got: object, words: str) -> float:
     """
     shape = getattr(got, "shape", ())
     if isinstance(got, bool | str) or shape != () or not hasattr(got, "__float__"):
-        raise WrongAnswer(f"{what}: a {type(got).__name__} came back {words}; return a number")
+        raise WrongAnswer(f"{what}: {kind(got)} came back {words}; return a number")
     return float(got)
 
 
@@ -95,7 +96,7 @@ def vertices(what: str, got: object, known: set[Any], words: str) -> list[Any]:
         WrongAnswer: when it is none, or holds something that is no vertex.
     """
     if not isinstance(got, tuple | list):
-        raise WrongAnswer(f"{what}: a {type(got).__name__} came back {words}; return a list")
+        raise WrongAnswer(f"{what}: {kind(got)} came back {words}; return a list")
     for vertex in got:
         if isinstance(vertex, list | dict | set | tuple) or vertex not in known:
             raise WrongAnswer(f"{what}: {vertex!r} stands in the path, but is no vertex")

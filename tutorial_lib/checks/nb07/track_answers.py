@@ -8,6 +8,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.answers import parts, returned
 from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.checks.framework.wording import kind, number_of
 from tutorial_lib.checks.nb07.small_differences import both, of_rounding
 from tutorial_lib.checks.nb07.small_models import distance
 from tutorial_lib.checks.nb07.track_stories import Story
@@ -32,9 +33,8 @@ def formed(what: str, got: tuple[Any, list[int]], story: Story) -> Answer:
 
 def _beliefs(what: str, beliefs: object, story: Story) -> Array:
     if not isinstance(beliefs, np.ndarray):
-        kind = type(beliefs).__name__
         words = "return an array of numpy, as np.array makes of a list of rows"
-        raise WrongAnswer(f"{what}: the beliefs are a {kind}; {words}")
+        raise WrongAnswer(f"{what}: the beliefs are {kind(beliefs)}; {words}")
     try:
         beliefs = beliefs.astype(float)
     except (TypeError, ValueError):
@@ -54,21 +54,22 @@ def _beliefs(what: str, beliefs: object, story: Story) -> Array:
 
 def _vertices(what: str, vertices: object, count: int) -> list[int]:
     if not isinstance(vertices, list | tuple | np.ndarray):
-        kind = type(vertices).__name__
-        raise WrongAnswer(f"{what}: the vertices are a {kind}; return a list of numbers")
+        raise WrongAnswer(f"{what}: the vertices are {kind(vertices)}; return a list of numbers")
     shape = vertices.shape if isinstance(vertices, np.ndarray) else (len(vertices),)
     if len(shape) != 1:
         raise WrongAnswer(f"{what}: vertices of shape {shape}, but ({count},) is right")
     if len(vertices) != count:
-        raise WrongAnswer(f"{what}: {len(vertices)} vertices for {count} steps")
+        raise WrongAnswer(
+            f"{what}: the vertices have length {len(vertices)} for {number_of(count, 'step')}"
+        )
     for step, vertex in enumerate(vertices):
         if isinstance(vertex, bool) or not isinstance(vertex, int | np.integer):
-            kind = type(vertex).__name__
             words = (
                 "whole numbers, -1 for off the map; np.zeros(T) makes floats, np.zeros(T, int) none"
             )
             raise WrongAnswer(
-                f"{what}: at step {step} the vertex is {vertex!r}, a {kind}; vertices are {words}"
+                f"{what}: at step {step} the vertex is {vertex!r}, {kind(vertex)}; "
+                f"vertices are {words}"
             )
     return [int(vertex) for vertex in vertices]
 

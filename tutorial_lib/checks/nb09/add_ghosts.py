@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb09.calls import keeping
 from tutorial_lib.se2 import Array, inverse
 
@@ -179,7 +180,7 @@ def check_add_ghosts(student: Callable[..., Any]) -> None:
         _CASES,
         add_ghosts,
         with_faults(_added, _FAULTS),
-        invoke=keeping("work on copies, as in set(ghosts)", hints),
+        invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", hints),
         form=_formed,
         difference=_why,
     )
@@ -187,7 +188,7 @@ def check_add_ghosts(student: Callable[..., Any]) -> None:
 
 def _formed(what: str, got: object, *_: object) -> Ghosts:
     if not isinstance(got, set | frozenset):
-        raise WrongAnswer(f"{what}: a {type(got).__name__} came back; return a set of ghosts")
+        raise WrongAnswer(f"{what}: {kind(got)} came back; return a set of ghosts")
     for ghost in got:
         if not (isinstance(ghost, tuple) and len(ghost) == 2):
             raise WrongAnswer(

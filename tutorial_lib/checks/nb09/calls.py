@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Mapping
+from inspect import signature
 from typing import Any
 
 import networkx as nx
@@ -14,13 +15,17 @@ from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 
 
-def keeping(words: str, hints: Mapping[type[Exception], str] | None = None) -> Callable[..., Any]:
+def keeping(
+    right: Callable[..., Any], words: str, hints: Mapping[type[Exception], str] | None = None
+) -> Callable[..., Any]:
     """A way to call a student's function that demands that its arguments stay as they are.
 
     Args:
+        right: the rule; its parameters name the arguments.
         words: what to do instead of changing one.
         hints: what to say of kinds of errors in this exercise.
     """
+    names = list(signature(right).parameters)
 
     def invoke(what: str, student: Callable[..., Any], *arguments: Any) -> Any:  # noqa: ANN401
         given = copy.deepcopy(arguments)
@@ -31,12 +36,12 @@ def keeping(words: str, hints: Mapping[type[Exception], str] | None = None) -> C
             raise
         except Exception as error:
             raise WrongAnswer(f"{what}: {explained(error, hints)}") from error
-        for number, (old, new) in enumerate(zip(arguments, given, strict=True), 1):
+        for name, old, new in zip(names, arguments, given, strict=False):
             if _plain(old) != _plain(new):
-                raise WrongAnswer(f"{what}: your function changes its argument {number}; {words}")
+                raise WrongAnswer(f"{what}: your function changes its argument {name}; {words}")
             if isinstance(new, set) and got is new:
                 raise WrongAnswer(
-                    f"{what}: what came back is your argument {number} itself; return a new set, "
+                    f"{what}: what came back is your argument {name} itself; return a new set, "
                     "also where nothing changes"
                 )
         return returned(what, got)

@@ -13,6 +13,7 @@ from tutorial_lib.checks.framework.answers import parts
 from tutorial_lib.checks.framework.check import WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.framework.explanation import explained
+from tutorial_lib.checks.framework.wording import kind, times
 from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
 from tutorial_lib.checks.nb09.explore_words import FAULTS
 from tutorial_lib.checks.nb09.global_policy import global_policy
@@ -158,16 +159,14 @@ def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
     if not isinstance(reached, bool | np.bool_):
         raise WrongAnswer(f"{what}: {reached!r} came back; return True if the goal was reached")
     if not isinstance(graph, nx.Graph) or graph.is_directed() or graph.is_multigraph():
-        raise WrongAnswer(
-            f"{what}: a {type(graph).__name__} came back; return the graph, nx.Graph()"
-        )
+        raise WrongAnswer(f"{what}: {kind(graph)} came back; return the graph, nx.Graph()")
     for v, w, metres in graph.edges(data="metres"):
         if metres is None:
             raise WrongAnswer(
                 f'{what}: edge ({v}, {w}) has no "metres": add_edge(v, w, metres=...)'
             )
     if not isinstance(ghosts, set | frozenset):
-        raise WrongAnswer(f"{what}: a {type(ghosts).__name__} came back; return the set of ghosts")
+        raise WrongAnswer(f"{what}: {kind(ghosts)} came back; return the set of ghosts")
     edges = {
         (min(v, w), max(v, w)): round(float(metres), 6)
         for v, w, metres in graph.edges(data="metres")
@@ -185,7 +184,7 @@ def _why(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
         if mine != right:
             return f"drive {number} of yours is {_spoken(mine)}, but {_spoken(right)} is right"
     if len(got[4]) != len(want[4]):
-        return f"yours drives {len(got[4])} times, but {len(want[4])} is right"
+        return f"yours drives {times(len(got[4]))}, but {times(len(want[4]))} is right"
     if got[0] != want[0]:
         return f"it returns {got[0]}, but {want[0]} is right"
     if got[1] != want[1]:
@@ -198,7 +197,7 @@ def _why(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
         if mine is None:
             return f"edge {edge} is missing: {_EDGES}, with the metres to them"
         words = "the metres of a pose are np.hypot(pose[0], pose[1]), as they are"
-        return f"edge {edge} has {mine:g} metres, but {right:g} is right: {words}"
+        return f"edge {edge} has {mine:g} m, but {right:g} m is right: {words}"
     return f"the ghosts left are {sorted(got[3])}, but {sorted(want[3])} is right"
 
 

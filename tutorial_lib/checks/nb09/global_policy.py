@@ -251,7 +251,7 @@ def check_global_policy(student: Callable[..., Any]) -> None:
         _CASES,
         global_policy,
         with_faults(_chosen, _FAULTS),
-        invoke=keeping("it is needed again in the next step", hints),
+        invoke=keeping(global_policy, "it is needed again in the next step", hints),
         form=_formed,
         difference=_why,
     )

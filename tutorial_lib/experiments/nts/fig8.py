@@ -42,7 +42,7 @@ class Settings:
 
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
-    """Run the paper's agent and its two ablations on the same goals.
+    """Run NTS and its two ablations on the same goals.
 
     Raises:
         InputError: where weights are missing, before anything is run.

@@ -165,7 +165,7 @@ def _source_and_goals(
 
 
 def _trajectories(place: Place) -> Rows:
-    """Fig. 9: a hard episode by the paper's agent and by frontiers, with noise and without."""
+    """Fig. 9: a hard episode by NTS and by frontiers, with noise and without."""
     rng = np.random.default_rng([*place.seed, 4])
     episode = draw_episodes(place.name, place.scene, {"hard": 1}, rng)
     ends = {"pose": episode.starts[0], "goal": episode.goals[0]}

@@ -121,7 +121,7 @@ def _rows(key: Key, found: dict[str, Array], body: str) -> Rows:
 def _notes(results: dict[Key, dict[str, Array]]) -> list[str]:
     """Paired differences in SPL on the same episodes.
 
-    The paper's agent minus others with its sensor, and minus itself without depth.
+    The course's NTS minus others with its sensor, and minus itself without depth.
     """
     notes = []
     for (agent, sensor, signs), other in results.items():

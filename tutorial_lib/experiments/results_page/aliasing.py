@@ -167,8 +167,8 @@ def _elsewhere_section(results: Results) -> list[str]:
             for learned, names in ELSEWHERE.items()
             for which, name in zip(("without", "with"), names, strict=True)
         ),
-        f"With all drives one loop corridor loses, and no other building. With a fifth of them "
-        f"{late[1]} of the trials run out of time with the remedies, "
+        f"With all drives one loop corridor loses, no other building more than 2 points. With a "
+        f"fifth of them {late[1]} of the trials run out of time with the remedies, "
         f"{late[0]} without. No single remedy is to blame: on validation worlds none that is left "
         f"out brings the loss back, nor do short detours in place of turns, looking around "
         f"before a plan from off the map, or a belief that must be half with a plan before it can "

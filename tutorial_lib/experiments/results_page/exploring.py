@@ -151,9 +151,12 @@ def in_time(rows: Rows, signs: str) -> str:
     return table(["agent", *DIFFICULTIES], lines)
 
 
-def _gap(results: Results, agent: str, signs: str, difficulty: str) -> str:
+def spl_gap(
+    results: Results, agent: str, signs: str, difficulty: str, report: str = "nts_table1"
+) -> str:
+    """The paired difference in SPL of NTS to another agent with depth, as its report says it."""
     what = f"SPL, nts (rgbd) - {agent} (rgbd), {signs}, {difficulty}: "
-    return results.note("nts_table1", what)
+    return results.note(report, what)
 
 
 def _table1_section(results: Results) -> list[str]:
@@ -164,7 +167,11 @@ def _table1_section(results: Results) -> list[str]:
     differences = table(
         ["NTS - other, SPL", "worlds", *DIFFICULTIES],
         [
-            [AGENTS[agent], signs, *(_gap(results, agent, signs, level) for level in DIFFICULTIES)]
+            [
+                AGENTS[agent],
+                signs,
+                *(spl_gap(results, agent, signs, level) for level in DIFFICULTIES),
+            ]
             for agent in ("fbe", "ans_like", "nts_no_score", "nts_blind")
             for signs in SIGNS
         ],

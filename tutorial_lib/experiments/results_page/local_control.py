@@ -119,10 +119,10 @@ def _table_1_section(results: Results) -> list[str]:
         f"Paired differences on the same episodes: k = 5 over k = 0 {gap('k5 - k0, clean')}; the "
         f"oracle over k = 5 {gap('oracle - k5, clean')}, over the laser "
         f"{gap('oracle - laser, clean')}; k = 5 without noise over k = 5 with it "
-        f"{gap('k5: clean - noise')}, where the paper finds no noticeable difference; known over "
-        f"unseen colours {gap('k5: clean - shifted')}. Random waypoints reach "
-        f"{percent(_clean(rows, 'random')['success'])}, since many targets are near and straight "
-        f"ahead: success is to be read from there, not from 0. Direct control collides in "
+        f"{gap('k5: clean - noise')} (in following, IV-B, the paper finds no noticeable "
+        f"difference); known over unseen colours {gap('k5: clean - shifted')}. Random waypoints "
+        f"reach {percent(_clean(rows, 'random')['success'])}, since many targets are near and "
+        f"straight ahead: success is to be read from there, not from 0. Direct control collides in "
         f"{percent(direct['collided'])} of the clean episodes and in "
         f"{percent(blocked['collided'])} of those with obstacles.",
         breakdown(rows),

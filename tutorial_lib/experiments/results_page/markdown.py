@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -115,3 +116,21 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     lines = [f"| {' | '.join(row)} |" for row in (head, *rows)]
     lines.insert(1, "|---" * len(head) + "|")
     return "\n".join(lines)
+
+
+def anchor(title: str) -> str:
+    """The anchor that GitHub gives a heading.
+
+    >>> anchor("Table II: navigation on Nav2's maps")
+    'table-ii-navigation-on-nav2s-maps'
+    """
+    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
+
+
+def link(title: str, words: str = "") -> str:
+    """A link to a heading of the page, by its title unless other words are given.
+
+    >>> link("Fig. 8: whole maps"), link("Fig. 8: whole maps", "Fig. 8")
+    ('[Fig. 8: whole maps](#fig-8-whole-maps)', '[Fig. 8](#fig-8-whole-maps)')
+    """
+    return f"[{words or title}](#{anchor(title)})"

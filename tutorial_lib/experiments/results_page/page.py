@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,6 +11,7 @@ from tutorial_lib.experiments.protocols.local_control import WORLDS
 from tutorial_lib.experiments.results_page import (
     ablations,
     aliasing,
+    compared,
     composing,
     exploring,
     following,
@@ -24,6 +24,7 @@ from tutorial_lib.experiments.results_page import (
     speed,
     worlds,
 )
+from tutorial_lib.experiments.results_page.markdown import link
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import Results, load_results
 from tutorial_lib.experiments.results_page.summary import results_in_short
@@ -61,6 +62,7 @@ CHAPTERS = (
     Chapter("Exploring a place never seen", (*exploring.SECTIONS, *returning.SECTIONS)),
     Chapter("The worlds", worlds.SECTIONS),
     Chapter("Speed", speed.SECTIONS),
+    Chapter(compared.TITLE, compared.SECTIONS),
 )
 
 
@@ -96,7 +98,8 @@ def introduction(results: Results) -> str:
             f"validation worlds between the two. Nothing is tuned on the test worlds or on Nav2's "
             f"maps. Everything else that is random comes from seed {', '.join(map(str, seeds))}. "
             f"Each network was trained once: intervals do not hold the variation from one "
-            f"training to the next.",
+            f"training to the next. Every table and figure of the papers, whether what is measured "
+            f"here agrees, and what is ours: {link(compared.TITLE)}.",
             "**Names.** *C* is local control with k images of context on either side of the "
             "target image, *RE* the reachability estimator, *Meng* the agent of the paper as it "
             "is built here, *NTS* that of Chaplot et al. 2020; *SPTM* (Savinov 2018) is the first "
@@ -116,18 +119,9 @@ def contents() -> str:
     """The table of contents."""
     lines = []
     for chapter in CHAPTERS:
-        lines.append(f"- [{chapter.title}](#{anchor(chapter.title)})")
-        lines += [f"  - [{s.title}](#{anchor(s.title)})" for s in chapter.sections]
+        lines.append(f"- {link(chapter.title)}")
+        lines += [f"  - {link(section.title)}" for section in chapter.sections]
     return "\n".join(lines)
-
-
-def anchor(title: str) -> str:
-    """The anchor that GitHub gives a heading.
-
-    >>> anchor("Table II: navigation on Nav2's maps")
-    'table-ii-navigation-on-nav2s-maps'
-    """
-    return re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-")
 
 
 def block_of(results: Results) -> str:

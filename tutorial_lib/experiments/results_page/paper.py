@@ -25,3 +25,5 @@ TRAJECTORIES = 500
 """Followed in Fig. 7."""
 COVERED = {True: 0.95, False: 0.90}
 """Cover rate of controllers with context, at least, and without it, at most (IV-B)."""
+REAL_CAR = {"trajectories": 7, "images": 3_200, "vertices": 206, "edges": 215}
+"""Of the real car (IV-D)."""

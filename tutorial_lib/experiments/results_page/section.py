@@ -20,14 +20,16 @@ class Section:
         title: of the section.
         sources: names of the reports that it shows.
         paragraphs: of its text: what is measured, then tables and remarks.
+        reads: names of other reports, whose commands stand in other sections.
     """
 
     title: str
     sources: tuple[str, ...]
     paragraphs: Callable[[Results], list[str]]
+    reads: tuple[str, ...] = ()
 
     def text(self, results: Results) -> str:
-        """The section in Markdown; the commands stand below its first paragraph.
+        """The section in Markdown; the commands, if it has any, stand below its first paragraph.
 
         Raises:
             InputError: naming the reports, if one lacks a row, a column or a note.
@@ -35,17 +37,19 @@ class Section:
         try:
             measured, *found = self.paragraphs(results)
         except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
-            files = ", ".join(f"{name}.json" for name in self.sources)
-            advice = "; ".join(remedy(name) for name in self.sources)
+            names = (*self.sources, *self.reads)
+            files = ", ".join(f"{name}.json" for name in names)
+            advice = "; ".join(remedy(name) for name in names)
             raise InputError(f"{files}: damaged ({error!r}); {advice}") from error
-        return "\n\n".join([f"### {self.title}", measured, self._commands(results), *found])
+        return "\n\n".join([f"### {self.title}", measured, *self._commands(results), *found])
 
-    def _commands(self, results: Results) -> str:
+    def _commands(self, results: Results) -> list[str]:
+        """One block of the commands; none without a command."""
         lines = [
             f"{command_of(name)}   # {duration(results.reports[name].seconds)}"
             for name in self.sources
         ]
-        return "\n".join(["```sh", *lines, "```"])
+        return ["\n".join(["```sh", *lines, "```"])] if lines else []
 
 
 def duration(seconds: float) -> str:

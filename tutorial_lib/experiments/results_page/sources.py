@@ -20,7 +20,7 @@ OTHER_FAMILIES = ("hall", "scanned")
 """Of generated worlds, beside those by seed."""
 ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
-EXPLORING = ("scores", "table1", "table2", "fig8", "second_visit")
+EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", TOUR)

@@ -1,0 +1,178 @@
+"""Papers and course: nothing left out, and what is said of trends holds of the stored rows."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.experiments.results_page.tables import cells
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Report
+from tutorial_lib.experiments.results_page import compared, compared_meng, compared_nts
+from tutorial_lib.experiments.results_page.departures import MENG, NTS, Departure, departures
+from tutorial_lib.experiments.results_page.markdown import table
+from tutorial_lib.experiments.results_page.page import page_of
+from tutorial_lib.experiments.results_page.sources import Results, load_results, matching, one
+
+RESULTS = load_results()
+PAGE = Path(compared.__file__).parents[2] / "results"
+TEXT = page_of(RESULTS)
+SIGNS = ("plain", "wayfinding")
+
+
+def names(lines):
+    """Tables and figures of rows, whatever else their names say; a range is taken apart."""
+    found = set()
+    for name, *_ in lines:
+        if number := re.match(r"\[?Figs?\. (\d+)(?: to (\d+))?", name):
+            first, last = number[1], number[2] or number[1]
+            found |= {f"Fig. {n}" for n in range(int(first), int(last) + 1)}
+        elif number := re.match(r"\[?(Table \w+)", name):
+            found.add(number[1])
+    return found
+
+
+def test_every_table_and_figure_of_both_papers_has_a_row():
+    meng, nts = (module.lines(RESULTS) for module in (compared_meng, compared_nts))
+    assert names(meng) == {"Table I", "Table II", *(f"Fig. {n}" for n in range(1, 14))}
+    assert names(nts) == {"Table 1", "Table 2", *(f"Fig. {n}" for n in range(1, 15))}
+    for line in (*meng, *nts):
+        assert len(line) == len(compared.HEAD)
+        assert line[3] or line[2] == compared_nts.LATER
+
+
+def test_a_row_has_what_the_paper_reports_and_what_was_measured():
+    rows = {
+        line[0].partition("]")[0].removeprefix("["): line for line in compared_nts.lines(RESULTS)
+    }
+    assert rows["Table 1, NTS, RGBD"][1] == "87%, 58%, 43%"
+    assert rows["Table 2, without noise, learned choice of frontier"][1] == "+10.0 points"
+    levels = [
+        one(RESULTS.rows("nts_table1"), agent="nts", sensor="rgbd", signs="plain", difficulty=d)
+        for d in ("easy", "medium", "hard")
+    ]
+    mine = ", ".join(f"{row['success']:.0%}" for row in levels)
+    assert rows["Table 1, NTS, RGBD"][2].startswith(f"{mine} / ")
+    assert rows["Table 2, without stop, target-driven RL"][1:] == [
+        "+19.0 points",
+        compared_nts.LATER,
+        "",
+    ]
+    (car,) = [line for line in compared_meng.lines(RESULTS) if "IV-D" in line[0]]
+    for number in ("7 trajectories", "3,200 images", "206 vertices", "215 edges"):
+        assert number in car[1]
+    depot = one(RESULTS.rows("meng_table2_depot"), method="meng")
+    assert f"depot {depot['success']:.1%} with {depot['vertices']:,} vertices" in car[2]
+    assert car[3] == "no counterpart"
+
+
+def test_what_is_said_of_meng_holds_of_the_stored_rows():
+    clean = matching(RESULTS.rows("meng_table1"), condition="clean")
+    direct, k0, k2, k5 = (
+        one(clean, controller=name)["success"] for name in ("direct", "k0", "k2", "k5")
+    )
+    assert direct + 0.3 < k0 < k2 < k5
+    anchors = {row["context"]: row for row in RESULTS.rows("meng_fig5")}
+    assert anchors["k5"]["anchors"] < anchors["k2"]["anchors"] < anchors["laser"]["anchors"]
+    assert all(row["with_clearance_low"] > 0 > row["with_turn_high"] for row in anchors.values())
+    assert anchors["laser"]["with_clearance"] >= anchors["k2"]["with_clearance"]
+    rows = RESULTS.rows("meng_table2")
+    success, vertices = (
+        {name: [row[key] for row in matching(rows, method=name)] for name in ("meng", "sptm")}
+        for key in ("success", "vertices")
+    )
+    assert sum(success["sptm"]) >= sum(success["meng"])
+    assert max(vertices["meng"]) < min(vertices["sptm"])
+    bins = matching(RESULTS.rows("meng_fig9"), calibrated=False)
+    arrived = [row["success"] for row in bins]
+    assert arrived == sorted(arrived)
+    assert all(row["success"] < row["probability"] + 0.01 for row in bins)
+    remedy = {row["remedy"]: row["success"] for row in RESULTS.rows("meng_fig12")}
+    assert remedy["replan"] - remedy["none"] > 0.5 * (remedy["all"] - remedy["none"])
+
+
+def test_what_is_said_of_nts_holds_of_the_stored_rows():
+    rows = RESULTS.rows("nts_table1")
+    for signs in SIGNS:
+        for level in ("easy", "medium", "hard"):
+            spl = {
+                agent: one(rows, agent=agent, sensor="rgbd", signs=signs, difficulty=level)["spl"]
+                for agent in ("nts", "ans_like", "fbe", "il")
+            }
+            assert spl["ans_like"] == max(spl.values())
+            assert (spl["nts"] > spl["fbe"]) == (level != "easy")
+    for signs in SIGNS:
+        for agent in ("nts", "nts_no_graph", "nts_no_score"):
+            first, last = (
+                one(RESULTS.rows("nts_fig8"), agent=agent, signs=signs, goals=count)
+                for count in (1, 10)
+            )
+            assert last["success"] < first["success"]
+            grows = last["spl_gap"] > first["spl_gap"]
+            assert grows == (
+                (agent, signs)
+                in {
+                    ("nts_no_score", "plain"),
+                    ("nts_no_score", "wayfinding"),
+                    ("nts_no_graph", "plain"),
+                }
+            )
+    assert last["success_gap_low"] > 0
+    ahead = one(RESULTS.rows("nts_fig8"), agent="nts_no_graph", signs="wayfinding", goals=10)
+    assert ahead["success_gap"] < 0 < ahead["success_gap_high"]
+
+
+def test_what_is_said_of_the_papers_rules_holds_of_the_stored_rows():
+    rows = RESULTS.rows("nts_table1_options")
+
+    def gap(agent, signs, level):
+        keys = {"signs": signs, "difficulty": level}
+        return abs(one(rows, agent="nts", **keys)["spl"] - one(rows, agent=agent, **keys)["spl"])
+
+    for signs in SIGNS:
+        for level in ("easy", "medium", "hard"):
+            assert gap("nts_all_nodes", signs, level) < 0.01
+            assert gap("nts_by_odometry", signs, level) < 0.01
+        assert gap("nts_no_ghost_nodes", signs, "hard") > 0.2
+
+
+def test_a_departure_says_where_it_is_and_links_to_its_rows():
+    one_of = Departure("III-F", "so and so", ("topology/planner.py", "06"), "Fig. 8: whole maps")
+    assert departures([one_of]) == (
+        "- III-F: so and so ([planner.py](../topology/planner.py) and "
+        "[06](../../notebooks/06_probabilistic_planning.ipynb); "
+        "[Fig. 8: whole maps](#fig-8-whole-maps))."
+    )
+    assert departures([Departure("B", "so", ("agents/nts.py",))]).endswith("/agents/nts.py)).")
+
+
+@pytest.mark.parametrize("one_of", [*MENG, *NTS], ids=lambda one_of: one_of.what[:40])
+def test_what_is_ours_leads_to_files_and_headings_that_exist(one_of):
+    text, headings = departures([one_of]), re.findall(r"^#+ (.*)$", TEXT, re.MULTILINE)
+    assert not one_of.measured or one_of.measured in headings
+    for target in re.findall(r"\]\(([^)#]+)\)", text):
+        assert (PAGE / target).is_file(), target
+
+
+def test_each_link_of_the_chapter_leads_to_a_heading():
+    contents = dict(re.findall(r"^ *- \[(.*)\]\(#(.*)\)$", TEXT, re.MULTILINE))
+    links = re.findall(r"\]\(#([^)]*)\)", TEXT.partition(f"\n## {compared.TITLE}\n")[2])
+    assert len(links) > 40
+    assert set(links) <= set(contents.values())
+
+
+def test_a_damaged_row_is_named_with_its_command():
+    rows = [row for row in RESULTS.rows("nts_fig8") if row["goals"] != 10]
+    report = Report("nts_fig8", 0, (1,), False, 1.0, rows, ())
+    with pytest.raises(InputError, match=r"nts_fig8\.json.*: damaged.*experiment nts_fig8 "):
+        compared.SECTIONS[2].text(Results({**RESULTS.reports, "nts_fig8": report}))
+
+
+def test_sections_without_a_command_have_no_block_and_tables_are_whole():
+    for section in compared.SECTIONS:
+        text = section.text(RESULTS)
+        assert "```" not in text
+        for part in text.split("\n\n"):
+            if part.startswith("|"):
+                head, *lines = cells(part)
+                assert table(head, lines) == part
