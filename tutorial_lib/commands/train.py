@@ -13,6 +13,7 @@ from tutorial_lib.learning import (
     imitation_recipes,
     reach_recipes,
     recipes,
+    relative_recipes,
 )
 from tutorial_lib.learning.panorama_encoder import SENSORS
 from tutorial_lib.learning.weights import save_network
@@ -20,6 +21,7 @@ from tutorial_lib.learning.weights import save_network
 NETWORKS = {
     "waypoint": recipes.WAYPOINT,
     "reachability": {**reach_recipes.REACHABILITY, "sptm": reach_recipes.SPTM},
+    "relative": relative_recipes.RELATIVE,
 }
 """Recipes by name and k."""
 EXPLORATION = {
@@ -82,4 +84,6 @@ def _chosen(options: argparse.Namespace) -> tuple[Any, Any]:
         raise InputError(f"train {options.name}: --k {options.k}; give one of {', '.join(known)}")
     if options.name == "waypoint":
         return known[options.k], recipes.train_local
+    if options.name == "relative":
+        return known[options.k], relative_recipes.train_relative
     return known[options.k], reach_recipes.train_reachability

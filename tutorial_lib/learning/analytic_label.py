@@ -17,6 +17,9 @@ from tutorial_lib.se2 import relative, wrap
 from tutorial_lib.validation import alike, floats, instance, number
 from tutorial_lib.world.raycast import Raycaster
 
+HERE = 0.3
+"""Metres within which a target is reached."""
+
 
 @dataclass(frozen=True)
 class AnalyticLabel:
@@ -28,7 +31,8 @@ class AnalyticLabel:
         distance: E_max, metres to the target, at most.
         yaw: Theta_max, radians between both headings, at most.
         bearing: radians off the robot's heading at which the target may be. In the paper the target
-            must be visible; a car must be able to drive there forwards, too (ours).
+            must be visible; a car must be able to drive there forwards, too (ours). A target within
+            `HERE` is reached already, wherever it is.
         arc: radians by which the heading may differ from that at the end of the one arc that leads
             to the target's position, ``|yaw - 2 bearing|``; infinite asks nothing (ours).
     """
@@ -73,8 +77,8 @@ class AnalyticLabel:
             "overlap": pairs.overlap[:, 0] > self.overlap,
             "distance": metres < self.distance,
             "yaw": np.abs(seen[:, 2]) < self.yaw,
-            "bearing": np.abs(np.arctan2(seen[:, 1], seen[:, 0])) < self.bearing,
-            "arc": off_arc(seen) < self.arc,
+            "bearing": (metres < HERE) | (np.abs(np.arctan2(*seen[:, 1::-1].T)) < self.bearing),
+            "arc": (metres < HERE) | (off_arc(seen) < self.arc),
             # The grid measures a path between cells: on short ones half a cell is no detour.
             "ratio": pairs.geodesic < self.ratio * metres + _GRID,
         }

@@ -196,6 +196,8 @@ class DirectNetwork(_Estimator):
 class ReachabilityNetwork(_Estimator):
     """RE (Meng 2020, III-C), a `Reachability`."""
 
+    outputs_wanted = "reachability"
+
     def __init__(self, network: LocalNetwork | str, calibration: Calibration | None = None) -> None:
         """Put a trained network, or shipped weights by their name, behind the interface.
 
@@ -204,7 +206,7 @@ class ReachabilityNetwork(_Estimator):
             calibration: maps it to a probability; shipped weights have one on their card, and any
                 other network's logit is used as it is.
         """
-        super().__init__(network, "reachability")
+        super().__init__(network, self.outputs_wanted)
         if calibration is None and isinstance(network, str):
             calibration = Calibration(**load_card(network).calibration)
         calibration = Calibration() if calibration is None else calibration
@@ -233,6 +235,26 @@ class ReachabilityNetwork(_Estimator):
         count = instance("prepared", prepared, EncodedTargets).encoded.shape[1]
         some = prepared.encoded[:, sorted({0, count // 2})]
         return self.network.embed(some.flatten(0, 1)).unflatten(0, some.shape[:2]).numpy()
+
+
+class RelativeNetwork(ReachabilityNetwork):
+    """LTVN's model: whether a target is reachable and where it is, from one pair of images."""
+
+    outputs_wanted = "relative"
+
+    def predict(
+        self, observations: Observation, targets: EncodedTargets | NDArray
+    ) -> tuple[Array, Array]:
+        """Probabilities (N,) that targets are reachable, and their poses (N, 3) if they are.
+
+        Poses are x, y in metres and the heading in radians, in the robots' frames.
+        """
+        return self.split(self.outputs(observations, targets))
+
+    def split(self, outputs: Array) -> tuple[Array, Array]:
+        """Probabilities (N,) and poses (N, 3) of the network's outputs (N, 5)."""
+        heading = np.arctan2(outputs[:, 4], outputs[:, 3])
+        return self.calibration(outputs[:, 0]), np.column_stack([outputs[:, 1:3], heading])
 
 
 def _check_targets(name: str, targets: EncodedTargets | NDArray) -> None:

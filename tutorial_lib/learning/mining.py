@@ -93,7 +93,8 @@ def all_logits(
     poses, which = np.unique(starts, axis=0, return_inverse=True)
     camera = reachability.view.camera
     try:
-        seen = Simulation(recorded.scene, poses, sensors=Sensors(camera=camera)).observe()
+        sensors = Sensors(camera=camera, with_depth=True)
+        seen = Simulation(recorded.scene, poses, sensors=sensors).observe()
     except InputError as error:
         raise InputError(f"starts: {error}") from error
     frames, shown = np.unique(targets, return_inverse=True)

@@ -44,6 +44,7 @@ class OutcomeSource:
         worlds: drawn for a block.
         targets: of each world, with `STARTS` starts each.
         vary: whether images are augmented.
+        alone: share of the targets whose one image stands for all of their context.
     """
 
     labelled: Sequence[LabelledWorld]
@@ -52,6 +53,7 @@ class OutcomeSource:
     worlds: int = 16
     targets: int = 64
     vary: bool = True
+    alone: float = 0.0
 
     @property
     def recipe(self) -> dict[str, Any]:
@@ -63,6 +65,7 @@ class OutcomeSource:
             "mined": [mined, self.mined if mined else 0.0],
             "block": [self.worlds, self.targets, STARTS],
             "vary": self.vary,
+            **({"alone": self.alone} if self.alone else {}),
         }
 
     def block(self, seed: Sequence[int]) -> Batch:
@@ -96,6 +99,7 @@ class OutcomeSource:
             frames,
             {"reached": label, "weight": np.ones(len(rows)), "overlap": pairs.overlap[rows]},
             rng if self.vary else None,
+            self.alone,
         )
 
 
@@ -150,6 +154,7 @@ def rendered(
     frames: NDArray[np.intp],
     labels: dict[str, NDArray],
     rng: np.random.Generator | None = None,
+    alone: float = 0.0,
 ) -> Batch:
     """Images from `starts` (G, S, 3) and of the targets `frames` (G,), with labels.
 
@@ -160,9 +165,13 @@ def rendered(
         frames: of the targets.
         labels: `reached` and `weight` (G * S,), `overlap` (G * S, 2).
         rng: augments the images; they are not augmented unless given.
+        alone: share of the targets that have no context but their own image, with `rng`.
     """
     view, count = architecture.looks_at, starts.shape[0] * starts.shape[1]
-    poses = recorded.poses[recorded.context(frames, architecture.k)]
+    shown = recorded.context(frames, architecture.k)
+    if rng is not None and alone:
+        shown = np.where(rng.random((len(frames), 1)) < alone, frames[:, None], shown)
+    poses = recorded.poses[shown]
     current, contexts = view.render(recorded.scene, starts), view.render(recorded.scene, poses)
     if rng is not None:
         current, contexts = view.vary([current, contexts], rng)

@@ -132,16 +132,76 @@ class LaserView:
         _check(images, (1, COLUMNS, 1), np.float32)
         if not np.isfinite(images).all():
             raise InputError("images: a distance is no finite number; give metres")
-        metres = _tensor(images)[..., 0]
-        parts = [0.5 / (metres + 0.25), metres.clamp(max=3.0) / 1.5 - 1.0, metres / 5.0 - 1.0]
-        return torch.stack(parts, dim=-3)
+        return _spread(_tensor(images)[..., 0])
 
     @staticmethod
     def _middle(scan: Array) -> NDArray[np.float32]:
         return np.ascontiguousarray(scan[..., _MIDDLE][..., ::-1], dtype=np.float32)
 
 
-VIEWS: dict[str, View] = {view.name: view for view in (CameraView(16), CameraView(64), LaserView())}
+class DepthView(CameraView):
+    """The camera's images, and below them a row with the depth of each column (RGB-D).
+
+    Such a row holds millimetres in two bytes, so that images with depth are arrays of bytes as all
+    others are.
+    """
+
+    @property
+    def name(self) -> str:
+        """Its name on a network's card."""
+        return f"rgbd{self.rows}"
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Channels, rows and columns of the numbers."""
+        return (3, self.rows + 1, COLUMNS)
+
+    def render(self, scene: Scene, poses: Array, discs: Discs | None = None) -> NDArray[np.uint8]:
+        """Images with depth (..., H + 1, W, 3) uint8 from poses (..., 3)."""
+        image, depth = self.camera.look(scene, poses.reshape(-1, 3), discs)
+        both = with_depth(image, depth)
+        return both.reshape(*poses.shape[:-1], *both.shape[1:])
+
+    def of(self, observations: Observation) -> NDArray[np.uint8]:
+        """The robots' images with depth.
+
+        Raises:
+            InputError: when they measured none.
+        """
+        if observations.depth is None:
+            raise InputError("depth: none; give observations of a camera that measures it")
+        return with_depth(observations.image, observations.depth)
+
+    def vary(self, images: list[NDArray], rng: np.random.Generator) -> list[NDArray]:
+        """Other colours, see `CameraView.vary`; depth stays."""
+        coloured = super().vary([image[..., :-1, :, :] for image in images], rng)
+        depths = [image[..., -1:, :, :] for image in images]
+        return [np.concatenate(parts, axis=-3) for parts in zip(coloured, depths, strict=True)]
+
+    def numbers(self, images: NDArray) -> Tensor:
+        """Images with depth as (..., 3, H + 1, W); depth as `LaserView` has it."""
+        _check(images, (self.rows + 1, COLUMNS, 3), np.uint8)
+        colours = super().numbers(images[..., :-1, :, :])
+        depth = _spread(_tensor(depth_of(images)[..., None, :]))
+        return torch.cat([colours, depth], dim=-2)
+
+
+def with_depth(image: NDArray[np.uint8], depth: Array) -> NDArray[np.uint8]:
+    """Images (..., H, W, 3) and depth (..., W) in metres as one array (..., H + 1, W, 3)."""
+    whole = np.clip(np.rint(1_000 * depth), 0, 65_535).astype(np.uint16)
+    row = np.stack([whole >> 8, whole & 255, np.zeros_like(whole)], axis=-1).astype(np.uint8)
+    return np.concatenate([image, row[..., None, :, :]], axis=-3)
+
+
+def depth_of(images: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """(..., W) metres of images with depth (..., H + 1, W, 3)."""
+    row = images[..., -1, :, :2].astype(np.float32)
+    return (256.0 * row[..., 0] + row[..., 1]) / 1_000.0
+
+
+VIEWS: dict[str, View] = {
+    view.name: view for view in (CameraView(16), CameraView(64), LaserView(), DepthView(16))
+}
 """All views, by the name on a network's card."""
 
 
@@ -166,6 +226,12 @@ def _recoloured(
     for channel, source in enumerate(order):
         changed[..., channel] = tables[channel][images[..., source]]
     return changed
+
+
+def _spread(metres: Tensor) -> Tensor:
+    """Distances (..., H, W) as (..., 3, H, W): near, middling and far ones spread out."""
+    parts = [0.5 / (metres + 0.25), metres.clamp(max=3.0) / 1.5 - 1.0, metres / 5.0 - 1.0]
+    return torch.stack(parts, dim=-3)
 
 
 def _tensor(images: NDArray) -> Tensor:

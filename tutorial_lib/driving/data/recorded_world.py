@@ -178,12 +178,15 @@ class RecordedWorld:
             )
         return frames_around(frames, k, self.first[frames], self.last[frames])
 
-    def observe(self, frames: NDArray[np.intp], camera: Camera | None = None) -> Observation:
+    def observe(
+        self, frames: NDArray[np.intp], camera: Camera | None = None, depth: bool = False
+    ) -> Observation:
         """What the robot sensed at frames (N,): images are rendered, the rest was recorded.
 
         Args:
             frames: their indices.
             camera: takes the images; the usual one unless given.
+            depth: whether that camera measures depth, too.
 
         Raises:
             InputError: when there is no such frame, or lasers have different numbers of beams.
@@ -193,9 +196,9 @@ class RecordedWorld:
             with_methods("camera", camera, "look")
         laser, odometry = self._sensed
         camera = Camera() if camera is None else camera
-        image, _ = camera.look(self.scene, self.poses[frames])
+        image, metres = camera.look(self.scene, self.poses[frames])
         senses = (laser[frames], odometry[frames], self.speed[frames], self.steering[frames])
-        return Observation(image, None, *senses, camera=camera)
+        return Observation(image, metres if depth else None, *senses, camera=camera)
 
     @cached_property
     def _sensed(self) -> tuple[NDArray[np.float32], Array]:
