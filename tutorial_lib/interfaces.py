@@ -122,6 +122,25 @@ class Reachability(Protocol):
 
 
 @runtime_checkable
+class RelativeModel(Protocol):
+    """f of LTVN: whether a target is reachable, and where it is if so.
+
+    Attributes:
+        view: what it looks at.
+        k: images of context on either side of a target.
+    """
+
+    view: View
+    k: int
+
+    def prepare(self, contexts: NDArray) -> Targets:
+        """Targets from images (M, 2k+1, H, W, C); computed once, indexable by an array."""
+
+    def predict(self, observations: Observation, targets: Targets) -> tuple[Array, Array]:
+        """Probabilities (N,) that targets are reachable, and their poses (N, 3) if they are."""
+
+
+@runtime_checkable
 class Localizer(Protocol):
     """Where on the map an observation may be."""
 

@@ -1,0 +1,370 @@
+"""Navigation over a sampled map: localize, plan, drive one edge, learn from it, and again (LTVN).
+
+Ours: an arrival is trusted, so that the robot need not localize anew; success is strict, it must
+have driven to the waypoint and see the target there; an edge that failed is avoided for a while;
+and all robots of a fleet mend the same map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.agents.blockades import in_the_way
+from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
+from tutorial_lib.se2 import Array, compose, relative, to_local
+from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
+from tutorial_lib.topology.mapping.expansion import expanded
+from tutorial_lib.topology.mapping.image_pool import length
+from tutorial_lib.topology.mapping.sampling_map import SampledMap
+from tutorial_lib.validation import instances, number
+from tutorial_lib.world.simulation import STEP
+
+GOAL = -1
+"""The goal, in place of a vertex."""
+_ALL = 4 * np.pi  # rad that a robot turns while it searches
+_LOOK_STEPS = 10  # steps from one look around to the next while it turns
+
+
+@dataclass(frozen=True)
+class TravelSettings:
+    """Thresholds of navigation.
+
+    Attributes:
+        sure: r-hat above which a robot counts a vertex as seen among all, or the goal.
+        near: the same among vertices next to its last path, and of the target where it arrives.
+        localize: D_l, length within which the robot is at a vertex.
+        executed: metres from a waypoint within which the robot has driven there.
+        arrival: metres to a target within which an arrival there is strict.
+        goal: metres to the goal, as it is predicted, within which a robot declares to be there.
+        strict: whether success needs both; else, as in the paper, that the target is connectable.
+        trust: whether a robot that arrived counts as being there.
+        patience: seconds that an edge which failed is avoided.
+        search: seconds of turning after which a robot that cannot localize gives up.
+        slow: seconds a metre after which a traversal has failed, and `spare` seconds more.
+        spare: see `slow`.
+    """
+
+    sure: float = 0.8
+    near: float = 0.5
+    localize: float = 1.5
+    executed: float = 0.25
+    arrival: float = 0.8
+    goal: float = 0.35
+    strict: bool = True
+    trust: bool = True
+    patience: float = 60.0
+    search: float = 20.0
+    slow: float = 6.0
+    spare: float = 4.0
+
+    def __post_init__(self) -> None:
+        for name in ("sure", "near"):
+            number(name, getattr(self, name), least=0.0, most=1.0)
+        for name in ("localize", "executed", "arrival", "goal", "search", "slow"):
+            number(name, getattr(self, name), above=0.0)
+        for name in ("patience", "spare"):
+            number(name, getattr(self, name), least=0.0)
+
+
+@dataclass
+class Leg:
+    """What a robot drives now.
+
+    Attributes:
+        source: vertex where it is localized.
+        target: vertex that it drives to, or `GOAL`.
+        kind: how it was localized.
+        arrived_by: edge on which it came to the source.
+        measured: d(w) of the target as seen from where it set off; none if it was not seen.
+        aim: (3,) the target in the odometry's frame.
+        until: seconds at which it has failed.
+        reverse: whether it drives there in reverse.
+        closest: metres to the aim so far, at least.
+    """
+
+    source: int
+    target: int
+    kind: str
+    arrived_by: Edge | None
+    measured: float | None
+    aim: Array
+    until: float
+    reverse: bool = False
+    closest: float = np.inf
+
+
+@dataclass
+class Journey:
+    """What one robot knows of its way to the goal.
+
+    Attributes:
+        goal: the goal's image, prepared.
+        exits: vertices from which the goal is seen, and its waypoints (3,) from there.
+        leg: what it drives now.
+        path: the last plan.
+        trusted: the vertex where it has just arrived, and the edge on which.
+        avoided: edges that failed, until when.
+        searched: steps that it has turned without knowing where it is.
+    """
+
+    goal: Any
+    exits: dict[int, Array]
+    leg: Leg | None = None
+    path: list[int] = field(default_factory=list)
+    trusted: tuple[int, Edge | None] | None = None
+    avoided: dict[Edge, float] = field(default_factory=dict)
+    searched: int = 0
+
+
+class LTVNNavigation:
+    """A `Navigation` of N robots over one map.
+
+    Attributes:
+        arrived: (N,) declares to have arrived.
+        given_up: (N,) cannot find out where it is, or finds no path.
+        journeys: of each robot.
+        traversals: all attempts so far.
+    """
+
+    def __init__(
+        self,
+        sampled: SampledMap,
+        upkeep: Maintenance,
+        controllers: tuple[Controller, Controller],
+        goals: Sequence[Goals],
+        settings: TravelSettings,
+        *,
+        mends: bool = True,
+    ) -> None:
+        """Robots localize when they act for the first time.
+
+        Args:
+            sampled: the map.
+            upkeep: of its graph.
+            controllers: the one that drives forwards, and the one for edges in reverse.
+            goals: one for each robot.
+            settings: thresholds.
+            mends: whether traversals change the map.
+        """
+        goals = instances("goals", goals, Goals, empty=False)
+        self._map, self._upkeep, self._mends = sampled, upkeep, mends
+        self._controllers, self._settings = controllers, settings
+        self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
+        self.journeys = [self._journey(goal) for goal in goals]
+        self.traversals: list[Traversal] = []
+        self._now = np.zeros(len(goals))
+        self._rotation = ThreePointTurn(len(goals))
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """Actions (M, 2): drive, or turn to look around."""
+        robots = np.asarray(robots)
+        self._now[robots] += STEP
+        actions, over = np.zeros((len(robots), 2)), self.arrived | self.given_up
+        for row, robot in enumerate(robots):
+            if not over[robot]:
+                self._step(observations[row], int(robot))
+        over = self.arrived | self.given_up
+        legs = [self.journeys[robot].leg for robot in robots]
+        driving = np.array([leg is not None for leg in legs], bool) & ~over[robots]
+        for controller, reverse in zip(self._controllers, (False, True), strict=True):
+            rows = [i for i in np.flatnonzero(driving) if legs[i].reverse == reverse]
+            if rows:
+                seen = observations[np.array(rows)]
+                aims = np.array([legs[i].aim[:2] for i in rows])
+                waypoints = to_local(seen.odometry, aims)
+                actions[rows] = controller.act(seen, waypoints)
+        turning = ~driving & ~over[robots]
+        if turning.any():
+            actions[turning] = self._rotation.act(observations[turning], robots[turning])
+        return actions
+
+    def _journey(self, goal: Goals) -> Journey:
+        """How one image of the goal becomes a vertex: edges lead to it from where it is seen."""
+        pool, model = self._map.pool, self._map.pool.model
+        image = model.view.of(goal.observations)[:1]
+        target = model.prepare(np.repeat(image[:, None], 2 * model.k + 1, axis=1))
+        vertices = self._map.vertices
+        reachable, waypoints = pool.lead_to(vertices, target)
+        metres, limit = length(waypoints), self._map.rules.connect
+        seen = (reachable > self._settings.sure) & (metres < limit)
+        if not seen.any() and len(vertices):  # the most promising of all will have to do
+            seen[reachable.argmax()] = True
+        return Journey(target, dict(zip(vertices[seen].tolist(), waypoints[seen], strict=True)))
+
+    def _step(self, observation: Observation, robot: int) -> None:
+        """Conclude a leg that is over, and begin the next."""
+        journey = self.journeys[robot]
+        leg, now = journey.leg, float(self._now[robot])
+        if leg is not None:
+            gap = float(np.hypot(*(leg.aim - observation.odometry[0])[:2]))
+            leg.closest = min(leg.closest, gap)
+            if gap > self._settings.executed and now < leg.until:
+                return
+            self._conclude(observation, robot, leg)
+        elif journey.searched % _LOOK_STEPS:
+            journey.searched += 1
+            return
+        if not self._is_there(observation, robot):
+            self._go_on(observation, robot)
+
+    def _conclude(self, observation: Observation, robot: int, leg: Leg) -> None:
+        """Judge a traversal, and let the map learn from it."""
+        journey, settings = self.journeys[robot], self._settings
+        journey.leg, journey.trusted = None, None
+        executed = leg.closest <= settings.executed
+        edge = (leg.source, leg.target)
+        if leg.target == GOAL:
+            if not executed:
+                journey.avoided[edge] = float(self._now[robot]) + settings.patience
+            return
+        reachable, waypoint = self._map.pool.seen_from(observation, np.array([leg.target]))
+        seen = bool(reachable[0] > settings.near)
+        if settings.strict:
+            success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
+        else:
+            success = seen and float(length(waypoint[0])) < self._map.rules.connect
+        if leg.source == leg.target:  # it only drove to where it was localized
+            if executed and settings.trust:
+                journey.trusted = leg.target, None
+            return
+        aim = to_local(observation.odometry[0], leg.aim[:2])[None]
+        blocked = not executed and bool(in_the_way(observation.laser, aim)[0])
+        done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by, blocked)
+        self.traversals.append(done)
+        if self._mends:
+            self._upkeep.experienced(done)
+        if success and settings.trust:
+            journey.trusted = leg.target, edge
+        elif not success:
+            journey.avoided[edge] = float(self._now[robot]) + settings.patience
+
+    def _is_there(self, observation: Observation, robot: int) -> bool:
+        """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""
+        journey, settings = self.journeys[robot], self._settings
+        model = self._map.pool.model
+        reachable, waypoint = model.predict(observation, journey.goal)
+        metres = float(length(waypoint[0]))
+        if reachable[0] <= settings.sure or metres > self._map.rules.connect:
+            return False
+        if np.hypot(*waypoint[0, :2]) < settings.goal:
+            self.arrived[robot] = True
+            return True
+        if journey.avoided.get((GOAL, GOAL), 0.0) > self._now[robot]:
+            return False
+        # A goal that cannot be reached from here is tried once in a while.
+        journey.avoided[GOAL, GOAL] = float(self._now[robot]) + 2 * settings.spare
+        self._set_off(observation, robot, GOAL, GOAL, "local", None, waypoint[0])
+        return True
+
+    def _go_on(self, observation: Observation, robot: int) -> None:
+        """Localize, plan and set off; or look around."""
+        journey, pool = self.journeys[robot], self._map.pool
+        found = self._localized(observation, journey)
+        path = None if found is None else self._path(journey, found[0], float(self._now[robot]))
+        if found is None or path is None:
+            self._look_around(observation, robot)
+            return
+        journey.searched, journey.path = 0, path
+        here, kind, arrived_by, offset = found
+        target = path[1] if len(path) > 1 else GOAL
+        if target == GOAL:
+            waypoint = compose(offset, journey.exits[here])
+            self._set_off(observation, robot, here, GOAL, kind, arrived_by, waypoint)
+            return
+        reachable, seen = pool.seen_from(observation, np.array([target]))
+        if reachable[0] > self._settings.near:
+            self._set_off(observation, robot, here, target, kind, arrived_by, seen[0], seen[0])
+        else:
+            known = np.array(self._map.graph.edges[here, target]["waypoint"])
+            waypoint = compose(offset, known)
+            self._set_off(observation, robot, here, target, kind, arrived_by, waypoint)
+
+    def _set_off(
+        self,
+        observation: Observation,
+        robot: int,
+        source: int,
+        target: int,
+        kind: str,
+        arrived_by: Edge | None,
+        waypoint: Array,
+        seen: Array | None = None,
+    ) -> None:
+        """Drive to a waypoint (3,) in the robot's frame."""
+        settings = self._settings
+        aim = compose(observation.odometry[0], waypoint)
+        until = self._now[robot] + settings.spare + settings.slow * np.hypot(*waypoint[:2])
+        measured = None if seen is None else float(length(seen))
+        edge = self._map.graph.get_edge_data(source, target, {})
+        reverse = bool(edge.get("reverse", False))
+        self.journeys[robot].leg = Leg(
+            source, target, kind, arrived_by, measured, aim, float(until), reverse
+        )
+
+    def _localized(
+        self, observation: Observation, journey: Journey
+    ) -> tuple[int, str, Edge | None, Array] | None:
+        """Where the robot is: vertex, how it is known, the edge that led there, and its pose.
+
+        Locally at first, among the vertices next to the last path, then among all (LTVN).
+        """
+        graph, settings, pool = self._map.graph, self._settings, self._map.pool
+        if journey.trusted is not None and journey.trusted[0] in graph:
+            here, edge = journey.trusted
+            reachable, waypoints = pool.seen_from(observation, np.array([here]))
+            offset = waypoints[0] if reachable[0] > settings.near else np.zeros(3)
+            return here, "trusted", edge, offset
+        around = {v for v in journey.path if v in graph}
+        around |= {n for v in around for n in (*graph.successors(v), *graph.predecessors(v))}
+        for kind, candidates, limit in (
+            ("local", np.array(sorted(around), dtype=np.intp), settings.near),
+            ("global", self._map.vertices, settings.sure),
+        ):
+            reachable, waypoints = pool.seen_from(observation, candidates)
+            metres = np.where(reachable > limit, length(waypoints), np.inf)
+            if metres.size and metres.min() < settings.localize:
+                best = int(metres.argmin())
+                return int(candidates[best]), kind, None, waypoints[best]
+        return None
+
+    def _path(self, journey: Journey, here: int, now: float) -> list[int] | None:
+        """The shortest path to an image from which the goal is seen, the map expanded if needed."""
+        avoided = {edge for edge, until in journey.avoided.items() if until > now}
+        path = self._shortest(journey, here, avoided)
+        if path is None and self._mends:
+            exits = {vertex for vertex in journey.exits if (vertex, GOAL) not in avoided}
+            if expanded(self._map, self._upkeep, here, exits, avoided):
+                path = self._shortest(journey, here, avoided)
+        return path
+
+    def _shortest(self, journey: Journey, here: int, avoided: set[Edge]) -> list[int] | None:
+        """Dijkstra's path over the edges' costs to one of the exits, and from there to the goal."""
+        graph = self._map.graph
+
+        def cost(source: int, target: int, edge: dict[str, Any]) -> float | None:
+            return None if (source, target) in avoided else edge["cost"]
+
+        if here not in graph:
+            return None
+        metres, paths = nx.single_source_dijkstra(graph, here, weight=cost)
+        whole = {
+            vertex: metres[vertex] + float(length(waypoint))
+            for vertex, waypoint in journey.exits.items()
+            if vertex in metres and (vertex, GOAL) not in avoided
+        }
+        return paths[min(whole, key=whole.__getitem__)] if whole else None
+
+    def _look_around(self, observation: Observation, robot: int) -> None:
+        """Turn in place, up to `search` seconds."""
+        journey = self.journeys[robot]
+        if journey.searched == 0:
+            self._rotation.begin(np.array([robot]), observation.odometry, np.array([_ALL]))
+        journey.searched += 1
+        self.given_up[robot] = journey.searched * STEP > self._settings.search

@@ -1,0 +1,247 @@
+"""A sparse map by sampling: images that are too close are dropped, others are joined (LTVN, Alg. 1).
+
+The paper does not publish its thresholds. Ours are chosen on validation worlds; so are edges in
+reverse with their price, restarts, and the support of neighbours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.interfaces import RelativeModel
+from tutorial_lib.se2 import Array, inverse
+from tutorial_lib.topology.mapping.image_pool import ImagePool, length, support
+from tutorial_lib.validation import instance, number, one_of, whole
+
+ORDERS = ("uniform", "farthest first")
+
+
+@dataclass(frozen=True)
+class SamplingRules:
+    """Thresholds of a map by sampling.
+
+    Attributes:
+        reachable: r-hat above which an image counts as reachable.
+        own_reachable: the same for two images of one drive at most `own` frames apart (ours).
+        own: frames of the pool.
+        merge: D_m, length below which an image is redundant.
+        connect: D_c, length below which two images are joined.
+        most_turn: rad between two images that are joined, at most; a threshold of its own, as the
+            paper suggests.
+        support: share of the images between a pair that must agree, see `support`; 0 for none.
+        order: in which images are sampled, one of `ORDERS`. The paper suggests to prefer those that
+            are far from the map.
+        reverse: how many times as long an edge counts that is driven in reverse; infinite for none.
+            The paper drives in reverse and names no price.
+        spread: sigma of d(w), metres, from validation worlds.
+    """
+
+    reachable: float = 0.8
+    own_reachable: float = 0.5
+    own: int = 4
+    merge: float = 0.6
+    connect: float = 2.5
+    most_turn: float = np.pi
+    support: float = 0.5
+    order: str = "uniform"
+    reverse: float = 4.0
+    spread: float = 0.2
+
+    def __post_init__(self) -> None:
+        for name in ("reachable", "own_reachable", "support"):
+            number(name, getattr(self, name), least=0.0, most=1.0)
+        whole("own", self.own, least=0)
+        number("merge", self.merge, least=0.0)
+        number("connect", self.connect, above=self.merge)
+        number("most_turn", self.most_turn, above=0.0)
+        one_of("order", self.order, ORDERS)
+        number("reverse", self.reverse, least=1.0, infinite=True)
+        number("spread", self.spread, above=0.0)
+
+
+def is_mergeable(reachable: NDArray[np.bool_], waypoints: Array, merge: float) -> NDArray[np.bool_]:
+    """(...) whether images (...) at `waypoints` (..., 3) are too close: reachable and below D_m."""
+    return reachable & (length(waypoints) < merge)
+
+
+def is_connectable(
+    reachable: NDArray[np.bool_], waypoints: Array, connect: float, most_turn: float = np.pi
+) -> NDArray[np.bool_]:
+    """(...) whether a controller gets from image to image: reachable and below D_c."""
+    near = (length(waypoints) < connect) & (np.abs(waypoints[..., 2]) <= most_turn)
+    return reachable & near
+
+
+def accepted_pairs(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
+    """(M, M) which images count as reachable from which."""
+    instance("pool", pool, ImagePool)
+    instance("rules", rules, SamplingRules)
+    sure = pool.reachable > rules.reachable
+    if rules.support:
+        sure &= support(pool, sure) >= rules.support
+    own = pool.drive[:, None] == pool.drive
+    own &= np.abs(pool.frame[:, None] - pool.frame) <= rules.own
+    return sure | (own & (pool.reachable > rules.own_reachable))
+
+
+@dataclass(eq=False)
+class SampledMap:
+    """A directed graph whose vertices are images of a pool.
+
+    Attributes:
+        pool: all images.
+        rules: that it is built by.
+        accepted: (M, M) see `accepted_pairs`.
+        graph: on networkx; a vertex is the index of its image. An edge has `waypoint` (3,) from its
+            source; `probability` that it exists, at first r-hat; `length` and `variance` of d(w);
+            `reverse`, whether it is driven so; `cost`, its length with the price of that.
+        unused: T', the images that are neither vertices nor redundant.
+    """
+
+    pool: ImagePool
+    rules: SamplingRules
+    accepted: NDArray[np.bool_] = field(init=False)
+    graph: nx.DiGraph = field(init=False, default_factory=nx.DiGraph)
+    unused: set[int] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.accepted = accepted_pairs(self.pool, self.rules)
+        self.unused = set(range(len(self.pool)))
+
+    @property
+    def vertices(self) -> NDArray[np.intp]:
+        """(V,) rising."""
+        return np.array(sorted(self.graph), dtype=np.intp)
+
+    def mergeable_with(self, image: int, vertices: NDArray[np.intp]) -> bool:
+        """Whether an image is redundant beside one of the vertices (V,)."""
+        pool, merge = self.pool, self.rules.merge
+        there = is_mergeable(self.accepted[vertices, image], pool.waypoints[vertices, image], merge)
+        back = is_mergeable(self.accepted[image, vertices], pool.waypoints[image, vertices], merge)
+        return bool((there | back).any())
+
+    def edges_with(
+        self, image: int, vertices: NDArray[np.intp], connect: float | None = None
+    ) -> list[tuple[int, int]]:
+        """Edges to and from an image that the rules allow, none in reverse.
+
+        Args:
+            image: its index.
+            vertices: (V,) that it may be joined to.
+            connect: in place of the rules' D_c.
+        """
+        rules, pool = self.rules, self.pool
+        limits = (rules.connect if connect is None else connect, rules.most_turn)
+        into = is_connectable(
+            self.accepted[vertices, image], pool.waypoints[vertices, image], *limits
+        )
+        out = is_connectable(
+            self.accepted[image, vertices], pool.waypoints[image, vertices], *limits
+        )
+        return [(int(v), image) for v in vertices[into]] + [(image, int(v)) for v in vertices[out]]
+
+    def attributes(self, source: int, target: int, reverse: bool = False) -> dict:
+        """Of an edge as it is before anybody drove along it.
+
+        One in reverse is that from `target` to `source`, driven backwards.
+        """
+        pair = (target, source) if reverse else (source, target)
+        waypoint = self.pool.waypoints[pair]
+        metres = float(length(waypoint))
+        return {
+            "waypoint": tuple((inverse(waypoint) if reverse else waypoint).tolist()),
+            "probability": float(self.pool.reachable[pair]),
+            "length": metres,
+            "variance": self.rules.spread**2,
+            "reverse": reverse,
+            "cost": metres * (self.rules.reverse if reverse else 1.0),
+        }
+
+    def join(self, edges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Add edges, and those in reverse where nothing leads back; returns all that are new."""
+        added, edges = [], list(edges)
+        for source, target in edges:
+            if not self.graph.get_edge_data(source, target, {"reverse": True})["reverse"]:
+                continue
+            self.graph.add_edge(source, target, **self.attributes(source, target))
+            added.append((source, target))
+        for source, target in edges:
+            if np.isfinite(self.rules.reverse) and not self.graph.has_edge(target, source):
+                self.graph.add_edge(target, source, **self.attributes(target, source, reverse=True))
+                added.append((target, source))
+        return added
+
+
+def build(pool: ImagePool, rules: SamplingRules, rng: np.random.Generator) -> SampledMap:
+    """Sample images until none can be added any more (LTVN, Algorithm 1).
+
+    The first image is drawn among the largest group of images that are joined (ours): one that
+    stands alone would end the building at once.
+
+    Args:
+        pool: all images.
+        rules: thresholds.
+        rng: draws the order.
+    """
+    instance("rng", rng, np.random.Generator)
+    made = SampledMap(pool, rules)
+    if not len(pool):
+        return made
+    joined = made.accepted & (length(pool.waypoints) < rules.connect)
+    groups = nx.connected_components(nx.from_numpy_array(joined | joined.T))
+    largest = max(groups, key=lambda group: (len(group), -min(group)))
+    first = int(rng.choice(sorted(largest)))
+    made.graph.add_node(first)
+    made.unused.discard(first)
+    while _one_pass(made, rng):
+        pass
+    return made
+
+
+def _one_pass(made: SampledMap, rng: np.random.Generator) -> bool:
+    """Try every unused image once; whether any was added."""
+    grew = False
+    left = rng.permutation(sorted(made.unused)).tolist()
+    while left:
+        vertices = made.vertices
+        image = left.pop(_farthest(made, left, vertices) if made.rules.order != "uniform" else -1)
+        if made.mergeable_with(image, vertices):
+            made.unused.discard(image)
+        elif edges := made.edges_with(image, vertices):
+            made.join(edges)
+            made.unused.discard(image)
+            grew = True
+    return grew
+
+
+def _farthest(made: SampledMap, left: list[int], vertices: NDArray[np.intp]) -> int:
+    """The place in `left` of the image that is farthest from the map, of those that can be joined.
+
+    If none can be joined, any will do.
+    """
+    metres = length(made.pool.waypoints[np.ix_(vertices, left)])
+    metres = np.where(made.accepted[np.ix_(vertices, left)], metres, np.inf).min(axis=0)
+    return int(np.where(metres < made.rules.connect, metres, -1.0).argmax())
+
+
+def sampled_map(
+    model: RelativeModel, rules: SamplingRules, seen: list[tuple], rng: np.random.Generator
+) -> SampledMap:
+    """A map of drives.
+
+    Args:
+        model: LTVN's.
+        rules: thresholds.
+        seen: of each drive the observations (N,) and contexts (N, 2k+1, ...) of its images.
+        rng: draws the order.
+    """
+    pool = ImagePool(model)
+    for number_, (observations, contexts) in enumerate(seen):
+        count = len(observations)
+        pool.add(observations, contexts, np.full(count, number_), np.arange(count))
+    return build(pool, rules, rng)
