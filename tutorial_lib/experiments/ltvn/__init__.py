@@ -1,0 +1,1 @@
+"""Lifelong Topological Visual Navigation: its label, its model, its maps, and how they mend."""
