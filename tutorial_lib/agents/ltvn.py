@@ -38,6 +38,7 @@ class LTVNAgent:
         turned: see `apart`.
         seed: of the order in which images are sampled.
         sampled: what was learned.
+        frames: (M,) of each image of its pool, on its drive.
         upkeep: its maintenance.
     """
 
@@ -63,6 +64,7 @@ class LTVNAgent:
         number("turned", self.turned, above=0.0)
         whole("seed", self.seed, least=0)
         self.sampled: SampledMap | None = None
+        self.frames = np.empty(0, dtype=np.intp)
         self.upkeep: Maintenance | None = None
 
     def learn(self, experiences: Sequence[Experience]) -> None:
@@ -71,13 +73,15 @@ class LTVNAgent:
         Raises:
             InputError: when one is no `Experience`.
         """
-        seen = []
+        seen, frames = [], []
         for experience in instances("experiences", experiences, Experience):
             observations = experience.observations
             contexts = contextified(self.model.view.of(observations), self.model.k)
             kept = spaced(observations.odometry, self.apart, self.turned)
             seen.append((observations[kept], contexts[kept]))
+            frames.append(kept)
         rng = np.random.default_rng(self.seed)
+        self.frames = np.concatenate(frames)
         self.use(sampled_map(self.model, self.rules, seen, rng))
 
     def use(self, sampled: SampledMap) -> None:

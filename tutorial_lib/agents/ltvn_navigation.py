@@ -13,12 +13,11 @@ from typing import Any
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import in_the_way
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
-from tutorial_lib.se2 import Array, compose, relative, to_local
+from tutorial_lib.se2 import Array, compose, to_local
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import length

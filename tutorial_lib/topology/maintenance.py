@@ -197,7 +197,9 @@ class Maintenance:
         query: the number of the current one.
     """
 
-    def __init__(self, graph: nx.DiGraph, rules: MaintenanceRules, price: float, noise: float):
+    def __init__(
+        self, graph: nx.DiGraph, rules: MaintenanceRules, price: float, noise: float
+    ) -> None:
         """Nothing has happened yet; `noise` is sigma squared of d(w)."""
         self.graph, self.rules, self.price = graph, rules, price
         self.noise = number("noise", noise, above=0.0)

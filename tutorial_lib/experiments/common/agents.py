@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.remedies import Remedies
@@ -14,12 +15,19 @@ from tutorial_lib.agents.sptm import SPTMAgent
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.experiments.common.own import load_own
 from tutorial_lib.interfaces import Agent
-from tutorial_lib.learning.estimators import ReachabilityNetwork, WaypointNetwork
+from tutorial_lib.learning.estimators import (
+    ReachabilityNetwork,
+    RelativeNetwork,
+    WaypointNetwork,
+)
+from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 CONTEXT = "k5"
 S_SHORTCUT = 0.99
 """SPTM's threshold, chosen on validation worlds."""
+LTVN_RULES = SamplingRules(reachable=0.9, support=0.0, merge=0.7)
+"""Of LTVN's map, chosen on validation worlds."""
 SEAMS = ("agent", "planner", "localizer", "reachability", "predictor", "controller")
 """What a class of one's own may be where whole agents are compared."""
 
@@ -57,6 +65,12 @@ def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the ag
         "s_shortcut": S_SHORTCUT,
     }
     return SPTMAgent(**{**parts, **changed})
+
+
+def ltvn(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the agent
+    """LTVN's agent with the shipped model; `changed` replaces attributes."""
+    model = changed.pop("model", None) or RelativeNetwork("relative_5")
+    return LTVNAgent(**{"model": model, "rules": LTVN_RULES, **changed})
 
 
 def random_agent(rng: np.random.Generator) -> RandomAgent:

@@ -176,3 +176,10 @@ def joined_outcomes(parts: Sequence[Outcome]) -> Outcome:
     names = ("success", "ending", "seconds", "gap")
     columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     return Outcome(**columns, poses=np.empty((0, 0, 3)))
+
+
+def image_poses(building: Building, agent: LTVNAgent) -> Array:
+    """Poses (M, 3) at which the images of an agent's pool were taken; it never gets them."""
+    recorded, pool = building.recorded, agent.sampled.pool
+    first = recorded.first_frames[pool.drive]
+    return recorded.poses[first + agent.frames]

@@ -24,7 +24,10 @@ def depth_agreement(
         bearings: (W,) rad of the columns' rays, falling from left to right.
         off: metres, or that share of the distance, by which lengths may differ.
     """
-    sources, targets = floats("sources", sources, ("N", "W")), floats("targets", targets, ("N", "W"))
+    sources, targets = (
+        floats("sources", sources, ("N", "W")),
+        floats("targets", targets, ("N", "W")),
+    )
     waypoints = floats("waypoints", waypoints, ("N", 3))
     bearings = floats("bearings", bearings, (sources.shape[1],))
     alike(sources=sources, targets=targets, waypoints=waypoints)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from itertools import pairwise
 
 import networkx as nx
 import numpy as np
@@ -82,7 +83,7 @@ def _keep(sampled: SampledMap, upkeep: Maintenance, path: list[int]) -> None:
         if vertex not in sampled.graph:
             upkeep.add_vertex(vertex)
             sampled.unused.discard(vertex)
-    for source, target in zip(path[:-1], path[1:], strict=True):
+    for source, target in pairwise(path):
         if sampled.graph.has_edge(source, target):
             continue
         if (source, target) in upkeep.pruned:

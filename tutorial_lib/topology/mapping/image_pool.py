@@ -94,9 +94,7 @@ class ImagePool:
         self.reachable, self.waypoints = reachable, waypoints
         return new
 
-    def _ask(
-        self, sources: NDArray, targets: NDArray, reachable: Array, waypoints: Array
-    ) -> None:
+    def _ask(self, sources: NDArray, targets: NDArray, reachable: Array, waypoints: Array) -> None:
         """Ask the model about sources (S,) and the targets (T,) that look like them."""
         rows, columns = self._alike(sources, targets)
         order = np.argsort(rows, kind="stable")  # a source that is repeated is encoded once

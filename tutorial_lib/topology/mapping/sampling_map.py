@@ -1,4 +1,4 @@
-"""A sparse map by sampling: images that are too close are dropped, others are joined (LTVN, Alg. 1).
+"""A sparse map by sampling: images that are too close go, others are joined (LTVN, Algorithm 1).
 
 The paper does not publish its thresholds. Ours are chosen on validation worlds; so are edges in
 reverse with their price, restarts, and the support of neighbours.

@@ -1,0 +1,251 @@
+"""Five hundred queries in one building, with maps that mend themselves and maps that do not.
+
+All agents learn one tour and get the same queries, in fleets that set off together and share a map.
+Each of LTVN's agents runs with the network and with true perception, so that errors of the model
+and of the maintenance can be told apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.ltvn_navigation import TravelSettings
+from tutorial_lib.agents.oracle import OracleNavigation
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
+from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN
+from tutorial_lib.experiments.protocols.drives import TOUR, part_of
+from tutorial_lib.experiments.protocols.lifelong import (
+    TrueModel,
+    deep_experiences,
+    image_poses,
+    run_queries,
+)
+from tutorial_lib.experiments.protocols.navigation import WORMHOLE, attempt, navigate
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    Building,
+    Trials,
+    draw_trials,
+    make_building,
+)
+from tutorial_lib.geometry import Array
+from tutorial_lib.parallel import for_each
+from tutorial_lib.topology.maintenance import MaintenanceRules
+from tutorial_lib.topology.mapping.edge_rules import MapSettings
+
+NETWORK, ORACLE = PERCEPTIONS = ("network", "oracle")
+WORLDS = tuple(range(20_000, 20_012))
+"""Four of them are loop corridors, where places look alike."""
+MENDING, FROZEN = "ltvn", "frozen"
+VARIANTS: dict[str, dict[str, Any]] = {
+    MENDING: {},
+    FROZEN: {"maintenance": None},
+    "lenient": {"travel": TravelSettings(strict=False)},
+    "no_trust": {"travel": TravelSettings(trust=False)},
+    "own_blame": {"maintenance": MaintenanceRules(share_blame=False)},
+    "no_return": {"maintenance": MaintenanceRules(returns=0, returns_blocked=0)},
+    "no_expansion": {"maintenance": MaintenanceRules(expand=False)},
+    "no_reverse": {"reverse": False},
+}
+"""LTVN's agent; one whose map stays as it was built; and ablations, of which "lenient" is the
+paper's test of success."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the experiment.
+
+    Attributes:
+        agents: that are compared, each with its perception.
+        queries: in each building.
+        block: queries of one row.
+        fleet: robots that set off together.
+    """
+
+    agents: tuple[tuple[str, str], ...] = (
+        *((MENDING, NETWORK), (FROZEN, NETWORK), (MENDING, ORACLE), (FROZEN, ORACLE)),
+        *(("sptm", NETWORK), ("meng", NETWORK), ("oracle", ORACLE)),
+    )
+    queries: int = 500
+    block: int = 50
+    fleet: int = 25
+
+
+ABLATED = Settings(agents=tuple((name, NETWORK) for name in VARIANTS))
+
+
+@dataclass(frozen=True, eq=False)
+class Lived:
+    """What one agent did in one building.
+
+    Attributes:
+        success: (Q,) of each query.
+        sizes: vertices, edges and wormholes of the map after each block; None where there is none.
+    """
+
+    success: Array
+    sizes: list[tuple[int, int, int]] | None = None
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Let every agent live in every building."""
+    items = [(world, *agent) for world in options.worlds for agent in settings.agents]
+    found = for_each(lived, items, options.seed, settings, label="ltvn_lifelong")
+    by = dict(zip(items, found, strict=True))
+    rows: Rows = []
+    for name, perception in settings.agents:
+        for family, worlds in families(options.worlds).items():
+            parts = [by[world, name, perception] for world in worlds]
+            rows += _rows(
+                {"agent": name, "perception": perception, "family": family}, parts, worlds, settings
+            )
+    notes = _notes(by, options, settings)
+    return rows, notes
+
+
+def families(worlds: tuple[int, ...]) -> dict[str, list[int]]:
+    """The worlds by whether they are loop corridors, as Table II's are by their seeds."""
+    loops = [world for world in worlds if world % 3 == 2]
+    others = [world for world in worlds if world % 3 != 2]
+    return {name: some for name, some in (("others", others), ("loop_corridor", loops)) if some}
+
+
+def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
+    """One agent in one building."""
+    world, name, perception = item
+    whole = make_building(world, seed)
+    building = part_of(whole, TOUR, seed)
+    trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
+    if name in VARIANTS:
+        agent = prepared_agent(building, name, perception)
+        return mended(building, trials, agent, settings)
+    if name == "oracle":
+        goals = trials.goal_poses
+        outcome = navigate(building, trials, lambda sim: OracleNavigation(sim, whole.paths, goals))
+        return Lived(outcome.success.astype(float))
+    limits = CHOSEN[TOUR]
+    made = (
+        agents.sptm(s_shortcut=limits.s_shortcut)
+        if name == "sptm"
+        else agents.meng(settings=MapSettings(p_edge=limits.p_edge))
+    )
+    result = attempt(building, trials, made)
+    blocks = len(trials) // settings.block
+    return Lived(
+        result.outcome.success.astype(float),
+        [(result.vertices, result.edges, result.wormholes)] * blocks,
+    )
+
+
+def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
+    """A variant of LTVN's agent that has learned a building."""
+    changed = dict(VARIANTS[name])
+    if perception == ORACLE:
+        changed["model"] = model = TrueModel(building.scene)
+        changed["rules"] = replace(agents.LTVN_RULES, support=0.0)
+    else:
+        model = None
+        changed["rules"] = agents.LTVN_RULES
+    if not changed.pop("reverse", True):
+        changed["rules"] = replace(changed["rules"], reverse=np.inf)
+    agent = agents.ltvn(**changed)
+    agent.learn(deep_experiences(building, model))
+    return agent
+
+
+def mended(
+    building: Building,
+    trials: Trials,
+    agent: LTVNAgent,
+    settings: Settings,
+    after: Callable[[LTVNAgent], None] | None = None,
+) -> Lived:
+    """Run all queries, block by block."""
+    success, sizes = [], []
+    for first in range(0, len(trials), settings.block):
+        some = trials.subset(np.arange(first, min(first + settings.block, len(trials))))
+        outcome, _ = run_queries(building, some, agent, settings.fleet, first)
+        success.append(outcome.success.astype(float))
+        sizes.append(sizes_of(building, agent))
+        if after is not None:
+            after(agent)
+    return Lived(np.concatenate(success), sizes)
+
+
+def sizes_of(building: Building, agent: LTVNAgent) -> tuple[int, int, int]:
+    """Vertices, edges and wormholes of a map."""
+    graph: nx.DiGraph = agent.sampled.graph
+    poses = image_poses(building, agent)
+    edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
+    gap = building.paths.between(poses[edges[:, 0], :2], poses[edges[:, 1], :2])
+    return len(graph), len(edges), int((gap > WORMHOLE).sum())
+
+
+def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: Settings) -> Rows:
+    rows: Rows = []
+    for block, first in enumerate(range(0, settings.queries, settings.block)):
+        some = slice(first, first + settings.block)
+        values = [part.success[some] for part in parts]
+        units = np.repeat(worlds, [len(value) for value in values])
+        success, low, high = over_worlds(np.concatenate(values), units)
+        row = key | {"block": block, "worlds": len(worlds), "queries": len(units)}
+        row |= {"success": success, "low": low, "high": high}
+        for number, name in enumerate(("vertices", "edges", "wormholes")):
+            sizes = [part.sizes[block][number] for part in parts if part.sizes]
+            row[name] = float(np.mean(sizes)) if sizes else None
+        rows.append(row)
+    return rows
+
+
+def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[str]:
+    """Paired differences of LTVN's agent from the others, early and late."""
+    notes = []
+    half = min(100, settings.queries // 2)
+    for family, worlds in families(options.worlds).items():
+        for name, perception in settings.agents:
+            if name == MENDING or (MENDING, perception) not in settings.agents:
+                continue
+            for words, some in (("first", slice(half)), ("last", slice(-half, None))):
+                mine = [by[world, MENDING, perception].success[some] for world in worlds]
+                theirs = [by[world, name, perception].success[some] for world in worlds]
+                units = np.repeat(worlds, [len(one) for one in mine])
+                gap = difference(np.concatenate(mine), np.concatenate(theirs), units)
+                notes.append(
+                    f"{family}, {words} {half} queries, {perception}: {MENDING} - {name} "
+                    f"{in_points(gap)}"
+                )
+    return notes
+
+
+QUICK = Settings(
+    agents=(*((name, p) for p in PERCEPTIONS for name in (MENDING, FROZEN)), ("meng", NETWORK)),
+    queries=100,
+    block=20,
+    fleet=20,
+)
+EXPERIMENT = Experiment(
+    "ltvn_lifelong",
+    run,
+    WORLDS,
+    WORLDS[:2],
+    settings=Settings(),
+    quick_settings=QUICK,
+    ablations={
+        "parts": Experiment(
+            "ltvn_lifelong_parts",
+            run,
+            WORLDS,
+            WORLDS[:2],
+            settings=ABLATED,
+            quick_settings=replace(ABLATED, queries=100, block=20, fleet=20),
+        )
+    },
+)
