@@ -17,7 +17,7 @@ import numpy as np
 from tutorial_lib.agents.blockades import in_the_way
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
-from tutorial_lib.se2 import Array, compose, to_local
+from tutorial_lib.se2 import Array, compose, relative, to_local
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import length
@@ -108,7 +108,8 @@ class Journey:
         exits: vertices from which the goal is seen, and its waypoints (3,) from there.
         leg: what it drives now.
         path: the last plan.
-        trusted: the vertex where it has just arrived, and the edge on which.
+        trusted: where it has just arrived: the vertex, how it is known, the edge on which it came,
+            and the vertex's pose.
         avoided: edges that failed, until when.
         searched: steps that it has turned without knowing where it is.
     """
@@ -117,7 +118,7 @@ class Journey:
     exits: dict[int, Array]
     leg: Leg | None = None
     path: list[int] = field(default_factory=list)
-    trusted: tuple[int, Edge | None] | None = None
+    trusted: tuple[int, str, Edge | None, Array] | None = None
     avoided: dict[Edge, float] = field(default_factory=dict)
     searched: int = 0
 
@@ -219,9 +220,11 @@ class LTVNNavigation:
         journey.leg, journey.trusted = None, None
         executed = leg.closest <= settings.executed
         edge = (leg.source, leg.target)
+        later = float(self._now[robot]) + settings.patience
         if leg.target == GOAL:
-            if not executed:
-                journey.avoided[edge] = float(self._now[robot]) + settings.patience
+            model = self._map.pool.model
+            if not executed or model.predict(observation, journey.goal)[0][0] <= settings.near:
+                journey.avoided[edge] = later
             return
         reachable, waypoint = self._map.pool.seen_from(observation, np.array([leg.target]))
         seen = bool(reachable[0] > settings.near)
@@ -229,20 +232,19 @@ class LTVNNavigation:
             success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
         else:
             success = seen and float(length(waypoint[0])) < self._map.rules.connect
-        if leg.source == leg.target:  # it only drove to where it was localized
-            if executed and settings.trust:
-                journey.trusted = leg.target, None
-            return
         aim = to_local(observation.odometry[0], leg.aim[:2])[None]
         blocked = not executed and bool(in_the_way(observation.laser, aim)[0])
         done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by, blocked)
         self.traversals.append(done)
         if self._mends:
             self._upkeep.experienced(done)
-        if success and settings.trust:
-            journey.trusted = leg.target, edge
-        elif not success:
-            journey.avoided[edge] = float(self._now[robot]) + settings.patience
+        if not success:
+            journey.avoided[edge] = later
+        if settings.trust and executed and (success or leg.kind == "trusted"):
+            # Where it does not see the target it presumes for one edge to be there.
+            place = relative(observation.odometry[0], leg.aim)
+            kind = "trusted" if success else "presumed"
+            journey.trusted = leg.target, kind, edge, waypoint[0] if seen else place
 
     def _is_there(self, observation: Observation, robot: int) -> bool:
         """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""
@@ -315,11 +317,9 @@ class LTVNNavigation:
         Locally at first, among the vertices next to the last path, then among all (LTVN).
         """
         graph, settings, pool = self._map.graph, self._settings, self._map.pool
-        if journey.trusted is not None and journey.trusted[0] in graph:
-            here, edge = journey.trusted
-            reachable, waypoints = pool.seen_from(observation, np.array([here]))
-            offset = waypoints[0] if reachable[0] > settings.near else np.zeros(3)
-            return here, "trusted", edge, offset
+        presumed = journey.trusted if journey.trusted and journey.trusted[0] in graph else None
+        if presumed is not None and presumed[1] == "trusted":
+            return presumed
         around = {v for v in journey.path if v in graph}
         around |= {n for v in around for n in (*graph.successors(v), *graph.predecessors(v))}
         for kind, candidates, limit in (
@@ -331,7 +331,7 @@ class LTVNNavigation:
             if metres.size and metres.min() < settings.localize:
                 best = int(metres.argmin())
                 return int(candidates[best]), kind, None, waypoints[best]
-        return None
+        return presumed
 
     def _path(self, journey: Journey, here: int, now: float) -> list[int] | None:
         """The shortest path to an image from which the goal is seen, the map expanded if needed."""
@@ -341,7 +341,8 @@ class LTVNNavigation:
             exits = {vertex for vertex in journey.exits if (vertex, GOAL) not in avoided}
             if expanded(self._map, self._upkeep, here, exits, avoided):
                 path = self._shortest(journey, here, avoided)
-        return path
+        # What failed is tried again rather than nothing.
+        return self._shortest(journey, here, set()) if path is None else path
 
     def _shortest(self, journey: Journey, here: int, avoided: set[Edge]) -> list[int] | None:
         """Dijkstra's path over the edges' costs to one of the exits, and from there to the goal."""

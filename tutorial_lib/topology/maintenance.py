@@ -118,7 +118,7 @@ class MaintenanceRules:
     """
 
     succeeds: dict[str, float] = field(
-        default_factory=lambda: {"trusted": 0.97, "local": 0.9, "global": 0.75}
+        default_factory=lambda: {"trusted": 0.97, "local": 0.9, "global": 0.75, "presumed": 0.6}
     )
     deceives: float = 0.05
     prune: float = 0.2
@@ -141,8 +141,9 @@ class MaintenanceRules:
         number("loosened", self.loosened, least=1.0)
 
 
-KINDS = ("trusted", "local", "global")
-"""How a robot was localized: it has just arrived there, near its last path, or anywhere."""
+KINDS = ("trusted", "local", "global", "presumed")
+"""How a robot was localized: it has just arrived there and sees so; near its last path; anywhere;
+or it drove there but does not see where it is."""
 Edge = tuple[int, int]
 
 
