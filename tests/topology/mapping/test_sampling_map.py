@@ -65,7 +65,7 @@ def pool_of(poses, drives=None, wormholes=()):
 def corridor(count=40, apart=0.4):
     """Drives there and back along a line."""
     there = np.column_stack([apart * np.arange(count), np.zeros(count), np.zeros(count)])
-    back = there[::-1] + [0.1, 0.2, np.pi]
+    back = np.add(there[::-1], [0.1, 0.2, np.pi])
     return np.concatenate([there, back])
 
 
