@@ -121,8 +121,14 @@ NTS = (
     Departure(
         "Sec. 5.1",
         "a supervised choice of frontier stands for Active Neural SLAM; imitation begins with "
-        "NTS's encoder",
-        ("learning/exploration_policies.py", "learning/imitation_recipes.py"),
+        "NTS's encoder, and its expert takes some actions at random; frontier exploration goes to "
+        "random places that it has seen once no frontier is left",
+        (
+            "learning/exploration_policies.py",
+            "learning/imitation_recipes.py",
+            "learning/imitation_data.py",
+            "agents/frontier.py",
+        ),
         "Table 1: image-goal navigation",
     ),
     Departure(
