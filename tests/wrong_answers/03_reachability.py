@@ -834,6 +834,12 @@ def mine_pairs__draws_too_many(*case):
     return _mined(*case, count=lambda negatives: 10 * negatives)
 
 
+def mine_pairs__draws_no_more_than_easy_ones(*case):
+    """draw as many as hard negatives"""
+    easy = int((~np.isnan(case[3])).sum())
+    return _mined(*case, count=lambda negatives: min(negatives, easy))
+
+
 def mine_pairs__takes_the_share_of_the_easy_ones(*case):
     """of the weight of all"""
     return _mined(*case, weight=lambda share, easy, mined: share * easy / max(mined, 1))
