@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb07.small_differences import farthest
+from tutorial_lib.checks.nb07.small_differences import farthest, of_rounding
 from tutorial_lib.geometry import Array
 
 
@@ -127,10 +127,9 @@ _CASES = {
 
 def _lesson(got: Array, want: Array, *_: Array) -> str:
     """Which part of the rule is broken at the worst vertex."""
-    apart = np.nan_to_num(np.abs(got - want), nan=np.inf)
-    if apart.max() < 1e-6:
-        return "nearly right: products and root must keep all digits"
-    worst = int(apart.argmax())
+    if of_rounding(got, want):
+        return ""
+    worst = int(np.nan_to_num(np.abs(got - want), nan=np.inf).argmax())
     if got[worst] > want[worst]:
         return (
             "yours is too sure: a view before was at the same vertex or at before[v], nowhere "

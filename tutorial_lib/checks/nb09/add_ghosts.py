@@ -44,8 +44,8 @@ def _added(
     for other, pose in {} if fault == "first of all" and not ghosts else beside.items():
         there = _direction(pose, fault)
         back = _direction(inverse(pose), fault)
-        if fault == "heading of one":
-            there = round(pose[2] * _DIRECTIONS / (2 * np.pi)) % _DIRECTIONS
+        if fault == "heading for both":
+            there = back = round(pose[2] * _DIRECTIONS / (2 * np.pi)) % _DIRECTIONS
         if fault == "opposite":
             back = (there + 6) % _DIRECTIONS
         if fault == "both the same":
@@ -96,7 +96,7 @@ _FAULTS = {
     "heading": "heading",
     "np.arctan2 takes y first: arctan2(y, x)": "swapped",
     "the direction in which a node stands is the bearing of its place; yours is its heading, in "
-    "both frames or in one": "heading of one",
+    "both frames": "heading for both",
     "directions are counted counter-clockwise, as bearings are": "clockwise",
     "arctan(y / x) does not know ahead from behind: arctan2(y, x)": "slope",
     "a node also stands in a direction of the other one: remove that ghost, too, of the node that "
