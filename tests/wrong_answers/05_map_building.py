@@ -1155,3 +1155,15 @@ def edge_weights__takes_sure_edges_for_certain(reach, driven, p_edge):
     """RE of 0.995 and of 0.9999"""
     weights = edge_weights__right_with_loops(reach, driven, p_edge)
     return np.where(weights < 0.01, 0.0, weights)
+
+
+def weakest_aligned__keeps_the_column(reach, before, after, steps):
+    """yours leaves out an aligned pair"""
+    best = _pair_by_pair(reach, before, after, steps)
+    return np.maximum(best, np.median(reach))
+
+
+def ask_next__goes_two_steps(reach, before, after, p_edge):
+    """only the four neighbours of pairs that are sure now"""
+    first = _search(reach, before, after, reach > p_edge)
+    return first | _search(reach, before, after, first)
