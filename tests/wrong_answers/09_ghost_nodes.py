@@ -946,10 +946,10 @@ def add_ghosts__only_the_nearest_node(ghosts, node, explorable, beside):
     return added(ghosts, node, explorable, {other: beside[other] for other in near})
 
 
-def global_policy__takes_the_least_score(graph, here, ghosts, scores, goal=None, weight=0.0):
+def global_policy__rounds_where_nothing_costs(graph, here, ghosts, scores, goal=None, weight=0.0):
     """with its digits as they are"""
-    turned = {ghost: -score for ghost, score in scores.items()}
-    return chosen(graph, here, ghosts, turned, goal, weight)
+    some = {ghost: round(score, 1) for ghost, score in scores.items()}
+    return chosen(graph, here, ghosts, scores if weight else some, goal, weight)
 
 
 def spl__takes_the_median(success, shortest, travelled):
