@@ -87,7 +87,7 @@ def check_fit_temperature(student: Callable[..., Any]) -> None:
         form=_form,
         same=_same,
         difference=_apart,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -117,7 +117,7 @@ def _apart(got: float, want: float, *case: Array) -> str:
     return f"{losses}, the smallest"
 
 
-def _lesson(got: float, want: float, *_: Array) -> str:
+def _broken(got: float, want: float, *_: Array) -> str:
     """What to look at where no known mistake gives a temperature."""
     if not 0.99 * LOWEST <= got <= 1.01 * HIGHEST:
         return "where the loss falls up to an end of the range, T is that end, and no farther"

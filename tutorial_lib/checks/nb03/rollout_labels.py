@@ -59,7 +59,7 @@ def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         form=_form,
         same=_same,
         difference=_worst,
-        lesson=_lesson,
+        broken=_broken,
         draw=_timelines,
     )
 
@@ -80,7 +80,7 @@ def _same(got: Array, want: Array, *_: object) -> bool:
     return np.allclose(got, want, atol=1e-6, equal_nan=True)
 
 
-def _lesson(got: Array, want: Array, *case: Array) -> str:
+def _broken(got: Array, want: Array, *case: Array) -> str:
     """Which of the three conditions decides the first label that is wrong."""
     times, gaps, _, geodesic = case
     number = int(np.flatnonzero(~np.isclose(got, want, atol=1e-6))[0])

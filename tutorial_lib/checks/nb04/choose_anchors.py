@@ -205,7 +205,7 @@ _FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
 }
 
 
-def _lesson(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
+def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
     """Which part of the rule the first wrong anchor breaks."""
     i, mine, right = next(
         (
@@ -279,6 +279,6 @@ def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         invoke=calling(_HINTS),
         form=frame_indices,
         difference=_apart,
-        lesson=_lesson,
+        broken=_broken,
         draw=_tables,
     )

@@ -65,7 +65,7 @@ def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         invoke=calling(_HINTS),
         form=_form,
         difference=_difference,
-        lesson=_lesson,
+        broken=_broken,
         draw=_drawn,
     )
 
@@ -77,7 +77,7 @@ def _form(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401 
     return np.sort(frame_indices(what, list(got) if isinstance(got, set) else got))
 
 
-def _lesson(
+def _broken(
     got: NDArray[np.intp], want: NDArray[np.intp], anchors: NDArray[np.intp], total: int, k: int
 ) -> str:
     """Which part of the rule the wrong frames break."""

@@ -216,5 +216,5 @@ def check_move_on(student: Callable[..., Any]) -> None:
         invoke=INVOKE,
         form=two_anchors,
         difference=explained,
-        lesson=moved_wrongly,
+        broken=moved_wrongly,
     )

@@ -263,5 +263,5 @@ def check_transition(student: Callable[..., Any]) -> None:
         invoke=INVOKE,
         form=state_and_anchors,
         difference=explained,
-        lesson=changed_wrongly,
+        broken=changed_wrongly,
     )

@@ -71,12 +71,12 @@ def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | No
         form=_per_pair,
         same=partial(close, tolerance=1e-9),
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
         draw=_tables,
     )
 
 
-def _lesson(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken at the first pair that is wrong."""
     i, v = (int(n) for n in np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0])
     if got[i, v] < want[i, v]:

@@ -244,7 +244,7 @@ def check_join_ends(student: Callable[..., Any]) -> None:
         invoke=_invoke,
         form=_graph,
         difference=_unlike,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -281,7 +281,7 @@ def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students
     }
 
 
-def _lesson(got: Graph, want: Graph, graph: Graph, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: Graph, want: Graph, graph: Graph, *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
     if any(got.get(v, {}).get(w) != p for v, out in graph.items() for w, p in out.items()):
         return "the map's own vertices and edges stay as they are"

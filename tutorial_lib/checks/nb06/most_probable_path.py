@@ -77,7 +77,7 @@ def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] |
         form=_path,
         same=_same,
         difference=_apart,
-        lesson=_lesson,
+        broken=_broken,
         draw=_graphs,
     )
 
@@ -124,7 +124,7 @@ def _same(got: Found, want: Found, graph: Graph, *_: Vertex) -> bool:
     return ends and math.isclose(probability_of(graph, got[0]), want[1], abs_tol=1e-9)
 
 
-def _lesson(got: Found, want: Found, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: Found, want: Found, *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
     if got[0] == want[0]:
         return "the probability is the product of RE along the path, with all digits"

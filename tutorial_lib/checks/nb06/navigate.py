@@ -215,7 +215,7 @@ def check_navigate(student: Callable[..., Any]) -> None:
         invoke=_invoke,
         form=_form,
         difference=_differ,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -243,7 +243,7 @@ def _form(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
     return ending, shown, set(excluded), got[1]
 
 
-def _lesson(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noqa: ANN401
+def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
     mine, right = got[3], want[3]
     common = next(

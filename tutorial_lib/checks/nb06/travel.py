@@ -235,7 +235,7 @@ def check_travel(student: Callable[..., Any]) -> None:
         invoke=_invoke,
         form=_ending,
         difference=_differ,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -252,7 +252,7 @@ def _ending(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
     return (bool(arrived), set(excluded)), got[1]
 
 
-def _lesson(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noqa: ANN401
+def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
     names = [[called for called, _ in log] for log in (got[1], want[1])]
     if names[0] != names[1]:

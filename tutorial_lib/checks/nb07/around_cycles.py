@@ -167,7 +167,7 @@ def check_around_cycles(student: Callable[..., Any]) -> None:
         form=_formed,
         same=_same,
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -240,7 +240,7 @@ def _difference(mine: Graph, right: Graph) -> tuple[int, int] | None:
     return None
 
 
-def _lesson(got: tuple[bool, Graph], want: tuple[bool, Graph], graph: Graph, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: tuple[bool, Graph], want: tuple[bool, Graph], graph: Graph, *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
     if got[0] != want[0]:
         return "it is a cycle where one vertex, whichever, was entered `cycle` times or more"

@@ -125,7 +125,7 @@ _CASES = {
 }
 
 
-def _lesson(got: Array, want: Array, *_: Array) -> str:
+def _broken(got: Array, want: Array, *_: Array) -> str:
     """Which part of the rule is broken at the worst vertex."""
     if of_rounding(got, want):
         return ""
@@ -156,5 +156,5 @@ def check_match_sequence(student: Callable[..., Any]) -> None:
         form=lambda what, got, looks, *_: numbers(what, got, looks.shape[1:]),
         same=partial(close, tolerance=1e-9),
         difference=farthest,
-        lesson=_lesson,
+        broken=_broken,
     )

@@ -157,11 +157,11 @@ def check_predict(student: Callable[..., Any]) -> None:
         form=lambda what, got, belief, *_: numbers(what, got, belief.shape),
         same=partial(close, tolerance=1e-9),
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
-def _lesson(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
+def _broken(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
     """Which part of the rule is broken."""
     if of_rounding(got, want):
         return ""

@@ -79,7 +79,7 @@ def same(got: Answer, want: Answer, *_: object) -> bool:
     return np.allclose(got[0], want[0], rtol=0, atol=_TOLERANCE) and got[1:] == want[1:]
 
 
-def lesson(got: Answer, want: Answer, story: Story) -> str:
+def broken(got: Answer, want: Answer, story: Story) -> str:
     """Which part of the rule the first wrong step breaks."""
     if got[2] != want[2]:
         step = min(set(got[2]) ^ set(want[2]))

@@ -117,7 +117,7 @@ _CASES = {
 }
 
 
-def _lesson(got: Array, want: Array, prior: Array, likelihood: Array) -> str:
+def _broken(got: Array, want: Array, prior: Array, likelihood: Array) -> str:
     """Which part of the rule is broken in the worst row."""
     if of_rounding(got, want):
         return ""
@@ -149,5 +149,5 @@ def check_update(student: Callable[..., Any]) -> None:
         form=lambda what, got, prior, *_: numbers(what, got, prior.shape),
         same=partial(close, tolerance=1e-9),
         difference=farthest,
-        lesson=_lesson,
+        broken=_broken,
     )

@@ -187,7 +187,7 @@ def check_add_ghosts(student: Callable[..., Any]) -> None:
         invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", hints),
         form=_formed,
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -205,7 +205,7 @@ def _formed(what: str, got: object, *_: object) -> Ghosts:
     return {(int(node), int(direction)) for node, direction in got}
 
 
-def _lesson(
+def _broken(
     got: Ghosts, want: Ghosts, ghosts: Ghosts, node: int, explorable: NDArray[np.bool_], *_: object
 ) -> str:
     """Which part of the rule the first wrong ghost breaks."""

@@ -148,7 +148,7 @@ def check_explorable(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
         invoke=calling({IndexError: f"{whole}, and {far}"}),
         form=lambda what, got, *_: mask(what, got, (_DIRECTIONS,)),
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
         draw=_draw,
     )
 
@@ -179,7 +179,7 @@ def _cell(free: NDArray[np.bool_], radius: float, direction: int) -> tuple[int, 
     return middle + left, middle + ahead
 
 
-def _lesson(
+def _broken(
     got: NDArray[np.bool_], want: NDArray[np.bool_], free: NDArray[np.bool_], radius: float
 ) -> str:
     """Which part of the rule is broken in the first wrong direction."""

@@ -150,7 +150,7 @@ def check_explore(student: Callable[..., Any]) -> None:
         form=_formed,
         same=_same,
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -179,7 +179,7 @@ def _same(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> bool:
     return got == want
 
 
-def _lesson(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
+def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
     """Which part of the rule is broken where it first goes another way."""
     for mine, right in zip(got[4], want[4], strict=False):
         if mine != right:

@@ -254,7 +254,7 @@ def check_global_policy(student: Callable[..., Any]) -> None:
         invoke=keeping(global_policy, "it is needed again in the next step", hints),
         form=_formed,
         difference=_why,
-        lesson=_lesson,
+        broken=_broken,
     )
 
 
@@ -267,7 +267,7 @@ def _formed(what: str, got: object, graph: nx.Graph, *_: object) -> Choice:
     return int(node), ghost
 
 
-def _lesson(
+def _broken(
     got: Choice,
     want: Choice,
     graph: nx.Graph,

@@ -145,12 +145,12 @@ def check_spl(student: Callable[..., Any]) -> None:
         ),
         form=_formed,
         same=partial(close, tolerance=1e-6),
-        lesson=_lesson,
+        broken=_broken,
         difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",
     )
 
 
-def _lesson(
+def _broken(
     got: float, want: float, success: NDArray[np.bool_], shortest: Array, travelled: Array
 ) -> str:
     """Which part of the rule is broken."""
