@@ -1086,7 +1086,7 @@ def rollout_labels__leaves_out_the_last_moment(times, gaps, touched, geodesic):
 
 
 def reach_loss__drops_small_weights(logits, labels, weights):
-    """small weights"""
+    """however small; the sum over that of the weights"""
     weights = np.where(weights < 0.05 * weights.max(), 0.0, weights)
     return reach_loss__right_pair_by_pair(logits, labels, weights)
 
@@ -1105,12 +1105,6 @@ def rollout_labels__limits_the_time(times, gaps, touched, geodesic):
 def reach_loss__smooths_the_labels(logits, labels, weights):
     """the loss of each pair is log(1 + exp(z)) - y z, by logit z and label y as they are"""
     return np.average(_each(logits, 0.98 * labels + 0.01), weights=weights)
-
-
-def reach_loss__leaves_out_small_weights(logits, labels, weights):
-    """however small; the sum over that of the weights"""
-    kept = weights > 0.05 * weights.max()
-    return np.average(_each(logits, labels)[kept], weights=weights[kept])
 
 
 def fit_temperature__takes_the_spread(logits, labels):
