@@ -477,7 +477,7 @@ def insert(grown, own, scores, p_reuse):
             grown.trajectory[vertex], grown.place[vertex] = len(grown.paths), i
             grown.before[vertex], grown.after[vertex] = beside[i], beside[i + 2]
     for vertex in new:
-        for other in grown.vertices:
+        for other in set(grown.vertices) - {vertex}:
             grown.edge_reach[vertex, other] = scores[vertex, other]
             grown.edge_reach[other, vertex] = scores[other, vertex]
     for step in pairwise(path):

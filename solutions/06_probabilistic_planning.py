@@ -236,8 +236,8 @@ def join_ends(graph, from_here, to_goals, p_here, p_goal):
     p_here, p_goal: there is an edge where RE is greater; p_here for those from
     HERE to a vertex of the graph, p_goal for those to GOAL. v that is neither
     in graph nor HERE is left out.
-    Returns a new graph with all of graph, HERE and GOAL: joined[HERE][v], and
-    joined[v][GOAL].
+    Returns a new graph (its inner dictionaries are new, too) with all of
+    graph, HERE and GOAL: joined[HERE][v], and joined[v][GOAL].
     """
     ### BEGIN SOLUTION
     joined = {v: dict(out) for v, out in graph.items()}
