@@ -81,7 +81,7 @@ torch.set_num_threads(1)  # the networks are small: a second thread would mostly
 #
 # The controller of notebook 02 is given an image and drives to the place shown in it. It usually succeeds, but it cannot tell in advance when it will fail. The planner that chooses its next target has to know.
 #
-# Which targets can it reach? Those nearby, one might say. But a place one metre away may be behind a wall, and a place six metres away at the other end of an empty corridor. The paper defines reachability without distances (III-C):
+# Which targets can it reach? Those nearby, one might say. But a place one metre away may be behind a wall, and a place six metres away at the other end of an empty corridor. The paper defines reachability without distances (III-A, III-C):
 #
 # $$ \mathrm{RE}(o_\text{current},\, \hat o_\text{target}) \;=\; P\bigl(\text{reach} \mid o_\text{current},\, \hat o_\text{target},\, \mathcal C\bigr) . $$
 #

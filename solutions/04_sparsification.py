@@ -413,7 +413,7 @@ table({**headings, "stored": ".1%"}, lines, caption="this trajectory")
 
 # %% [markdown]
 # <details><summary>Are fewer images stored?</summary>
-# No. With $k = 5$ there are fewer anchors, but each comes with eleven frames instead of five; so more is stored, and $k = 0$ stores the least by far. The paper says so too ("one may argue that contextification reduces the effective sparsification ratio", III-D), and answers that the number of anchors is what costs time: each step compares
+# No. With $k = 5$ there are fewer anchors, but each comes with eleven frames instead of five; so more is stored, and $k = 0$ stores the least by far. The paper says so too (with contexts "more observations have to be kept", IV-B), and answers that the number of anchors is what costs time (III-D): each step compares
 # the present image with a few anchors, whose part is encoded once (notebook 02).
 # </details>
 #

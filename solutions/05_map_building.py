@@ -195,7 +195,7 @@ print(f"{len(frames)} trajectories, {metres:.0f} m, {sum(frames)} images")
 show(picture)
 
 # %% [markdown]
-# Notebook 04 chose the anchors of trajectories; here with $k = 5$ at $p_\text{sparsify} = 0.99$, as in the paper. Then $\mathcal{RE}$ is evaluated on **all** pairs of anchors, once, and kept in a table. (About 14 s, the slowest cell of this notebook. Section 6 shows why a real map must not do this.)
+# Notebook 04 chose the anchors of trajectories; here with $k = 5$ at $p_\text{sparsify} = 0.99$, the value of the paper's Fig. 5 (IV-A). Then $\mathcal{RE}$ is evaluated on **all** pairs of anchors, once, and kept in a table. (About 14 s, the slowest cell of this notebook. Section 6 shows why a real map must not do this.)
 
 # %% hidden=true
 # Anchors of all trajectories, and RE between all of them
@@ -477,7 +477,7 @@ def insert(grown, own, scores, p_reuse):
             grown.trajectory[vertex], grown.place[vertex] = len(grown.paths), i
             grown.before[vertex], grown.after[vertex] = beside[i], beside[i + 2]
     for vertex in new:
-        for other in grown.vertices:
+        for other in set(grown.vertices) - {vertex}:
             grown.edge_reach[vertex, other] = scores[vertex, other]
             grown.edge_reach[other, vertex] = scores[other, vertex]
     for step in pairwise(path):

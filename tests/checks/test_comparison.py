@@ -33,6 +33,18 @@ def test_a_mistake_that_explains_only_some_answers_is_not_named():
         compared(lambda a, b: a * b if a > 2 else a + b)
 
 
+def test_a_rule_is_said_where_no_mistake_is_named():
+    def broken(got, want, a, b):
+        return f"{a} and {b} make more" if got < want else ""
+
+    with pytest.raises(WrongAnswer, match=r"^add, small: 1 and 2 make more \(0 came back; 3 is"):
+        compared(lambda a, b: 0, broken=broken)
+    with pytest.raises(WrongAnswer, match=r"^add, small: 9 came back; 3 is right$"):
+        compared(lambda a, b: 9, broken=broken)
+    with pytest.raises(WrongAnswer, match=r"^add, small: add, do not multiply \(2 came"):
+        compared(lambda a, b: a * b, broken=broken)
+
+
 SIGNS = {f"of {n}": (n,) for n in (0, 2, -3, -4, -5, -6, -7)}
 
 

@@ -42,7 +42,7 @@ def test_an_answer_that_changes_its_arguments_does_not_spoil_the_next():
         result = check_predict(predict)
         assert "your function changes its argument belief" in result.message
     assert check_predict(lambda belief, *_: belief * 1.01).message.endswith(
-        "sums to 1.01, not to 1"
+        "sums to 1.01, not to 1)"
     )
 
 

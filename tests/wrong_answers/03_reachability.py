@@ -834,6 +834,12 @@ def mine_pairs__draws_too_many(*case):
     return _mined(*case, count=lambda negatives: 10 * negatives)
 
 
+def mine_pairs__draws_no_more_than_easy_ones(*case):
+    """draw as many as hard negatives"""
+    easy = int((~np.isnan(case[3])).sum())
+    return _mined(*case, count=lambda negatives: min(negatives, easy))
+
+
 def mine_pairs__takes_the_share_of_the_easy_ones(*case):
     """of the weight of all"""
     return _mined(*case, weight=lambda share, easy, mined: share * easy / max(mined, 1))
@@ -1080,6 +1086,27 @@ def rollout_labels__leaves_out_the_last_moment(times, gaps, touched, geodesic):
 
 
 def reach_loss__drops_small_weights(logits, labels, weights):
-    """small weights"""
+    """however small; the sum over that of the weights"""
     weights = np.where(weights < 0.05 * weights.max(), 0.0, weights)
     return reach_loss__right_pair_by_pair(logits, labels, weights)
+
+
+def rollout_labels__rounds_the_gaps(times, gaps, touched, geodesic):
+    """it comes near too late"""
+    return _right(times, gaps.round(1), touched, geodesic)
+
+
+def rollout_labels__limits_the_time(times, gaps, touched, geodesic):
+    """a single moment is enough, any from the first to the last"""
+    limit = np.minimum(geodesic / 0.3 + 5, 20.0)
+    return _float((gaps <= 0.3) & _clean(touched) & (times[:, None] <= limit))
+
+
+def reach_loss__smooths_the_labels(logits, labels, weights):
+    """the loss of each pair is log(1 + exp(z)) - y z, by logit z and label y as they are"""
+    return np.average(_each(logits, 0.98 * labels + 0.01), weights=weights)
+
+
+def fit_temperature__takes_the_spread(logits, labels):
+    """the least mean of reach_loss(logits / T, labels)"""
+    return float(np.clip(3 * np.std(logits), 0.05, 20.0))

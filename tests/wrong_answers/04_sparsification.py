@@ -871,7 +871,7 @@ def follow_step__takes_the_old_anchors_waypoint(memory, reach, overlap, waypoint
 
 
 def follow_step__never_arrives(memory, reach, overlap, waypoints, odometry, rules):
-    """with at, transition gives the new state"""
+    """with RE above rules.p_lose; state, active and visited"""
     return _step(memory, reach, overlap, waypoints, odometry, rules, at=False)
 
 
@@ -1225,3 +1225,35 @@ def follow_step__right_by_the_sum(*step):
 def follow_step__old_clock(*step):
     """is compared with rules.effort after this step has been added"""
     return _looped(*step, nearer=lambda far, nearest: far < nearest - 0.05, clock="old")
+
+
+def choose_anchors__looks_five_ahead(reach, threshold):
+    """however many those are"""
+    return _greedy(lambda i, k: k <= i + 5 and reach[i, k] > threshold, len(reach))
+
+
+def frames_to_keep__keeps_both_ends(anchors, total, k):
+    """the ends of the trajectory are no exception"""
+    return {0, total - 1} | frames_to_keep__right_as_a_set(anchors, total, k)
+
+
+def move_on__counts_the_next_as_reached(active, visited, reach, overlap, at, rules):
+    """at makes the active anchor the one last visited"""
+    reached = min(active + at, len(reach) - 1)
+    visited = max(_seen(active, visited, overlap, False, rules), reached if at else visited)
+    return _onward(active, visited, reach, overlap, rules)
+
+
+def transition__is_done_once_the_last_was_visited(
+    state, active, visited, reach, overlap, at, waited, rules
+):
+    """visited alone is not at"""
+    if state == State.FOLLOW and visited == len(reach) - 1:
+        return State.DONE, active, visited
+    return _right(state, active, visited, reach, overlap, at, waited, rules)
+
+
+def transition__searches_by_overlap(state, active, visited, reach, overlap, at, waited, rules):
+    """in Search RE alone decides"""
+    seen = overlap if state == State.SEARCH else reach
+    return _right(state, active, visited, seen, overlap, at, waited, rules)

@@ -648,6 +648,14 @@ def insert__joins_only_old_ones(grown, own, scores, p_reuse):
     _connected(grown, _added(grown, own, path), path, scores, old)
 
 
+def insert__joins_each_with_itself(grown, own, scores, p_reuse):
+    """with every other vertex, not with itself"""
+    path, _ = _inserted(grown, own, p_reuse)
+    new = _added(grown, own, path)
+    _connected(grown, new, path, scores)
+    grown.edge_reach[new, new] = scores[new, new]
+
+
 def insert__joins_by_reach(grown, own, scores, p_reuse):
     """edges have the RE in scores"""
     path, _ = _inserted(grown, own, p_reuse)
@@ -745,6 +753,7 @@ def insert__right_with_tables(grown, own, scores, p_reuse):
     for rows, columns in ((own[new], everything), (everything, own[new])):
         kept = np.ix_(rows, columns)
         grown.edge_reach[kept] = scores[kept]
+    np.fill_diagonal(grown.edge_reach, 0)
     steps = path[:-1], path[1:]
     grown.driven[steps] = True
     grown.edge_reach[steps] = np.maximum(grown.edge_reach[steps], grown.reach[steps])
@@ -1146,3 +1155,15 @@ def edge_weights__takes_sure_edges_for_certain(reach, driven, p_edge):
     """RE of 0.995 and of 0.9999"""
     weights = edge_weights__right_with_loops(reach, driven, p_edge)
     return np.where(weights < 0.01, 0.0, weights)
+
+
+def weakest_aligned__keeps_the_column(reach, before, after, steps):
+    """yours leaves out an aligned pair"""
+    best = _pair_by_pair(reach, before, after, steps)
+    return np.maximum(best, np.median(reach))
+
+
+def ask_next__goes_two_steps(reach, before, after, p_edge):
+    """only the four neighbours of pairs that are sure now"""
+    first = _search(reach, before, after, reach > p_edge)
+    return first | _search(reach, before, after, first)

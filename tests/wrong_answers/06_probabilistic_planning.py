@@ -1681,3 +1681,25 @@ def navigate__wastes_the_last_step(robot, graph, rules, limits):
 
     ending, *rest = check_navigate.reference(Watched(), graph, rules, limits)
     return "late" if ending == "arrived" and steps == limits.steps else ending, *rest
+
+
+def most_probable_path__gives_up_after_ten_edges(graph, start, goal):
+    """a path is found if edges lead there, however many"""
+    path, probability = most_probable_path__right_by_products(graph, start, goal)
+    return (path, probability) if len(path) <= 11 else ([], 0.0)
+
+
+def join_ends__takes_the_mean_of_two(graph, from_here, to_goals, p_here, p_goal):
+    """a new edge holds RE as it is, the greatest of all goal images"""
+    joined = _joined(graph, from_here, to_goals, p_here, p_goal)
+    for v, out in joined.items():
+        seen = sorted(image[v] for image in to_goals if v in image)
+        if GOAL in out and len(seen) > 1:
+            out[GOAL] = (seen[-1] + seen[-2]) / 2
+    return joined
+
+
+def travel__returns_only_its_last(plan, drive, replans):
+    """all that was excluded in the whole navigation"""
+    arrived, excluded = _travelled(plan, drive, replans)
+    return arrived, set(sorted(excluded)[-1:])

@@ -1017,3 +1017,35 @@ def around_cycles__drops_edges_of_0(graph, visited, cycle, bias):
     """an edge stays also where its RE becomes 0"""
     found, new = check_around_cycles.reference(graph, visited, cycle, bias)
     return found, {v: {w: p for w, p in out.items() if p} for v, out in new.items()}
+
+
+def predict__rounds_the_motion(belief, motion, lengths, onward):
+    """by each robot's own motion, unrounded"""
+    return moved_on(belief, motion.round(1), lengths, onward)
+
+
+def update__softens(prior, likelihood):
+    """no other function of them"""
+    weights = np.exp(prior * likelihood)
+    return weights / weights.sum(axis=1, keepdims=True)
+
+
+def match_sequence__comes_from_two_before(likelihoods, before):
+    """at the same vertex or at before[v], nowhere else"""
+    total = likelihoods[0]
+    for look in likelihoods[1:]:
+        come = np.where(before >= 0, total[before], 0)
+        total = look * np.maximum.reduce([total, come, np.where(before >= 0, come[before], 0)])
+    return total ** (1 / len(likelihoods))
+
+
+def track__looks_in_every_second_step(odometry, look, lengths, onward, rules):
+    """a robot that has moved a stride since its last prediction predicts, and looks"""
+    return _tracked(odometry, look, lengths, onward, rules, measure=lambda *_: 0.0)
+
+
+def around_cycles__drops_the_edges(graph, visited, cycle, bias):
+    """every edge stays, and none is added"""
+    n = _counts(visited)
+    found, biased = _reference(graph, visited, cycle, bias)
+    return found, {v: {w: p for w, p in out.items() if n[w] < cycle} for v, out in biased.items()}

@@ -933,3 +933,25 @@ def add_ghosts__gives_the_same_set_back(ghosts, node, explorable, beside):
 def spl__at_rest(success, shortest, travelled):
     """it counts fully"""
     return np.mean(success * (travelled > 0) * shortest / np.maximum(shortest, travelled))
+
+
+def explorable__compares_with_a_number(free, radius):
+    """the path to the point is longer than 1.05 * radius"""
+    return _lengths_at(free, radius)[0] <= 1.05 * 3.0
+
+
+def add_ghosts__only_the_nearest_node(ghosts, node, explorable, beside):
+    """for every node beside and whatever ghosts the new one has"""
+    near = sorted(beside, key=lambda other: np.hypot(*beside[other][:2]))[:1]
+    return added(ghosts, node, explorable, {other: beside[other] for other in near})
+
+
+def global_policy__rounds_where_nothing_costs(graph, here, ghosts, scores, goal=None, weight=0.0):
+    """with its digits as they are"""
+    some = {ghost: round(score, 1) for ghost, score in scores.items()}
+    return chosen(graph, here, ghosts, scores if weight else some, goal, weight)
+
+
+def spl__takes_the_median(success, shortest, travelled):
+    """each one that failed with 0"""
+    return float(np.median(success * shortest / np.maximum(shortest, travelled)))

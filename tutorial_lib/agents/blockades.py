@@ -27,8 +27,8 @@ _NEARBY = 2.5  # metres within which a robot is still where it could not pass
 def in_the_way(lasers: Array, waypoints: Array) -> NDArray[np.bool_]:
     """(N,) whether the laser sees something on the straight line to a waypoint.
 
-    Waypoints are in line of sight of where they are predicted (Meng 2020, III-B): what stands
-    before one was not there when the network learned such places.
+    The network learned waypoints in line of sight (`learning.labels`): what stands before one was
+    not there when it learned such places.
 
     Args:
         lasers: (N, B) metres, full circles.

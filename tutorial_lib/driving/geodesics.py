@@ -80,7 +80,7 @@ class DistanceFields:
     def waypoints(
         self, points: ArrayLike, goals: NDArray[np.intp], caster: Raycaster, reach: float
     ) -> Array:
-        """The farthest point of each path that lies in line of sight (Meng 2020, IV).
+        """The farthest point of each path that lies in line of sight, as in Meng 2020's code.
 
         Args:
             points: (N, 2) where the robots are.

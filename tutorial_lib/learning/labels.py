@@ -1,4 +1,4 @@
-"""Labels from a trajectory (Meng 2020, IV): waypoint, heading difference, overlap.
+"""Labels from a trajectory (Meng 2020, III-B, IV): waypoint, heading difference, overlap.
 
 A pair is a start beside a recorded trajectory, and a frame of that trajectory as target.
 """
@@ -23,7 +23,9 @@ CANDIDATES = 16
 def waypoint_labels(
     caster: Raycaster, starts: Array, track: Array, sources: NDArray, targets: NDArray
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """The farthest place on the trajectory that a free straight line leads to (Meng 2020, IV).
+    """The farthest place on the trajectory that a free straight line leads to.
+
+    The authors of Meng 2020 take the farthest such place on A*'s path.
 
     Args:
         caster: the walls.

@@ -41,7 +41,10 @@ def draw_waypoint_pairs(
     rng: np.random.Generator,
     close: float = 0.0,
 ) -> WaypointPairs:
-    """Draw pairs of which the target is 1 m behind to 3 m ahead of the start (Meng 2020, III-B).
+    """Draw pairs of which the target is 1 m behind to 3 m ahead of the start.
+
+    So are those of Table I (Meng 2020, III-B). The paper's C learns from two images of a trajectory
+    "with certain visual overlap" (IV).
 
     Args:
         recorded: trajectories of one world.

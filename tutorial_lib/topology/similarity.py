@@ -1,4 +1,4 @@
-"""Plain image similarity, to compare learned reachability with (Meng 2020, IV)."""
+"""Plain image similarity, to compare learned reachability with."""
 
 import math
 

@@ -9,7 +9,9 @@ from tests.experiments.results_page.tables import cells
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Report
 from tutorial_lib.experiments.results_page import compared, compared_meng, compared_nts
-from tutorial_lib.experiments.results_page.departures import MENG, NTS, Departure, departures
+from tutorial_lib.experiments.results_page.departures import Departure, departures
+from tutorial_lib.experiments.results_page.departures_meng import MENG
+from tutorial_lib.experiments.results_page.departures_nts import NTS
 from tutorial_lib.experiments.results_page.markdown import table
 from tutorial_lib.experiments.results_page.page import page_of
 from tutorial_lib.experiments.results_page.sources import Results, load_results, matching, one
@@ -72,6 +74,8 @@ def test_what_is_said_of_meng_holds_of_the_stored_rows():
         one(clean, controller=name)["success"] for name in ("direct", "k0", "k2", "k5")
     )
     assert direct + 0.3 < k0 < k2 < k5
+    encoders = {row["variant"]: row["success"] for row in RESULTS.rows("ablation_encoder")}
+    assert encoders["pair"] > max(encoders["separate"], encoders["stacked"])
     anchors = {row["context"]: row for row in RESULTS.rows("meng_fig5")}
     assert anchors["k5"]["anchors"] < anchors["k2"]["anchors"] < anchors["laser"]["anchors"]
     assert all(row["with_clearance_low"] > 0 > row["with_turn_high"] for row in anchors.values())
@@ -83,6 +87,9 @@ def test_what_is_said_of_meng_holds_of_the_stored_rows():
     )
     assert sum(success["sptm"]) >= sum(success["meng"])
     assert max(vertices["meng"]) < min(vertices["sptm"])
+    kept = matching(RESULTS.rows("meng_fig7"), method="meng", condition="clean", threshold=0.99)
+    stored = [one(kept, context=name)["stored"] for name in ("k0", "k2", "k5")]
+    assert stored == sorted(stored)
     bins = matching(RESULTS.rows("meng_fig9"), calibrated=False)
     arrived = [row["success"] for row in bins]
     assert arrived == sorted(arrived)

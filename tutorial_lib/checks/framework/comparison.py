@@ -43,6 +43,7 @@ def compare(
     form: Function = lambda what, answer, *case: answer,
     same: Function = lambda got, want, *case: equal(got, want),
     difference: Function = lambda got, want, *case: first_difference(got, want),
+    broken: Function = lambda got, want, *case: "",
     draw: Callable[[Any, Any], NDArray[np.uint8]] | None = None,
 ) -> NDArray[np.uint8] | None:
     """Demand the right answer to every case.
@@ -63,6 +64,7 @@ def compare(
             form in which answers are compared.
         same: (got, want, *case) tells whether two answers are equally good.
         difference: (got, want, *case) says what is wrong.
+        broken: (got, want, *case) says which rule is broken, where no known mistake is named.
         draw: (want, got) draws the answers to the first case.
 
     Returns:
@@ -93,7 +95,7 @@ def compare(
         words = altered(pairs) or _best(
             first, got, wanted, faults, answers, same, list(named.values())
         )
-        said = difference(mine, want, *case)
+        said, words = difference(mine, want, *case), words or broken(mine, want, *case)
         raise WrongAnswer(f"{what}: {words} ({said})" if words else f"{what}: {said}", picture)
     if aliases:
         raise aliases[0]

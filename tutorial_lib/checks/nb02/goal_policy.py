@@ -46,6 +46,23 @@ _FAULTS = {
             lambda o, d, v, gain, damping, near: gain * o / np.maximum(d, near) + damping * v
         )
     ),
+    "the gain multiplies the pull, the damping the velocity; yours exchanges them": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: damping * o / np.maximum(d, near) - gain * v
+        )
+    ),
+    "only the pull is divided by the length; the velocity is damped as it is": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (gain * o - damping * v) / np.maximum(d, near)
+        )
+    ),
+    "the damping works against the velocity with its sign, not against its size": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * o / np.maximum(d, near) - damping * np.abs(v)
+            )
+        )
+    ),
     "the damping is missing: subtract damping * velocity": (
         _accelerating(lambda o, d, v, gain, damping, near: gain * o / np.maximum(d, near))
     ),
@@ -107,6 +124,14 @@ _FAULTS = {
             )
         )
     ),
+    "the damping works against the whole velocity, also sideways, not only along the offset": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * o / np.maximum(d, near)
+                - damping * (v * o).sum(axis=-1, keepdims=True) * o / np.maximum(d, near) ** 2
+            )
+        )
+    ),
     "the velocity is damped component by component, not its length": (
         _accelerating(
             lambda o, d, v, gain, damping, near: (
@@ -152,6 +177,18 @@ _FAULTS = {
     "divide by the length of the offset, not by its square": (
         _accelerating(
             lambda o, d, v, gain, damping, near: gain * o / np.maximum(d**2, near) - damping * v
+        )
+    ),
+    "divide by the larger of the length and `near` itself, not by the square of that": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: gain * o / np.maximum(d, near) ** 2 - damping * v
+        )
+    ),
+    "divide by the length of the offset, not by the larger of its two components": (
+        _accelerating(
+            lambda o, d, v, gain, damping, near: (
+                gain * o / np.maximum(np.abs(o).max(axis=-1, keepdims=True), near) - damping * v
+            )
         )
     ),
     "x and y share one length; do not divide each by its own size": (
@@ -218,8 +255,11 @@ def _topics() -> list[Topic]:
         ),
         Topic(
             "points within `near` of their goals",
-            "nearer than `near`, divide by `near`: the pull fades evenly to nothing",
-            [(np.array([[0.05, 0.1], [-0.2, 0.0], [0.0, 0.34]]), np.zeros((3, 2)), *usual)],
+            "nearer than `near`, divide by `near`: the pull fades evenly, and is nothing at 0 only",
+            [
+                (np.array([[0.05, 0.1], [-0.2, 0.0], [0.0, 0.34]]), np.zeros((3, 2)), *usual),
+                (np.array([[0.02, 0.01], [0.0, -0.004]]), np.zeros((2, 2)), *usual),
+            ],
         ),
         Topic(
             "a point at its goal",

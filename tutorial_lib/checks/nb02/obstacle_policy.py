@@ -62,6 +62,15 @@ _FAULTS = {
     "0.01 m is the smallest distance; it is not added to every distance": (
         lambda d, *rest: _unlimited(d + _CONTACT, *rest)
     ),
+    "0.01 m is the smallest distance; it is not added, also not to those above 0": (
+        lambda d, *rest: _unlimited(np.maximum(d, 0) + _CONTACT, *rest)
+    ),
+    "the smallest distance is 0.01 m, 1 cm, not 2 cm": (
+        lambda d, *rest: _unlimited(np.maximum(d, 0.02), *rest)
+    ),
+    "the smallest distance is 0.01 m, 1 cm, not 5 cm": (
+        lambda d, *rest: _unlimited(np.maximum(d, 0.05), *rest)
+    ),
     "a receding obstacle only pushes: its closing speed counts as 0": (
         _accelerating(lambda d, near, c, push, brake: (push + brake * c) / near)
     ),
@@ -133,6 +142,11 @@ _FAULTS = {
     "each obstacle has its own closing speed; do not use the largest for all": (
         _accelerating(lambda d, near, c, push, brake: (push + brake * max(c.max(), 0)) / near)
     ),
+    "every obstacle has its weight, not only the nearest one": (
+        _weighing(
+            lambda d, near, weight, fade: np.where(d == d.min(), weight * np.exp(-near / fade), 0)
+        )
+    ),
     "the metric fades with distance: exp(-distance / fade)": (
         _weighing(lambda d, near, weight, fade: np.full(near.shape, weight))
     ),
@@ -189,7 +203,7 @@ def _topics() -> list[Topic]:
         Topic(
             "obstacles that come nearer",
             "the brake times the closing speed is added to the push, before the division",
-            [(distances, closing, *usual)],
+            [(distances, closing, *usual), (distances, 0.1 * closing, *usual)],
         ),
         Topic(
             "obstacles that recede",

@@ -87,6 +87,7 @@ def check_fit_temperature(student: Callable[..., Any]) -> None:
         form=_form,
         same=_same,
         difference=_apart,
+        broken=_broken,
     )
 
 
@@ -112,8 +113,23 @@ def _apart(got: float, want: float, *case: Array) -> str:
     mine, best = _losses(*case, np.array([got, want]))
     losses = f"with T = {got:.4g} the mean loss is {mine:.6f}, with T = {want:.4g} it is {best:.6f}"
     if abs(np.log(got / want)) < 0.5:
-        return f"{losses}: near, but not to one percent; try more values, that grow by a factor"
+        return f"{losses}: near, but not to one percent"
     return f"{losses}, the smallest"
+
+
+def _broken(got: float, want: float, *_: Array) -> str:
+    """What to look at where no known mistake gives a temperature."""
+    if not 0.99 * LOWEST <= got <= 1.01 * HIGHEST:
+        return "where the loss falls up to an end of the range, T is that end, and no farther"
+    if abs(np.log(got / want)) < 0.5:
+        return (
+            "T is asked to one percent: more values, which grow by a factor, with the logits as "
+            "they are, and the best one unrounded"
+        )
+    return (
+        "of all temperatures from 0.05 to 20 take that with the least mean of "
+        "reach_loss(logits / T, labels): a formula, or a search from one side, may miss it"
+    )
 
 
 def _smallest(score: Callable[[Array, Array], Array]) -> Callable[[Array, Array], float]:
@@ -164,6 +180,10 @@ _FAULTS: dict[str, Callable[[Array, Array], float]] = {
     "T is sought from 0.05 to 20; yours never comes above 10": _clipped(LOWEST, 10.0),
     "T is sought from 0.05 to 20; yours never comes above 5": _clipped(LOWEST, 5.0),
     "T is sought from 0.05 to 20; yours stays between 0.1 and 10": _clipped(0.1, 10.0),
+    "T is sought from 0.05 to 20; yours stays between 0.5 and 2": _clipped(0.5, 2.0),
+    "the best temperature comes back rounded; one percent of 0.35 is little": lambda *case: round(
+        fit_temperature(*case), 1
+    ),
     "T is sought from 0.05 to 20; yours stays between 0.5 and 5": _clipped(0.5, 5.0),
     "the cross-entropy is to be smallest, not the squared error": _smallest(
         lambda z, y: ((sigmoid(z) - y) ** 2).mean(axis=1)

@@ -89,7 +89,7 @@ def _arguments(pool: Pool, roll_out: Callable[[Pairs], Array], seed: int) -> tup
     calls=10,
 )
 def check_mine_pairs(student: Callable[..., Any]) -> None:
-    """Ten pools: which pairs are kept, rolled out and drawn, with which labels and weights."""
+    """Eleven pools: which pairs are kept, rolled out and drawn, with which labels and weights."""
     for name, pool in POOLS.items():
         what = f"mine_pairs, {name}"
         rollouts, got = _answer(what, student, pool, 0)

@@ -72,6 +72,7 @@ POOLS: dict[str, Pool] = {
     "nothing occluded": replace(_pool(7), occluded=np.zeros(400, dtype=bool)),
     "a single hard negative": replace(_pool(8, occluded=1.1), most=1),
     "a pair at exactly the threshold": _at_threshold(_pool(10)),
+    "hardly any label that is known": _pool(11, known=0.02),
     "12 pairs": replace(_pool(9, 12, known=0.3), sure=0.2, share=0.1),
 }
 

@@ -72,7 +72,7 @@ def check_reach_loss(student: Callable[..., Any]) -> None:
     """Hard and soft labels, weights, and logits whose exponential overflows."""
     rules = partial(compare, "reach_loss", student, right=reach_loss, form=_form)
     rules = partial(rules, invoke=calling(_HINTS), same=_same)
-    rules(_CASES, faults=_FAULTS, difference=_apart)
+    rules(_CASES, faults=_FAULTS, difference=_apart, broken=_broken)
     rules(_SURE, faults={}, difference=_limited)
 
 
@@ -84,6 +84,15 @@ def _form(what: str, got: Any, logits: Array, *_: object) -> float:  # noqa: ANN
 
 def _same(got: float, want: float, *_: object) -> bool:
     return bool(np.isclose(got, want, rtol=1e-6, atol=1e-7))
+
+
+def _broken(got: float, want: float, logits: Array, labels: Array, weights: Array) -> str:
+    """Which part of the rule a wrong loss breaks."""
+    if abs(got - want) < 1e-3 * abs(want):
+        return "nearly right: is something rounded, or of 32 bits? Keep all digits of all numbers"
+    if np.ptp(weights) == 0.0:
+        return "the loss of each pair is log(1 + exp(z)) - y z, by logit z and label y as they are"
+    return "the loss of each pair times its weight, however small; the sum over that of the weights"
 
 
 def _apart(got: float, want: float, *case: Array) -> str:

@@ -108,11 +108,13 @@ def _even_groups(predicted: Array, means: Array, bins: int) -> Bins | None:
 
 
 def _means_apart(got: Array, want: Array) -> str:
-    return _bin_apart(got, want, "the mean prediction")
+    words = "the next N / B predictions make a bin, also equal ones; take their mean, unrounded"
+    return f"{words} ({_bin_apart(got, want, 'the mean prediction')})"
 
 
 def _shares_apart(got: Array, want: Array) -> str:
-    return _bin_apart(got, want, "the share that came true")
+    words = "of the pairs in each bin, the mean of came_true, from 0 to 1"
+    return f"{words} ({_bin_apart(got, want, 'the share that came true')})"
 
 
 def _bin_apart(got: Array, want: Array, what: str) -> str:

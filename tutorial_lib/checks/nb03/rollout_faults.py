@@ -151,6 +151,23 @@ FAULTS: dict[str, Callable[..., Array]] = {
     ),
     "a touch in the very first moment counts, too": _with(_late_start),
     "near means within 0.30 m, not 0.5 m": _another(near=0.5),
+    "near means within 0.30 m, not 0.25 m": _another(near=0.25),
+    "the slowest speed is 0.3 m/s, not 0.5 m/s": _another(slowest=0.5),
+    "t_max has 5 s on top, not 10 s": _another(grace=10.0),
+    "the moment of the start counts, too: a car may stand at its target": _with(
+        lambda near, time, clean, *_: _labels((near & time & clean)[1:])
+    ),
+    "the last moment counts, too": _with(
+        lambda near, time, clean, *_: _labels((near & time & clean)[:-1])
+    ),
+    "what was touched before the arrival counts, not what is touched after it": _with(
+        lambda near, time, _, *case: _labels(near & time & ~_so_far(case[2][::-1])[::-1])
+    ),
+    "each car has a t_max of its own, by its own geodesic, not that of their mean": (
+        lambda t, g, c, d: _labels(
+            (g <= REACHED) & (t[:, None] <= time_limit(d.mean())) & ~_so_far(c)
+        )
+    ),
     "exactly 0.30 m counts as near, too: at most": lambda t, g, c, d: _labels(
         (g < REACHED) & (t[:, None] <= time_limit(d)) & ~_so_far(c)
     ),

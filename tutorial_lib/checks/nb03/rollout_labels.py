@@ -59,6 +59,7 @@ def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         form=_form,
         same=_same,
         difference=_worst,
+        broken=_broken,
         draw=_timelines,
     )
 
@@ -77,6 +78,23 @@ def _form(what: str, got: Any, *case: Any) -> Array:  # noqa: ANN401 - students'
 
 def _same(got: Array, want: Array, *_: object) -> bool:
     return np.allclose(got, want, atol=1e-6, equal_nan=True)
+
+
+def _broken(got: Array, want: Array, *case: Array) -> str:
+    """Which of the three conditions decides the first label that is wrong."""
+    times, gaps, _, geodesic = case
+    number = int(np.flatnonzero(~np.isclose(got, want, atol=1e-6))[0])
+    near = gaps[:, number] <= REACHED
+    if want[number]:
+        return (
+            "a single moment is enough, any from the first to the last: at most 0.30 m away, at "
+            "most geodesic / 0.3 + 5 s after the start, and nothing touched until then"
+        )
+    if not near.any():
+        return "a car that is never within 0.30 m has not reached its target; do not round"
+    if not (near & (times <= time_limit(geodesic[number]))).any():
+        return "it comes near too late: after geodesic / 0.3 + 5 s of its own geodesic, unrounded"
+    return "whatever was touched up to the moment of arrival, in whichever moment, makes it 0"
 
 
 def _worst(got: Array, want: Array, *case: Array) -> str:

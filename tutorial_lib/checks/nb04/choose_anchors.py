@@ -205,6 +205,29 @@ _FAULTS: dict[str, Callable[[Array, float], ArrayLike]] = {
 }
 
 
+def _broken(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
+    """Which part of the rule the first wrong anchor breaks."""
+    i, mine, right = next(
+        (
+            (int(want[k - 1]) if k else -1, mine, right)
+            for k, (mine, right) in enumerate(zip(got, want, strict=False))
+            if mine != right
+        ),
+        (-1, -1, -1),
+    )
+    if len(got) < len(want) and mine == right:
+        return "the last frame is always an anchor, however it is reached"
+    if not 0 <= i < mine:
+        return "the anchors rise from 0 to T - 1, each once"
+    if mine < right:
+        return "go on as long as the next frame is above the threshold, however many those are"
+    if reach[i, i + 1] <= threshold:
+        return (
+            "where not even frame i + 1 is above the threshold, it is the next anchor all the same"
+        )
+    return "stop before the first frame whose RE from i, as it is, is not above the threshold"
+
+
 def _apart(got: NDArray[np.intp], want: NDArray[np.intp], reach: Array, threshold: float) -> str:
     """Where an answer first differs."""
     same = 0
@@ -256,5 +279,6 @@ def check_choose_anchors(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         invoke=calling(_HINTS),
         form=frame_indices,
         difference=_apart,
+        broken=_broken,
         draw=_tables,
     )

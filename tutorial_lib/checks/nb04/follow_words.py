@@ -56,14 +56,17 @@ def wrong_state(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Memo
         return f"{words}: no nearer for more than rules.effort = {rules.effort:g} s, so it gives up"
     if mine.state == State.LOST and memory.state == State.FOLLOW and not gave_up:
         effort = f"rules.effort = {rules.effort:g} s"
-        return f"{words}: it came nearer, or changed its anchor, {right.waited:.1f} s ago; {effort}"
+        told = f"it came nearer, or changed its anchor, {right.waited:.1f} s ago; {effort}"
+        return f"{words}: a robot in Follow gives up after more than rules.effort alone: {told}"
     if memory.state == State.SEARCH:
-        return f"{words}: in Search transition decides, by RE alone; active is still -1"
+        new = "return what transition gives, in a new memory"
+        return f"{words}: in Search transition decides, by RE alone; active is still -1; {new}"
     gap = float(np.linalg.norm(waypoints[memory.active]))
     facts = f"the waypoint of anchor {memory.active} is {gap:.2f} m away (rules.at = {rules.at:g})"
     facts += f", its RE {reach[memory.active]:.2f} (rules.p_lose = {rules.p_lose:g})"
     facts += f", waited is {memory.waited:.1f} s"
-    return f"{words}: {facts}; with at, transition gives the new state"
+    at = "at is to be less than rules.at away from the active anchor, with RE above rules.p_lose"
+    return f"{words}: {at}; state, active and visited are then what transition gives ({facts})"
 
 
 def wrong_place(memory: Memory, seen: tuple[Any, ...], mine: Memory, right: Memory) -> str:

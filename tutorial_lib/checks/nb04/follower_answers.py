@@ -56,6 +56,47 @@ def explained(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  
     return f"{mine} came back, {right} is right: {why}"
 
 
+def moved_wrongly(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
+    """Which part of the rule of `move_on` an answer breaks."""
+    if got[1] != want[1]:
+        at = "at makes the active anchor the one last visited, unless a later one was"
+        closest = "of the three anchors around the active one the closest counts, by its overlap"
+        return at if case[4] else f"{closest}, if that is above rules.visited; never an earlier one"
+    if got[0] > want[0]:
+        return (
+            "stay: advance by one at most, if the next one is both reachable and near, or if the "
+            "active one was visited"
+        )
+    if want[1] >= case[0]:
+        return "once the active anchor was visited, now or earlier, the robot moves on"
+    return "the next anchor is above both of the thresholds in rules: that is enough to move on"
+
+
+def changed_wrongly(got: tuple[int, ...], want: tuple[int, ...], *case: Any) -> str:  # noqa: ANN401
+    """Which part of the rule of `transition` an answer breaks."""
+    state, active, _, reach, _, at = case[:6]
+    if state == State.SEARCH:
+        return (
+            "in Search RE alone decides, in this step: above rules.p_search the best anchor is "
+            "active, and visited the one before it; else the robot is LOST, with its anchors"
+        )
+    if state == State.DEAD_RECKONING:
+        return (
+            "dead reckoning goes over to FOLLOW above rules.p_follow, else to LOST after more "
+            "than rules.timeout, else it goes on; its anchors stay"
+        )
+    if at and active == len(reach) - 1:
+        return "in Follow, at the last anchor, the robot is DONE and keeps both anchors"
+    if State.DONE in (got[0], want[0]):
+        return "DONE takes both: the last anchor is active, and at is True; visited alone is not at"
+    if got[1:] != want[1:]:
+        return (
+            "in Follow return the anchors that one call of move_on gives: active, visited, in this "
+            "order, whether the robot goes on to FOLLOW or to DEAD_RECKONING"
+        )
+    return "in Follow RE of the new active anchor decides, FOLLOW only above rules.p_lose"
+
+
 def spoken(answer: tuple[int, ...]) -> str:
     """An answer in words."""
     names = ("active", "visited")[-len(answer) :] if len(answer) == 2 else ("", "active", "visited")

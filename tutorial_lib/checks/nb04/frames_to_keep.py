@@ -65,6 +65,7 @@ def check_frames_to_keep(student: Callable[..., Any]) -> NDArray[np.uint8] | Non
         invoke=calling(_HINTS),
         form=_form,
         difference=_difference,
+        broken=_broken,
         draw=_drawn,
     )
 
@@ -74,6 +75,17 @@ def _form(what: str, got: Any, *_: object) -> NDArray[np.intp]:  # noqa: ANN401 
     if isinstance(got, int | np.integer):
         raise WrongAnswer(f"{what}: return the indices of the frames, not how many there are")
     return np.sort(frame_indices(what, list(got) if isinstance(got, set) else got))
+
+
+def _broken(
+    got: NDArray[np.intp], want: NDArray[np.intp], anchors: NDArray[np.intp], total: int, k: int
+) -> str:
+    """Which part of the rule the wrong frames break."""
+    if got.size and not (got.min() >= 0 and got.max() < total):
+        return "the trajectory ends on both sides: a context that reaches beyond repeats the end"
+    if np.setdiff1d(want, got).size:
+        return "every anchor, also the first and the last, needs all frames of its context"
+    return "only what a context holds is kept; the ends of the trajectory are no exception"
 
 
 def _difference(
@@ -158,6 +170,9 @@ _FAULTS: dict[str, Callable[..., NDArray[np.intp]]] = {
     ),
     "the trajectory ends at total - 1, not at the last anchor": lambda a, n, k: np.unique(
         np.clip(_around(a, _steps(k)), 0, a[-1])
+    ),
+    "the trajectory runs from frame 0 to total - 1, not from the first anchor to the last": (
+        lambda a, n, k: np.unique(np.clip(_around(a, _steps(k)), a[0], a[-1]))
     ),
     "the trajectory begins at frame 0, not at the first anchor": lambda a, n, k: np.unique(
         np.clip(_around(a, _steps(k)), a[0], n - 1)

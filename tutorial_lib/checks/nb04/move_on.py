@@ -10,7 +10,7 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, two_anchors
+from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, moved_wrongly, two_anchors
 from tutorial_lib.checks.nb04.observations import OBSERVATIONS, RULES, random_observations
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.following.transitions import (
@@ -216,4 +216,5 @@ def check_move_on(student: Callable[..., Any]) -> None:
         invoke=INVOKE,
         form=two_anchors,
         difference=explained,
+        broken=moved_wrongly,
     )

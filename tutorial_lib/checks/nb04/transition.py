@@ -10,7 +10,12 @@ import numpy as np
 
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import compare, with_faults
-from tutorial_lib.checks.nb04.follower_answers import INVOKE, explained, state_and_anchors
+from tutorial_lib.checks.nb04.follower_answers import (
+    INVOKE,
+    changed_wrongly,
+    explained,
+    state_and_anchors,
+)
 from tutorial_lib.checks.nb04.move_on import move_on
 from tutorial_lib.checks.nb04.observations import (
     OBSERVATIONS,
@@ -258,4 +263,5 @@ def check_transition(student: Callable[..., Any]) -> None:
         invoke=INVOKE,
         form=state_and_anchors,
         difference=explained,
+        broken=changed_wrongly,
     )

@@ -165,8 +165,16 @@ def check_ask_next(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
         invoke=calling({IndexError: words}),
         form=_pairs,
         difference=_why,
+        broken=_broken,
         draw=_tables,
     )
+
+
+def _broken(got: NDArray[np.bool_], want: NDArray[np.bool_], *_: object) -> str:
+    """Which part of the rule is broken."""
+    if (want & ~got).any():
+        return "all four neighbours of every sure pair are asked next, where nobody has asked yet"
+    return "only the four neighbours of pairs that are sure now are asked next, none beyond them"
 
 
 def _why(

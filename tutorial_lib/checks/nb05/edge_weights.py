@@ -127,7 +127,8 @@ def _why(case: tuple[Array, NDArray[np.bool_], float], got: Array, want: Array) 
     if not np.isfinite(got[i, j]):
         words = "a trajectory goes there" if driven[i, j] else f"RE is greater than {p_edge:g}"
         return f"{pair} yours has no edge, but {words}"
-    return f"{pair} yours has {got[i, j]:.4g}; -log RE is {want[i, j]:.4g}"
+    words = "a weight is -log RE, of RE as it is and with all digits"
+    return f"{words}: {pair} yours has {got[i, j]:.4g}; -log RE is {want[i, j]:.4g}"
 
 
 def _mistakes(reach: Array, driven: NDArray[np.bool_], p_edge: float) -> dict[str, ArrayLike]:

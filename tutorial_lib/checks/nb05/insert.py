@@ -166,12 +166,14 @@ def _edges(got: SmallMap, want: SmallMap) -> str:
             return f"the trajectory goes from {i} to {j}, but driven[{i}, {j}] is not True"
         words = "no vertex leads to itself" if i == j else "mark the steps of the path, one by one"
         return f"driven[{i}, {j}] is True, but no trajectory goes there: {words}"
-    mine = np.where(np.eye(len(want.reach), dtype=bool), want.edge_reach, got.edge_reach)
+    mine = got.edge_reach
     wrong = np.argwhere(~np.isclose(mine, want.edge_reach, rtol=0, atol=1e-9))
     if not len(wrong):
         return ""
     i, j = (int(n) for n in wrong[0])
     shown = f"edge_reach[{i}, {j}] is {mine[i, j]:.3g}, but {want.edge_reach[i, j]:.3g} is right"
+    if i == j:
+        return f"{shown}: a vertex is joined with every other vertex, not with itself"
     if not {i, j} <= set(want.vertices):
         return f"{shown}: only vertices are joined, not anchors that were replaced"
     if want.driven[i, j]:

@@ -71,7 +71,22 @@ def check_weakest_aligned(student: Callable[..., Any]) -> NDArray[np.uint8] | No
         form=_per_pair,
         same=partial(close, tolerance=1e-9),
         difference=_why,
+        broken=_broken,
         draw=_tables,
+    )
+
+
+def _broken(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken at the first pair that is wrong."""
+    i, v = (int(n) for n in np.argwhere(~np.isclose(got, want, rtol=0, atol=1e-9))[0])
+    if got[i, v] < want[i, v]:
+        return (
+            "yours counts a pair that is not aligned: both fingers move together, one row and one "
+            "vertex along its trajectory, and compare with reach as it was"
+        )
+    return (
+        "yours leaves out an aligned pair: the least RE of all of them counts, on both sides up "
+        "to `steps` away, on each until that side ends"
     )
 
 

@@ -244,6 +244,7 @@ def check_join_ends(student: Callable[..., Any]) -> None:
         invoke=_invoke,
         form=_graph,
         difference=_unlike,
+        broken=_broken,
     )
 
 
@@ -278,6 +279,20 @@ def _graph(what: str, got: Any, *_: object) -> Graph:  # noqa: ANN401 - students
         v: {w: number(what, p, f"as RE from {v} to {w}") for w, p in out.items()}
         for v, out in got.items()
     }
+
+
+def _broken(got: Graph, want: Graph, graph: Graph, *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken."""
+    if any(got.get(v, {}).get(w) != p for v, out in graph.items() for w, p in out.items()):
+        return "the map's own vertices and edges stay as they are"
+    if got.keys() != want.keys():
+        return "the new graph has the vertices of the map, HERE and GOAL, and no others"
+    if any(got[v].keys() != out.keys() for v, out in want.items()):
+        return (
+            "an edge from HERE, or to GOAL, is there where RE is above its threshold, and its "
+            "vertex on the map (or HERE, in to_goals)"
+        )
+    return "a new edge holds RE as it is, the greatest of all goal images"
 
 
 def _unlike(

@@ -77,6 +77,7 @@ def check_most_probable_path(student: Callable[..., Any]) -> NDArray[np.uint8] |
         form=_path,
         same=_same,
         difference=_apart,
+        broken=_broken,
         draw=_graphs,
     )
 
@@ -121,6 +122,17 @@ def _same(got: Found, want: Found, graph: Graph, *_: Vertex) -> bool:
     there = bool(steps) and all(w in graph.get(v, {}) for v, w in steps)
     ends = there and got[0][0] == want[0][0] and got[0][-1] == want[0][-1] if want[0] else False
     return ends and math.isclose(probability_of(graph, got[0]), want[1], abs_tol=1e-9)
+
+
+def _broken(got: Found, want: Found, *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken."""
+    if got[0] == want[0]:
+        return "the probability is the product of RE along the path, with all digits"
+    if not want[0]:
+        return "where no edges lead from start to goal there is no path"
+    if not got[0]:
+        return "a path is found if edges lead there, however many; begin each call anew"
+    return "the path has edges of the graph, from start to goal, and the greatest product of RE"
 
 
 def _apart(got: Found, want: Found, graph: Graph, *_: Vertex) -> str:

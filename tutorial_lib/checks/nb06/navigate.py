@@ -215,6 +215,7 @@ def check_navigate(student: Callable[..., Any]) -> None:
         invoke=_invoke,
         form=_form,
         difference=_differ,
+        broken=_broken,
     )
 
 
@@ -240,6 +241,29 @@ def _form(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
         for path, probability, reason in plans
     ]
     return ending, shown, set(excluded), got[1]
+
+
+def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken."""
+    mine, right = got[3], want[3]
+    common = next(
+        (i for i, pair in enumerate(zip(mine, right, strict=False)) if len({*pair}) > 1), None
+    )
+    if common is not None:
+        return (
+            "one step is one turn or one follow; a search looks, then turns until a path is found"
+        )
+    if len(mine) != len(right):
+        return {
+            "arrived": "it goes on until the robot has arrived",
+            "refused": "a path with a reason ends it, before it was ever lost",
+            "gave up": "give up when lost once more than limits.replans, or after limits.search "
+            "steps of turning in one search",
+            "late": "each turn and each follow is a step; there are limits.steps of them",
+        }[want[0]]
+    if got[2] != want[2]:
+        return "the vertex at robot.active is excluded, and those joined with it both ways"
+    return "return the ending, everything that decide returned, and what is excluded"
 
 
 def _differ(got: tuple[Any, ...], want: tuple[Any, ...], story: Story) -> str:

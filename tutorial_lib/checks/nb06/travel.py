@@ -235,6 +235,7 @@ def check_travel(student: Callable[..., Any]) -> None:
         invoke=_invoke,
         form=_ending,
         difference=_differ,
+        broken=_broken,
     )
 
 
@@ -249,6 +250,19 @@ def _ending(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
     if any(isinstance(vertex, list | dict | set) for vertex in excluded):
         raise WrongAnswer(f"{what}: {excluded!r} came back; exclude vertices, one by one")
     return (bool(arrived), set(excluded)), got[1]
+
+
+def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken."""
+    names = [[called for called, _ in log] for log in (got[1], want[1])]
+    if names[0] != names[1]:
+        return (
+            "plan, drive if there is a path, and so on: at most replans + 1 plans, until it "
+            "arrives or refuses"
+        )
+    if got[1] != want[1]:
+        return "each drive gets its plan's whole path, each plan all that was excluded until then"
+    return "return whether it arrived, and all that was excluded in the whole navigation"
 
 
 def _differ(got: tuple[Any, ...], want: tuple[Any, ...], *case: Any) -> str:  # noqa: ANN401

@@ -167,6 +167,7 @@ def check_around_cycles(student: Callable[..., Any]) -> None:
         form=_formed,
         same=_same,
         difference=_why,
+        broken=_broken,
     )
 
 
@@ -237,6 +238,18 @@ def _difference(mine: Graph, right: Graph) -> tuple[int, int] | None:
             if one is None or other is None or not np.isclose(one, other, rtol=0, atol=1e-9):
                 return v, w
     return None
+
+
+def _broken(got: tuple[bool, Graph], want: tuple[bool, Graph], graph: Graph, *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken."""
+    if got[0] != want[0]:
+        return "it is a cycle where one vertex, whichever, was entered `cycle` times or more"
+    if any(got[1][v].keys() != out.keys() for v, out in graph.items()):
+        return "every edge stays, and none is added: edges only become less probable"
+    v, w = _difference(got[1], want[1]) or (0, 0)
+    if want[1][v][w] == graph[v][w]:
+        return "an edge to a vertex that was visited once, or never, keeps its RE as it is"
+    return "each edge to a vertex of n visits has RE * bias ** (n - 1), wherever it begins"
 
 
 def _why(

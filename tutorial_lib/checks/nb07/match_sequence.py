@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb07.small_differences import farthest
+from tutorial_lib.checks.nb07.small_differences import farthest, of_rounding
 from tutorial_lib.geometry import Array
 
 
@@ -125,6 +125,22 @@ _CASES = {
 }
 
 
+def _broken(got: Array, want: Array, *_: Array) -> str:
+    """Which part of the rule is broken at the worst vertex."""
+    if of_rounding(got, want):
+        return ""
+    worst = int(np.nan_to_num(np.abs(got - want), nan=np.inf).argmax())
+    if got[worst] > want[worst]:
+        return (
+            "yours is too sure: a view before was at the same vertex or at before[v], nowhere "
+            "else, and every likelihood counts, that of the first view as well"
+        )
+    return (
+        "yours misses the best sequence: take the better of staying at v and of coming from "
+        "before[v], both with what was best until the view before"
+    )
+
+
 @check(match_sequence, (_looks(4, 60, 7), np.arange(60) - 1), calls=300)
 def check_match_sequence(student: Callable[..., Any]) -> None:
     """Two views and more, two trajectories, vertices in no order."""
@@ -140,4 +156,5 @@ def check_match_sequence(student: Callable[..., Any]) -> None:
         form=lambda what, got, looks, *_: numbers(what, got, looks.shape[1:]),
         same=partial(close, tolerance=1e-9),
         difference=farthest,
+        broken=_broken,
     )

@@ -157,6 +157,22 @@ def check_predict(student: Callable[..., Any]) -> None:
         form=lambda what, got, belief, *_: numbers(what, got, belief.shape),
         same=partial(close, tolerance=1e-9),
         difference=_why,
+        broken=_broken,
+    )
+
+
+def _broken(got: Array, want: Array, *_: Any) -> str:  # noqa: ANN401
+    """Which part of the rule is broken."""
+    if of_rounding(got, want):
+        return ""
+    if not np.allclose(got.sum(axis=1), 1.0, atol=1e-4):
+        return (
+            "nothing is lost or gained: what leaves a state arrives where its row of onward "
+            "leads, the rest stays; off the map is a state like the others"
+        )
+    return (
+        "1 - exp(-metres / length) of the belief leaves, by each robot's own motion, unrounded, "
+        "and each state's own length"
     )
 
 

@@ -14,7 +14,7 @@ from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.nb07.predict import predict
 from tutorial_lib.checks.nb07.small_models import distance
-from tutorial_lib.checks.nb07.track_answers import difference, formed, same
+from tutorial_lib.checks.nb07.track_answers import broken, difference, formed, same
 from tutorial_lib.checks.nb07.track_stories import STORIES, Drive, Story
 from tutorial_lib.checks.nb07.track_words import FAULTS
 from tutorial_lib.checks.nb07.update import update
@@ -189,4 +189,5 @@ def check_track(student: Callable[..., Any]) -> None:
         form=formed,
         same=same,
         difference=difference,
+        broken=broken,
     )

@@ -79,12 +79,69 @@ def same(got: Answer, want: Answer, *_: object) -> bool:
     return np.allclose(got[0], want[0], rtol=0, atol=_TOLERANCE) and got[1:] == want[1:]
 
 
+def broken(got: Answer, want: Answer, story: Story) -> str:
+    """Which part of the rule the first wrong step breaks."""
+    if got[2] != want[2]:
+        step = min(set(got[2]) ^ set(want[2]))
+        if not step:
+            return "the robot looks at the first step, since nothing is known yet"
+        if step not in want[2]:
+            return (
+                "look only after a stride since the last prediction, or after rules.interval steps"
+            )
+        if _since(story, step) >= story.rules.stride:
+            return "a robot that has moved a stride since its last prediction predicts, and looks"
+        return "rules.interval steps after the last look the robot looks again, wherever it is"
+    wrong = np.abs(got[0] - want[0]).max(axis=1) > _TOLERANCE
+    if not wrong.any():
+        return (
+            "the vertex of a step follows from its belief: it stays while that is at least "
+            "rules.hysteresis times the greatest; else the one with the greatest, -1 for the last"
+        )
+    step = int(wrong.argmax())
+    if of_rounding(got[0], want[0]):
+        return ""
+    if step not in want[2]:
+        return "without a look the belief stays as it was; append a row of its own for each step"
+    if not step:
+        return (
+            "the first prior is the same for all states, off the map as well; the likelihoods, at "
+            "least rules.least, and rules.unknown behind them, all to the power of rules.sharpness"
+        )
+    if _since(story, step) >= story.rules.stride:
+        return (
+            "predict from the belief with the motion since the last prediction, and update that "
+            "prior by what is seen at this step"
+        )
+    return "a look without a motion updates the prior of the last motion, which itself stays"
+
+
+def _since(story: Story, step: int) -> float:
+    """Metres from the pose of the last prediction before a step."""
+    last = story.odometry[0]
+    for pose in story.odometry[1:step]:
+        last = pose if distance(last, pose) >= story.rules.stride else last
+    return distance(last, story.odometry[step])
+
+
+def _due(story: Story, looks: list[int], step: int) -> str:
+    """How far, and how long, the robot has gone since it predicted and looked."""
+    if not step:
+        return "the first one: nothing is known yet, so look"
+    last = max((look for look in looks if look < step), default=0)
+    return (
+        f"{_since(story, step):.2f} m since the last prediction, rules.stride is "
+        f"{story.rules.stride:g} m; {number_of(step - last, 'step')} since the last look, "
+        f"rules.interval is {story.rules.interval}"
+    )
+
+
 def difference(got: Answer, want: Answer, story: Story) -> str:
     """The first step at which something is wrong."""
     if got[2] != want[2]:
         step = min(set(got[2]) ^ set(want[2]))
         words = "must look there" if step in want[2] else "looks without need"
-        return f"at step {step} yours {words} ({_about(story, step)})"
+        return f"at step {step} yours {words} ({_due(story, want[2], step)})"
     apart = np.abs(got[0] - want[0])
     wrong = apart.max(axis=1) > _TOLERANCE
     if wrong.any():
@@ -93,16 +150,9 @@ def difference(got: Answer, want: Answer, story: Story) -> str:
         name = "off the map" if state == len(story.lengths) - 1 else f"vertex {state}"
         mine, right = both(got[0][step, state], want[0][step, state], 3)
         return (
-            f"at step {step} the belief in {name} is {right}, yours {mine} ({_about(story, step)})"
+            f"at step {step} the belief in {name} is {right}, yours {mine} "
+            f"({_due(story, want[2], step)})"
             f"{of_rounding(got[0], want[0])}"
         )
     step = next(i for i, pair in enumerate(zip(got[1], want[1], strict=True)) if pair[0] != pair[1])
     return f"at step {step} the robot is at {want[1][step]}, in yours at {got[1][step]}"
-
-
-def _about(story: Story, step: int) -> str:
-    """What happened at a step."""
-    if not step:
-        return "the first one: nothing is known yet, so look"
-    gone = distance(story.odometry[step - 1], story.odometry[step])
-    return f"the robot has moved {gone:.2f} m since the step before"

@@ -11,7 +11,7 @@ import numpy as np
 from tutorial_lib.checks.framework.answers import calling, numbers
 from tutorial_lib.checks.framework.check import check
 from tutorial_lib.checks.framework.comparison import close, compare, with_faults
-from tutorial_lib.checks.nb07.small_differences import farthest
+from tutorial_lib.checks.nb07.small_differences import farthest, of_rounding
 from tutorial_lib.checks.nb07.small_models import random_beliefs
 from tutorial_lib.geometry import Array
 
@@ -117,6 +117,24 @@ _CASES = {
 }
 
 
+def _broken(got: Array, want: Array, prior: Array, likelihood: Array) -> str:
+    """Which part of the rule is broken in the worst row."""
+    if of_rounding(got, want):
+        return ""
+    row = int(np.nan_to_num(np.abs(got - want), nan=np.inf).max(axis=1).argmax())
+    total = float((prior[row] * likelihood[row]).sum())
+    if total == 0.0:
+        return "where all products of a row are 0, all of the belief is in the last state"
+    if total < 1e-12:
+        return "something is possible, however little: divide by the sum, and add nothing to it"
+    if not np.isclose(got[row].sum(), 1.0, atol=1e-9):
+        return "each row must sum to one again: divide it by its own sum, axis=1"
+    return (
+        "each state, the last one as well, gets prior times likelihood over the sum of its row: "
+        "no other function of them, and nothing added"
+    )
+
+
 @check(update, _case(4, 60, 6), calls=300)
 def check_update(student: Callable[..., Any]) -> None:
     """One robot and several, a flat likelihood, and robots for which nothing is possible."""
@@ -131,4 +149,5 @@ def check_update(student: Callable[..., Any]) -> None:
         form=lambda what, got, prior, *_: numbers(what, got, prior.shape),
         same=partial(close, tolerance=1e-9),
         difference=farthest,
+        broken=_broken,
     )

@@ -44,6 +44,8 @@ def _added(
     for other, pose in {} if fault == "first of all" and not ghosts else beside.items():
         there = _direction(pose, fault)
         back = _direction(inverse(pose), fault)
+        if fault == "heading for both":
+            there = back = round(pose[2] * _DIRECTIONS / (2 * np.pi)) % _DIRECTIONS
         if fault == "opposite":
             back = (there + 6) % _DIRECTIONS
         if fault == "both the same":
@@ -93,6 +95,8 @@ _FAULTS = {
     "the direction in which a node stands is the bearing of its place, arctan2(y, x), not its "
     "heading": "heading",
     "np.arctan2 takes y first: arctan2(y, x)": "swapped",
+    "the direction in which a node stands is the bearing of its place; yours is its heading, in "
+    "both frames": "heading for both",
     "directions are counted counter-clockwise, as bearings are": "clockwise",
     "arctan(y / x) does not know ahead from behind: arctan2(y, x)": "slope",
     "a node also stands in a direction of the other one: remove that ghost, too, of the node that "
@@ -183,6 +187,7 @@ def check_add_ghosts(student: Callable[..., Any]) -> None:
         invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", hints),
         form=_formed,
         difference=_why,
+        broken=_broken,
     )
 
 
@@ -198,6 +203,27 @@ def _formed(what: str, got: object, *_: object) -> Ghosts:
             words = "node and direction are whole numbers; int(...) or round(...) make them so"
             raise WrongAnswer(f"{what}: {ghost!r} is no ghost; {words}")
     return {(int(node), int(direction)) for node, direction in got}
+
+
+def _broken(
+    got: Ghosts, want: Ghosts, ghosts: Ghosts, node: int, explorable: NDArray[np.bool_], *_: object
+) -> str:
+    """Which part of the rule the first wrong ghost breaks."""
+    if more := sorted(got - want):
+        viewer, direction = more[0]
+        if (viewer, direction) in ghosts:
+            return (
+                "the new node stands in that direction of the other one, by its own heading: that "
+                "ghost goes, for every node beside and whatever ghosts the new one has"
+            )
+        if viewer == node and 0 <= direction < _DIRECTIONS and explorable[direction]:
+            return "another node stands in that direction of the new one, so that it has no ghost"
+        return (
+            "a new ghost is (node, k), of the new node and each k from 0 to 11 that is explorable"
+        )
+    if sorted(want - got)[0][0] == node:
+        return "the new node has a ghost in every explorable direction in which no node stands"
+    return "a ghost stays unless the new node stands in its direction, the bin nearest to that"
 
 
 def _why(got: Ghosts, want: Ghosts, *_: object) -> str:

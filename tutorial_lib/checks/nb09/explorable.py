@@ -27,7 +27,7 @@ def explorable(free: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
 def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDArray[np.bool_]:
     """The rule, with a `fault` if one is named."""
     lengths, middle = path_lengths(free), len(free) // 2
-    middle = {"corner": 0}.get(fault, middle)
+    middle = {"corner": 0, "off by one": middle + 1}.get(fault, middle)
     bearings = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
     bearings += {"half a bin": np.pi / _DIRECTIONS, "behind": np.pi, "aside": np.pi / 2}.get(
         fault, 0.0
@@ -44,10 +44,12 @@ def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDAr
         "cells": radius,
     }.get(fault, radius / CELL)
     ahead, left = reach * np.cos(bearings), reach * np.sin(bearings)
-    turn = np.trunc if fault == "cut off" else np.rint
+    turn = {"cut off": np.trunc, "rounded up": np.ceil}.get(fault, np.rint)
     rows, columns = (middle + turn(part).astype(int) for part in (left, ahead))
     if fault == "rounded down":
         rows, columns = ((middle + part).astype(int) for part in (left, ahead))
+    if fault == "no middle":
+        columns = columns - middle
     if fault == "swapped":
         rows, columns = columns, rows
     if fault == "only the point":
@@ -88,6 +90,9 @@ _FAULTS = {
     "radius need not be a multiple of CELL: // and int cut it off, round the points": "cut radius",
     "compare with 1.05 * radius, as it is given, not rounded to cells": "rounded bound",
     "take the nearest cell, np.rint; astype(int) alone cuts off, towards zero": "cut off",
+    "take the nearest cell, np.rint, not the one above": "rounded up",
+    "the middle of S cells, S odd, is S // 2; yours is one cell off": "off by one",
+    "rows count from the middle, and so do columns: add S // 2 to both": "no middle",
     "take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded down": (
         "rounded down"
     ),
@@ -143,6 +148,7 @@ def check_explorable(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
         invoke=calling({IndexError: f"{whole}, and {far}"}),
         form=lambda what, got, *_: mask(what, got, (_DIRECTIONS,)),
         difference=_why,
+        broken=_broken,
         draw=_draw,
     )
 
@@ -156,6 +162,31 @@ def _draw(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
 def _why(
     got: NDArray[np.bool_], want: NDArray[np.bool_], free: NDArray[np.bool_], radius: float
 ) -> str:
-    """Which direction is wrong."""
+    """Which direction is wrong, and how long the path to its point is."""
     first = int((got != want).argmax())
-    return f"direction {first}: {got[first]}, but {want[first]} is right; radius {radius:g} m"
+    row, column = _cell(free, radius, first)
+    length = path_lengths(free)[row, column]
+    return (
+        f"direction {first}: {got[first]}, but {want[first]} is right; radius {radius:g} m, its "
+        f"cell is ({row}, {column}), and the path there {length:.3g} m"
+    )
+
+
+def _cell(free: NDArray[np.bool_], radius: float, direction: int) -> tuple[int, int]:
+    """Row and column of a direction's point."""
+    bearing, middle = direction * 2 * np.pi / _DIRECTIONS, len(free) // 2
+    ahead, left = (round(radius * part(bearing) / CELL) for part in (np.cos, np.sin))
+    return middle + left, middle + ahead
+
+
+def _broken(
+    got: NDArray[np.bool_], want: NDArray[np.bool_], free: NDArray[np.bool_], radius: float
+) -> str:
+    """Which part of the rule is broken in the first wrong direction."""
+    length = path_lengths(free)[_cell(free, radius, int((got != want).argmax()))]
+    where = "is it the right cell? Row: middle + radius * sine / CELL, column: cosine, rounded"
+    if not np.isfinite(length):
+        return f"no path leads to the point of this direction; {where}"
+    if length <= _DETOUR * radius:
+        return f"a path of at most 1.05 * radius leads to the point, and that is enough; {where}"
+    return f"the path to the point is longer than 1.05 * radius, with no rounding; {where}"

@@ -150,6 +150,7 @@ def check_explore(student: Callable[..., Any]) -> None:
         form=_formed,
         same=_same,
         difference=_why,
+        broken=_broken,
     )
 
 
@@ -176,6 +177,30 @@ def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...
 
 def _same(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> bool:
     return got == want
+
+
+def _broken(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
+    """Which part of the rule is broken where it first goes another way."""
+    for mine, right in zip(got[4], want[4], strict=False):
+        if mine != right:
+            return _RULES[right[0]]
+    if len(got[4]) != len(want[4]):
+        return "go on until to_goal() returns True, no ghost is left, or robot.steps is 0"
+    if got[0] != want[0]:
+        return "return True where to_goal() returned True, and nowhere else"
+    if got[1:3] != want[1:3]:
+        return "a new node gets an edge to each node in beside(), with the metres to its pose"
+    return "return the ghosts that add_ghosts made and to which the robot was never sent"
+
+
+_RULES = {
+    "to_goal": "where the robot sees the goal it drives there, before all else, in every round",
+    "to_node": "the best ghost of all hangs on another node: first drive to the next node, by "
+    "global_policy with the scores of all nodes, each as it was there when that node was new",
+    "to_ghost": "the best ghost of all hangs on this node: drive to it, by global_policy with the "
+    "scores of all nodes, each as it was there when that node was new",
+}
+"""For each drive, when it is right."""
 
 
 def _why(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:

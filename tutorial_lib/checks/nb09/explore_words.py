@@ -46,9 +46,8 @@ FAULTS = {
     "ghost": "stale",
     "the new node gets an edge to every node beside it, not only to the last one": "last edge",
     "an edge has the metres between its nodes, np.hypot of x and y": "no metres",
-    "take the best ghost of the whole graph, not that of the node where the robot is": (
-        "best of this node"
-    ),
+    "the best ghost of the whole graph is next, however far away: not that of the node where the "
+    "robot is, and no weight of the metres in global_policy": ("best of this node"),
     "remove the ghost after the drive, reached or not, or the robot will want to go there again": (
         "keeps it"
     ),

@@ -254,6 +254,7 @@ def check_global_policy(student: Callable[..., Any]) -> None:
         invoke=keeping(global_policy, "it is needed again in the next step", hints),
         form=_formed,
         difference=_why,
+        broken=_broken,
     )
 
 
@@ -264,6 +265,33 @@ def _formed(what: str, got: object, graph: nx.Graph, *_: object) -> Choice:
     if ghost is not None and not (isinstance(ghost, tuple) and len(ghost) == 2):
         raise WrongAnswer(f"{what}: {ghost!r} is no ghost; return (node, direction), or None")
     return int(node), ghost
+
+
+def _broken(
+    got: Choice,
+    want: Choice,
+    graph: nx.Graph,
+    here: int,
+    ghosts: set[Ghost],
+    scores: dict[Ghost, float],
+    goal: int | None,
+    weight: float,
+) -> str:
+    """Which part of the rule is broken."""
+    if goal is not None:
+        return "with a goal the path leads to its node, and no ghost is at its end"
+    if not ghosts:
+        return "with neither a goal nor ghosts the robot stays: here, None"
+    if got[1] is None:
+        return "without a goal the best ghost is returned, also while its node is still far"
+    if got[1] != want[1]:
+        if weight:
+            return (
+                "the ghost with the greatest score - weight * metres / 20, with the metres of the "
+                "whole shortest path to its node"
+            )
+        return "the ghost with the greatest score of all in `ghosts`, with its digits as they are"
+    return "the next node on the path that is shortest in metres, also where weight is 0"
 
 
 def _why(got: Choice, want: Choice, graph: nx.Graph, here: int, *_: object) -> str:

@@ -145,8 +145,25 @@ def check_spl(student: Callable[..., Any]) -> None:
         ),
         form=_formed,
         same=partial(close, tolerance=1e-6),
+        broken=_broken,
         difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",
     )
+
+
+def _broken(
+    got: float, want: float, success: NDArray[np.bool_], shortest: Array, travelled: Array
+) -> str:
+    """Which part of the rule is broken."""
+    if abs(got - want) < 1e-3 * want:
+        return "nearly right: the metres and their ratios keep all digits"
+    if not success.all():
+        return "every episode counts in the mean over all N, each one that failed with 0"
+    if (travelled < shortest).any():
+        return (
+            "each episode counts 1 at most, by itself: shortest / max(shortest, travelled), and "
+            "metres as they are"
+        )
+    return "the mean over all episodes of shortest / max(shortest, travelled)"
 
 
 def _formed(what: str, got: object, *_: object) -> Array:

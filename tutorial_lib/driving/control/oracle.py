@@ -23,7 +23,7 @@ TURN_ROUND = 16.0
 class OraclePolicy:
     """A `Policy` that drives each robot of a simulation to its own goal.
 
-    The waypoint is the farthest point of the geodesic in line of sight (Meng 2020, IV).
+    The waypoint is the farthest point of the geodesic in line of sight, as in Meng 2020's code.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 """Demonstrations: an oracle drives between random places, and what the robots sense is recorded.
 
-After Meng 2020 (IV): random starts, goals and headings in the free space; a reactive controller
-follows the geodesic at 10 Hz; rollouts that collide are dropped.
+After Meng 2020 (IV): a reactive controller follows the geodesic at 10 Hz. After its authors' code:
+random starts, goals and headings in the free space; rollouts that collide are dropped.
 """
 
 from collections.abc import Sequence

@@ -25,7 +25,7 @@ from tutorial_lib.world.sensors import Camera
 from tutorial_lib.world.simulation import STEP
 
 BEHIND, AHEAD = 1.0, 3.0
-"""Metres along the drive from a place to its target, at most (Meng 2020, III-B)."""
+"""Metres along the drive from a place to its target, at most (Meng 2020, III-B, Table I)."""
 MOST_CONTEXT, MOST_PAIRS = 10_000, 10_000_000
 """Images on either side of a target, and pairs drawn at once: more are a mistake."""
 CLOSE = 0.8

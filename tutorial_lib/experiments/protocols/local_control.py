@@ -1,4 +1,4 @@
-"""Table I's task: episodes of local control under several conditions (Meng 2020, IV)."""
+"""Table I's task: episodes of local control under several conditions (Meng 2020, III-B)."""
 
 from __future__ import annotations
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.results_page import compared_meng, compared_nts
-from tutorial_lib.experiments.results_page.departures import MENG, NTS, departures
+from tutorial_lib.experiments.results_page.departures import departures
+from tutorial_lib.experiments.results_page.departures_meng import MENG
+from tutorial_lib.experiments.results_page.departures_nts import NTS
 from tutorial_lib.experiments.results_page.markdown import table
 from tutorial_lib.experiments.results_page.section import Section
 from tutorial_lib.experiments.results_page.sources import Results

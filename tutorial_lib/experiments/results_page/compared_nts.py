@@ -91,7 +91,7 @@ _TRENDS = {
     ("ans_like", "rgbd"): "**differs**: the best one but for the oracle",
     ("fbe", "rgbd"): "falls with distance as in the paper, but far less",
     ("il", "rgbd"): "**differs**: near NTS; far below it in the paper",
-    ("nts", "rgb"): "below its row with depth as in the paper, but by little",
+    ("nts", "rgb"): "below its row with depth as in the paper, but by little, most on hard goals",
     ("ans_like", "rgb"): "**differs**: about level with NTS, by success below it on medium goals, "
     "by SPL above it on hard ones with signs",
     ("il", "rgb"): "**differs**: near NTS; far below it in the paper",
@@ -129,7 +129,7 @@ _WITHOUT = {
         "noise",
         {
             "nts": "no gain as in the paper; in plain worlds a loss",
-            "il": "no gain as in the paper, but a loss",
+            "il": "no gain as in the paper; with signs a loss",
             "fbe": "**differs**: noise costs nothing here",
             "ans_like": "**differs**: noise costs nothing here",
         },

@@ -28,7 +28,7 @@ class MapSettings:
         p_between: RE to an anchor from one vertex, and from it to the next, above which the edge
             between the two replaces it; 1 for never, as in the paper.
         reuse_sequence: anchors before and after one that is to be replaced that must match those
-            before and after the vertex, too; 0 as in the paper, where look-alike places merge.
+            before and after the vertex, too; 0 as in the paper's III-E, which merges look-alikes.
     """
 
     p_edge: float = 0.99
@@ -173,7 +173,7 @@ def outdated(
 
 
 def weight(probability: ArrayLike) -> Array:
-    """-log RE, so that the shortest path is the most probable one (Meng 2020, III-F).
+    """-log RE, so that the shortest path is the most probable one (Meng 2020, III-E, III-F).
 
     >>> weight([1.0, 0.5]).round(2).tolist()
     [0.0, 0.69]
