@@ -35,14 +35,15 @@ SEPARATE = {
 }
 
 LOOP = {"geodesics", "metrics", "rollouts"}
-STUDIES = ("meng2020", "nts", "robustness", "benchmarks", "demos")
+STUDIES = ("meng2020", "nts", "ltvn", "robustness", "benchmarks", "demos")
 NOTEBOOKS = [f"nb{number:02}" for number in (*range(8), 9)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
     "topology": {
         "query": set(),
         "similarity": set(),
-        "mapping": {"query", "similarity"},
+        "maintenance": set(),
+        "mapping": {"query", "similarity", "maintenance"},
         "planner": {"query", "similarity", "mapping"},
         "motion_model": {"mapping"},
         "view_sensor": {"mapping"},

@@ -100,7 +100,7 @@ class Leg:
 
 
 @dataclass
-class Journey:
+class RobotState:
     """What one robot knows of its way to the goal.
 
     Attributes:
@@ -129,7 +129,7 @@ class LTVNNavigation:
     Attributes:
         arrived: (N,) declares to have arrived.
         given_up: (N,) cannot find out where it is, or finds no path.
-        journeys: of each robot.
+        states: of each robot.
         traversals: all attempts so far.
     """
 
@@ -157,7 +157,7 @@ class LTVNNavigation:
         self._map, self._upkeep, self._mends = sampled, upkeep, mends
         self._controllers, self._settings = controllers, settings
         self.arrived, self.given_up = np.zeros((2, len(goals)), dtype=bool)
-        self.journeys = [self._journey(goal) for goal in goals]
+        self.states = [self._state_for(goal) for goal in goals]
         self.traversals: list[Traversal] = []
         self._now = np.zeros(len(goals))
         self._rotation = ThreePointTurn(len(goals))
@@ -171,7 +171,7 @@ class LTVNNavigation:
             if not over[robot]:
                 self._step(observations[row], int(robot))
         over = self.arrived | self.given_up
-        legs = [self.journeys[robot].leg for robot in robots]
+        legs = [self.states[robot].leg for robot in robots]
         driving = np.array([leg is not None for leg in legs], bool) & ~over[robots]
         for controller, reverse in zip(self._controllers, (False, True), strict=True):
             rows = [i for i in np.flatnonzero(driving) if legs[i].reverse == reverse]
@@ -185,7 +185,7 @@ class LTVNNavigation:
             actions[turning] = self._rotation.act(observations[turning], robots[turning])
         return actions
 
-    def _journey(self, goal: Goals) -> Journey:
+    def _state_for(self, goal: Goals) -> RobotState:
         """How one image of the goal becomes a vertex: edges lead to it from where it is seen."""
         pool, model = self._map.pool, self._map.pool.model
         image = model.view.of(goal.observations)[:1]
@@ -196,35 +196,35 @@ class LTVNNavigation:
         seen = (reachable > self._settings.sure) & (metres < limit)
         if not seen.any() and len(vertices):  # the most promising of all will have to do
             seen[reachable.argmax()] = True
-        return Journey(target, dict(zip(vertices[seen].tolist(), waypoints[seen], strict=True)))
+        return RobotState(target, dict(zip(vertices[seen].tolist(), waypoints[seen], strict=True)))
 
     def _step(self, observation: Observation, robot: int) -> None:
         """Conclude a leg that is over, and begin the next."""
-        journey = self.journeys[robot]
-        leg, now = journey.leg, float(self._now[robot])
+        state = self.states[robot]
+        leg, now = state.leg, float(self._now[robot])
         if leg is not None:
             gap = float(np.hypot(*(leg.aim - observation.odometry[0])[:2]))
             leg.closest = min(leg.closest, gap)
             if gap > self._settings.executed and now < leg.until:
                 return
             self._conclude(observation, robot, leg)
-        elif journey.searched % _LOOK_STEPS:
-            journey.searched += 1
+        elif state.searched % _LOOK_STEPS:
+            state.searched += 1
             return
         if not self._is_there(observation, robot):
             self._go_on(observation, robot)
 
     def _conclude(self, observation: Observation, robot: int, leg: Leg) -> None:
         """Judge a traversal, and let the map learn from it."""
-        journey, settings = self.journeys[robot], self._settings
-        journey.leg, journey.trusted = None, None
+        state, settings = self.states[robot], self._settings
+        state.leg, state.trusted = None, None
         executed = leg.closest <= settings.executed
         edge = (leg.source, leg.target)
         later = float(self._now[robot]) + settings.patience
         if leg.target == GOAL:
             model = self._map.pool.model
-            if not executed or model.predict(observation, journey.goal)[0][0] <= settings.near:
-                journey.avoided[edge] = later
+            if not executed or model.predict(observation, state.goal)[0][0] <= settings.near:
+                state.avoided[edge] = later
             return
         reachable, waypoint = self._map.pool.seen_from(observation, np.array([leg.target]))
         seen = bool(reachable[0] > settings.near)
@@ -239,44 +239,44 @@ class LTVNNavigation:
         if self._mends:
             self._upkeep.experienced(done)
         if not success:
-            journey.avoided[edge] = later
+            state.avoided[edge] = later
         if settings.trust and executed and (success or leg.kind == "trusted"):
             # Where it does not see the target it presumes for one edge to be there.
             place = relative(observation.odometry[0], leg.aim)
             kind = "trusted" if success else "presumed"
-            journey.trusted = leg.target, kind, edge, waypoint[0] if seen else place
+            state.trusted = leg.target, kind, edge, waypoint[0] if seen else place
 
     def _is_there(self, observation: Observation, robot: int) -> bool:
         """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""
-        journey, settings = self.journeys[robot], self._settings
+        state, settings = self.states[robot], self._settings
         model = self._map.pool.model
-        reachable, waypoint = model.predict(observation, journey.goal)
+        reachable, waypoint = model.predict(observation, state.goal)
         metres = float(length(waypoint[0]))
         if reachable[0] <= settings.sure or metres > self._map.rules.connect:
             return False
         if np.hypot(*waypoint[0, :2]) < settings.goal:
             self.arrived[robot] = True
             return True
-        if journey.avoided.get((GOAL, GOAL), 0.0) > self._now[robot]:
+        if state.avoided.get((GOAL, GOAL), 0.0) > self._now[robot]:
             return False
         # A goal that cannot be reached from here is tried once in a while.
-        journey.avoided[GOAL, GOAL] = float(self._now[robot]) + 2 * settings.spare
+        state.avoided[GOAL, GOAL] = float(self._now[robot]) + 2 * settings.spare
         self._set_off(observation, robot, GOAL, GOAL, "local", None, waypoint[0])
         return True
 
     def _go_on(self, observation: Observation, robot: int) -> None:
         """Localize, plan and set off; or look around."""
-        journey, pool = self.journeys[robot], self._map.pool
-        found = self._localized(observation, journey)
-        path = None if found is None else self._path(journey, found[0], float(self._now[robot]))
+        state, pool = self.states[robot], self._map.pool
+        found = self._localized(observation, state)
+        path = None if found is None else self._path(state, found[0], float(self._now[robot]))
         if found is None or path is None:
             self._look_around(observation, robot)
             return
-        journey.searched, journey.path = 0, path
+        state.searched, state.path = 0, path
         here, kind, arrived_by, offset = found
         target = path[1] if len(path) > 1 else GOAL
         if target == GOAL:
-            waypoint = compose(offset, journey.exits[here])
+            waypoint = compose(offset, state.exits[here])
             self._set_off(observation, robot, here, GOAL, kind, arrived_by, waypoint)
             return
         reachable, seen = pool.seen_from(observation, np.array([target]))
@@ -305,22 +305,22 @@ class LTVNNavigation:
         measured = None if seen is None else float(length(seen))
         edge = self._map.graph.get_edge_data(source, target, {})
         reverse = bool(edge.get("reverse", False))
-        self.journeys[robot].leg = Leg(
+        self.states[robot].leg = Leg(
             source, target, kind, arrived_by, measured, aim, float(until), reverse
         )
 
     def _localized(
-        self, observation: Observation, journey: Journey
+        self, observation: Observation, state: RobotState
     ) -> tuple[int, str, Edge | None, Array] | None:
         """Where the robot is: vertex, how it is known, the edge that led there, and its pose.
 
         Locally at first, among the vertices next to the last path, then among all (LTVN).
         """
         graph, settings, pool = self._map.graph, self._settings, self._map.pool
-        presumed = journey.trusted if journey.trusted and journey.trusted[0] in graph else None
+        presumed = state.trusted if state.trusted and state.trusted[0] in graph else None
         if presumed is not None and presumed[1] == "trusted":
             return presumed
-        around = {v for v in journey.path if v in graph}
+        around = {v for v in state.path if v in graph}
         around |= {n for v in around for n in (*graph.successors(v), *graph.predecessors(v))}
         for kind, candidates, limit in (
             ("local", np.array(sorted(around), dtype=np.intp), settings.near),
@@ -333,18 +333,18 @@ class LTVNNavigation:
                 return int(candidates[best]), kind, None, waypoints[best]
         return presumed
 
-    def _path(self, journey: Journey, here: int, now: float) -> list[int] | None:
+    def _path(self, state: RobotState, here: int, now: float) -> list[int] | None:
         """The shortest path to an image from which the goal is seen, the map expanded if needed."""
-        avoided = {edge for edge, until in journey.avoided.items() if until > now}
-        path = self._shortest(journey, here, avoided)
+        avoided = {edge for edge, until in state.avoided.items() if until > now}
+        path = self._shortest(state, here, avoided)
         if path is None and self._mends:
-            exits = {vertex for vertex in journey.exits if (vertex, GOAL) not in avoided}
+            exits = {vertex for vertex in state.exits if (vertex, GOAL) not in avoided}
             if expanded(self._map, self._upkeep, here, exits, avoided):
-                path = self._shortest(journey, here, avoided)
+                path = self._shortest(state, here, avoided)
         # What failed is tried again rather than nothing.
-        return self._shortest(journey, here, set()) if path is None else path
+        return self._shortest(state, here, set()) if path is None else path
 
-    def _shortest(self, journey: Journey, here: int, avoided: set[Edge]) -> list[int] | None:
+    def _shortest(self, state: RobotState, here: int, avoided: set[Edge]) -> list[int] | None:
         """Dijkstra's path over the edges' costs to one of the exits, and from there to the goal."""
         graph = self._map.graph
 
@@ -356,15 +356,15 @@ class LTVNNavigation:
         metres, paths = nx.single_source_dijkstra(graph, here, weight=cost)
         whole = {
             vertex: metres[vertex] + float(length(waypoint))
-            for vertex, waypoint in journey.exits.items()
+            for vertex, waypoint in state.exits.items()
             if vertex in metres and (vertex, GOAL) not in avoided
         }
         return paths[min(whole, key=whole.__getitem__)] if whole else None
 
     def _look_around(self, observation: Observation, robot: int) -> None:
         """Turn in place, up to `search` seconds."""
-        journey = self.journeys[robot]
-        if journey.searched == 0:
+        state = self.states[robot]
+        if state.searched == 0:
             self._rotation.begin(np.array([robot]), observation.odometry, np.array([_ALL]))
-        journey.searched += 1
-        self.given_up[robot] = journey.searched * STEP > self._settings.search
+        state.searched += 1
+        self.given_up[robot] = state.searched * STEP > self._settings.search

@@ -59,7 +59,7 @@ def shared_bayes(
         The probabilities that the robot was there, and that the edge exists.
 
     >>> tuple(round(p, 2) for p in shared_bayes(0.5, 0.95, 0.9, 0.05, False))
-    (0.13, 0.92)
+    (0.13, 0.91)
     """
     _check_likelihoods(succeeds, deceives)
     at, prior = (
