@@ -19,7 +19,6 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.own import guarded
 from tutorial_lib.experiments.common.report import Options
 from tutorial_lib.experiments.meng2020 import table2, table2_methods
-from tutorial_lib.experiments.meng2020.table2_thresholds import Thresholds
 from tutorial_lib.experiments.protocols import navigation
 from tutorial_lib.experiments.protocols.navigation import (
     GRACE,
@@ -40,6 +39,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     make_building,
     spread_places,
 )
+from tutorial_lib.experiments.protocols.thresholds import Thresholds
 from tutorial_lib.interfaces import Agent, Experience, Navigation
 from tutorial_lib.learning.threads import use_threads
 from tutorial_lib.learning.views import VIEWS

@@ -16,10 +16,10 @@ from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import ImagePool, length, support
 from tutorial_lib.topology.mapping.sampling_map import (
     SamplingRules,
-    accepted_pairs,
     build,
     is_connectable,
     is_mergeable,
+    supported_pairs,
 )
 from tutorial_lib.world import generate
 from tutorial_lib.world.scene import Scene
@@ -105,7 +105,7 @@ def test_a_map_is_sparse_and_leads_everywhere(order, seed):
     made = build(pool, SamplingRules(support=0.0, order=order), np.random.default_rng(seed))
     graph, poses = made.graph, corridor()
     assert len(graph) < 30
-    accepted = accepted_pairs(pool, made.rules)
+    accepted = supported_pairs(pool, made.rules)
     for source, target, edge in graph.edges(data=True):
         pair = (target, source) if edge["reverse"] else (source, target)
         assert accepted[pair]
@@ -151,10 +151,10 @@ def test_neighbours_do_not_support_a_wormhole():
     poses = corridor()
     wormhole = (poses[2], poses[30])
     pool = pool_of(poses, wormholes=[wormhole])
-    plain = accepted_pairs(pool, RULES)
+    plain = supported_pairs(pool, RULES)
     assert plain[2, 30]
     assert support(pool, plain)[2, 30] == 0.0
-    supported = accepted_pairs(pool, SamplingRules(support=0.5))
+    supported = supported_pairs(pool, SamplingRules(support=0.5))
     assert not supported[2, 30]
     assert supported[2, 5]
 

@@ -21,7 +21,6 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds
-from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN
 from tutorial_lib.experiments.protocols.drives import TOUR, part_of
 from tutorial_lib.experiments.protocols.lifelong import (
     TrueModel,
@@ -36,6 +35,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
+from tutorial_lib.experiments.protocols.thresholds import CHOSEN
 from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.maintenance import MaintenanceRules

@@ -22,7 +22,6 @@ from tutorial_lib.experiments.common.report import Fault, Options, Rows
 from tutorial_lib.experiments.common.statistics import difference, in_points, over_worlds, wilson
 from tutorial_lib.experiments.meng2020 import table2_goal_images, table2_thresholds
 from tutorial_lib.experiments.meng2020.table2_methods import METHODS, run_method
-from tutorial_lib.experiments.meng2020.table2_thresholds import CHOSEN, Thresholds
 from tutorial_lib.experiments.protocols.drives import (
     CONTINUOUS,
     TOUR,
@@ -40,6 +39,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     WORLDS,
     make_building,
 )
+from tutorial_lib.experiments.protocols.thresholds import CHOSEN, Thresholds
 from tutorial_lib.experiments.protocols.trial_choices import chosen_trials
 from tutorial_lib.parallel import for_each, lines_of_progress
 

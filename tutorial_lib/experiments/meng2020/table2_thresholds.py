@@ -1,12 +1,11 @@
 """How much success depends on the threshold of RE, a probability, and of SPTM's similarity.
 
 With `--drives` for agents that learned a part of the drives: what is best depends on how much. The
-best ones of each share are entered in `CHOSEN`, which Table II takes.
+best ones of each share are entered in `protocols.thresholds.CHOSEN`, which Table II takes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +20,7 @@ from tutorial_lib.experiments.common.statistics import over_worlds
 from tutorial_lib.experiments.protocols.drives import driven_trials, part_of
 from tutorial_lib.experiments.protocols.navigation import Result, attempt, experiences, measured
 from tutorial_lib.experiments.protocols.navigation_tasks import PLACES, draw_trials, make_building
+from tutorial_lib.experiments.protocols.thresholds import Thresholds
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
 
@@ -28,26 +28,6 @@ WORLDS = tuple(range(10_000, 10_002))
 """For validation: SPTM's threshold is chosen here."""
 BEST = {"meng": 0.99, "sptm": agents.S_SHORTCUT}
 
-
-@dataclass(frozen=True)
-class Thresholds:
-    """Thresholds that depend on how much was driven.
-
-    Attributes:
-        p_edge: Meng's, see `MapSettings`.
-        s_shortcut: SPTM's, see `SPTMAgent`.
-    """
-
-    p_edge: float = MapSettings().p_edge
-    s_shortcut: float = agents.S_SHORTCUT
-
-
-CHOSEN: Mapping[str, Thresholds] = {
-    "0.2": Thresholds(0.99, 0.8),
-    "0.4": Thresholds(0.99, 0.95),
-    "tour": Thresholds(0.99, 0.9),
-}
-"""By `--drives`: what this ablation found best in composed trials of its validation worlds."""
 
 Key = tuple[str, float, bool]
 """Method, threshold, and whether it replans."""

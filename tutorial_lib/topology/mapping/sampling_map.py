@@ -77,16 +77,26 @@ def is_connectable(
     return reachable & near
 
 
-def accepted_pairs(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
-    """(M, M) which images count as reachable from which."""
+def sure_pairs(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
+    """(M, M) which images count as reachable from which, each pair for itself."""
     instance("pool", pool, ImagePool)
     instance("rules", rules, SamplingRules)
-    sure = pool.reachable > rules.reachable
-    if rules.support:
-        sure &= support(pool, sure) >= rules.support
+    return (pool.reachable > rules.reachable) | _own(pool, rules)
+
+
+def supported_pairs(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
+    """(M, M) those of `sure_pairs` that the images between them support, see `support`."""
+    sure = sure_pairs(pool, rules)
+    if not rules.support:
+        return sure
+    return sure & ((support(pool, sure) >= rules.support) | _own(pool, rules))
+
+
+def _own(pool: ImagePool, rules: SamplingRules) -> NDArray[np.bool_]:
+    """(M, M) pairs of one drive, for which less is asked."""
     own = pool.drive[:, None] == pool.drive
     own &= np.abs(pool.frame[:, None] - pool.frame) <= rules.own
-    return sure | (own & (pool.reachable > rules.own_reachable))
+    return own & (pool.reachable > rules.own_reachable)
 
 
 @dataclass(eq=False)
@@ -96,7 +106,8 @@ class SampledMap:
     Attributes:
         pool: all images.
         rules: that it is built by.
-        accepted: (M, M) see `accepted_pairs`.
+        sure: (M, M) see `sure_pairs`; these decide what is redundant.
+        accepted: (M, M) see `supported_pairs`; these may become edges.
         graph: on networkx; a vertex is the index of its image. An edge has `waypoint` (3,) from its
             source; `probability` that it exists, at first r-hat; `length` and `variance` of d(w);
             `reverse`, whether it is driven so; `cost`, its length with the price of that.
@@ -105,12 +116,14 @@ class SampledMap:
 
     pool: ImagePool
     rules: SamplingRules
+    sure: NDArray[np.bool_] = field(init=False)
     accepted: NDArray[np.bool_] = field(init=False)
     graph: nx.DiGraph = field(init=False, default_factory=nx.DiGraph)
     unused: set[int] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.accepted = accepted_pairs(self.pool, self.rules)
+        self.sure = sure_pairs(self.pool, self.rules)
+        self.accepted = supported_pairs(self.pool, self.rules)
         self.unused = set(range(len(self.pool)))
 
     @property
@@ -121,8 +134,8 @@ class SampledMap:
     def mergeable_with(self, image: int, vertices: NDArray[np.intp]) -> bool:
         """Whether an image is redundant beside one of the vertices (V,)."""
         pool, merge = self.pool, self.rules.merge
-        there = is_mergeable(self.accepted[vertices, image], pool.waypoints[vertices, image], merge)
-        back = is_mergeable(self.accepted[image, vertices], pool.waypoints[image, vertices], merge)
+        there = is_mergeable(self.sure[vertices, image], pool.waypoints[vertices, image], merge)
+        back = is_mergeable(self.sure[image, vertices], pool.waypoints[image, vertices], merge)
         return bool((there | back).any())
 
     def edges_with(
