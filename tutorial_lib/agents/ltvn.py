@@ -48,8 +48,8 @@ class LTVNAgent:
     rules: SamplingRules = field(default_factory=SamplingRules)
     maintenance: MaintenanceRules | None = field(default_factory=MaintenanceRules)
     travel: TravelSettings = field(default_factory=TravelSettings)
-    apart: float = 0.32
-    turned: float = 0.35
+    apart: float = 0.64
+    turned: float = 0.7
     seed: int = 0
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from tutorial_lib.agents.blockades import in_the_way
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
-from tutorial_lib.se2 import Array, compose, relative, to_local
+from tutorial_lib.se2 import Array, compose, inverse, relative, to_local
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import length
@@ -189,7 +189,7 @@ class LTVNNavigation:
         """How one image of the goal becomes a vertex: edges lead to it from where it is seen."""
         pool, model = self._map.pool, self._map.pool.model
         image = model.view.of(goal.observations)[:1]
-        target = model.prepare(np.repeat(image[:, None], 2 * model.k + 1, axis=1))
+        target = model.prepare(_alone(image, model.k))
         vertices = self._map.vertices
         reachable, waypoints = pool.lead_to(vertices, target)
         metres, limit = length(waypoints), self._map.rules.connect
@@ -226,7 +226,7 @@ class LTVNNavigation:
             if not executed or model.predict(observation, state.goal)[0][0] <= settings.near:
                 state.avoided[edge] = later
             return
-        reachable, waypoint = self._map.pool.seen_from(observation, np.array([leg.target]))
+        reachable, waypoint = self._seen(observation, np.array([leg.target]))
         seen = bool(reachable[0] > settings.near)
         if settings.strict:
             success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
@@ -266,7 +266,7 @@ class LTVNNavigation:
 
     def _go_on(self, observation: Observation, robot: int) -> None:
         """Localize, plan and set off; or look around."""
-        state, pool = self.states[robot], self._map.pool
+        state = self.states[robot]
         found = self._localized(observation, state)
         path = None if found is None else self._path(state, found[0], float(self._now[robot]))
         if found is None or path is None:
@@ -279,7 +279,7 @@ class LTVNNavigation:
             waypoint = compose(offset, state.exits[here])
             self._set_off(observation, robot, here, GOAL, kind, arrived_by, waypoint)
             return
-        reachable, seen = pool.seen_from(observation, np.array([target]))
+        reachable, seen = self._seen(observation, np.array([target]))
         if reachable[0] > self._settings.near:
             self._set_off(observation, robot, here, target, kind, arrived_by, seen[0], seen[0])
         else:
@@ -316,7 +316,7 @@ class LTVNNavigation:
 
         Locally at first, among the vertices next to the last path, then among all (LTVN).
         """
-        graph, settings, pool = self._map.graph, self._settings, self._map.pool
+        graph, settings = self._map.graph, self._settings
         presumed = state.trusted if state.trusted and state.trusted[0] in graph else None
         if presumed is not None and presumed[1] == "trusted":
             return presumed
@@ -326,12 +326,24 @@ class LTVNNavigation:
             ("local", np.array(sorted(around), dtype=np.intp), settings.near),
             ("global", self._map.vertices, settings.sure),
         ):
-            reachable, waypoints = pool.seen_from(observation, candidates)
+            reachable, waypoints = self._seen(observation, candidates)
             metres = np.where(reachable > limit, length(waypoints), np.inf)
             if metres.size and metres.min() < settings.localize:
                 best = int(metres.argmin())
                 return int(candidates[best]), kind, None, waypoints[best]
         return presumed
+
+    def _seen(self, observation: Observation, vertices: NDArray[np.intp]) -> tuple[Array, Array]:
+        """r-hat (V,) and poses (V, 3) of vertices: seen from the robot, or the robot from them.
+
+        A robot that reversed to a vertex stands before it, and sees that only from there.
+        """
+        pool, model = self._map.pool, self._map.pool.model
+        ahead, there = pool.seen_from(observation, vertices)
+        image = model.view.of(observation)
+        back, here = pool.lead_to(vertices, model.prepare(_alone(image, model.k)))
+        better = back > ahead
+        return np.maximum(ahead, back), np.where(better[:, None], inverse(here), there)
 
     def _path(self, state: RobotState, here: int, now: float) -> list[int] | None:
         """The shortest path to an image from which the goal is seen, the map expanded if needed."""
@@ -368,3 +380,8 @@ class LTVNNavigation:
             self._rotation.begin(np.array([robot]), observation.odometry, np.array([_ALL]))
         state.searched += 1
         self.given_up[robot] = state.searched * STEP > self._settings.search
+
+
+def _alone(images: NDArray, k: int) -> NDArray:
+    """Images (N, ...) without context as targets (N, 2k+1, ...): each stands for all of its own."""
+    return np.repeat(images[:, None], 2 * k + 1, axis=1)

@@ -20,14 +20,11 @@ from tutorial_lib.learning.estimators import (
     RelativeNetwork,
     WaypointNetwork,
 )
-from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 CONTEXT = "k5"
 S_SHORTCUT = 0.99
 """SPTM's threshold, chosen on validation worlds."""
-LTVN_RULES = SamplingRules(reachable=0.9, support=0.0, merge=0.7)
-"""Of LTVN's map, chosen on validation worlds."""
 SEAMS = ("agent", "planner", "localizer", "reachability", "predictor", "controller")
 """What a class of one's own may be where whole agents are compared."""
 
@@ -70,7 +67,7 @@ def sptm(**changed: Any) -> SPTMAgent:  # noqa: ANN401 - any attribute of the ag
 def ltvn(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the agent
     """LTVN's agent with the shipped model; `changed` replaces attributes."""
     model = changed.pop("model", None) or RelativeNetwork("relative_5")
-    return LTVNAgent(**{"model": model, "rules": LTVN_RULES, **changed})
+    return LTVNAgent(**{"model": model, **changed})
 
 
 def random_agent(rng: np.random.Generator) -> RandomAgent:

@@ -40,6 +40,7 @@ from tutorial_lib.geometry import Array
 from tutorial_lib.parallel import for_each
 from tutorial_lib.topology.maintenance import MaintenanceRules
 from tutorial_lib.topology.mapping.edge_rules import MapSettings
+from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 
 NETWORK, ORACLE = PERCEPTIONS = ("network", "oracle")
 WORLDS = tuple(range(20_000, 20_012))
@@ -148,14 +149,11 @@ def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
 def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
     """A variant of LTVN's agent that has learned a building."""
     changed = dict(VARIANTS[name])
-    if perception == ORACLE:
-        changed["model"] = model = TrueModel(building.scene)
-        changed["rules"] = replace(agents.LTVN_RULES, support=0.0)
-    else:
-        model = None
-        changed["rules"] = agents.LTVN_RULES
+    model = TrueModel(building.scene) if perception == ORACLE else None
+    rules = SamplingRules() if model is None else SamplingRules(support=0.0)
     if not changed.pop("reverse", True):
-        changed["rules"] = replace(changed["rules"], reverse=np.inf)
+        rules = replace(rules, reverse=np.inf)
+    changed |= {"model": model, "rules": rules}
     agent = agents.ltvn(**changed)
     agent.learn(deep_experiences(building, model))
     return agent

@@ -41,10 +41,10 @@ class SamplingRules:
         spread: sigma of d(w), metres, from validation worlds.
     """
 
-    reachable: float = 0.8
+    reachable: float = 0.9
     own_reachable: float = 0.5
     own: int = 4
-    merge: float = 0.6
+    merge: float = 0.7
     connect: float = 2.5
     most_turn: float = np.pi
     support: float = 0.5
