@@ -13,6 +13,7 @@ from typing import Any
 
 import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import in_the_way
 from tutorial_lib.driving.control.three_point import ThreePointTurn

@@ -9,6 +9,9 @@ from tutorial_lib.experiments.benchmarks import (
     reachability,
 )
 from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.ltvn import label as ltvn_label
+from tutorial_lib.experiments.ltvn import lifelong, spurious
+from tutorial_lib.experiments.ltvn import model as ltvn_model
 from tutorial_lib.experiments.meng2020 import (
     calibration,
     fig4,
@@ -56,6 +59,10 @@ _EXPERIMENTS = (
     nts_fig8,
     nts_figs,
     second_visit,
+    ltvn_label,
+    ltvn_model,
+    lifelong,
+    spurious,
 )
 _BENCHMARKS = (raycast, fleet, control, reachability, map_building, explore)
 

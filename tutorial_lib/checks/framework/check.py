@@ -75,7 +75,10 @@ class Check:
         name: of the exercise.
         notebook: its number, as in "02".
         reference: the function that the cells below use when the student's is not there.
+        specification: of a check that `checks.engine` made.
     """
+
+    specification: Any = None
 
     def __init__(
         self, judge: Function, reference: Function, example: tuple, calls: int, endless: str

@@ -1,0 +1,62 @@
+"""Known mistakes as edits of a rule's own text."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Callable
+from typing import Any
+
+from tutorial_lib.errors import InputError
+
+Function = Callable[..., Any]
+_ARROW = " -> "
+
+
+def mistakes_of(rule: Function, text: str) -> dict[str, Function]:
+    """For what to say of each mistake, the rule with its edits.
+
+    Args:
+        rule: a function whose source is there.
+        text: a line for what to say, and below it indented lines ``old -> new``, which all are
+            applied; what is to be replaced stands in the rule exactly once.
+
+    Raises:
+        InputError: when an edit does not apply.
+
+    >>> def twice(x):
+    ...     return 2 * x
+    >>> mistakes_of(twice, '''
+    ... twice, not three times
+    ...     2 * x -> 3 * x
+    ... ''')["twice, not three times"](1)
+    3
+    """
+    found: dict[str, list[tuple[str, str]]] = {}
+    words = ""
+    for line in text.strip("\n").splitlines():
+        if not line.strip():
+            continue
+        if not line[0].isspace():
+            words = line.strip()
+            found[words] = []
+            continue
+        old, arrow, new = line.strip().partition(_ARROW)
+        if not words or not arrow:
+            raise InputError(f"mistakes: {line.strip()!r}; give lines 'old{_ARROW}new' below words")
+        found[words].append((old, new.strip()))
+    return {words: edited(rule, edits) for words, edits in found.items()}
+
+
+def edited(rule: Function, edits: list[tuple[str, str]]) -> Function:
+    """The function whose source has each text replaced, which stands there exactly once."""
+    source = textwrap.dedent(inspect.getsource(rule))
+    for old, new in edits:
+        if source.count(old) != 1:
+            raise InputError(
+                f"{rule.__name__}: {old!r} stands there {source.count(old)} times, not once"
+            )
+        source = source.replace(old, new)
+    names = dict(rule.__globals__)
+    exec(compile(source, f"<{rule.__name__}, edited>", "exec"), names)
+    return names[rule.__name__]

@@ -1,0 +1,83 @@
+"""From a rule, its cases and known mistakes to a check."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from tutorial_lib.checks.engine.edits import mistakes_of
+from tutorial_lib.checks.framework.answers import beside
+from tutorial_lib.checks.framework.check import Check, check
+from tutorial_lib.checks.framework.comparison import compare
+
+Function = Callable[..., Any]
+
+
+def case(*arguments: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever the rule takes
+    """The arguments of one call."""
+    return arguments
+
+
+def exercise(
+    rule: Function,
+    cases: Mapping[str, Sequence[Any]],
+    mistakes: str,
+    *,
+    module: str,
+    about: str,
+    example: tuple,
+    run: Function | None = None,
+    others: Mapping[str, Function] | None = None,
+    calls: int = 1_000,
+    endless: str = "",
+    **comparing: Any,  # noqa: ANN401 - see `compare`
+) -> Check:
+    """A check of the exercise that asks for `rule`.
+
+    Args:
+        rule: the right answer; the cells below use it where the student's is not there.
+        cases: for each, what it is like and the arguments.
+        mistakes: see `mistakes_of`.
+        module: of the check; names the notebook.
+        about: one line on what is checked.
+        example: arguments to measure speed with.
+        run: (function, *case) calls a function and returns what is judged, where that is more than
+            its answer; it runs beside the function.
+        others: mistakes that are no edits: what to say, and functions that make them.
+        calls: how often the cells below call it.
+        endless: what to say when it does not end.
+        **comparing: how answers are called, formed, compared and drawn, see `compare`.
+    """
+    known = mistakes_of(rule, mistakes) | dict(others or {})
+    right, faults = rule, known
+    if run is not None:
+        right, faults = partial(run, rule), {words: partial(run, f) for words, f in known.items()}
+        there = beside(run)
+        comparing["invoke"] = lambda what, student, *given: there(student, *given)
+
+    def judge(student: Function) -> Any:  # noqa: ANN401 - target and yours, if drawn
+        return compare(rule.__name__, student, cases, right, faults, **comparing)
+
+    judge.__name__, judge.__doc__, judge.__module__ = f"check_{rule.__name__}", about, module
+    made = check(rule, example, calls=calls, endless=endless)(judge)
+    made.specification = Specification(right, cases, faults, comparing)
+    return made
+
+
+@dataclass(frozen=True)
+class Specification:
+    """What an exercise consists of, so that all of them can be tested alike.
+
+    Attributes:
+        right: gives the right answer to a case.
+        cases: by what they are like.
+        mistakes: by what is said of them.
+        comparing: how answers are compared.
+    """
+
+    right: Function
+    cases: Mapping[str, Sequence[Any]]
+    mistakes: Mapping[str, Function]
+    comparing: Mapping[str, Any]

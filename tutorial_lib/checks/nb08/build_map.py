@@ -1,0 +1,172 @@
+"""The check of Algorithm 1, in notebook 08."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.answers import calling, parts, returned
+from tutorial_lib.checks.framework.check import WrongAnswer
+from tutorial_lib.geometry import Array
+
+Edge = tuple[int, int]
+
+
+def build_map(
+    reachable: NDArray[np.bool_], lengths: Array, order: list[int], merge: float, connect: float
+) -> tuple[list[int], list[Edge]]:
+    """Vertices, in the order in which they were added, and edges; see the exercise."""
+    vertices, edges = [order[0]], []
+    left, grew = order[1:], True
+    while grew:
+        grew, later = False, []
+        for image in left:
+            if any(reachable[v, image] and lengths[v, image] < merge for v in vertices):
+                continue
+            into = [(v, image) for v in vertices if reachable[v, image]]
+            onward = [(image, v) for v in vertices if reachable[image, v]]
+            found = [edge for edge in into + onward if lengths[edge] < connect]
+            if found:
+                vertices.append(image)
+                edges += found
+                grew = True
+            else:
+                later.append(image)
+        left = later
+    return vertices, edges
+
+
+def _line(places: list[float], far: float = 9.0) -> tuple[NDArray[np.bool_], Array]:
+    """Images along a line, each of which reaches those ahead of it, and one a little behind."""
+    ahead = np.subtract.outer(places, places).T
+    lengths = np.round(np.abs(ahead), 6)
+    return (ahead > -0.3) & (lengths < far) & ~np.eye(len(places), dtype=bool), lengths
+
+
+def _random(seed: int) -> tuple[NDArray[np.bool_], Array, list[int], float, float]:
+    rng = np.random.default_rng([seed, 8])
+    count = int(rng.integers(6, 14))
+    places = rng.uniform(0.0, 5.0, (count, 2))
+    lengths = np.linalg.norm(places[:, None] - places, axis=-1)
+    lengths = np.round(lengths * rng.uniform(0.8, 1.2, (count, count)), 1)
+    reachable = (rng.random((count, count)) < 0.5) & ~np.eye(count, dtype=bool)
+    return reachable, lengths, rng.permutation(count).tolist(), 0.6, 1.8
+
+
+CASES = {
+    "three images in a row": case(*_line([0.0, 1.0, 2.0]), [0, 1, 2], 0.5, 1.5),
+    "one too close to the first": case(*_line([0.0, 0.2, 1.0]), [0, 1, 2], 0.5, 1.5),
+    "one that is too far until another is there": case(
+        *_line([0.0, 1.0, 2.0, 3.0]), [0, 3, 2, 1], 0.5, 1.5
+    ),
+    "one that nothing reaches": case(*_line([0.0, 1.0, 8.0]), [0, 2, 1], 0.5, 1.5),
+    "lengths of exactly D_m and D_c": case(
+        *_line([0.0, 0.5, 2.0, 3.0, 4.5]), [0, 1, 2, 3, 4], 0.5, 1.5
+    ),
+    "close, but not reachable": case(
+        np.zeros((2, 2), bool), np.array([[0.0, 0.1], [0.1, 0.0]]), [0, 1], 0.5, 1.5
+    ),
+    "close, and reachable only the other way": case(
+        np.array([[False, False], [True, False]]),
+        np.array([[0.0, 1.0], [0.2, 0.0]]),
+        [0, 1],
+        0.5,
+        1.5,
+    ),
+    "edges both ways": case(
+        ~np.eye(3, dtype=bool), np.where(np.eye(3), 0.0, 1.0), [2, 0, 1], 0.5, 1.5
+    ),
+    "longer one way than the other": case(
+        ~np.eye(2, dtype=bool), np.array([[0.0, 1.0], [2.0, 0.0]]), [0, 1], 0.5, 1.5
+    ),
+    "another first image": case(*_line([0.0, 1.0, 2.0, 3.0]), [2, 0, 1, 3], 0.5, 1.5),
+    "one image alone": case(np.zeros((1, 1), bool), np.zeros((1, 1)), [0], 0.5, 1.5),
+    **{f"at random ({seed})": _random(seed) for seed in range(6)},
+}
+MISTAKES = """
+try what cannot be joined yet again, as long as a pass adds something; yours tries it only once
+    grew = True -> grew = grew
+join a new image to every vertex that it can be joined to, not only to the first
+    edges += found -> edges += found[:1]
+an image that is too close is dropped; yours keeps it
+    continue -> pass
+edges lead into the new image and out of it, each where it is reachable; yours lead in only
+    into + onward -> into
+edges lead into the new image and out of it, each where it is reachable; yours lead out only
+    into + onward -> onward
+an image is too close only if it is reachable as well: lengths of other pairs mean nothing
+    reachable[v, image] and lengths[v, image] < merge -> lengths[v, image] < merge
+an edge needs r-hat, too: lengths of pairs that are not reachable mean nothing
+    for v in vertices if reachable[v, image]] -> for v in vertices]
+    for v in vertices if reachable[image, v]] -> for v in vertices]
+below D_m is too close; exactly D_m is not
+    < merge -> <= merge
+below D_c can be joined; exactly D_c cannot
+    < connect -> <= connect
+D_m decides what is too close, D_c what can be joined; yours has them exchanged
+    lengths[v, image] < merge -> lengths[v, image] < connect
+    lengths[edge] < connect -> lengths[edge] < merge
+look from the vertex to the image: yours looks from the image to the vertex whether it is too close
+    if any(reachable[v, image] -> if any(reachable[image, v]
+    lengths[v, image] < merge -> lengths[image, v] < merge
+the first image of the order is the first vertex
+    order[0] -> min(order)
+    left, grew = order[1:] -> left, grew = [i for i in order if i != min(order)]
+an edge (v, w) leads from v to w; yours lead the other way
+    edges += found -> edges += [edge[::-1] for edge in found]
+"""
+
+
+def _formed(what: str, got: object, *_: object) -> tuple[list[int], list[Edge]]:
+    words = "return two lists, the vertices and the edges (source, target)"
+    vertices, edges = parts(what, returned(what, got), 2, words)
+    try:
+        return [int(v) for v in vertices], sorted((int(a), int(b)) for a, b in edges)
+    except (TypeError, ValueError) as error:
+        raise WrongAnswer(f"{what}: {words}") from error
+
+
+def _difference(got: tuple, want: tuple, *_: object) -> str:
+    if got[0] != want[0]:
+        return f"the vertices {got[0]} came back, but {want[0]} is right"
+    extra = sorted(set(got[1]) - set(want[1]))
+    missing = sorted(set(want[1]) - set(got[1]))
+    if not extra and not missing:
+        return "an edge is there twice"
+    words = [
+        f"{edges[0]} {verb}"
+        for edges, verb in ((extra, "is too many"), (missing, "is missing"))
+        if edges
+    ]
+    return f"of the edges {' and '.join(words)}"
+
+
+def _broken(got: tuple, want: tuple, *_: object) -> str:
+    if len(got[0]) != len(set(got[0])):
+        return "a vertex is added once"
+    if set(got[0]) - set(want[0]):
+        return "an image too close to a vertex, or one that nothing can be joined to, is no vertex"
+    if set(want[0]) - set(got[0]):
+        return "each image that can be joined and is not too close becomes a vertex, at last"
+    if got[0] != want[0]:
+        return "images are tried in their order, and those that are left again in the same order"
+    return "an edge stands for every reachable pair below D_c of the new image and an older vertex"
+
+
+check_build_map = exercise(
+    build_map,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Images in a row, too close, too far, one-way, in several orders, and at random.",
+    example=_random(7),
+    calls=20,
+    endless="Your function has not ended after {seconds:g} seconds. A pass that adds nothing is "
+    "the last one.",
+    invoke=calling({IndexError: "reachable[i, j] is the pair from image i to image j"}),
+    form=_formed,
+    same=lambda got, want, *_: got == want,
+    difference=_difference,
+    broken=_broken,
+)
