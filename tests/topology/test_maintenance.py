@@ -181,6 +181,19 @@ def test_pruned_edges_return_later_each_time():
     assert not never.graph.has_edge(1, 2)
 
 
+def test_a_blocked_way_is_closed_at_once_in_both_directions_and_opens_soon():
+    graph = chain()
+    upkeep = mending(graph, returns=50, returns_blocked=5)
+    upkeep.begin(0)
+    upkeep.experienced(Traversal((1, 2), "trusted", False, blocked=((1, 2), (2, 1))))
+    assert not graph.has_edge(1, 2)
+    assert not graph.has_edge(2, 1)
+    assert [event.kind for event in upkeep.events] == ["pruned", "pruned"]
+    upkeep.begin(5)
+    assert graph.has_edge(1, 2)
+    assert graph.has_edge(2, 1)
+
+
 traversals = st.lists(
     st.tuples(
         st.integers(0, 5),
@@ -202,8 +215,10 @@ def test_undoing_all_events_gives_the_first_map(attempts):
     upkeep = mending(graph, returns=4, returns_blocked=2)
     for query, (a, b, kind, success, measured, before, blocked) in enumerate(attempts):
         upkeep.begin(query)
-        arrived_by = None if before is None else (before, a)
-        upkeep.experienced(Traversal((a, b), kind, success, measured, arrived_by, blocked))
+        arrived_by, both = None if before is None else (before, a), ((a, b), (b, a))
+        upkeep.experienced(
+            Traversal((a, b), kind, success, measured, arrived_by, ((a, b), (b, a)) * blocked)
+        )
         for _, _, edge in graph.edges(data=True):
             assert 1 - CERTAIN - 1e-9 <= edge["probability"] <= CERTAIN + 1e-9
             assert 0 < edge["variance"] <= 0.04

@@ -2,6 +2,7 @@
 
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.imitation import ImitationAgent
+from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.oracle import OracleNavigation
@@ -17,6 +18,7 @@ __all__ = [
     "REMEDIES",
     "FrontierAgent",
     "ImitationAgent",
+    "LTVNAgent",
     "MengAgent",
     "NTSAgent",
     "NTSSettings",

@@ -34,13 +34,26 @@ def in_the_way(lasers: Array, waypoints: Array) -> NDArray[np.bool_]:
         lasers: (N, B) metres, full circles.
         waypoints: (N, 2) metres, in the robots' frames.
     """
+    return _on_lane(lasers, waypoints)[0].any(axis=1)
+
+
+def nearest_in_the_way(laser: Array, waypoint: Array) -> Array:
+    """(2,) the nearest point that the laser (B,) sees on the line to a waypoint (2,)."""
+    on_lane, along = _on_lane(laser[None], waypoint[None])
+    beam = int(np.where(on_lane[0], along[0], np.inf).argmin())
+    angle = full_circle(len(laser))[beam]
+    return laser[beam] * np.array([np.cos(angle), np.sin(angle)])
+
+
+def _on_lane(lasers: Array, waypoints: Array) -> tuple[NDArray[np.bool_], Array]:
+    """(N, B) which beams end on the line to a waypoint, and how far along it."""
     far = np.linalg.norm(waypoints, axis=1)
     ahead = waypoints / np.maximum(far, 1e-6)[:, None]
     angles = full_circle(lasers.shape[1])
     along = lasers * (ahead[:, :1] * np.cos(angles) + ahead[:, 1:] * np.sin(angles))
     aside = lasers * (ahead[:, :1] * np.sin(angles) - ahead[:, 1:] * np.cos(angles))
     on_lane = (np.abs(aside) < _LANE) & (along > 0) & (along < far[:, None] - _SHORT)
-    return on_lane.any(axis=1)
+    return on_lane, along
 
 
 class Waiting:

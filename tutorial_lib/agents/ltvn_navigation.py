@@ -15,10 +15,11 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.blockades import in_the_way
+from tutorial_lib.agents.blockades import in_the_way, nearest_in_the_way
 from tutorial_lib.driving.control.three_point import ThreePointTurn
+from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
-from tutorial_lib.se2 import Array, compose, inverse, relative, to_local
+from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import length
@@ -29,6 +30,7 @@ from tutorial_lib.world.simulation import STEP
 GOAL = -1
 """The goal, in place of a vertex."""
 _ALL = 4 * np.pi  # rad that a robot turns while it searches
+_BESIDE = 0.3  # metres from an obstacle within which an edge leads through it
 _LOOK_STEPS = 10  # steps from one look around to the next while it turns
 
 
@@ -233,8 +235,7 @@ class LTVNNavigation:
             success = executed and seen and np.hypot(*waypoint[0, :2]) < settings.arrival
         else:
             success = seen and float(length(waypoint[0])) < self._map.rules.connect
-        aim = to_local(observation.odometry[0], leg.aim[:2])[None]
-        blocked = not executed and bool(in_the_way(observation.laser, aim)[0])
+        blocked = () if executed else self._blocked(observation, leg)
         done = Traversal(edge, leg.kind, bool(success), leg.measured, leg.arrived_by, blocked)
         self.traversals.append(done)
         if self._mends:
@@ -246,6 +247,26 @@ class LTVNNavigation:
             place = relative(observation.odometry[0], leg.aim)
             kind = "trusted" if success else "presumed"
             state.trusted = leg.target, kind, edge, waypoint[0] if seen else place
+
+    def _blocked(self, observation: Observation, leg: Leg) -> tuple[Edge, ...]:
+        """The edges that lead through what the laser sees before the target, in both directions.
+
+        The map knows from waypoint to waypoint where the vertices around are (ours).
+        """
+        odometry, graph = observation.odometry[0], self._map.graph
+        aim = to_local(odometry, leg.aim[:2])[None]
+        if not in_the_way(observation.laser, aim)[0] or not graph.has_edge(leg.source, leg.target):
+            return ()
+        known = graph.edges[leg.source, leg.target]["waypoint"]
+        places = {leg.target: leg.aim, leg.source: compose(leg.aim, inverse(np.array(known)))}
+        for vertex in (leg.source, leg.target):
+            for _, other, edge in graph.out_edges(vertex, data=True):
+                places.setdefault(other, compose(places[vertex], np.array(edge["waypoint"])))
+        obstacle = to_world(odometry, nearest_in_the_way(observation.laser[0], aim[0]))
+        edges = [edge for edge in graph.subgraph(places).edges if edge[0] != edge[1]]
+        ends = np.array([[*places[a][:2], *places[b][:2]] for a, b in edges])
+        near = distance_to_segments(obstacle[None], ends)[0] < _BESIDE
+        return tuple(edge for edge, closed in zip(edges, near, strict=True) if closed)
 
     def _is_there(self, observation: Observation, robot: int) -> bool:
         """Declare to have arrived, or drive to the goal that is seen; whether one of the two."""

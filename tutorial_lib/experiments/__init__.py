@@ -4,6 +4,12 @@ from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.results import load_result
 from tutorial_lib.experiments.protocols.drives import driven_trials, part_of
 from tutorial_lib.experiments.protocols.following import UNDER_WAY, Guide
+from tutorial_lib.experiments.protocols.lifelong import (
+    deep_experiences,
+    image_poses,
+    run_fleet,
+    run_queries,
+)
 from tutorial_lib.experiments.protocols.lookalikes import (
     Office,
     draw_ambiguous_trials,
@@ -21,6 +27,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
     Trials,
     draw_trials,
+    explored,
     facing,
     make_building,
     spread_places,
@@ -34,18 +41,23 @@ __all__ = [
     "Office",
     "Trials",
     "agents",
+    "deep_experiences",
     "draw_ambiguous_trials",
     "draw_trials",
     "driven_trials",
     "edge_lengths",
     "experiences",
+    "explored",
     "facing",
     "goals_of",
+    "image_poses",
     "load_result",
     "make_building",
     "make_office",
     "navigate",
     "part_of",
+    "run_fleet",
+    "run_queries",
     "spread_places",
     "vertex_poses",
 ]

@@ -176,7 +176,8 @@ class Traversal:
         success: whether it arrived at the target, as far as it can tell.
         measured: d(w) of the target, predicted from where it set off; none if it was not seen.
         arrived_by: the edge on which it came to the source; none if it was localized there.
-        blocked: whether something stood in its way.
+        blocked: the edges that lead through what stood in its way, this one among them; none
+            where nothing did.
     """
 
     edge: Edge
@@ -184,7 +185,7 @@ class Traversal:
     success: bool
     measured: float | None = None
     arrived_by: Edge | None = None
-    blocked: bool = False
+    blocked: tuple[Edge, ...] = ()
 
 
 class Maintenance:
@@ -221,7 +222,13 @@ class Maintenance:
             self.bring_back(edge)
 
     def experienced(self, traversal: Traversal) -> None:
-        """Update the edge's belief and length, and that of the edge before; prune what fell."""
+        """Update the edge's belief and length, and that of the edge before; prune what fell.
+
+        What is blocked is pruned at once, and comes back soon: the edge is no mistake of the map.
+        """
+        for edge in traversal.blocked:
+            if self.graph.has_edge(*edge):
+                self.prune_edge(edge, blocked=True)
         source, target = traversal.edge
         if not self.graph.has_edge(source, target):
             return  # another robot has pruned it meanwhile
@@ -248,7 +255,7 @@ class Maintenance:
             changed |= {"length": mean, "variance": variance, "cost": mean * price}
         self._change("success" if traversal.success else "failure", (source, target), changed)
         if not traversal.success and exists < rules.prune:
-            self.prune_edge((source, target), traversal.blocked)
+            self.prune_edge((source, target))
         if shared:
             self._change(
                 "success" if traversal.success else "failure", before, {"probability": _limited(at)}

@@ -75,7 +75,7 @@ class Settings:
         *((MENDING, NETWORK), (FROZEN, NETWORK), (MENDING, ORACLE), (FROZEN, ORACLE)),
         *(("sptm", NETWORK), ("meng", NETWORK), ("oracle", ORACLE)),
     )
-    queries: int = 300
+    queries: int = 200
     block: int = 50
     fleet: int = 25
 

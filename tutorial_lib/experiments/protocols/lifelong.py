@@ -24,6 +24,7 @@ from tutorial_lib.interfaces import Experience, Goals, Navigation, Observation, 
 from tutorial_lib.learning.analytic_label import AnalyticLabel
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.se2 import Array, relative
+from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
 from tutorial_lib.world.visibility import mutual_overlap
@@ -129,6 +130,7 @@ def run_queries(
     agent: LTVNAgent,
     fleet: int = 25,
     first: int = 0,
+    people: Sequence[Person] = (),
 ) -> tuple[Outcome, list[LTVNNavigation]]:
     """Run trials one fleet after the other; all robots of a fleet use and mend the same map.
 
@@ -138,26 +140,28 @@ def run_queries(
         agent: has learned the building.
         fleet: robots at a time.
         first: number of the first query.
+        people: what stands in the way of all, as a closed door does.
     """
     parts: list[Outcome] = []
     navigations = []
     for begin in range(0, len(trials), fleet):
         some = trials.subset(np.arange(begin, min(begin + fleet, len(trials))))
         agent.upkeep.begin(first + begin)
-        outcome, navigation = run_fleet(building, some, agent)
+        outcome, navigation = run_fleet(building, some, agent, people)
         parts.append(outcome)
         navigations.append(navigation)
     return joined_outcomes(parts), navigations
 
 
 def run_fleet(
-    building: Building, trials: Trials, agent: LTVNAgent
+    building: Building, trials: Trials, agent: LTVNAgent, people: Sequence[Person] = ()
 ) -> tuple[Outcome, LTVNNavigation]:
     """Run trials at once."""
     model = agent.model if isinstance(agent.model, TrueModel) else None
     simulation = Simulation(
         building.scene,
         trials.starts,
+        people=people,
         sensors=Sensors(with_depth=True),
         odometry_noise=building.odometry.noise(NAVIGATING),
     )
