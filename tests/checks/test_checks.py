@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07, nb09
+from tutorial_lib.checks import nb01, nb02, nb03, nb04, nb05, nb06, nb07, nb08, nb09
 from tutorial_lib.checks.framework import guard
 from tutorial_lib.checks.framework.check import Check, WrongAnswer, check
 from tutorial_lib.checks.framework.comparison import expect_close
@@ -19,6 +19,7 @@ NOTEBOOKS = {
     "05_map_building": nb05,
     "06_probabilistic_planning": nb06,
     "07_aliasing": nb07,
+    "08_lifelong_maps": nb08,
     "09_ghost_nodes": nb09,
 }
 

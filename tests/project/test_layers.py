@@ -36,7 +36,7 @@ SEPARATE = {
 
 LOOP = {"geodesics", "metrics", "rollouts"}
 STUDIES = ("meng2020", "nts", "ltvn", "robustness", "benchmarks", "demos")
-NOTEBOOKS = [f"nb{number:02}" for number in (*range(8), 9)]
+NOTEBOOKS = [f"nb{number:02}" for number in range(10)]
 INSIDE = {
     "driving": {**dict.fromkeys(LOOP, LOOP), "control": LOOP, "data": LOOP | {"control"}},
     "topology": {
@@ -62,7 +62,8 @@ INSIDE = {
         "framework": set(),
         "progress": {"framework"},
         "marking": {"framework"},
-        **{notebook: {"framework"} for notebook in NOTEBOOKS},
+        "engine": {"framework"},
+        **{notebook: {"framework", "engine"} for notebook in NOTEBOOKS},
     },
 }
 """What each part of a package may import from the package, besides itself."""

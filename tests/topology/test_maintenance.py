@@ -216,9 +216,7 @@ def test_undoing_all_events_gives_the_first_map(attempts):
     for query, (a, b, kind, success, measured, before, blocked) in enumerate(attempts):
         upkeep.begin(query)
         arrived_by, both = None if before is None else (before, a), ((a, b), (b, a))
-        upkeep.experienced(
-            Traversal((a, b), kind, success, measured, arrived_by, ((a, b), (b, a)) * blocked)
-        )
+        upkeep.experienced(Traversal((a, b), kind, success, measured, arrived_by, both * blocked))
         for _, _, edge in graph.edges(data=True):
             assert 1 - CERTAIN - 1e-9 <= edge["probability"] <= CERTAIN + 1e-9
             assert 0 < edge["variance"] <= 0.04

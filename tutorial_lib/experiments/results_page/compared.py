@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from tutorial_lib.experiments.results_page import compared_meng, compared_nts
+from tutorial_lib.experiments.results_page import compared_ltvn, compared_meng, compared_nts
 from tutorial_lib.experiments.results_page.departures import departures
+from tutorial_lib.experiments.results_page.departures_ltvn import LTVN
 from tutorial_lib.experiments.results_page.departures_meng import MENG
 from tutorial_lib.experiments.results_page.departures_nts import NTS
 from tutorial_lib.experiments.results_page.markdown import table
@@ -12,8 +13,6 @@ from tutorial_lib.experiments.results_page.sources import Results
 
 TITLE = "Papers and course"
 """Of the chapter."""
-LTVN = "Part of the course's notebook 08, which is not there yet."
-"""In place of what is measured for that paper."""
 HEAD = ("table or figure", "the paper", "here", "trend")
 
 
@@ -35,11 +34,12 @@ def _nts_section(results: Results) -> list[str]:
     ]
 
 
-def _ltvn_section(_: Results) -> list[str]:
-    names = ("Figs. 1 to 5, Algorithm 1, tables and figures of its results",)
+def _ltvn_section(results: Results) -> list[str]:
     return [
-        "R. R. Wiyatno, A. Xu and L. Paull, *Lifelong Topological Visual Navigation* (2022).",
-        table(HEAD, [[name, "", LTVN, ""] for name in names]),
+        "R. R. Wiyatno, A. Xu and L. Paull, *Lifelong Topological Visual Navigation* (2022): the "
+        "method as its authors describe it on their page, which has neither the thresholds nor "
+        "the tables of results.",
+        table(HEAD, compared_ltvn.lines(results)),
     ]
 
 
@@ -59,10 +59,20 @@ def _ours_in_nts_section(_: Results) -> list[str]:
     ]
 
 
+def _ours_in_ltvn_section(_: Results) -> list[str]:
+    return ["The same for *Lifelong Topological Visual Navigation*.", departures(LTVN)]
+
+
 SECTIONS = (
     Section("Meng 2020 beside the course", (), _meng_section, reads=compared_meng.READS),
     Section("What is ours in Meng's system", (), _ours_in_meng_section),
     Section("Chaplot et al. 2020 beside the course", (), _nts_section, reads=compared_nts.READS),
     Section("What is ours in NTS", (), _ours_in_nts_section),
-    Section("Lifelong Topological Visual Navigation", (), _ltvn_section),
+    Section(
+        "Lifelong Topological Visual Navigation beside the course",
+        (),
+        _ltvn_section,
+        reads=compared_ltvn.READS,
+    ),
+    Section("What is ours in LTVN", (), _ours_in_ltvn_section),
 )

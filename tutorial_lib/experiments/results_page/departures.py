@@ -14,6 +14,7 @@ NOTEBOOKS = {
     "05": "05_map_building",
     "06": "06_probabilistic_planning",
     "07": "07_aliasing",
+    "08": "08_lifelong_maps",
     "09": "09_ghost_nodes",
 }
 

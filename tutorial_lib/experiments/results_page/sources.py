@@ -22,6 +22,8 @@ ABLATIONS = ("encoder", "worlds", "rows")
 """Of local control."""
 EXPLORING = ("scores", "table1", "table2", "fig8", "figs", "second_visit")
 """Experiments of exploration."""
+LIFELONG = ("label", "model", "lifelong", "spurious")
+"""Experiments of maps that mend themselves."""
 BENCHMARKS = ("map", "control", "reachability", "raycast", "fleet", "explore")
 DRIVES = ("0.2", "0.4", TOUR)
 """Of Table II: what agents learn, beside all drives, with thresholds chosen for each."""
@@ -97,6 +99,7 @@ COMMANDS = {
     ),
     "faults": "experiment faults",
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
+    **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
     "nts_table1_car": "experiment nts_table1 --body car",
     **{
         f"nts_{name}_options": f"experiment nts_{name} --ablation options"

@@ -1,0 +1,99 @@
+"""What Lifelong Topological Visual Navigation shows and claims, beside what is measured here."""
+
+from __future__ import annotations
+
+from tutorial_lib.experiments.results_page.compared_meng import DIAGRAM, NOTHING
+from tutorial_lib.experiments.results_page.markdown import link, number, percent
+from tutorial_lib.experiments.results_page.sources import Results, one
+
+READS = ("ltvn_label", "ltvn_model", "ltvn_lifelong", "ltvn_spurious")
+"""Reports that the rows are made from."""
+QUERIES, SPOILT = "Hundreds of queries", "Spurious and missing edges"
+
+
+def lines(results: Results) -> list[list[str]]:
+    """A line for each figure and claim: name, the paper, here, trend."""
+    label = one(results.rows("ltvn_label"), term="label", holds=True)
+    return [
+        ["Figs. 1, 3 and 4", "an interface with image goals, the framework, its parts", *DIAGRAM],
+        [
+            "Fig. 2",
+            "a spurious edge goes, a vertex is added",
+            "notebook 08, § 8, draws which edges were pruned",
+            "one example",
+        ],
+        [
+            link("LTVN's label", "Fig. 5"),
+            "reachable and other pairs",
+            f"notebook 08, § 1; of the pairs with the label {percent(label['arrives'])} are "
+            f"reached by the controller",
+            NOTHING,
+        ],
+        ["Algorithm 1", "a graph by sampling", "notebook 08, § 3, builds it", "the same algorithm"],
+        *_sizes(results),
+        *_updates(results),
+        [
+            "fine-tuning",
+            "with the drives of the target building",
+            "not built",
+            "nothing to compare",
+        ],
+    ]
+
+
+def _sizes(results: Results) -> list[list[str]]:
+    rows = results.rows("ltvn_lifelong")
+    first = {"block": 0, "family": "others", "perception": "network"}
+    frozen, sptm, meng = (one(rows, agent=name, **first) for name in ("frozen", "sptm", "meng"))
+    sizes = ", ".join(
+        f"{name} {number(row['vertices'], 0)} vertices and {percent(row['success'])}"
+        for name, row in (("LTVN", frozen), ("SPTM", sptm), ("Meng", meng))
+    )
+    sparser = frozen["vertices"] < sptm["vertices"]
+    better = frozen["success"] > sptm["success"]
+    trend = (
+        "as in the paper for SPTM"
+        if sparser and better
+        else (
+            f"{'sparser' if sparser else 'not sparser'} than SPTM's map, "
+            f"{'more' if better else 'not more'} success"
+        )
+    )
+    if meng["vertices"] < frozen["vertices"]:
+        trend += "; Meng's map, with which the paper does not compare, is sparser still"
+    return [
+        [
+            link(QUERIES, "sparser, and better"),
+            "sparser graphs and higher success than SPTM's and ViNG's",
+            f"before updates: {sizes}; ViNG's graph is not built",
+            trend,
+        ]
+    ]
+
+
+def _updates(results: Results) -> list[list[str]]:
+    rows, spoilt = results.rows("ltvn_lifelong"), results.rows("ltvn_spurious")
+    last = max(row["block"] for row in rows)
+    shown = []
+    for family in ("others", "loop_corridor"):
+        same = {"agent": "ltvn", "perception": "network", "family": family}
+        ends = [percent(one(rows, block=block, **same)["success"]) for block in (0, last)]
+        shown.append(" to ".join(ends))
+    end = max(row["block"] for row in spoilt)
+    share = max(row["share"] for row in spoilt)
+    mended = {"share": share, "updates": "on", "perception": "network", "family": "others"}
+    begins, ends = (percent(one(spoilt, block=block, **mended)["success"]) for block in (0, end))
+    return [
+        [
+            link(QUERIES, "updates"),
+            "success rises with the number of queries",
+            f"from the first block to the last {shown[0]}, in loop corridors {shown[1]}",
+            "within chance where the map is right from the start",
+        ],
+        [
+            link(SPOILT, "spurious edges"),
+            "updates eliminate them",
+            f"with {percent(share, 0)} of the edges spoilt {begins} to {ends}",
+            "as in the paper",
+        ],
+    ]
