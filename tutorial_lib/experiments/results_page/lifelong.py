@@ -75,8 +75,10 @@ def _model_section(results: Results) -> list[str]:
         f"*support* also ask that depths agree after the predicted motion, and that images "
         f"between the two do.",
         table(
-            ["gate", "worlds", "threshold", "reachable found", "far accepted", "precision"]
-            + ["far among accepted", "waypoint, median error", "ECE"],
+            [
+                *("gate", "worlds", "threshold", "reachable found", "far accepted", "precision"),
+                *("far among accepted", "waypoint, median error", "ECE"),
+            ],
             lines,
         ),
         "ECE is of the gate's score: a gate that closes sets it to 0, which is no calibration.",
@@ -100,8 +102,10 @@ def _lifelong_section(results: Results) -> list[str]:
         f"the same {count * (last + 1)} queries, and fleets of 25 robots use and mend one map. "
         f"*Oracle* perception has the true label and waypoint in place of the network.",
         table(
-            ["agent", "perception", "worlds", f"first {count} queries", f"last {count}"]
-            + ["vertices", "edges", "longer than 5 m"],
+            [
+                *("agent", "perception", "worlds", f"first {count} queries", f"last {count}"),
+                *("vertices", "edges", "longer than 5 m"),
+            ],
             lines,
         ),
         "Paired differences, 95 % intervals over worlds:",
@@ -135,11 +139,8 @@ def spurious(rows: Rows) -> str:
         found = [one(rows, block=block, **same) for block in blocks]
         cells = [percent(found[i]["success"]) for i in range(len(blocks))]
         end = found[-1]
-        gone = percent(end["injected_gone"], 0)
-        lines.append(
-            [percent(row["share"], 0), row["updates"], FAMILIES[row["family"]], *cells]
-            + [gone, percent(end["true_pruned"])]
-        )
+        cells += [percent(end["injected_gone"], 0), percent(end["true_pruned"])]
+        lines.append([percent(row["share"], 0), row["updates"], FAMILIES[row["family"]], *cells])
     head = [f"{50 * block + 1} to {50 * (block + 1)}" for block in blocks]
     return table(["spoilt", "updates", "worlds", *head, "injected, gone", "true, pruned"], lines)
 
