@@ -128,10 +128,11 @@ show(side_by_side(pictures, ["yesterday", "this morning: the same map, a shut do
 # %% hidden=true
 # Four pairs of images, and what the network says of each
 pool, model = frozen.sampled.pool, frozen.model
-shown_from = 40
+shown_from = int((pool.reachable > 0.5).sum(axis=1).argmax())
 images = pool.observations[np.arange(len(pool))].image
-order = np.argsort(-pool.reachable[shown_from])
-others = [order[1], order[12], order[40], int(np.argmin(pool.reachable[shown_from]))]
+order = np.argsort(-pool.reachable[shown_from], kind="stable")
+far = order[(pool.reachable[shown_from, order] < 0.01) & (order != shown_from)]
+others = [order[0], order[4], order[9], far[0]]
 titles = []
 for other in others:
     r, (x, y, turn) = pool.reachable[shown_from, other], pool.waypoints[shown_from, other]
@@ -187,15 +188,15 @@ length = check_length.use(length)
 #
 # The tour left hundreds of images. A vertex for each would be a crowd. LTVN's Algorithm 1 draws images in random order and asks of each:
 #
-# - **is it mergeable** with a vertex, reachable from it and closer than $D_m$? Then it's redundant: drop it.
-# - **is it connectable** to some vertex, reachable one way or the other and closer than $D_c$? Then it becomes a vertex, with an edge for *every* such pair.
+# - **is it mergeable** with a vertex, reachable one way or the other and closer than $D_m$ that way? Then it's redundant: drop it.
+# - **is it connectable** to some vertex, in the same sense, closer than $D_c$? Then it becomes a vertex, with an edge for *every* such pair.
 # - neither? Leave it for later: perhaps a vertex nearby is still to come.
 #
 # Go on until a whole pass adds nothing.
 #
 # ### Exercise 2 · `build_map` (medium, 12 minutes)
 #
-# An image is mergeable if *the vertex* reaches it. Edges may lead either way: `(v, image)` and `(image, v)`, each with its own $\hat r$ and length.
+# Look both ways: `(v, image)` and `(image, v)` each have their own $\hat r$ and length, and each may become an edge.
 #
 # <details><summary>Hint 1: concept</summary>Two loops: passes, and within a pass the images that are left, in their order.</details>
 # <details><summary>Hint 2: approach</summary>Keep a list of those that were neither dropped nor added; it's what the next pass goes through. Stop when a pass added none.</details>
@@ -220,9 +221,9 @@ def build_map(reachable, lengths, order, merge, connect):
     while grew:
         grew, later = False, []
         for image in left:
-            if any(reachable[v, image] and lengths[v, image] < merge for v in vertices):
-                continue
             pairs = [(v, image) for v in vertices] + [(image, v) for v in vertices]
+            if any(reachable[pair] and lengths[pair] < merge for pair in pairs):
+                continue
             new = [pair for pair in pairs if reachable[pair] and lengths[pair] < connect]
             if new:
                 vertices.append(image)

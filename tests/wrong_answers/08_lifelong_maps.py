@@ -68,7 +68,7 @@ def build_map__right_with_arrays(reachable, lengths, order, merge, connect):
         later, grew = [], False
         for image in left:
             now = np.array(vertices)
-            if close[now, image].any():
+            if close[now, image].any() or close[image, now].any():
                 continue
             into, out = now[near[now, image]], now[near[image, now]]
             if not (into.size or out.size):
@@ -95,7 +95,8 @@ def build_map__first_in_order_again(reachable, lengths, order, merge, connect):
     while again:
         again = False
         for image in list(left):
-            if any(reachable[v, image] and lengths[v, image] < merge for v in vertices):
+            close = [(v, image) for v in vertices] + [(image, v) for v in vertices]
+            if any(reachable[pair] and lengths[pair] < merge for pair in close):
                 left.remove(image)
                 continue
             new = [(v, image) for v in vertices if reachable[v, image]]

@@ -22,11 +22,10 @@ def build_map(
     while grew:
         grew, later = False, []
         for image in left:
-            if any(reachable[v, image] and lengths[v, image] < merge for v in vertices):
+            pairs = [(v, image) for v in vertices] + [(image, v) for v in vertices]
+            if any(reachable[pair] and lengths[pair] < merge for pair in pairs):
                 continue
-            into = [(v, image) for v in vertices if reachable[v, image]]
-            onward = [(image, v) for v in vertices if reachable[image, v]]
-            found = [edge for edge in into + onward if lengths[edge] < connect]
+            found = [pair for pair in pairs if reachable[pair] and lengths[pair] < connect]
             if found:
                 vertices.append(image)
                 edges += found
@@ -42,6 +41,14 @@ def _line(places: list[float], far: float = 9.0) -> tuple[NDArray[np.bool_], Arr
     ahead = np.subtract.outer(places, places).T
     lengths = np.round(np.abs(ahead), 6)
     return (ahead > -0.3) & (lengths < far) & ~np.eye(len(places), dtype=bool), lengths
+
+
+def _three(reach: dict[Edge, float], others: dict[Edge, float]) -> tuple[NDArray[np.bool_], Array]:
+    """Three images: lengths of the pairs that are reachable, and of some that are not."""
+    reachable, lengths = np.zeros((3, 3), bool), np.full((3, 3), 2.0)
+    for pair, metres in (reach | others).items():
+        reachable[pair], lengths[pair] = pair in reach, metres
+    return reachable, lengths
 
 
 def _random(seed: int) -> tuple[NDArray[np.bool_], Array, list[int], float, float]:
@@ -74,6 +81,15 @@ CASES = {
         0.5,
         1.5,
     ),
+    "close to one that it cannot reach, and joined to another": case(
+        *_three({(0, 1): 1.0, (1, 2): 1.0}, {(0, 2): 0.1, (2, 0): 0.1}), [0, 1, 2], 0.5, 1.5
+    ),
+    "close, seen from the new image only": case(
+        *_three({(0, 1): 1.0, (1, 2): 1.0, (2, 0): 0.2}, {(0, 2): 1.2}), [0, 1, 2], 0.5, 1.5
+    ),
+    "close, seen from the vertex only": case(
+        *_three({(0, 1): 1.0, (2, 1): 1.0, (0, 2): 0.2}, {(2, 0): 1.2}), [0, 1, 2], 0.5, 1.5
+    ),
     "edges both ways": case(
         ~np.eye(3, dtype=bool), np.where(np.eye(3), 0.0, 1.0), [2, 0, 1], 0.5, 1.5
     ),
@@ -91,25 +107,30 @@ join a new image to every vertex that it can be joined to, not only to the first
     edges += found -> edges += found[:1]
 an image that is too close is dropped; yours keeps it
     continue -> pass
-edges lead into the new image and out of it, each where it is reachable; yours lead in only
-    into + onward -> into
-edges lead into the new image and out of it, each where it is reachable; yours lead out only
-    into + onward -> onward
+either may reach the other; yours looks only from the vertices to the new image
+    + [(image, v) for v in vertices] -> + []
+either may reach the other; yours looks only from the new image to the vertices
+    [(v, image) for v in vertices] + -> [] +
+edges lead both ways, each where it is reachable; yours lead into the new image only
+    found = [pair for pair in pairs if -> found = [pair for pair in pairs[: len(vertices)] if
+edges lead both ways, each where it is reachable; yours lead out of the new image only
+    found = [pair for pair in pairs if -> found = [pair for pair in pairs[len(vertices) :] if
 an image is too close only if it is reachable as well: lengths of other pairs mean nothing
-    reachable[v, image] and lengths[v, image] < merge -> lengths[v, image] < merge
+    reachable[pair] and lengths[pair] < merge -> lengths[pair] < merge
 an edge needs r-hat, too: lengths of pairs that are not reachable mean nothing
-    for v in vertices if reachable[v, image]] -> for v in vertices]
-    for v in vertices if reachable[image, v]] -> for v in vertices]
+    reachable[pair] and lengths[pair] < connect -> lengths[pair] < connect
 below D_m is too close; exactly D_m is not
     < merge -> <= merge
 below D_c can be joined; exactly D_c cannot
     < connect -> <= connect
 D_m decides what is too close, D_c what can be joined; yours has them exchanged
-    lengths[v, image] < merge -> lengths[v, image] < connect
-    lengths[edge] < connect -> lengths[edge] < merge
-look from the vertex to the image: yours looks from the image to the vertex whether it is too close
-    if any(reachable[v, image] -> if any(reachable[image, v]
-    lengths[v, image] < merge -> lengths[image, v] < merge
+    lengths[pair] < merge -> lengths[pair] < CONNECT
+    lengths[pair] < connect -> lengths[pair] < merge
+    CONNECT -> connect
+too close is too close, whichever of the two reaches the other; yours looks one way only
+    < merge for pair in pairs) -> < merge for pair in pairs[: len(vertices)])
+too close is too close, whichever of both it is that reaches the other; yours looks one way
+    < merge for pair in pairs) -> < merge for pair in pairs[len(vertices) :])
 the first image of the order is the first vertex
     order[0] -> min(order)
     left, grew = order[1:] -> left, grew = [i for i in order if i != min(order)]
