@@ -23,12 +23,20 @@ from tests.doors.walk import anything, call
 from tests.doors.world import robots
 from tests.made_up_maps import numbered
 from tutorial_lib import agents
+from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.returning import ReturnSettings
 from tutorial_lib.exploration import TrueGeometry
 from tutorial_lib.exploration.global_policy import GhostChoice
 from tutorial_lib.exploration.goal_search import SearchSettings
 from tutorial_lib.interfaces import Experience, Goals
-from tutorial_lib.topology import DijkstraPlanner, FilterSettings, FollowerSettings, MapSettings
+from tutorial_lib.topology import (
+    DijkstraPlanner,
+    FilterSettings,
+    FollowerSettings,
+    MaintenanceRules,
+    MapSettings,
+    SamplingRules,
+)
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings
 
 
@@ -66,6 +74,23 @@ def experience():
 
 def goals():
     return Goals(SEEN[2], SEEN.image[2:][:, None])
+
+
+class Posed(Robot):
+    """A model of reachability and pose: all is a metre ahead."""
+
+    def predict(self, observations, targets):
+        count = len(observations)
+        return np.full(count, 0.99), np.tile([1.0, 0.0, 0.0], (count, 1))
+
+
+POSED = Posed()
+
+
+def learned_ltvn():
+    agent = agents.LTVNAgent(model=POSED)
+    agent.learn([experience()])
+    return agent
 
 
 def rng():
@@ -250,6 +275,22 @@ DOORS = {
         observations=a(robots().observe()),
         robots=integers([0, 1], ("M",), least=0, most=1, refuses="longer M, shorter M, empty"),
     ),
+    "LTVNAgent": lambda: call(
+        agents.LTVNAgent,
+        model=a(POSED),
+        controller=a(ROBOT),
+        backing=a(ROBOT),
+        rules=a(SamplingRules()),
+        maintenance=Argument(MaintenanceRules()),
+        travel=a(TravelSettings()),
+        apart=number(0.6, least=0),
+        turned=number(0.7, least=0),
+        seed=whole(0, least=0),
+    ),
+    "LTVNAgent.learn": lambda: call(
+        agents.LTVNAgent(model=POSED).learn, experiences=several([experience()], empty=False)
+    ),
+    "LTVNAgent.start": lambda: call(learned_ltvn().start, goals=several([goals()], empty=False)),
     "MengAgent": lambda: call(agents.MengAgent, anything, **meng_parts()),
     "MengAgent.find_path": lambda: plans(meng),
     "MengAgent.insert": lambda: call(meng().insert, anchors=a(meng().sparsified(experience()))),
@@ -309,4 +350,5 @@ DOORS = {
     **learns("SPTMAgent", sptm),
 }
 NEEDS = "needs a map of turned panoramas, see `tests/agents/test_returning.py`"
-WITHOUT = {"ReturningAgent.start": NEEDS, "ReturningAgent.act": NEEDS}
+USED = "takes a map that `SampledMap` and `build` made"
+WITHOUT = {"ReturningAgent.start": NEEDS, "ReturningAgent.act": NEEDS, "LTVNAgent.use": USED}

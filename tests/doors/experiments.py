@@ -165,6 +165,7 @@ WITHOUT = dict.fromkeys(
         *("Building", "CalledRobot", "Guide", "Office", "Recorder", "Trials", "watch"),
         *("choose_places", "draw_ambiguous_trials", "draw_return", "explored"),
         *("farthest", "learned_from", "make_office", "navigate_once"),
+        *("deep_experiences", "image_poses", "run_fleet", "run_queries"),
         "place_people",
     ),
     RUN,

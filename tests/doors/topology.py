@@ -8,6 +8,8 @@ import numpy as np
 
 from tests.doors.arguments import (
     a,
+    choice,
+    flag,
     flags,
     floats,
     function,
@@ -387,6 +389,52 @@ DOORS = {
         after=integers([1, -1], ("V",), most=1),
         reach=whole(2, least=0),
     ),
+    "bayes": lambda: call(
+        topology.bayes,
+        prior=share(0.5),
+        succeeds=unit(0.9),
+        deceives=unit(0.1),
+        success=flag(True),
+    ),
+    "shared_bayes": lambda: call(
+        topology.shared_bayes,
+        at=share(0.5),
+        prior=share(0.5),
+        succeeds=unit(0.9),
+        deceives=unit(0.1),
+        success=flag(True),
+    ),
+    "gaussian": lambda: call(
+        topology.gaussian,
+        mean=number(1.0),
+        variance=number(0.1, least=0),
+        measured=number(1.2),
+        noise=number(0.1, least=0),
+    ),
+    "length": lambda: call(topology.length, waypoints=floats(np.ones((4, 3)), (..., 3))),
+    "SamplingRules": lambda: call(
+        topology.SamplingRules,
+        reachable=share(0.9),
+        own_reachable=share(0.5),
+        own=whole(4, least=0),
+        merge=number(0.7, least=0, refuses="huge"),
+        connect=number(2.5, least=0),
+        most_turn=number(1.0, least=0),
+        support=share(0.5),
+        order=choice("uniform"),
+        reverse=number(4.0, least=1, optional=True),
+        spread=number(0.2, least=0),
+    ),
+    "MaintenanceRules": lambda: call(
+        topology.MaintenanceRules,
+        deceives=unit(0.05),
+        prune=share(0.2),
+        share_blame=flag(True),
+        returns=whole(60, least=0),
+        returns_blocked=whole(10, least=0),
+        expand=flag(True),
+        loosened=number(1.6, least=1),
+    ),
     "weight": lambda: call(edge_rules.weight, probability=chances([0.5, 1.0], (...,))),
     "last_visited": lambda: call(
         transitions.last_visited,
@@ -444,7 +492,10 @@ DOORS = {
         images=images(np.ones((2, 3, 4, 6, 3)), ("M", "P", "H", "W", 3)),
     ),
 }
-WITHOUT = {}
+LEARNED = "a part of LTVN's agent, which makes it of what its model predicts"
+WITHOUT = dict.fromkeys(
+    ("ImagePool", "Maintenance", "SampledMap", "Traversal", "build", "undone"), LEARNED
+)
 
 
 def saved_then_loaded(path, reachability):

@@ -8,7 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.agents.ltvn_navigation import LTVNNavigation, TravelSettings
+from tutorial_lib.agents.ltvn_navigation import LTVNNavigation
+from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.driving.control.rmp import RMPController
 from tutorial_lib.errors import InputError
 from tutorial_lib.geometry import Array
@@ -71,10 +72,10 @@ class LTVNAgent:
         """Build a map of drives; it replaces what was learned before.
 
         Raises:
-            InputError: when one is no `Experience`.
+            InputError: when one is no `Experience`, or there is none.
         """
         seen, frames = [], []
-        for experience in instances("experiences", experiences, Experience):
+        for experience in instances("experiences", experiences, Experience, empty=False):
             observations = experience.observations
             contexts = contextified(self.model.view.of(observations), self.model.k)
             kept = spaced(observations.odometry, self.apart, self.turned)
@@ -88,7 +89,7 @@ class LTVNAgent:
         """Navigate over a map that is there already."""
         self.sampled = instance("sampled", sampled, SampledMap)
         rules = MaintenanceRules() if self.maintenance is None else self.maintenance
-        price, noise = sampled.rules.reverse, sampled.rules.spread**2
+        price, noise = sampled.rules.reverse or 1.0, sampled.rules.spread**2
         self.upkeep = Maintenance(sampled.graph, rules, price, noise)
 
     def start(self, goals: Sequence[Goals]) -> LTVNNavigation:

@@ -8,7 +8,6 @@ and all robots of a fleet mend the same map.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import networkx as nx
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.blockades import in_the_way, nearest_in_the_way
+from tutorial_lib.agents.ltvn_state import GOAL, Leg, RobotState, TravelSettings
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
@@ -24,106 +24,12 @@ from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import length
 from tutorial_lib.topology.mapping.sampling_map import SampledMap
-from tutorial_lib.validation import instances, number
+from tutorial_lib.validation import instances
 from tutorial_lib.world.simulation import STEP
 
-GOAL = -1
-"""The goal, in place of a vertex."""
 _ALL = 4 * np.pi  # rad that a robot turns while it searches
 _BESIDE = 0.3  # metres from an obstacle within which an edge leads through it
 _LOOK_STEPS = 10  # steps from one look around to the next while it turns
-
-
-@dataclass(frozen=True)
-class TravelSettings:
-    """Thresholds of navigation.
-
-    Attributes:
-        sure: r-hat above which a robot counts a vertex as seen among all, or the goal.
-        near: the same among vertices next to its last path, and of the target where it arrives.
-        localize: D_l, length within which the robot is at a vertex.
-        executed: metres from a waypoint within which the robot has driven there.
-        arrival: metres to a target within which an arrival there is strict.
-        goal: metres to the goal, as it is predicted, within which a robot declares to be there.
-        strict: whether success needs both; else, as in the paper, that the target is connectable.
-        trust: whether a robot that arrived counts as being there.
-        patience: seconds that an edge which failed is avoided.
-        search: seconds of turning after which a robot that cannot localize gives up.
-        slow: seconds a metre after which a traversal has failed, and `spare` seconds more.
-        spare: see `slow`.
-    """
-
-    sure: float = 0.8
-    near: float = 0.5
-    localize: float = 1.5
-    executed: float = 0.25
-    arrival: float = 0.8
-    goal: float = 0.35
-    strict: bool = True
-    trust: bool = True
-    patience: float = 60.0
-    search: float = 20.0
-    slow: float = 6.0
-    spare: float = 4.0
-
-    def __post_init__(self) -> None:
-        for name in ("sure", "near"):
-            number(name, getattr(self, name), least=0.0, most=1.0)
-        for name in ("localize", "executed", "arrival", "goal", "search", "slow"):
-            number(name, getattr(self, name), above=0.0)
-        for name in ("patience", "spare"):
-            number(name, getattr(self, name), least=0.0)
-
-
-@dataclass
-class Leg:
-    """What a robot drives now.
-
-    Attributes:
-        source: vertex where it is localized.
-        target: vertex that it drives to, or `GOAL`.
-        kind: how it was localized.
-        arrived_by: edge on which it came to the source.
-        measured: d(w) of the target as seen from where it set off; none if it was not seen.
-        aim: (3,) the target in the odometry's frame.
-        until: seconds at which it has failed.
-        reverse: whether it drives there in reverse.
-        closest: metres to the aim so far, at least.
-    """
-
-    source: int
-    target: int
-    kind: str
-    arrived_by: Edge | None
-    measured: float | None
-    aim: Array
-    until: float
-    reverse: bool = False
-    closest: float = np.inf
-
-
-@dataclass
-class RobotState:
-    """What one robot knows of its way to the goal.
-
-    Attributes:
-        goal: the goal's image, prepared.
-        exits: vertices from which the goal is seen, and its waypoints (3,) from there.
-        leg: what it drives now.
-        path: the last plan.
-        trusted: where it has just arrived: the vertex, how it is known, the edge on which it came,
-            and the vertex's pose.
-        avoided: edges that failed, until when.
-        searched: steps that it has turned without knowing where it is.
-    """
-
-    goal: Any
-    exits: dict[int, Array]
-    leg: Leg | None = None
-    path: list[int] = field(default_factory=list)
-    trusted: tuple[int, str, Edge | None, Array] | None = None
-    avoided: dict[Edge, float] = field(default_factory=dict)
-    searched: int = 0
 
 
 class LTVNNavigation:

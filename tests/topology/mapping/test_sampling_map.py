@@ -141,7 +141,7 @@ def test_the_same_seed_builds_the_same_map():
 
 def test_without_reverse_all_edges_lead_ahead():
     made = build(
-        pool_of(corridor()), SamplingRules(support=0.0, reverse=np.inf), np.random.default_rng(0)
+        pool_of(corridor()), SamplingRules(support=0.0, reverse=None), np.random.default_rng(0)
     )
     assert not any(edge["reverse"] for *_, edge in made.graph.edges(data=True))
     assert not nx.is_strongly_connected(made.graph)
@@ -250,7 +250,7 @@ def test_depths_agree_at_the_true_pose_and_not_elsewhere():
     ("changed", "words"),
     [
         ({"reachable": 1.2}, "reachable"),
-        ({"connect": 0.5}, "connect"),
+        ({"connect": 0.5}, "merge: 0.7 m, connect"),
         ({"order": "any"}, "order"),
         ({"reverse": 0.5}, "reverse"),
     ],

@@ -15,7 +15,7 @@ import networkx as nx
 import numpy as np
 
 from tutorial_lib.agents.ltvn import LTVNAgent
-from tutorial_lib.agents.ltvn_navigation import TravelSettings
+from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
@@ -152,7 +152,7 @@ def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
     model = TrueModel(building.scene) if perception == ORACLE else None
     rules = SamplingRules() if model is None else SamplingRules(support=0.0)
     if not changed.pop("reverse", True):
-        rules = replace(rules, reverse=np.inf)
+        rules = replace(rules, reverse=None)
     changed |= {"model": model, "rules": rules}
     agent = agents.ltvn(**changed)
     agent.learn(deep_experiences(building, model))

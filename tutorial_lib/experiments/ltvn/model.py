@@ -54,7 +54,7 @@ GATES = {
 }
 """By name the network and what a pair must pass besides: single images as in the paper, with mined
 far pairs; agreement of depth; support of neighbours; and the same with the target's context."""
-VALIDATION = tuple(range(10_000, 10_012))
+VALIDATION = tuple(range(10_000, 10_006))
 
 
 @dataclass(frozen=True)
@@ -204,7 +204,7 @@ def _row(gate: str, family: str, limit: float, parts: list[Scored]) -> dict[str,
 EXPERIMENT = Experiment(
     "ltvn_model",
     run,
-    tuple(range(20_000, 20_012)),
+    tuple(range(20_000, 20_009)),
     tuple(range(20_000, 20_004)),
     settings=Settings(),
     quick_settings=Settings(gates=("mined", "all"), validation=VALIDATION[:4]),

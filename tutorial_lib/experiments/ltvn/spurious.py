@@ -165,7 +165,7 @@ def spoil(
 EXPERIMENT = Experiment(
     "ltvn_spurious",
     run,
-    WORLDS,
+    WORLDS[:4],
     WORLDS[:2],
     settings=Settings(),
     quick_settings=Settings(

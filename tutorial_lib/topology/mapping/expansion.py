@@ -63,7 +63,7 @@ def _through_new(
         if not edges:
             continue
         graph.add_edges_from(edges)
-        if np.isfinite(sampled.rules.reverse):
+        if sampled.rules.reverse is not None:
             graph.add_edges_from((target, source) for source, target in edges)
         if (path := _path(graph, here, exits)) is not None:
             return path

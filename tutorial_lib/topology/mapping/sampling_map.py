@@ -13,6 +13,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import RelativeModel
 from tutorial_lib.se2 import Array, inverse
 from tutorial_lib.topology.mapping.image_pool import ImagePool, length, support
@@ -36,8 +37,8 @@ class SamplingRules:
         support: share of the images between a pair that must agree, see `support`; 0 for none.
         order: in which images are sampled, one of `ORDERS`. The paper suggests to prefer those that
             are far from the map.
-        reverse: how many times as long an edge counts that is driven in reverse; infinite for none.
-            The paper drives in reverse and names no price.
+        reverse: how many times as long an edge counts that is driven in reverse; there are none if
+            None. The paper drives in reverse and names no price.
         spread: sigma of d(w), metres, from validation worlds.
     """
 
@@ -49,7 +50,7 @@ class SamplingRules:
     most_turn: float = np.pi
     support: float = 0.5
     order: str = "uniform"
-    reverse: float = 4.0
+    reverse: float | None = 4.0
     spread: float = 0.2
 
     def __post_init__(self) -> None:
@@ -57,10 +58,15 @@ class SamplingRules:
             number(name, getattr(self, name), least=0.0, most=1.0)
         whole("own", self.own, least=0)
         number("merge", self.merge, least=0.0)
-        number("connect", self.connect, above=self.merge)
+        number("connect", self.connect, above=0.0)
+        if self.connect <= self.merge:
+            raise InputError(
+                f"merge: {self.merge:g} m, connect: {self.connect:g} m; give a smaller merge"
+            )
         number("most_turn", self.most_turn, above=0.0)
         one_of("order", self.order, ORDERS)
-        number("reverse", self.reverse, least=1.0, infinite=True)
+        if self.reverse is not None:
+            number("reverse", self.reverse, least=1.0)
         number("spread", self.spread, above=0.0)
 
 
@@ -172,7 +178,7 @@ class SampledMap:
             "length": metres,
             "variance": self.rules.spread**2,
             "reverse": reverse,
-            "cost": metres * (self.rules.reverse if reverse else 1.0),
+            "cost": metres * ((self.rules.reverse or 1.0) if reverse else 1.0),
         }
 
     def join(self, edges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
@@ -184,7 +190,7 @@ class SampledMap:
             self.graph.add_edge(source, target, **self.attributes(source, target))
             added.append((source, target))
         for source, target in edges:
-            if np.isfinite(self.rules.reverse) and not self.graph.has_edge(target, source):
+            if self.rules.reverse is not None and not self.graph.has_edge(target, source):
                 self.graph.add_edge(target, source, **self.attributes(target, source, reverse=True))
                 added.append((target, source))
         return added
