@@ -361,9 +361,8 @@ show(
 # | 05 map_building | the graph: vertices, edges, pruning | many trajectories become one map |
 # | 06 probabilistic_planning | the most likely path, and when to refuse | the robot navigates through a whole building |
 # | 07 aliasing | a belief over the places of the map | the robot copes with rooms that look alike |
+# | 08 lifelong_maps | a map by sampling, and beliefs about its edges | the map mends itself while the robot uses it |
 # | 09 ghost_nodes | a graph with nodes where nobody has been | the robot finds a place in a building it has never seen |
-#
-# The number 08 is kept for maps that mend themselves; 09 does not need them.
 #
 # The cells that follow an exercise use what you wrote. Each piece also has a reference
 # implementation, so you can go on wherever you get stuck.

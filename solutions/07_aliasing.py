@@ -866,4 +866,4 @@ else:
 # - The same evidence counts once. A robot that stands still learns nothing new.
 # - *Lost* is an answer. A robot that knows that it is lost can turn, back up and look; one that does not drives on.
 #
-# **Read next:** the paper, III-G. On Bayes filters over topological maps: L. Suomela, J. Kalliola, H. Edelman and J.-K. Kämäräinen, [*PlaceNav: Topological Navigation through Place Recognition*](https://arxiv.org/abs/2309.17260) (ICRA 2024). On sequences: M. J. Milford and G. F. Wyeth, [*SeqSLAM*](https://doi.org/10.1109/ICRA.2012.6224623) (ICRA 2012). Then [notebook 09](09_ghost_nodes.ipynb); the number 08 is kept for maps that mend themselves.
+# **Read next:** the paper, III-G. On Bayes filters over topological maps: L. Suomela, J. Kalliola, H. Edelman and J.-K. Kämäräinen, [*PlaceNav: Topological Navigation through Place Recognition*](https://arxiv.org/abs/2309.17260) (ICRA 2024). On sequences: M. J. Milford and G. F. Wyeth, [*SeqSLAM*](https://doi.org/10.1109/ICRA.2012.6224623) (ICRA 2012). Then [notebook 08](08_lifelong_maps.ipynb).

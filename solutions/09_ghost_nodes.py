@@ -1,7 +1,7 @@
 # %% [markdown]
 # # 09 · Ghost nodes
 #
-# **110 minutes.** You need notebooks 01, 03 and 05: frames, a network whose probabilities are calibrated, and a map whose vertices are images; section 11 also uses the planner of notebook 06. The number 08 is kept for maps that mend themselves; nothing here needs them.
+# **110 minutes.** You need notebooks 01, 03 and 05: frames, a network whose probabilities are calibrated, and a map whose vertices are images; section 11 also uses the planner of notebook 06. Nothing here needs notebook 08.
 #
 # After this notebook you can
 #

@@ -4,4 +4,4 @@ It reads from the ground up: `geometry` and `interfaces`, then `world`, `driving
 package imports only from those below it (``tests/project/test_layers.py`` enforces the order).
 """
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"

@@ -1,0 +1,154 @@
+"""Maps that mend themselves, with true perception in a room with pillars."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.conftest import in_turn, make_box, needs
+from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.errors import InputError
+from tutorial_lib.experiments.common.report import Options
+from tutorial_lib.experiments.ltvn import label, lifelong, model, spurious
+from tutorial_lib.experiments.protocols import navigation_tasks
+from tutorial_lib.experiments.protocols.lifelong import (
+    TrueModel,
+    deep_experiences,
+    image_poses,
+    run_queries,
+)
+from tutorial_lib.topology.maintenance import undone
+from tutorial_lib.topology.mapping.sampling_map import SamplingRules
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def building():
+    scene = Scene(make_box(15.0, 9.0, [(4.5, 4.5, 2.2), (10.5, 4.5, 2.2)]))
+    return navigation_tasks.explored("room", scene, np.random.default_rng(3), 4)
+
+
+@pytest.fixture(autouse=True)
+def one_building(building, monkeypatch):
+    """Every world is this room."""
+    for module in (label, lifelong, model, spurious):
+        monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
+        monkeypatch.setattr(module, "for_each", in_turn)
+
+
+def learned(building, **changed):
+    perfect = TrueModel(building.scene)
+    agent = LTVNAgent(model=perfect, rules=SamplingRules(support=0.0), **changed)
+    agent.learn(deep_experiences(building, perfect))
+    return agent
+
+
+@pytest.fixture(scope="module")
+def queries(building):
+    return navigation_tasks.draw_trials(building, 24, np.random.default_rng(5))
+
+
+def test_with_true_perception_nearly_all_arrive_and_the_map_stays_whole(building, queries):
+    agent = learned(building)
+    before = agent.sampled.graph.copy()
+    outcome, navigations = run_queries(building, queries, agent, 12)
+    assert outcome.success.mean() >= 0.9
+    done = [one for navigation in navigations for one in navigation.traversals]
+    assert len(done) > 3 * len(queries)
+    assert np.mean([one.success for one in done]) > 0.9
+    assert len(agent.upkeep.events) >= len(done) / 2
+    assert dict(undone(agent.sampled.graph, agent.upkeep.events).edges) == dict(before.edges)
+
+
+def test_a_frozen_map_does_not_change(building, queries):
+    agent = learned(building, maintenance=None)
+    before = agent.sampled.graph.copy()
+    run_queries(building, queries.subset(np.arange(6)), agent, 6)
+    assert list(agent.sampled.graph.edges(data=True)) == list(before.edges(data=True))
+    assert not agent.upkeep.events
+
+
+def test_the_same_queries_end_the_same(building, queries):
+    some = queries.subset(np.arange(6))
+    one, other = (run_queries(building, some, learned(building), 3)[0] for _ in range(2))
+    np.testing.assert_array_equal(one.seconds, other.seconds)
+    np.testing.assert_array_equal(one.success, other.success)
+
+
+def test_what_is_blocked_is_closed_both_ways_and_opens_again(building, queries):
+    agent = learned(building)
+    track = queries.recorded.trajectories[0].poses
+    x, y, heading = track[len(track) // 2]
+    aside = np.array([-np.sin(heading), np.cos(heading)])
+    row = [np.array([x, y]) + step * aside for step in 0.34 * np.arange(-4, 5)]
+    people = [Person(place[None], speed=0.0) for place in row]
+    run_queries(building, queries.subset(np.zeros(3, int)), agent, 3, 0, people)
+    closed = {event.edge for event in agent.upkeep.events if event.kind == "pruned"}
+    assert any((b, a) in closed for a, b in closed)
+    poses, end = image_poses(building, agent), np.array([x, y])
+    for a, b in closed:
+        assert min(np.hypot(*(poses[v, :2] - end)) for v in (a, b)) < 3.5
+    agent.upkeep.begin(2_000)
+    assert not agent.upkeep.pruned
+    assert closed <= set(agent.sampled.graph.edges)
+
+
+def test_an_agent_without_a_map_says_so(building):
+    with pytest.raises(InputError, match="map: none"):
+        LTVNAgent(model=TrueModel(building.scene)).start([])
+
+
+def test_a_spoilt_map_has_as_many_edges_of_which_some_lead_far(building):
+    agent = learned(building)
+    before = set(agent.sampled.graph.edges)
+    injected = spurious.spoil(building, agent, 0.2, np.random.default_rng(0))
+    after, poses = set(agent.sampled.graph.edges), image_poses(building, agent)
+    assert len(after) == len(before)
+    assert len(injected) == round(0.2 * len(before))
+    assert injected <= after - before or injected & before
+    assert all(np.hypot(*(poses[a] - poses[b])[:2]) > 5 for a, b in injected)
+
+
+def test_every_agent_has_a_row_for_each_block(monkeypatch):
+    pairs = (("ltvn", "oracle"), ("frozen", "oracle"), ("oracle", "oracle"))
+    settings = lifelong.Settings(agents=pairs, queries=8, block=4, fleet=4)
+    rows, notes = lifelong.run(Options(worlds=(20_001,)), settings)
+    keys = [(row["agent"], row["block"]) for row in rows]
+    assert keys == [(name, block) for name, _ in pairs for block in (0, 1)]
+    assert all(0 <= row["success"] <= 1 and row["queries"] == 4 for row in rows)
+    assert rows[0]["vertices"] == rows[2]["vertices"] > 10
+    assert rows[-1]["vertices"] is None
+    assert any("ltvn - frozen" in note for note in notes)
+
+
+def test_spurious_edges_are_counted():
+    settings = spurious.Settings(
+        shares=(0.2,), perceptions=("oracle",), queries=8, block=4, fleet=4
+    )
+    rows, _ = spurious.run(Options(worlds=(20_001,)), settings)
+    assert [(row["updates"], row["block"]) for row in rows] == [
+        (updates, block) for updates in ("on", "off") for block in (0, 1)
+    ]
+    off = [row for row in rows if row["updates"] == "off"]
+    assert all(not row["true_pruned"] and not row["injected_gone"] for row in off)
+
+
+def test_pairs_with_the_label_are_reached():
+    rows, _ = label.run(Options(worlds=(20_001,)), replace(label.Settings(), targets=60))
+    with_label = next(row for row in rows if row["term"] == "label" and row["holds"])
+    others = next(row for row in rows if row["term"] == "label" and not row["holds"])
+    assert with_label["arrives"] > 0.95
+    assert with_label["faces"] > others["faces"]
+
+
+@needs("relative_5", "relative_0")
+def test_gates_are_compared_at_thresholds_of_validation_worlds():
+    settings = model.Settings(gates=("mined", "all"), validation=(10_000,))
+    rows, notes = model.run(Options(worlds=(20_001,)), settings)
+    assert [row["gate"] for row in rows] == ["mined", "all"]
+    for row in rows:
+        assert row["far_rate"] <= 2 * model.FAR_RATE  # the same room: that is how it was chosen
+        assert 0 < row["recall"] < 1
+        assert row["waypoint_error"] < 0.6  # bare walls: single images tell little
+    assert "threshold" in notes[0]
