@@ -1,8 +1,8 @@
 """A map with spurious edges, and without as many true ones: does it find back to what it was?
 
 Before the first query a share of the edges is taken out, and as many are added between vertices far
-apart, with the attributes of edges that were there. `ltvn_lifelong` has the same queries on clean
-maps.
+apart, with the attributes of edges that were there. `ltvn_lifelong` has clean maps of the
+same buildings.
 """
 
 from __future__ import annotations
