@@ -65,7 +65,8 @@ def test_everything_fits_its_seam():
 @pytest.mark.parametrize("encoder", ENCODERS)
 def test_predictions_are_the_network_s_outputs(recorded, starts, encoder, view):
     predictor = predictor_of(encoder, view=view)
-    sensors = Sensors(camera=Camera(rows=64 if view == "camera64" else 16))
+    camera = Camera(rows=64 if view == "camera64" else 16)
+    sensors = Sensors(camera=camera, with_depth=True)
     seen = Simulation(recorded.scene, starts, sensors=sensors).observe()
     contexts = targets_of(recorded, predictor)
     waypoints, overlaps = predictor.predict(seen, contexts)

@@ -49,7 +49,7 @@ def estimator_of(*arguments, calibration=None, **choices):
 def observed(recorded, view, frames):
     camera = Camera(rows=64 if view == "camera64" else 16)
     return Simulation(
-        recorded.scene, recorded.poses[frames], sensors=Sensors(camera=camera)
+        recorded.scene, recorded.poses[frames], sensors=Sensors(camera=camera, with_depth=True)
     ).observe()
 
 
