@@ -9,7 +9,7 @@
 # <li>measure how far apart two poses are, turning included;</li>
 # <li>build a sparse map by sampling: drop what's too close, join what's close enough;</li>
 # <li>update the belief in an edge, and its length, from a single traversal;</li>
-# <li>let a map live through hundreds of queries, and say who is to blame for a failure;</li>
+# <li>let a map learn from hundreds of queries, and say which edge is to blame for a failure;</li>
 # <li>bridge a gap with images that nobody had used.</li>
 # </ul>
 # There are six exercises with hints behind folds, one of them large. When your function passes its check, <b>the cells below use it</b>; until then they use the library's. Cells that only draw are folded; unfold one to see its code.

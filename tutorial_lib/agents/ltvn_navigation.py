@@ -169,7 +169,7 @@ class LTVNNavigation:
             for _, other, edge in graph.out_edges(vertex, data=True):
                 places.setdefault(other, compose(places[vertex], np.array(edge["waypoint"])))
         obstacle = to_world(odometry, nearest_in_the_way(observation.laser[0], aim[0]))
-        edges = [edge for edge in graph.subgraph(places).edges if edge[0] != edge[1]]
+        edges = list(graph.subgraph(places).edges)
         ends = np.array([[*places[a][:2], *places[b][:2]] for a, b in edges])
         near = distance_to_segments(obstacle[None], ends)[0] < _BESIDE
         return tuple(edge for edge, closed in zip(edges, near, strict=True) if closed)

@@ -91,7 +91,7 @@ def train_relative(recipe: RelativeRecipe, work: Path, jobs: int = 2) -> tuple[L
         jobs: processes that label.
 
     Returns:
-        The network and its card, which holds its calibration and the spread of its poses.
+        The network and its card, which holds its calibration.
     """
     begun = time.monotonic()
     worlds = [training_world(FIRST_WORLD + i) for i in range(WORLDS)]

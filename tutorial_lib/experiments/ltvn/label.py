@@ -6,7 +6,7 @@ arrives facing as the target does where the heading is within `FACING` besides.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,11 @@ from tutorial_lib.world.simulation import Simulation
 
 ARC = 0.7
 """rad off one arc in the stricter label, see `AnalyticLabel`."""
-LABELS = {"label": AnalyticLabel(), "label, arc": AnalyticLabel(arc=ARC)}
+LABELS = {
+    "label": AnalyticLabel(),
+    "label, arc": AnalyticLabel(arc=ARC),
+    "label, yaw 30": AnalyticLabel(yaw=float(np.deg2rad(30.0))),
+}
 
 
 @dataclass(frozen=True)
@@ -109,9 +113,6 @@ def driven(world: int, seed: int, settings: Settings) -> dict[str, NDArray[np.bo
     faces = found.reached & (np.abs(wrap(last[:, 2] - goals[:, 2])) <= FACING)
     columns = {"all": np.ones(len(near), bool), **label.terms(caster, pairs, goals)}
     columns |= {name: one(caster, pairs, goals) for name, one in LABELS.items()}
-    for turned in (30.0, 60.0):
-        stricter = replace(LABELS["label"], yaw=float(np.deg2rad(turned)))
-        columns[f"label, yaw {turned:.0f}"] = stricter(caster, pairs, goals)
     return columns | {"arrives": found.reached, "faces": faces}
 
 

@@ -7,7 +7,6 @@ and of the maintenance can be told apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -164,7 +163,6 @@ def mended(
     trials: Trials,
     agent: LTVNAgent,
     settings: Settings,
-    after: Callable[[LTVNAgent], None] | None = None,
 ) -> Lived:
     """Run all queries, block by block."""
     success, sizes = [], []
@@ -173,8 +171,6 @@ def mended(
         outcome, _ = run_queries(building, some, agent, settings.fleet, first)
         success.append(outcome.success.astype(float))
         sizes.append(sizes_of(building, agent))
-        if after is not None:
-            after(agent)
     return Lived(np.concatenate(success), sizes)
 
 

@@ -11,15 +11,8 @@ from numpy.typing import NDArray
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.ltvn_navigation import LTVNNavigation
 from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
-from tutorial_lib.driving.rollouts import NavigationEnds, rollout
-from tutorial_lib.experiments.protocols.navigation import (
-    GRACE,
-    TIMES,
-    Outcome,
-    arrived_at,
-)
+from tutorial_lib.experiments.protocols.navigation import Outcome, navigate
 from tutorial_lib.experiments.protocols.navigation_tasks import Building, Trials
-from tutorial_lib.experiments.protocols.odometry import NAVIGATING
 from tutorial_lib.interfaces import Experience, Goals, Navigation, Observation, Robots
 from tutorial_lib.learning.analytic_label import AnalyticLabel
 from tutorial_lib.learning.views import VIEWS, View
@@ -158,21 +151,13 @@ def run_fleet(
 ) -> tuple[Outcome, LTVNNavigation]:
     """Run trials at once."""
     model = agent.model if isinstance(agent.model, TrueModel) else None
-    simulation = Simulation(
-        building.scene,
-        trials.starts,
-        people=people,
-        sensors=Sensors(with_depth=True),
-        odometry_noise=building.odometry.noise(NAVIGATING),
-    )
-    navigation: Navigation = agent.start(deep_goals(trials, model))
-    informed = navigation if model is None else Informed(navigation, model, simulation)
-    ends = NavigationEnds(informed, TIMES * trials.seconds + GRACE)
-    found = rollout(simulation, informed, ends)
-    goals = trials.goal_poses
-    gap = np.linalg.norm(found.last_poses[:, :2] - goals[:, :2], axis=1)
-    success = arrived_at(goals, found)
-    return Outcome(success, found.ending, found.seconds, gap, found.poses), navigation
+    navigation = agent.start(deep_goals(trials, model))
+
+    def start(simulation: Simulation) -> Navigation:
+        return navigation if model is None else Informed(navigation, model, simulation)
+
+    sensors = Sensors(with_depth=True)
+    return navigate(building, trials, start, people, sensors=sensors), navigation
 
 
 def joined_outcomes(parts: Sequence[Outcome]) -> Outcome:

@@ -20,7 +20,7 @@ from tutorial_lib.se2 import Array, wrap
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.validation import instance, integers, one_of, whole, with_methods
 from tutorial_lib.world.people import Person
-from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world.simulation import Sensors, Simulation
 
 NEAR, FACING = 0.5, float(np.deg2rad(60.0))
 """Metres from the goal and rad from its heading within which a declared arrival is right."""
@@ -90,16 +90,20 @@ def navigate(
     start: Start,
     people: Sequence[Person] = (),
     record: Record | None = None,
+    sensors: Sensors | None = None,
 ) -> Outcome:
     """Run all trials at once, each for at most `TIMES` the oracle's time and `GRACE` seconds.
 
-    The robots have the building's odometry, with the same drift each time.
+    The robots have the building's odometry, with the same drift each time, and the usual sensors
+    unless others are given.
     """
     odometry = instance("building", building, Building).odometry.noise(NAVIGATING)
     instance("trials", trials, Trials)
     if not callable(start):
         raise InputError(f"start: {start!r}; give a function of the simulation")
-    simulation = Simulation(building.scene, trials.starts, people=people, odometry_noise=odometry)
+    simulation = Simulation(
+        building.scene, trials.starts, people=people, sensors=sensors, odometry_noise=odometry
+    )
     navigation, goals = start(simulation), trials.goal_poses
     ends = NavigationEnds(navigation, TIMES * trials.seconds + GRACE)
     found = rollout(simulation, navigation, ends, record)

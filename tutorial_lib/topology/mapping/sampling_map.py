@@ -6,7 +6,7 @@ reverse with their price, restarts, and the support of neighbours.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import networkx as nx
@@ -181,19 +181,13 @@ class SampledMap:
             "cost": metres * ((self.rules.reverse or 1.0) if reverse else 1.0),
         }
 
-    def join(self, edges: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
-        """Add edges, and those in reverse where nothing leads back; returns all that are new."""
-        added, edges = [], list(edges)
-        for source, target in edges:
-            if not self.graph.get_edge_data(source, target, {"reverse": True})["reverse"]:
-                continue
-            self.graph.add_edge(source, target, **self.attributes(source, target))
-            added.append((source, target))
+    def join(self, edges: Sequence[tuple[int, int]]) -> None:
+        """Add edges of a new image, and those in reverse where nothing leads back."""
+        for edge in edges:
+            self.graph.add_edge(*edge, **self.attributes(*edge))
         for source, target in edges:
             if self.rules.reverse is not None and not self.graph.has_edge(target, source):
                 self.graph.add_edge(target, source, **self.attributes(target, source, reverse=True))
-                added.append((target, source))
-        return added
 
 
 def build(pool: ImagePool, rules: SamplingRules, rng: np.random.Generator) -> SampledMap:
