@@ -160,25 +160,82 @@ def test_an_innocent_edge_after_a_doubtful_one_is_spared():
     assert not shared.has_edge(0, 1)
 
 
+def fail_until_pruned(upkeep, edge):
+    while upkeep.graph.has_edge(*edge):
+        upkeep.experienced(Traversal(edge, "local", False))
+
+
 def test_pruned_edges_return_later_each_time():
-    graph = chain()
-    upkeep = mending(graph, returns=10)
+    upkeep = mending(chain(), returns=10)
+    upkeep.experienced(Traversal((1, 2), "local", True))
     gone = []
     for query in range(60):
         upkeep.begin(query)
-        if graph.has_edge(1, 2):
-            while graph.has_edge(1, 2):
-                upkeep.experienced(Traversal((1, 2), "local", False))
+        if upkeep.graph.has_edge(1, 2):
+            fail_until_pruned(upkeep, (1, 2))
             gone.append(query)
     assert gone == [0, 10, 30]
-    blocked = mending(chain(), returns=10, returns_blocked=3)
-    blocked.prune_edge((1, 2), blocked=True)
-    blocked.begin(3)
-    assert blocked.graph.has_edge(1, 2)
     never = mending(chain(), returns=0)
+    never.experienced(Traversal((1, 2), "local", True))
     never.prune_edge((1, 2))
     never.begin(10**6)
     assert not never.graph.has_edge(1, 2)
+
+
+def test_an_edge_that_never_worked_does_not_come_back_by_itself():
+    upkeep = mending(chain(), returns=10)
+    fail_until_pruned(upkeep, (1, 2))
+    upkeep.begin(10**6)
+    assert not upkeep.graph.has_edge(1, 2)
+    upkeep.bring_back((1, 2))
+    assert upkeep.graph.edges[1, 2]["probability"] == pytest.approx(0.3)
+
+
+def test_what_is_blocked_comes_back_as_it_was_always_after_as_many_queries():
+    upkeep = mending(chain(), returns=50, returns_blocked=3)
+    for query in (0, 3, 6):
+        upkeep.begin(query)
+        assert upkeep.graph.edges[1, 2]["probability"] == pytest.approx(0.9)
+        upkeep.prune_edge((1, 2), blocked=True)
+    upkeep.begin(8)
+    assert not upkeep.graph.has_edge(1, 2)
+    upkeep.begin(9)
+    assert upkeep.graph.has_edge(1, 2)
+
+
+def test_a_look_is_no_traversal():
+    """A target that is not seen speaks against an edge; nothing was driven, so no length."""
+    looked, driven = chain(), chain()
+    mending(looked).experienced(Traversal((1, 2), "global", False, looked=True))
+    mending(driven).experienced(Traversal((1, 2), "global", False))
+    rules = MaintenanceRules()
+    for graph, likelihoods in (
+        (looked, (rules.sees["global"], rules.imagines)),
+        (driven, (rules.succeeds["global"], rules.deceives)),
+    ):
+        after = graph.edges[1, 2]
+        assert after["probability"] == pytest.approx(bayes(0.9, *likelihoods, False))
+        assert after["length"] == chain().edges[1, 2]["length"]
+
+
+def test_no_edge_is_beyond_doubt_and_a_success_makes_none_less_sure():
+    graph = chain()
+    graph.edges[1, 2]["probability"] = 0.9999
+    mending(graph).experienced(Traversal((1, 2), "local", True))
+    assert graph.edges[1, 2]["probability"] == pytest.approx(0.9999)
+    mending(graph).experienced(Traversal((1, 2), "local", False))
+    assert graph.edges[1, 2]["probability"] == pytest.approx(bayes(CERTAIN, 0.9, 0.05, False))
+
+
+def test_beliefs_are_weights_on_a_map_that_has_weights():
+    graph = chain()
+    graph.edges[1, 2]["weight"] = 0.1
+    upkeep = mending(graph)
+    upkeep.experienced(Traversal((1, 2), "local", False))
+    assert graph.edges[1, 2]["weight"] == pytest.approx(-np.log(graph.edges[1, 2]["probability"]))
+    fail_until_pruned(upkeep, (1, 2))
+    upkeep.bring_back((1, 2))
+    assert graph.edges[1, 2]["weight"] == pytest.approx(-np.log(0.3))
 
 
 def test_a_blocked_way_is_closed_at_once_in_both_directions_and_opens_soon():
@@ -188,7 +245,7 @@ def test_a_blocked_way_is_closed_at_once_in_both_directions_and_opens_soon():
     upkeep.experienced(Traversal((1, 2), "trusted", False, blocked=((1, 2), (2, 1))))
     assert not graph.has_edge(1, 2)
     assert not graph.has_edge(2, 1)
-    assert [event.kind for event in upkeep.events] == ["pruned", "pruned"]
+    assert [event.kind for event in upkeep.events] == ["blocked", "blocked"]
     upkeep.begin(5)
     assert graph.has_edge(1, 2)
     assert graph.has_edge(2, 1)

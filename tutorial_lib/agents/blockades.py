@@ -111,7 +111,7 @@ class Blockades:
         ahead: Iterable[int],
         odometry: Array,
         now: float,
-    ) -> None:
+    ) -> Edges:
         """Exclude the edges from places before to places ahead, and all that run beside them.
 
         Args:
@@ -120,6 +120,9 @@ class Blockades:
             ahead: vertices that it could not reach from there.
             odometry: (3,) of the robot.
             now: seconds.
+
+        Returns:
+            These edges.
         """
         before, ahead = set(before), set(ahead)
         # Where an edge leads back, each of the two is beside the other.
@@ -132,6 +135,7 @@ class Blockades:
         )
         stretch = _Stretch(edges, frozenset(targets), odometry[:2].copy(), now + MEMORY)
         self._stretches[robot].append(stretch)
+        return set(edges)
 
     def excluded(self, robot: int, odometry: Array, now: float) -> Edges:
         """The edges that a robot with `odometry` (3,) does not plan over now."""

@@ -18,10 +18,13 @@ from tutorial_lib.se2 import wrap
 from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules
 from tutorial_lib.topology.mapping.sampling_map import SampledMap, SamplingRules, sampled_map
 from tutorial_lib.topology.mapping.sparsify import contextified
+from tutorial_lib.topology.mapping.turn_edges import TurnSettings
 from tutorial_lib.validation import instance, instances, number, whole, with_methods
 
 BACKING = RMPController(reverse_cost=0.3)
 """Drives in reverse where it can."""
+TURNS = TurnSettings(reach=0.6)
+"""Nearer than for Meng's map: where it has turned a robot must be at the target."""
 
 
 @dataclass(kw_only=True)
@@ -37,6 +40,7 @@ class LTVNAgent:
         travel: thresholds of navigation.
         apart: metres, or `turned` rad, from one image of a drive to the next by odometry.
         turned: see `apart`.
+        turns: when images that look different ways are joined by turning; never if None (ours).
         seed: of the order in which images are sampled.
         sampled: what was learned.
         frames: (M,) of each image of its pool, on its drive.
@@ -51,6 +55,7 @@ class LTVNAgent:
     travel: TravelSettings = field(default_factory=TravelSettings)
     apart: float = 0.64
     turned: float = 0.7
+    turns: TurnSettings | None = TURNS
     seed: int = 0
 
     def __post_init__(self) -> None:
@@ -63,6 +68,8 @@ class LTVNAgent:
         instance("travel", self.travel, TravelSettings)
         number("apart", self.apart, above=0.0)
         number("turned", self.turned, above=0.0)
+        if self.turns is not None:
+            instance("turns", self.turns, TurnSettings)
         whole("seed", self.seed, least=0)
         self.sampled: SampledMap | None = None
         self.frames = np.empty(0, dtype=np.intp)
@@ -83,7 +90,10 @@ class LTVNAgent:
             frames.append(kept)
         rng = np.random.default_rng(self.seed)
         self.frames = np.concatenate(frames)
-        self.use(sampled_map(self.model, self.rules, seen, rng))
+        sampled = sampled_map(self.model, self.rules, seen, rng)
+        if self.turns is not None:
+            sampled.join_by_turning(self.turns)
+        self.use(sampled)
 
     def use(self, sampled: SampledMap) -> None:
         """Navigate over a map that is there already."""

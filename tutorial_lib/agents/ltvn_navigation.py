@@ -19,7 +19,7 @@ from tutorial_lib.agents.ltvn_state import GOAL, Leg, RobotState, TravelSettings
 from tutorial_lib.driving.control.three_point import ThreePointTurn
 from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.interfaces import Controller, Goals, Observation, Robots
-from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world
+from tutorial_lib.se2 import Array, compose, inverse, relative, to_local, to_world, wrap
 from tutorial_lib.topology.maintenance import Edge, Maintenance, Traversal
 from tutorial_lib.topology.mapping.expansion import expanded
 from tutorial_lib.topology.mapping.image_pool import length
@@ -29,6 +29,10 @@ from tutorial_lib.world.simulation import STEP
 
 _ALL = 4 * np.pi  # rad that a robot turns while it searches
 _BESIDE = 0.3  # metres from an obstacle within which an edge leads through it
+_FACING = 0.3  # rad from the wanted heading within which a turn is over
+_TURNING = 20.0  # seconds after which a turn has failed
+_RECOVERING = 50  # steps that a robot turns before it tries again what has just failed
+_LOOKS = 10  # edges at most that a robot looks along before it sets off
 _LOOK_STEPS = 10  # steps from one look around to the next while it turns
 
 
@@ -81,7 +85,8 @@ class LTVNNavigation:
                 self._step(observations[row], int(robot))
         over = self.arrived | self.given_up
         legs = [self.states[robot].leg for robot in robots]
-        driving = np.array([leg is not None for leg in legs], bool) & ~over[robots]
+        driving = np.array([leg is not None and not leg.turn for leg in legs], bool)
+        driving &= ~over[robots]
         for controller, reverse in zip(self._controllers, (False, True), strict=True):
             rows = [i for i in np.flatnonzero(driving) if legs[i].reverse == reverse]
             if rows:
@@ -112,7 +117,10 @@ class LTVNNavigation:
         state = self.states[robot]
         leg, now = state.leg, float(self._now[robot])
         if leg is not None:
-            gap = float(np.hypot(*(leg.aim - observation.odometry[0])[:2]))
+            off = leg.aim - observation.odometry[0]
+            gap = float(np.hypot(*off[:2]))
+            if leg.turn:
+                gap = 0.0 if abs(wrap(off[2])) < _FACING else np.inf
             leg.closest = min(leg.closest, gap)
             if gap > self._settings.executed and now < leg.until:
                 return
@@ -196,24 +204,46 @@ class LTVNNavigation:
         """Localize, plan and set off; or look around."""
         state = self.states[robot]
         found = self._localized(observation, state)
-        path = None if found is None else self._path(state, found[0], float(self._now[robot]))
-        if found is None or path is None:
+        if found is None:
             self._look_around(observation, robot)
             return
-        state.searched, state.path = 0, path
         here, kind, arrived_by, offset = found
-        target = path[1] if len(path) > 1 else GOAL
-        if target == GOAL:
-            waypoint = compose(offset, state.exits[here])
-            self._set_off(observation, robot, here, GOAL, kind, arrived_by, waypoint)
+        now = float(self._now[robot])
+        for _ in range(_LOOKS):
+            path = self._path(state, here, now)
+            if path is None:
+                self._look_around(observation, robot)
+                return
+            target = path[1] if len(path) > 1 else GOAL
+            edge = (here, target)
+            if target == GOAL:
+                seen, waypoint = None, compose(offset, state.exits[here])
+                break
+            known = self._map.graph.edges[edge]
+            seen, waypoint = None, compose(offset, np.array(known["waypoint"]))
+            if "turn" in known:
+                break
+            reachable, poses = self._seen(observation, np.array([target]))
+            if reachable[0] > self._settings.near:
+                seen = waypoint = poses[0]
+                break
+            hopeless = reachable[0] < self._settings.doubt and kind != "presumed"
+            if not hopeless or state.avoided.get(edge, 0.0) > now:
+                break
+            self._doubt(robot, Traversal(edge, kind, False, None, arrived_by, looked=True))
+        if state.avoided.get(edge, 0.0) > now and state.searched < _RECOVERING:
+            self._look_around(observation, robot)  # from elsewhere what failed may succeed
             return
-        reachable, seen = self._seen(observation, np.array([target]))
-        if reachable[0] > self._settings.near:
-            self._set_off(observation, robot, here, target, kind, arrived_by, seen[0], seen[0])
-        else:
-            known = np.array(self._map.graph.edges[here, target]["waypoint"])
-            waypoint = compose(offset, known)
-            self._set_off(observation, robot, here, target, kind, arrived_by, waypoint)
+        state.searched, state.path = 0, path
+        self._set_off(observation, robot, here, target, kind, arrived_by, waypoint, seen)
+
+    def _doubt(self, robot: int, looked: Traversal) -> None:
+        """Avoid an edge whose target is not to be seen from its source; the map learns from it."""
+        later = float(self._now[robot]) + self._settings.patience
+        self.states[robot].avoided[looked.edge] = later
+        self.traversals.append(looked)
+        if self._mends:
+            self._upkeep.experienced(looked)
 
     def _set_off(
         self,
@@ -232,9 +262,14 @@ class LTVNNavigation:
         until = self._now[robot] + settings.spare + settings.slow * np.hypot(*waypoint[:2])
         measured = None if seen is None else float(length(seen))
         edge = self._map.graph.get_edge_data(source, target, {})
-        reverse = bool(edge.get("reverse", False))
+        reverse, turn = bool(edge.get("reverse", False)), "turn" in edge
+        if turn:
+            until = self._now[robot] + _TURNING
+            self._rotation.begin(
+                np.array([robot]), observation.odometry, wrap(np.array([waypoint[2]]))
+            )
         self.states[robot].leg = Leg(
-            source, target, kind, arrived_by, measured, aim, float(until), reverse
+            source, target, kind, arrived_by, measured, aim, float(until), reverse, turn
         )
 
     def _localized(

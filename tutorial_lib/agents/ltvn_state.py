@@ -21,6 +21,7 @@ class TravelSettings:
 
     Attributes:
         sure: r-hat above which a robot counts a vertex as seen among all, or the goal.
+        doubt: r-hat of an edge's target below which the robot does not set off (ours).
         near: the same among vertices next to its last path, and of the target where it arrives.
         localize: D_l, length within which the robot is at a vertex.
         executed: metres from a waypoint within which the robot has driven there.
@@ -36,6 +37,7 @@ class TravelSettings:
 
     sure: float = 0.8
     near: float = 0.5
+    doubt: float = 0.1
     localize: float = 1.5
     executed: float = 0.25
     arrival: float = 0.8
@@ -44,8 +46,8 @@ class TravelSettings:
     trust: bool = True
     patience: float = 60.0
     search: float = 20.0
-    slow: float = 6.0
-    spare: float = 4.0
+    slow: float = 3.0
+    spare: float = 3.0
 
     def __post_init__(self) -> None:
         for name in ("sure", "near"):
@@ -69,7 +71,8 @@ class Leg:
         aim: (3,) the target in the odometry's frame.
         until: seconds at which it has failed.
         reverse: whether it drives there in reverse.
-        closest: metres to the aim so far, at least.
+        turn: whether it turns where it stands.
+        closest: metres to the aim so far, at least; of a turn 0 once it faces as it should.
     """
 
     source: int
@@ -80,6 +83,7 @@ class Leg:
     aim: Array
     until: float
     reverse: bool = False
+    turn: bool = False
     closest: float = np.inf
 
 

@@ -51,6 +51,27 @@ FindPath = Callable[[Observation, Goals, Edges], Plan]
 """Plans from what one robot observes to a goal, around some excluded edges."""
 
 
+@dataclass(frozen=True)
+class Setback:
+    """Where a robot lost its path, or could not go on.
+
+    Attributes:
+        robot: its index.
+        path: vertices of its plan.
+        visited: place on the path of the vertex that it visited last, -1 for none.
+        ahead: that of the vertex to which it drove.
+        blocked: whether something stood in its way.
+        edges: that are excluded for a time.
+    """
+
+    robot: int
+    path: tuple[int, ...]
+    visited: int
+    ahead: int
+    blocked: bool
+    edges: Edges
+
+
 class MapNavigation:
     """A `Navigation` of N robots over a map.
 
@@ -59,6 +80,7 @@ class MapNavigation:
         history: all plans of each robot.
         arrived: (N,) declares to have arrived.
         given_up: (N,) found no path, or was lost too often.
+        setbacks: of all robots, in their order.
         follower: follows the plans.
     """
 
@@ -88,6 +110,7 @@ class MapNavigation:
         count, self._goals = len(goals), goals
         self.plans: list[Plan | None] = [None] * count
         self.history: list[list[Plan]] = [[] for _ in goals]
+        self.setbacks: list[Setback] = []
         self.arrived, self.given_up = np.zeros(count, bool), np.zeros(count, bool)
         self._whereabouts = Whereabouts(count, self._topomap)
         self._blockades, self._waiting = Blockades(count, self._topomap), Waiting(count)
@@ -185,7 +208,10 @@ class MapNavigation:
             self._whereabouts.see(robot, plan.vertices[visited], odometry)
         if plan is not None and 0 <= ahead < len(plan.vertices):
             before = plan.vertices[max(min(visited, ahead - 1), 0) : ahead]
-            self._blockades.add(robot, before, plan.vertices[ahead : ahead + 2], odometry, now)
+            after = plan.vertices[ahead : ahead + 2]
+            edges = self._blockades.add(robot, before, after, odometry, now)
+            blocked = not memory.lost[robot]
+            self.setbacks.append(Setback(robot, plan.vertices, visited, ahead, blocked, edges))
         self._waiting.stop(robot)
         self._lost_at[robot] = min(self._lost_at[robot], now)
         if now - self._lost_at[robot] >= self._replan_time:

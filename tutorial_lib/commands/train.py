@@ -20,7 +20,7 @@ from tutorial_lib.learning.weights import save_network
 
 NETWORKS = {
     "waypoint": recipes.WAYPOINT,
-    "reachability": {**reach_recipes.REACHABILITY, "sptm": reach_recipes.SPTM},
+    "reachability": {**reach_recipes.REACHABILITY, **reach_recipes.OF_TIME},
     "relative": relative_recipes.RELATIVE,
 }
 """Recipes by name and k."""

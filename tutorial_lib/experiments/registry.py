@@ -9,8 +9,8 @@ from tutorial_lib.experiments.benchmarks import (
     reachability,
 )
 from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.ltvn import change, lifelong, spurious
 from tutorial_lib.experiments.ltvn import label as ltvn_label
-from tutorial_lib.experiments.ltvn import lifelong, spurious
 from tutorial_lib.experiments.ltvn import model as ltvn_model
 from tutorial_lib.experiments.meng2020 import (
     calibration,
@@ -62,6 +62,7 @@ _EXPERIMENTS = (
     ltvn_label,
     ltvn_model,
     lifelong,
+    change,
     spurious,
 )
 _BENCHMARKS = (raycast, fleet, control, reachability, map_building, explore)

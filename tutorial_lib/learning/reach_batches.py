@@ -16,6 +16,8 @@ from tutorial_lib.learning.networks import Architecture
 
 NEAR_IN_TIME, FAR_IN_TIME = 20, 100
 """Frames: at most so many apart is close, at least so many is far (SPTM's authors)."""
+LONGEST_TIME = 60
+"""Frames that ViNG's prediction of time goes up to; here a car drives 3 m meanwhile."""
 
 
 @dataclass(frozen=True)
@@ -111,18 +113,20 @@ class ProximitySource:
         recorded_worlds: trajectories of all worlds.
         architecture: of the network to be trained.
         worlds, targets: as for `OutcomeSource`.
+        near: frames between half of the pairs, at most.
     """
 
     recorded_worlds: Sequence[RecordedWorld]
     architecture: Architecture
     worlds: int = 16
     targets: int = 64
+    near: int = NEAR_IN_TIME
 
     @property
     def recipe(self) -> dict[str, Any]:
         """What its blocks depend on, in brief."""
         frames = sum(len(recorded.poses) for recorded in self.recorded_worlds)
-        return {"frames": frames, "apart": [NEAR_IN_TIME, FAR_IN_TIME]}
+        return {"frames": frames, "apart": [self.near, FAR_IN_TIME]}
 
     def block(self, seed: Sequence[int]) -> Batch:
         """The block of that seed: targets of `worlds` worlds, shuffled."""
@@ -134,17 +138,38 @@ class ProximitySource:
     def _world(self, recorded: RecordedWorld, rng: np.random.Generator) -> Batch:
         frames = rng.integers(len(recorded.poses), size=self.targets)
         target = np.repeat(frames, STARTS)
-        apart = rng.integers(-NEAR_IN_TIME, NEAR_IN_TIME + 1, size=len(target))
+        apart = rng.integers(-self.near, self.near + 1, size=len(target))
         near = np.clip(target - apart, recorded.first[target], recorded.last[target])
         far = rng.integers(len(recorded.poses), size=len(target))
         close = rng.random(len(target)) < 0.5
         sources = np.where(close, near, far)
         own = recorded.first[sources] == recorded.first[target]
         apart = np.where(own, np.abs(sources - target), FAR_IN_TIME)
-        decided = (apart <= NEAR_IN_TIME) | (apart >= FAR_IN_TIME)
-        labels = {"reached": apart <= NEAR_IN_TIME, "weight": decided, "overlap": np.zeros(2)}
+        labels = {**self.labels(apart, sources <= target), "overlap": np.zeros(2)}
         starts = recorded.poses[sources].reshape(self.targets, STARTS, 3)
         return rendered(recorded, self.architecture, starts, frames, labels, rng)
+
+    def labels(self, apart: NDArray[np.intp], ahead: NDArray[np.bool_]) -> dict[str, NDArray]:
+        """`reached` and `weight` (N,) of pairs so many frames apart, the target ahead or not."""
+        del ahead
+        decided = (apart <= NEAR_IN_TIME) | (apart >= FAR_IN_TIME)
+        return {"reached": apart <= NEAR_IN_TIME, "weight": decided}
+
+
+@dataclass(frozen=True)
+class TimeSource(ProximitySource):
+    """ViNG's blocks: how soon does a drive come from one image to another?
+
+    The label is 1 for at once, and 0 from `LONGEST_TIME` on and for images of other trajectories.
+    Nothing is known of targets behind, which are left out.
+    """
+
+    near: int = LONGEST_TIME
+
+    def labels(self, apart: NDArray[np.intp], ahead: NDArray[np.bool_]) -> dict[str, NDArray]:
+        """See `ProximitySource.labels`."""
+        soon = np.maximum(1.0 - apart / LONGEST_TIME, 0.0)
+        return {"reached": soon, "weight": ahead | (apart >= FAR_IN_TIME)}
 
 
 def rendered(

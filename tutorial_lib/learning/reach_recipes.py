@@ -22,7 +22,12 @@ from tutorial_lib.learning.estimators import ReachabilityNetwork
 from tutorial_lib.learning.mining import all_logits, mined_outcomes
 from tutorial_lib.learning.networks import Architecture, LocalNetwork
 from tutorial_lib.learning.outcome_data import recipe_of, record_outcomes
-from tutorial_lib.learning.reach_batches import LabelledWorld, OutcomeSource, ProximitySource
+from tutorial_lib.learning.reach_batches import (
+    LabelledWorld,
+    OutcomeSource,
+    ProximitySource,
+    TimeSource,
+)
 from tutorial_lib.learning.recipes import recorded_worlds_of
 from tutorial_lib.learning.training import Settings, train
 from tutorial_lib.learning.weights import Card, load_card, load_network
@@ -94,10 +99,22 @@ SPTM = ReachRecipe(
     Settings(max_steps=0),
 )
 """SPTM's network: temporal proximity of two images, trained from scratch on the same data."""
+VING = ReachRecipe(
+    "ving",
+    "train reachability --k ving",
+    "",
+    0,
+    Architecture(0, view="rgbd16", outputs="relative"),
+    Settings(max_steps=12_000),
+    Settings(max_steps=0),
+)
+"""ViNG's: how soon a drive comes from one image to another, and where that is."""
+OF_TIME = {"sptm": SPTM, "ving": VING}
+"""The networks that learn from the times of images alone."""
 
 
 def train_reachability(recipe: ReachRecipe, work: Path, jobs: int = 2) -> tuple[LocalNetwork, Card]:
-    """Train RE for one controller, including its rollouts and hard negatives; or SPTM's network.
+    """Train RE for one controller, including its rollouts and hard negatives; or another network.
 
     Recordings and checkpoints are kept in `work`, from which an interrupted run resumes.
 
@@ -213,11 +230,12 @@ def calibrate(
 
 
 def train_proximity(recipe: ReachRecipe, work: Path) -> tuple[LocalNetwork, Card]:
-    """Train SPTM's network from scratch on the same trajectories."""
+    """Train SPTM's network, or ViNG's, from scratch on the same trajectories."""
     recorded_worlds = recorded_worlds_of(
         [training_world(FIRST_WORLD + i) for i in range(WORLDS)], CARS, work
     )
-    source = ProximitySource(recorded_worlds, recipe.architecture)
+    made = TimeSource if recipe is VING else ProximitySource
+    source = made(recorded_worlds, recipe.architecture)
     stopping = recorded_worlds_of([validation_world(seed) for seed in STOPPING], CARS, work)
     others = replace(source, recorded_worlds=stopping, targets=48)
     validation = [others.block([0, i]) for i in range(2)]

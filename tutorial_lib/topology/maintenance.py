@@ -15,6 +15,7 @@ import networkx as nx
 import numpy as np
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.validation import flag, number, whole
 
 CERTAIN = 0.97
@@ -108,11 +109,13 @@ class MaintenanceRules:
         succeeds: p(s | r) by how the robot was localized, of `KINDS`; measured on validation
             worlds, as the paper does, which has one for all.
         deceives: p(s | not r).
+        sees: p(the target is seen from the source | r) by the same kinds, as measured (ours).
+        imagines: p(it is seen | not r), where the map is wrong and not the model.
         prune: R_p, the probability below which an edge is pruned after a failure.
         share_blame: whether the edge before shares the blame (ours).
         returns: queries after which a pruned edge comes back, twice as many each time that it is
             pruned again; 0 for never (ours).
-        returns_blocked: the same where something stood in the way (ours).
+        returns_blocked: the same where something stood in the way, always as many (ours).
         expand: whether unused images are tried where no path is left.
         loosened: D_c times this for such images and for novel ones.
     """
@@ -121,6 +124,10 @@ class MaintenanceRules:
         default_factory=lambda: {"trusted": 0.97, "local": 0.9, "global": 0.75, "presumed": 0.6}
     )
     deceives: float = 0.05
+    sees: dict[str, float] = field(
+        default_factory=lambda: {"trusted": 0.85, "local": 0.85, "global": 0.75, "presumed": 0.5}
+    )
+    imagines: float = 0.1
     prune: float = 0.2
     share_blame: bool = True
     returns: int = 60
@@ -131,8 +138,10 @@ class MaintenanceRules:
     def __post_init__(self) -> None:
         if set(self.succeeds) != set(KINDS):
             raise InputError(f"succeeds: {sorted(self.succeeds)}; give {', '.join(KINDS)}")
-        for value in (*self.succeeds.values(), self.deceives):
-            number("succeeds, deceives", value, above=0.0, most=1.0)
+        if set(self.sees) != set(KINDS):
+            raise InputError(f"sees: {sorted(self.sees)}; give {', '.join(KINDS)}")
+        for value in (*self.succeeds.values(), self.deceives, *self.sees.values(), self.imagines):
+            number("succeeds, deceives, sees, imagines", value, above=0.0, most=1.0)
         number("prune", self.prune, least=0.0, most=1.0)
         flag("share_blame", self.share_blame)
         whole("returns", self.returns, least=0)
@@ -153,7 +162,7 @@ class Event:
 
     Attributes:
         query: in which it was made.
-        kind: "success", "failure", "pruned", "returned", "joined" or "vertex".
+        kind: "success", "failure", "pruned", "blocked", "returned", "joined" or "vertex".
         edge: that changed; a vertex twice for itself.
         before: attributes of the edge; none where there was none.
         after: the same afterwards.
@@ -178,6 +187,7 @@ class Traversal:
         arrived_by: the edge on which it came to the source; none if it was localized there.
         blocked: the edges that lead through what stood in its way, this one among them; none
             where nothing did.
+        looked: the robot has not driven: it saw from the source that the target is not there.
     """
 
     edge: Edge
@@ -186,13 +196,24 @@ class Traversal:
     measured: float | None = None
     arrived_by: Edge | None = None
     blocked: tuple[Edge, ...] = ()
+    looked: bool = False
+
+
+@dataclass(frozen=True)
+class _Pruned:
+    """An edge as it was, the query in which it returns, and whether something stood in the way."""
+
+    attributes: dict[str, Any]
+    due: float
+    blocked: bool
 
 
 class Maintenance:
     """Keeps a graph up to date with what robots experience on it.
 
     Attributes:
-        graph: of a map; edges have `probability`, `length`, `variance`, `reverse` and `cost`.
+        graph: of a map; edges have `probability`, and where lengths are measured `length`,
+            `variance`, `reverse` and `cost`.
         rules: what changes.
         price: times that an edge in reverse counts as long.
         events: all changes so far.
@@ -207,18 +228,19 @@ class Maintenance:
         self.noise = number("noise", noise, above=0.0)
         self.events: list[Event] = []
         self.query = 0
-        self._pruned: dict[Edge, tuple[dict[str, Any], float]] = {}
+        self._pruned: dict[Edge, _Pruned] = {}
         self._times: defaultdict[Edge, int] = defaultdict(int)
+        self._driven: set[Edge] = set()
 
     @property
     def pruned(self) -> dict[Edge, dict[str, Any]]:
         """The edges that are pruned now, as they were at first."""
-        return {edge: attributes for edge, (attributes, _) in self._pruned.items()}
+        return {edge: pruned.attributes for edge, pruned in self._pruned.items()}
 
     def begin(self, query: int) -> None:
         """A query begins; edges whose time has come return."""
         self.query = whole("query", query, least=0)
-        for edge in [edge for edge, (_, due) in self._pruned.items() if due <= query]:
+        for edge in [edge for edge, pruned in self._pruned.items() if pruned.due <= query]:
             self.bring_back(edge)
 
     def experienced(self, traversal: Traversal) -> None:
@@ -234,19 +256,24 @@ class Maintenance:
             return  # another robot has pruned it meanwhile
         rules, before = self.rules, traversal.arrived_by
         edge = self.graph.edges[source, target]
-        succeeds = rules.succeeds[traversal.kind]
+        prior = _doubted(edge["probability"], traversal.success)
+        succeeds, deceives = rules.succeeds[traversal.kind], rules.deceives
+        if traversal.looked:
+            succeeds, deceives = rules.sees[traversal.kind], rules.imagines
         shared = rules.share_blame and before is not None and self.graph.has_edge(*before)
         if shared:
             at, exists = shared_bayes(
-                self.graph.edges[before]["probability"],
-                edge["probability"],
+                _doubted(self.graph.edges[before]["probability"], traversal.success),
+                prior,
                 succeeds,
-                rules.deceives,
+                deceives,
                 traversal.success,
             )
         else:
-            exists = bayes(edge["probability"], succeeds, rules.deceives, traversal.success)
-        changed: dict[str, Any] = {"probability": _limited(exists)}
+            exists = bayes(prior, succeeds, deceives, traversal.success)
+        changed: dict[str, Any] = {"probability": _limited(exists, prior)}
+        if traversal.success:
+            self._driven.add((source, target))
         if traversal.success and traversal.measured is not None:
             mean, variance = gaussian(
                 edge["length"], edge["variance"], traversal.measured, self.noise
@@ -257,28 +284,32 @@ class Maintenance:
         if not traversal.success and exists < rules.prune:
             self.prune_edge((source, target))
         if shared:
-            self._change(
-                "success" if traversal.success else "failure", before, {"probability": _limited(at)}
-            )
+            prior = self.graph.edges[before]["probability"]
+            kind = "success" if traversal.success else "failure"
+            self._change(kind, before, {"probability": _limited(at, prior)})
             if not traversal.success and at < rules.prune:
                 self.prune_edge(before)
 
     def prune_edge(self, edge: Edge, blocked: bool = False) -> None:
         """Take an edge out of the graph, until it returns."""
         rules, gone = self.rules, dict(self.graph.edges[edge])
-        wait = rules.returns_blocked if blocked else rules.returns
-        due = self.query + wait * 2 ** self._times[edge] if wait else np.inf
-        self._times[edge] += 1
-        self._pruned[edge] = gone, due
+        wait = rules.returns_blocked if blocked else rules.returns * 2 ** self._times[edge]
+        if not blocked and edge not in self._driven:
+            wait = 0
+        due = self.query + wait if wait else np.inf
+        self._times[edge] += not blocked
+        self._pruned[edge] = _Pruned(gone, due, blocked)
         self.graph.remove_edge(*edge)
-        self.events.append(Event(self.query, "pruned", edge, gone))
+        self.events.append(Event(self.query, "blocked" if blocked else "pruned", edge, gone))
 
     def bring_back(self, edge: Edge) -> None:
-        """Put a pruned edge back; one more failure prunes it again."""
-        attributes, _ = self._pruned.pop(edge)
+        """Put a pruned edge back: one more failure prunes it again; or as it was, if blocked."""
+        pruned = self._pruned.pop(edge)
         if not (self.graph.has_node(edge[0]) and self.graph.has_node(edge[1])):
             return
-        again = attributes | {"probability": min(self.rules.prune + 0.1, CERTAIN)}
+        again = dict(pruned.attributes)
+        if not pruned.blocked:
+            again |= _belief(again, min(self.rules.prune + 0.1, CERTAIN))
         before = dict(self.graph.edges[edge]) if self.graph.has_edge(*edge) else None
         self.graph.add_edge(*edge, **again)
         self.events.append(Event(self.query, "returned", edge, before, again))
@@ -296,6 +327,7 @@ class Maintenance:
 
     def _change(self, kind: str, edge: Edge, changed: dict[str, Any]) -> None:
         before = dict(self.graph.edges[edge])
+        changed |= _belief(before, changed["probability"])
         self.graph.edges[edge].update(changed)
         self.events.append(Event(self.query, kind, edge, before, dict(self.graph.edges[edge])))
 
@@ -315,5 +347,17 @@ def undone(graph: nx.DiGraph, events: list[Event]) -> nx.DiGraph:
     return graph
 
 
-def _limited(probability: float) -> float:
-    return float(np.clip(probability, 1.0 - CERTAIN, CERTAIN))
+def _belief(edge: dict[str, Any], probability: float) -> dict[str, float]:
+    """The attributes of an edge that depend on a belief; on Meng's map its weight does, too."""
+    weights = {"weight": float(weight(probability))} if "weight" in edge else {}
+    return {"probability": probability, **weights}
+
+
+def _doubted(probability: float, success: bool) -> float:
+    """A belief before an update: no edge is beyond doubt when it fails."""
+    return probability if success else min(probability, CERTAIN)
+
+
+def _limited(probability: float, prior: float) -> float:
+    """A belief after an update: it stays doubtful, unless the model was surer at first."""
+    return float(np.clip(probability, 1.0 - CERTAIN, max(prior, CERTAIN)))

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.ltvn_state import TravelSettings
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.random import RandomAgent
 from tutorial_lib.agents.remedies import Remedies
@@ -20,11 +21,24 @@ from tutorial_lib.learning.estimators import (
     RelativeNetwork,
     WaypointNetwork,
 )
+from tutorial_lib.topology.mapping.sampling_map import SamplingRules
 from tutorial_lib.topology.planner import DijkstraPlanner
 
 CONTEXT = "k5"
 S_SHORTCUT = 0.99
 """SPTM's threshold, chosen on validation worlds."""
+SOON = 0.6
+"""ViNG's threshold, chosen on validation worlds: of its longest time, one minus the share after
+which another image follows at most."""
+VING_RULES = {
+    "reachable": SOON,
+    "own_reachable": SOON,
+    "merge": 0.0,
+    "connect": 10.0,
+    "support": 0.0,
+    "by_time": True,
+}
+VING_TRAVEL = {"sure": SOON, "near": 0.3}
 SEAMS = ("agent", "planner", "localizer", "reachability", "predictor", "controller")
 """What a class of one's own may be where whole agents are compared."""
 
@@ -68,6 +82,21 @@ def ltvn(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the ag
     """LTVN's agent with the shipped model; `changed` replaces attributes."""
     model = changed.pop("model", None) or RelativeNetwork("relative_5")
     return LTVNAgent(**{"model": model, **changed})
+
+
+def ving(**changed: Any) -> LTVNAgent:  # noqa: ANN401 - any attribute of the agent
+    """ViNG on the same drives and controllers; `changed` replaces attributes.
+
+    Its map keeps every image, and joins two that are predicted to be soon after one another.
+    """
+    parts: dict[str, Any] = {
+        "model": RelativeNetwork("ving"),
+        "rules": SamplingRules(**VING_RULES),
+        "travel": TravelSettings(**VING_TRAVEL),
+        "maintenance": None,
+        "turns": None,
+    }
+    return LTVNAgent(**{**parts, **changed})
 
 
 def random_agent(rng: np.random.Generator) -> RandomAgent:

@@ -15,6 +15,7 @@ import numpy as np
 
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.agents.ltvn_state import TravelSettings
+from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
@@ -27,7 +28,13 @@ from tutorial_lib.experiments.protocols.lifelong import (
     image_poses,
     run_queries,
 )
-from tutorial_lib.experiments.protocols.navigation import WORMHOLE, attempt, navigate
+from tutorial_lib.experiments.protocols.navigation import (
+    WORMHOLE,
+    attempt,
+    experiences,
+    measured,
+    navigate,
+)
 from tutorial_lib.experiments.protocols.navigation_tasks import (
     Building,
     Trials,
@@ -65,21 +72,26 @@ class Settings:
 
     Attributes:
         agents: that are compared, each with its perception.
+        lasting: those of them that run all queries; the others run the first `brief`.
         queries: in each building.
+        brief: see `lasting`.
         block: queries of one row.
         fleet: robots that set off together.
     """
 
     agents: tuple[tuple[str, str], ...] = (
         *((MENDING, NETWORK), (FROZEN, NETWORK), (MENDING, ORACLE), (FROZEN, ORACLE)),
-        *(("sptm", NETWORK), ("meng", NETWORK), ("oracle", ORACLE)),
+        *(("ving", NETWORK), ("sptm", NETWORK), ("meng", NETWORK), ("oracle", ORACLE)),
     )
-    queries: int = 200
+    lasting: tuple[tuple[str, str], ...] = ((MENDING, NETWORK), (FROZEN, NETWORK))
+    queries: int = 500
+    brief: int = 100
     block: int = 50
     fleet: int = 25
 
 
-ABLATED = Settings(agents=tuple((name, NETWORK) for name in VARIANTS))
+_PARTS = tuple((name, NETWORK) for name in VARIANTS)
+ABLATED = Settings(agents=_PARTS, lasting=_PARTS, queries=150)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,9 +136,17 @@ def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
     whole = make_building(world, seed)
     building = part_of(whole, TOUR, seed)
     trials = draw_trials(whole, settings.queries, np.random.default_rng([seed, world, 1]))
+    if (name, perception) not in settings.lasting:
+        trials = trials.subset(np.arange(min(settings.brief, len(trials))))
     if name in VARIANTS:
         agent = prepared_agent(building, name, perception)
         return mended(building, trials, agent, settings)
+    if name == "ving":
+        agent = agents.ving()
+        agent.learn(deep_experiences(building))
+        return mended(building, trials, agent, settings)
+    if name == "meng_mending":
+        return _meng_mending(building, trials, settings)
     if name == "oracle":
         goals = trials.goal_poses
         outcome = navigate(building, trials, lambda sim: OracleNavigation(sim, whole.paths, goals))
@@ -143,6 +163,29 @@ def lived(item: tuple[int, str, str], seed: int, settings: Settings) -> Lived:
         result.outcome.success.astype(float),
         [(result.vertices, result.edges, result.wormholes)] * blocks,
     )
+
+
+def _meng_mending(building: Building, trials: Trials, settings: Settings) -> Lived:
+    """Meng's map, kept up to date in the same fleets."""
+    agent = mending_meng(building)
+    success, sizes = [], []
+    for first in range(0, len(trials), settings.fleet):
+        some = trials.subset(np.arange(first, min(first + settings.fleet, len(trials))))
+        agent.upkeep.begin(first)
+        result = measured(building, some, agent)
+        success.append(result.outcome.success.astype(float))
+        if (first + len(some)) % settings.block == 0:
+            sizes.append((result.vertices, result.edges, result.wormholes))
+    return Lived(np.concatenate(success), sizes)
+
+
+def mending_meng(building: Building) -> MendingMengAgent:
+    """Meng's agent with upkeep that has learned a building."""
+    parts = ("predictor", "controller", "reachability", "settings")
+    plain = agents.meng(settings=MapSettings(p_edge=CHOSEN[TOUR].p_edge))
+    agent = MendingMengAgent(**{part: getattr(plain, part) for part in parts})
+    agent.learn(list(experiences(building)))
+    return agent
 
 
 def prepared_agent(building: Building, name: str, perception: str) -> LTVNAgent:
@@ -185,7 +228,7 @@ def sizes_of(building: Building, agent: LTVNAgent) -> tuple[int, int, int]:
 
 def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: Settings) -> Rows:
     rows: Rows = []
-    for block, first in enumerate(range(0, settings.queries, settings.block)):
+    for block, first in enumerate(range(0, len(parts[0].success), settings.block)):
         some = slice(first, first + settings.block)
         values = [part.success[some] for part in parts]
         units = np.repeat(worlds, [len(value) for value in values])
@@ -207,7 +250,8 @@ def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[s
         for name, perception in settings.agents:
             if name == MENDING or (MENDING, perception) not in settings.agents:
                 continue
-            for words, some in (("first", slice(half)), ("last", slice(-half, None))):
+            parts = [("first", slice(half)), ("last", slice(-half, None))]
+            for words, some in parts[: 1 + ((name, perception) in settings.lasting)]:
                 mine = [by[world, MENDING, perception].success[some] for world in worlds]
                 theirs = [by[world, name, perception].success[some] for world in worlds]
                 units = np.repeat(worlds, [len(one) for one in mine])
@@ -222,6 +266,7 @@ def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[s
 QUICK = Settings(
     agents=(*((name, p) for p in PERCEPTIONS for name in (MENDING, FROZEN)), ("meng", NETWORK)),
     queries=100,
+    brief=40,
     block=20,
     fleet=20,
 )

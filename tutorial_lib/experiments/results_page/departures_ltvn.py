@@ -49,6 +49,19 @@ LTVN = (
         ("topology/mapping/sampling_map.py", "08"),
     ),
     Departure(
+        "Graph Building",
+        "vertices at one place that look different ways are joined by an edge along which the "
+        "robot turns where it stands: their scans match, and the walls have the same colours",
+        ("topology/mapping/turn_edges.py", "topology/mapping/sampling_map.py"),
+    ),
+    Departure(
+        "Navigation",
+        "a robot looks before it drives: an edge whose target is surely not to be seen from its "
+        "source is avoided, and believed less",
+        ("agents/ltvn_navigation.py", "topology/maintenance.py"),
+        "Spurious and missing edges",
+    ),
+    Departure(
         "Navigation",
         "a robot that drove to a waypoint and sees the target trusts its arrival; one that drove "
         "there and does not see it presumes for one edge to be there; it is also where a vertex "
@@ -81,10 +94,16 @@ LTVN = (
     ),
     Departure(
         "Graph Maintenance",
-        f"pruned edges return after {_MENDING.returns} queries, twice as many each time; what the "
-        f"laser shows to be blocked is pruned at once and returns after "
-        f"{_MENDING.returns_blocked}",
+        f"pruned edges that had worked before return after {_MENDING.returns} queries, twice as "
+        f"many each time; what the laser shows to be blocked is left out at once and returns after "
+        f"{_MENDING.returns_blocked}; any returns where no path is left",
         ("topology/maintenance.py", "08"),
+    ),
+    Departure(
+        "Graph Maintenance",
+        "where no path is left all unused images are tried at once, those that were redundant, "
+        "too; the paper samples them until there is a path",
+        ("topology/mapping/expansion.py", "08"),
     ),
     Departure(
         "Graph Maintenance",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from tutorial_lib.experiments.common.report import Rows
+from tutorial_lib.experiments.ltvn.change import OPEN, PHASES
 from tutorial_lib.experiments.ltvn.model import APART, FAR, FAR_RATE
 from tutorial_lib.experiments.ltvn.spurious import TRIED
 from tutorial_lib.experiments.results_page.markdown import interval, number, percent, table
@@ -14,8 +15,10 @@ FAMILIES = {"others": "apartments and offices", "loop_corridor": "loop corridors
 AGENTS = {
     "ltvn": "LTVN",
     "frozen": "its map as it was built",
+    "ving": "ViNG",
     "sptm": "SPTM",
     "meng": "Meng",
+    "meng_mending": "Meng's map, kept up to date",
     "oracle": "oracle",
 }
 """How agents are called on the page."""
@@ -87,30 +90,57 @@ def _model_section(results: Results) -> list[str]:
 
 def _lifelong_section(results: Results) -> list[str]:
     rows = results.rows("ltvn_lifelong")
-    last = max(row["block"] for row in rows)
     lines = []
     for row in matching(rows, block=0):
         same = {key: row[key] for key in ("agent", "perception", "family")}
-        end = one(rows, block=last, **same)
+        blocks = matching(rows, **same)
+        end = blocks[-1]
         perception = "" if row["vertices"] is None else row["perception"]
-        cells = [interval(row, "success"), interval(end, "success"), *_sizes(end)]
-        lines.append([AGENTS[row["agent"]], perception, FAMILIES[row["family"]], *cells])
-    count = rows[0]["queries"] // rows[0]["worlds"]
+        cells = [
+            interval(row, "success"),
+            str(len(blocks) * count_of(row)),
+            interval(end, "success"),
+        ]
+        lines.append(
+            [AGENTS[row["agent"]], perception, FAMILIES[row["family"]], *cells, *_sizes(end)]
+        )
+    count = count_of(rows[0])
     notes = [note for note in results.reports["ltvn_lifelong"].notes if ": ltvn - " in note]
     return [
         f"Each of {results.worlds('ltvn_lifelong')} test buildings is toured once; all agents get "
-        f"the same {count * (last + 1)} queries, and fleets of 25 robots use and mend one map. "
-        f"*Oracle* perception has the true label and waypoint in place of the network.",
+        f"the same queries, and fleets of 25 robots use and mend one map. *Oracle* perception has "
+        f"the true label and waypoint in place of the network. Agents whose column says "
+        f"{count * 2} have only the first {count * 2} queries.",
         table(
             [
-                *("agent", "perception", "worlds", f"first {count} queries", f"last {count}"),
-                *("vertices", "edges", "longer than 5 m"),
+                *("agent", "perception", "worlds", f"first {count} queries", "queries"),
+                *(f"the last {count} of them", "vertices", "edges", "longer than 5 m"),
             ],
             lines,
         ),
+        "Success by blocks of queries, with updates and without:",
+        _blocks(rows),
         "Paired differences, 95 % intervals over worlds:",
         "\n".join(f"- {note}" for note in notes),
     ]
+
+
+def _blocks(rows: Rows) -> str:
+    """Success of the agents that run all queries, block by block."""
+    last = max(row["block"] for row in rows)
+    lines = []
+    for end in matching(rows, block=last):
+        same = {key: end[key] for key in ("agent", "perception", "family")}
+        cells = [percent(one(rows, block=block, **same)["success"], 0) for block in range(last + 1)]
+        lines.append([AGENTS[end["agent"]], FAMILIES[end["family"]], *cells])
+    count = count_of(rows[0])
+    head = [f"to {count * (block + 1)}" for block in range(last + 1)]
+    return table(["agent", "worlds", *head], lines)
+
+
+def count_of(row: dict) -> int:
+    """Queries of one block in one world."""
+    return row["queries"] // row["worlds"]
 
 
 def _sizes(row: dict) -> list[str]:
@@ -145,9 +175,33 @@ def spurious(rows: Rows) -> str:
     return table(["spoilt", "updates", "worlds", *head, "injected, gone", "true, pruned"], lines)
 
 
+def _change_section(results: Results) -> list[str]:
+    rows = results.rows("ltvn_change")
+    lines = []
+    for row in matching(rows, block=0, phase=OPEN):
+        cells = []
+        for phase in PHASES:
+            blocks = matching(rows, agent=row["agent"], phase=phase)
+            cells += [
+                f"{percent(blocks[i]['success'], 0)}, {number(blocks[i]['seconds'], 0)} s"
+                for i in (0, -1)
+            ]
+        lines.append([AGENTS[row["agent"]], *cells])
+    count = count_of(rows[0])
+    head = [f"{phase}, {which} {count}" for phase in PHASES for which in ("first", "last")]
+    return [
+        f"A door that all queries lead through is closed by people who stand in it, and opened "
+        f"again; the drives hold a detour. {rows[0]['worlds']} test buildings in which there is "
+        f"such a door, {count * len(matching(rows, agent=rows[0]['agent'], phase=OPEN))} queries "
+        f"in each phase, fleets of 5: success and mean seconds of the first and the last {count}.",
+        table(["agent", *head], lines),
+    ]
+
+
 SECTIONS = (
     Section("LTVN's label", ("ltvn_label",), _label_section),
     Section("LTVN's model", ("ltvn_model",), _model_section),
     Section("Hundreds of queries", ("ltvn_lifelong",), _lifelong_section),
     Section("Spurious and missing edges", ("ltvn_spurious",), _spurious_section),
+    Section("A door that closes", ("ltvn_change",), _change_section),
 )

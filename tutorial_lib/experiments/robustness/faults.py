@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tutorial_lib.agents.meng import MengAgent
-from tutorial_lib.driving.geodesics import CLEARANCE, GridPaths
+from tutorial_lib.driving.geodesics import CLEARANCE
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.common.experiment import Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
@@ -39,6 +39,7 @@ from tutorial_lib.experiments.protocols.navigation_tasks import (
     draw_trials,
     make_building,
 )
+from tutorial_lib.experiments.protocols.obstacles import APART, BODY, paths_around
 from tutorial_lib.geometry import distance_to_segments
 from tutorial_lib.learning.views import VIEWS
 from tutorial_lib.parallel import for_each
@@ -48,10 +49,8 @@ from tutorial_lib.world.simulation import Simulation
 
 DETOUR = 2.5
 """A detour is at most so many times as long as the blocked path."""
-_APART = 0.34  # metres between people who stand in a row; no car fits through
 _MIDDLE = (0.25, 0.75)  # shares of the path between which it is blocked
 _WIDEST = 1.6  # metres to the wall on either side up to which a path can be blocked
-_BODY = 0.12  # metres, half the width of a car
 _CLOSE = 1.0  # metres
 _ELSEWHERE = 10_000  # unknown goals are from the world whose seed is smaller by this
 
@@ -139,7 +138,7 @@ def other_paths(
     found = np.zeros(len(trials), dtype=bool)
     for trial, (start, goal) in enumerate(zip(trials.starts, trials.goal_poses, strict=True)):
         gap = distance_to_segments(rows[trial], segments).min(axis=0)
-        left = nx.DiGraph(edges[gap > Person.radius + _BODY].tolist())
+        left = nx.DiGraph(edges[gap > Person.radius + BODY].tolist())
         begins, ends = _close(poses, start), _close(poses, goal)
         ends &= np.abs(wrap(poses[:, 2] - goal[2])) < FACING
         reached = set().union(
@@ -172,13 +171,8 @@ def blockades(
         row = _across(building, track)
         if row is None:
             continue
-        clearance = building.scene.clearance
-        cells = np.indices(clearance.clearance.shape).reshape(2, -1).T
-        gap = np.linalg.norm(clearance.centres(cells)[:, None] - row, axis=-1).min(axis=1)
-        gap = np.maximum(gap - Person.radius, 0.0).reshape(clearance.clearance.shape)
-        left = replace(clearance, clearance=np.minimum(clearance.clearance, gap).astype(np.float32))
         ends = track[[0, -1], :2]
-        around = GridPaths(left).between(ends[:1], ends[1:])[0]
+        around = paths_around(building, row).between(ends[:1], ends[1:])[0]
         straight = building.paths.between(ends[:1], ends[1:])[0]
         if not straight + 2 * CLEARANCE < around <= DETOUR * straight:
             continue
@@ -195,7 +189,7 @@ def _across(building: Building, track: Array) -> Array | None:
     middle = track[first:last]
     x, y, heading = middle[building.scene.clearance.at(middle[:, :2]).argmin()]
     side = np.array([-np.sin(heading), np.cos(heading)])
-    steps = np.arange(0.0, _WIDEST, _APART / 2)
+    steps = np.arange(0.0, _WIDEST, APART / 2)
     places = [np.array([[x, y]])]
     for sign in (-1, 1):
         points = np.array([x, y]) + sign * steps[:, None] * side

@@ -9,10 +9,8 @@ import networkx as nx
 import numpy as np
 
 from tutorial_lib.topology.maintenance import Edge, Maintenance
-from tutorial_lib.topology.mapping.sampling_map import SampledMap
-
-TRIED = 400
-"""Unused images that are tried at most."""
+from tutorial_lib.topology.mapping.image_pool import length
+from tutorial_lib.topology.mapping.sampling_map import SampledMap, is_connectable
 
 
 def expanded(
@@ -22,9 +20,10 @@ def expanded(
     exits: Collection[int],
     avoided: Collection[Edge] = (),
 ) -> bool:
-    """Look for a path from a vertex to one of the exits, first over pruned edges, then new images.
+    """Look for a path from a vertex to one of the exits, over new images or over pruned edges.
 
-    Only what is on the path is kept; the other images stay unused.
+    Only what is on the path is kept; the other images stay unused. Pruned edges come back only
+    where the map has no path at all, not even over what the robot avoids for now.
 
     Args:
         sampled: the map.
@@ -36,12 +35,17 @@ def expanded(
     Returns:
         Whether there is one now.
     """
+    if not exits:
+        return False
     graph = sampled.graph.copy()
     graph.remove_edges_from(avoided)
-    graph.add_edges_from(edge for edge in upkeep.pruned if edge not in avoided)
-    path = _path(graph, here, exits)
-    if path is None and upkeep.rules.expand:
-        path = _through_new(sampled, upkeep, graph, here, exits)
+    path = _through_new(sampled, upkeep, graph, here, exits) if upkeep.rules.expand else None
+    if path is None and _path(sampled.graph, here, exits) is None:
+        graph = sampled.graph.copy()
+        graph.add_edges_from(
+            (*edge, known) for edge, known in upkeep.pruned.items() if edge not in avoided
+        )
+        path = _path(graph, here, exits)
     if path is None:
         return False
     _keep(sampled, upkeep, path)
@@ -55,26 +59,41 @@ def _through_new(
     here: int,
     exits: Collection[int],
 ) -> list[int] | None:
-    """A path over images that were not used so far, which are sampled until there is one."""
-    rng = np.random.default_rng([upkeep.query, here])
-    connect = sampled.rules.connect * upkeep.rules.loosened
-    for image in rng.permutation(sorted(sampled.unused))[:TRIED].tolist():
-        edges = sampled.edges_with(image, np.array(sorted(graph)), connect)
-        if not edges:
-            continue
-        graph.add_edges_from(edges)
-        if sampled.rules.reverse is not None:
-            graph.add_edges_from((target, source) for source, target in edges)
-        if (path := _path(graph, here, exits)) is not None:
-            return path
-    return None
+    """The shortest path over the graph's edges and images that were not used so far.
+
+    The paper samples such images until there is a path. Here all are tried at once, which finds the
+    shortest; either way only those on the path are kept.
+    """
+    pool, rules = sampled.pool, sampled.rules
+    new = np.array(sorted(sampled.unused | sampled.redundant), dtype=np.intp)
+    if not new.size:
+        return None
+    images = np.array(sorted({*graph, *new.tolist()}))
+    pairs = np.ix_(images, images)
+    metres = length(pool.waypoints[pairs])
+    limits = rules.connect * upkeep.rules.loosened, rules.most_turn
+    joined = is_connectable(sampled.accepted[pairs], pool.waypoints[pairs], *limits)
+    added = np.isin(images, new)
+    joined &= added[:, None] | added  # the map knows its own edges
+    cost = np.where(joined, metres, np.inf)
+    if rules.reverse is not None:
+        cost = np.minimum(cost, cost.T * rules.reverse)
+    trial = nx.DiGraph()
+    rows, columns = np.nonzero(np.isfinite(cost))
+    trial.add_weighted_edges_from(
+        zip(images[rows].tolist(), images[columns].tolist(), cost[rows, columns], strict=True),
+        weight="cost",
+    )
+    trial.add_edges_from(graph.edges(data=True))
+    trial.add_node(here)
+    return _path(trial, here, exits)
 
 
 def _path(graph: nx.DiGraph, here: int, exits: Collection[int]) -> list[int] | None:
-    """Any path over the fewest edges."""
-    reached = nx.single_source_shortest_path(graph, here)
-    paths = [reached[vertex] for vertex in exits if vertex in reached]
-    return min(paths, key=len) if paths else None
+    """The shortest path to any of the exits."""
+    metres, paths = nx.single_source_dijkstra(graph, here, weight="cost")
+    reached = [vertex for vertex in exits if vertex in metres]
+    return paths[min(reached, key=metres.__getitem__)] if reached else None
 
 
 def _keep(sampled: SampledMap, upkeep: Maintenance, path: list[int]) -> None:
@@ -83,6 +102,7 @@ def _keep(sampled: SampledMap, upkeep: Maintenance, path: list[int]) -> None:
         if vertex not in sampled.graph:
             upkeep.add_vertex(vertex)
             sampled.unused.discard(vertex)
+            sampled.redundant.discard(vertex)
     for source, target in pairwise(path):
         if sampled.graph.has_edge(source, target):
             continue

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from tutorial_lib.errors import InputError
 from tutorial_lib.interfaces import RelativeModel
-from tutorial_lib.se2 import Array, inverse
+from tutorial_lib.se2 import Array, inverse, wrap
 from tutorial_lib.topology.mapping.image_pool import ImagePool, length, support
-from tutorial_lib.validation import instance, number, one_of, whole
+from tutorial_lib.topology.mapping.turn_edges import TurnSettings, turns_among
+from tutorial_lib.validation import flag, instance, number, one_of, whole
 
 ORDERS = ("uniform", "farthest first")
 
@@ -40,6 +41,8 @@ class SamplingRules:
         reverse: how many times as long an edge counts that is driven in reverse; there are none if
             None. The paper drives in reverse and names no price.
         spread: sigma of d(w), metres, from validation worlds.
+        by_time: whether an edge costs 1 - r-hat, the time that it takes to a model which predicts
+            that (ViNG), and not its length.
     """
 
     reachable: float = 0.9
@@ -52,6 +55,7 @@ class SamplingRules:
     order: str = "uniform"
     reverse: float | None = 4.0
     spread: float = 0.2
+    by_time: bool = False
 
     def __post_init__(self) -> None:
         for name in ("reachable", "own_reachable", "support"):
@@ -68,6 +72,7 @@ class SamplingRules:
         if self.reverse is not None:
             number("reverse", self.reverse, least=1.0)
         number("spread", self.spread, above=0.0)
+        flag("by_time", self.by_time)
 
 
 def is_mergeable(reachable: NDArray[np.bool_], waypoints: Array, merge: float) -> NDArray[np.bool_]:
@@ -116,8 +121,11 @@ class SampledMap:
         accepted: (M, M) see `supported_pairs`; these may become edges.
         graph: on networkx; a vertex is the index of its image. An edge has `waypoint` (3,) from its
             source; `probability` that it exists, at first r-hat; `length` and `variance` of d(w);
-            `reverse`, whether it is driven so; `cost`, its length with the price of that.
+            `reverse`, whether it is driven so; `cost`, its length with the price of that; and
+            `turn`, rad, if the robot turns where it stands.
         unused: T', the images that are neither vertices nor redundant.
+        redundant: those that were too close to a vertex; where the map is broken they may mend it
+            (ours).
     """
 
     pool: ImagePool
@@ -126,6 +134,7 @@ class SampledMap:
     accepted: NDArray[np.bool_] = field(init=False)
     graph: nx.DiGraph = field(init=False, default_factory=nx.DiGraph)
     unused: set[int] = field(init=False)
+    redundant: set[int] = field(init=False, default_factory=set)
 
     def __post_init__(self) -> None:
         self.sure = sure_pairs(self.pool, self.rules)
@@ -172,13 +181,14 @@ class SampledMap:
         pair = (target, source) if reverse else (source, target)
         waypoint = self.pool.waypoints[pair]
         metres = float(length(waypoint))
+        cost = 1.0 - float(self.pool.reachable[pair]) if self.rules.by_time else metres
         return {
             "waypoint": tuple((inverse(waypoint) if reverse else waypoint).tolist()),
             "probability": float(self.pool.reachable[pair]),
             "length": metres,
             "variance": self.rules.spread**2,
             "reverse": reverse,
-            "cost": metres * ((self.rules.reverse or 1.0) if reverse else 1.0),
+            "cost": cost * ((self.rules.reverse or 1.0) if reverse else 1.0),
         }
 
     def join(self, edges: Sequence[tuple[int, int]]) -> None:
@@ -188,6 +198,35 @@ class SampledMap:
         for source, target in edges:
             if self.rules.reverse is not None and not self.graph.has_edge(target, source):
                 self.graph.add_edge(target, source, **self.attributes(target, source, reverse=True))
+
+    def join_by_turning(self, settings: TurnSettings) -> int:
+        """Join vertices at one place that look different ways, both ways (ours); how many edges.
+
+        Two such images share nothing, so Algorithm 1 joins them never. See `turn_edges`.
+        """
+        pool, before = self.pool, self.graph.number_of_edges()
+        everyone = pool.observations[np.arange(len(pool))]
+        turns = turns_among(everyone, pool.drive, self.vertices, settings)
+        for source, target, pose in zip(
+            turns.anchors.tolist(), turns.vertices.tolist(), turns.poses, strict=True
+        ):
+            for edge, waypoint in (((source, target), pose), ((target, source), inverse(pose))):
+                if not self.graph.has_edge(*edge):
+                    self.graph.add_edge(*edge, **self._turn(waypoint, settings.p_turn))
+        return self.graph.number_of_edges() - before
+
+    def _turn(self, waypoint: Array, probability: float) -> dict:
+        """Attributes of an edge along which the robot turns where it stands."""
+        metres = float(length(waypoint))
+        return {
+            "waypoint": tuple(waypoint.tolist()),
+            "probability": probability,
+            "length": metres,
+            "variance": self.rules.spread**2,
+            "reverse": False,
+            "cost": metres,
+            "turn": float(wrap(waypoint[2])),
+        }
 
 
 def build(pool: ImagePool, rules: SamplingRules, rng: np.random.Generator) -> SampledMap:
@@ -225,6 +264,7 @@ def _one_pass(made: SampledMap, rng: np.random.Generator) -> bool:
         image = left.pop(_farthest(made, left, vertices) if made.rules.order != "uniform" else -1)
         if made.mergeable_with(image, vertices):
             made.unused.discard(image)
+            made.redundant.add(image)
         elif edges := made.edges_with(image, vertices):
             made.join(edges)
             made.unused.discard(image)

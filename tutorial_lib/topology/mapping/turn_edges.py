@@ -8,7 +8,7 @@ turn.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,10 @@ class Turns:
         parts = (self.anchors, self.vertices, self.poses, self.scores)
         return Turns(*(part[chosen] for part in parts))
 
+    def of(self, anchors: Indices, vertices: Indices) -> Turns:
+        """The same with the indices that theirs stand for."""
+        return replace(self, anchors=anchors[self.anchors], vertices=vertices[self.vertices])
+
 
 def add_turns(
     topomap: TopoMap, anchors: Anchors, path: Indices, settings: TurnSettings | None = None
@@ -112,7 +116,9 @@ def add_turns(
     count, most = len(instance("anchors", anchors, Anchors)), len(topomap.vertices) - 1
     path = integers("path", path, (count,), least=0, most=most)
     fresh = np.flatnonzero(topomap.trajectory[path] == len(topomap.paths) - 1)
-    turns = _by_scans(topomap, anchors.observations, fresh, settings)
+    alive = topomap.alive
+    seen = anchors.observations[fresh], topomap.vertices.observations[alive]
+    turns = _by_scans(*seen, settings).of(fresh, alive)
     sights = [_sights(anchors.observations, i, np.arange(len(anchors))) for i in turns.anchors]
     alike = [
         colour_correlation(ours, _sights_from(topomap, int(v)), pose)
@@ -164,22 +170,55 @@ def _sight(name: str, sight: tuple[Array, Array]) -> tuple[Array, Array]:
     return points, colours
 
 
-def _by_scans(topomap: TopoMap, seen: Observation, fresh: Indices, settings: TurnSettings) -> Turns:
+def turns_among(
+    seen: Observation, drive: Indices, images: Indices, settings: TurnSettings
+) -> Turns:
+    """Pairs of images that were taken at one place and look different ways.
+
+    Args:
+        seen: M observations.
+        drive: (M,) of each; those of one lie next to each other, in order.
+        images: (V,) those of them that are compared.
+        settings: thresholds.
+
+    Returns:
+        Pairs of such images; the best for each that look different ways.
+    """
+    turns = _by_scans(seen[images], seen[images], settings).of(images, images)
+    sights = {
+        image: _sights(seen, image, np.flatnonzero(drive == drive[image]))
+        for image in np.union1d(turns.anchors, turns.vertices).tolist()
+    }
+    alike = [
+        colour_correlation(sights[i], sights[j], pose)
+        for i, j, pose in zip(
+            turns.anchors.tolist(), turns.vertices.tolist(), turns.poses, strict=True
+        )
+    ]
+    turns = turns.subset(np.array(alike, dtype=float) > settings.colours)
+    best = [
+        _apart(turns.subset(turns.anchors == image), settings) for image in np.unique(turns.anchors)
+    ]
+    if not best:
+        return turns
+    parts = zip(*((b.anchors, b.vertices, b.poses, b.scores) for b in best), strict=True)
+    return Turns(*(np.concatenate(part) for part in parts))
+
+
+def _by_scans(seen: Observation, known: Observation, settings: TurnSettings) -> Turns:
     """Pairs whose scans agree, near each other and with different headings."""
-    alive = topomap.alive
-    lasers = np.asarray(seen.laser, dtype=float)
-    known = np.asarray(topomap.vertices.observations[alive].laser, dtype=float)
-    alike, rotations = likely_rotations(lasers[fresh], known, settings.least)
-    count = min(settings.candidates, len(alive))
+    ours, theirs = (np.asarray(one.laser, dtype=float) for one in (seen, known))
+    alike, rotations = likely_rotations(ours, theirs, settings.least)
+    count = min(settings.candidates, len(theirs))
     best = np.argpartition(-alike, count - 1, axis=1)[:, :count]
-    rows, columns = np.repeat(np.arange(len(fresh)), count), best.ravel()
+    rows, columns = np.repeat(np.arange(len(ours)), count), best.ravel()
     starts = np.zeros((len(rows), rotations.shape[2], 3))
     starts[:, :, 2] = rotations[rows, columns]
-    poses, scores = match_scans(lasers[fresh[rows]], known[columns], starts)
+    poses, scores = match_scans(ours[rows], theirs[columns], starts)
     near = np.linalg.norm(poses[:, :2], axis=1) < settings.reach
     aside = np.abs(wrap(poses[:, 2])) > settings.least
     fits = near & aside & (scores > settings.agreement)
-    return Turns(fresh[rows], alive[columns], poses, scores).subset(fits)
+    return Turns(rows, columns, poses, scores).subset(fits)
 
 
 def _apart(turns: Turns, settings: TurnSettings) -> Turns:

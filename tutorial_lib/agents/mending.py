@@ -1,0 +1,111 @@
+"""Meng's map, kept up to date as LTVN keeps its own: what fails is believed less."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.agents.meng import MengAgent
+from tutorial_lib.agents.navigator import MapNavigation, Setback
+from tutorial_lib.interfaces import Experience, Goals, Observation, Robots
+from tutorial_lib.se2 import Array
+from tutorial_lib.topology.maintenance import Maintenance, MaintenanceRules, Traversal
+from tutorial_lib.validation import instance
+
+
+@dataclass(kw_only=True)
+class MendingMengAgent(MengAgent):
+    """Meng's agent; what its robots experience changes the beliefs about the map's edges.
+
+    Attributes:
+        maintenance: what changes. Nothing is known of lengths; a map has no unused images.
+        upkeep: of the map.
+    """
+
+    maintenance: MaintenanceRules = field(default_factory=MaintenanceRules)
+
+    def __post_init__(self) -> None:
+        instance("maintenance", self.maintenance, MaintenanceRules)
+        super().__post_init__()
+        self._keep_up()
+
+    def _keep_up(self) -> None:
+        self.upkeep = Maintenance(self.topomap.graph, self.maintenance, price=1.0, noise=1.0)
+
+    def learn(self, experiences: Sequence[Experience]) -> None:
+        """See `MengAgent`; upkeep begins anew."""
+        super().learn(experiences)
+        self._keep_up()
+
+    def start(self, goals: Sequence[Goals]) -> MendingNavigation:
+        """Send robots to one goal each; all mend the same map."""
+        return MendingNavigation(super().start(goals), self.upkeep)
+
+
+class MendingNavigation:
+    """A `Navigation` over Meng's map that tells its upkeep what robots experience.
+
+    Attributes:
+        navigation: of the robots.
+        traversals: all so far.
+    """
+
+    def __init__(self, navigation: MapNavigation, upkeep: Maintenance) -> None:
+        """Nobody has driven yet."""
+        self.navigation, self._upkeep = navigation, upkeep
+        self.traversals: list[Traversal] = []
+        # Of each robot the plan that it follows, and the place where it was seen first on it.
+        self._plans: list[object] = [None] * len(navigation.plans)
+        self._visited = np.full(len(navigation.plans), -1)
+        self._passed = np.zeros(len(navigation.plans), dtype=int)
+
+    @property
+    def arrived(self) -> NDArray[np.bool_]:
+        """Of the navigation."""
+        return self.navigation.arrived
+
+    @property
+    def given_up(self) -> NDArray[np.bool_]:
+        """Of the navigation."""
+        return self.navigation.given_up
+
+    def act(self, observations: Observation, robots: Robots) -> Array:
+        """The navigation's actions."""
+        known = len(self.navigation.setbacks)
+        actions = self.navigation.act(observations, robots)
+        for setback in self.navigation.setbacks[known:]:
+            self._set_back(setback)
+        for robot in robots:
+            self._follow(int(robot))
+        return actions
+
+    def _follow(self, robot: int) -> None:
+        """Note the edges that a robot has passed since the last step."""
+        plan, visited = self.navigation.plans[robot], self.navigation.follower.memory.visited[robot]
+        if plan is not self._plans[robot]:
+            self._plans[robot], self._passed[robot] = plan, 0
+        elif plan is not None and visited > self._visited[robot] >= 0:
+            path = plan.vertices[self._visited[robot] : visited + 1]
+            for edge in pairwise(path):
+                self._passed[robot] += 1
+                self._learn(Traversal(edge, "local", True))
+        self._visited[robot] = visited
+
+    def _set_back(self, setback: Setback) -> None:
+        """What blocks is left out for a time; of a lost robot the edge is to blame.
+
+        Blame is withheld where the robot has passed no edge of its plan: it may be elsewhere.
+        """
+        edge = setback.path[max(setback.ahead - 1, 0)], setback.path[setback.ahead]
+        if setback.blocked:
+            self._learn(Traversal(edge, "local", False, blocked=tuple(sorted(setback.edges))))
+        elif self._passed[setback.robot] and setback.ahead > 0:
+            self._learn(Traversal(edge, "local", False))
+
+    def _learn(self, traversal: Traversal) -> None:
+        self.traversals.append(traversal)
+        self._upkeep.experienced(traversal)

@@ -1,0 +1,254 @@
+"""A door closes, and opens again: who finds the detour, and who comes back to the short path?
+
+In each building one door is closed for a while by people who stand in it. All queries lead through
+that door where it is open, and the learned drives hold a detour around it. Maps that mend
+themselves are LTVN's and Meng's; each is compared with the same map as it was built.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import networkx as nx
+import numpy as np
+from numpy.typing import NDArray
+
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.report import Options, Rows
+from tutorial_lib.experiments.common.statistics import over_worlds
+from tutorial_lib.experiments.ltvn.lifelong import (
+    FROZEN,
+    MENDING,
+    NETWORK,
+    mending_meng,
+    prepared_agent,
+)
+from tutorial_lib.experiments.protocols.drives import part_of
+from tutorial_lib.experiments.protocols.lifelong import image_poses, joined_outcomes, run_fleet
+from tutorial_lib.experiments.protocols.navigation import (
+    K,
+    Outcome,
+    experiences,
+    goals_of,
+    navigate,
+)
+from tutorial_lib.experiments.protocols.navigation_tasks import (
+    Building,
+    Trials,
+    draw_trials,
+    make_building,
+)
+from tutorial_lib.experiments.protocols.obstacles import BODY, across_door, paths_around
+from tutorial_lib.geometry import Array, distance_to_segments
+from tutorial_lib.learning.views import VIEWS
+from tutorial_lib.parallel import for_each
+from tutorial_lib.world.floorplan import Door
+from tutorial_lib.world.people import Person
+
+DRIVES = "0.4"
+"""Share of the drives between places that is learned: a tour seldom holds a detour."""
+PHASES = OPEN, CLOSED, REOPENED = ("open", "closed", "open again")
+LEAST = 4
+"""Pairs of places whose path leads through a door, at least."""
+DETOUR = 3.0
+"""Times as long as the path through the door that the one around it is, at most."""
+AGENTS = (MENDING, FROZEN, "meng_mending", "meng")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the experiment.
+
+    Attributes:
+        agents: that are compared.
+        queries: in each phase.
+        block: queries of one row.
+        fleet: robots that set off together.
+    """
+
+    agents: tuple[str, ...] = AGENTS
+    queries: int = 50
+    block: int = 10
+    fleet: int = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Doorway:
+    """A door that closes.
+
+    Attributes:
+        people: who close it.
+        pairs: (M,) numbers of the pairs of places between which the path leads through it.
+        detour: by such a number, how many times as long the path around it is.
+    """
+
+    people: tuple[Person, ...]
+    pairs: NDArray[np.intp]
+    detour: dict[int, float]
+
+
+def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
+    """Let every agent live through all phases in every building that has such a door."""
+    items = [(world, name) for world in options.worlds for name in settings.agents]
+    found = dict(
+        zip(items, for_each(lived, items, options.seed, settings, label="ltvn_change"), strict=True)
+    )
+    worlds = [world for world in options.worlds if found[world, settings.agents[0]] is not None]
+    rows = [
+        _row(name, phase, block, [found[world, name] for world in worlds], worlds, settings)
+        for name in settings.agents
+        for phase in PHASES
+        for block in range(settings.queries // settings.block)
+    ]
+    return rows, [f"{len(worlds)} of {len(options.worlds)} worlds have a door with a detour"]
+
+
+def _row(
+    name: str,
+    phase: str,
+    block: int,
+    parts: list[dict[str, Outcome]],
+    worlds: list[int],
+    settings: Settings,
+) -> dict[str, Any]:
+    some = slice(block * settings.block, (block + 1) * settings.block)
+    success = [part[phase].success[some].astype(float) for part in parts]
+    units = np.repeat(worlds, [len(one) for one in success])
+    mean, low, high = over_worlds(np.concatenate(success), units)
+    seconds = np.concatenate([part[phase].seconds[some] for part in parts])
+    return {
+        "agent": name,
+        "phase": phase,
+        "block": block,
+        "worlds": len(worlds),
+        "queries": len(units),
+        "success": mean,
+        "low": low,
+        "high": high,
+        "seconds": float(seconds.mean()),
+    }
+
+
+def lived(item: tuple[int, str], seed: int, settings: Settings) -> dict[str, Outcome] | None:
+    """One agent in one building, by phase; none where no door has a learned detour."""
+    world, name = item
+    whole = make_building(world, seed)
+    building = part_of(whole, DRIVES, seed)
+    door = doorway(whole, building)
+    if door is None:
+        return None
+    rng = np.random.default_rng([seed, world, 1])
+    count = settings.queries
+    trials = draw_trials(whole, len(PHASES) * count, rng, door.pairs)
+    agent = learned(building, name)
+    found = {}
+    for number, phase in enumerate(PHASES):
+        some = trials.subset(np.arange(number * count, (number + 1) * count))
+        people = door.people if phase == CLOSED else ()
+        if people:
+            some = replace(some, seconds=some.seconds * _detours(whole, some, door))
+        found[phase] = _queries(building, some, agent, settings.fleet, number * count, people)
+    return found
+
+
+def learned(building: Building, name: str) -> Any:  # noqa: ANN401 - one of several agents
+    """An agent that has learned a building."""
+    if name in (MENDING, FROZEN):
+        return prepared_agent(building, name, NETWORK)
+    if name == "meng_mending":
+        return mending_meng(building)
+    agent = agents.meng()
+    agent.learn(list(experiences(building)))
+    return agent
+
+
+def _queries(
+    building: Building,
+    trials: Trials,
+    agent: Any,  # noqa: ANN401 - one of several agents
+    fleet: int,
+    first: int,
+    people: tuple[Person, ...],
+) -> Outcome:
+    """Trials, one fleet after the other."""
+    parts = []
+    for begin in range(0, len(trials), fleet):
+        some = trials.subset(np.arange(begin, min(begin + fleet, len(trials))))
+        if hasattr(agent, "upkeep"):
+            agent.upkeep.begin(first + begin)
+        if hasattr(agent, "sampled"):
+            outcome, _ = run_fleet(building, some, agent, people)
+        else:
+            goals = goals_of(some, VIEWS["camera16"], K)
+            outcome = navigate(building, some, lambda _, g=goals: agent.start(g), people)
+        parts.append(outcome)
+    return joined_outcomes(parts)
+
+
+def doorway(whole: Building, building: Building) -> Doorway | None:
+    """The door that most drives lead through, of those with a detour that was learned."""
+    agent = prepared_agent(building, FROZEN, NETWORK)
+    poses = image_poses(building, agent)
+    best: Doorway | None = None
+    for door in whole.scene.plan.doors:
+        people = across_door(door)
+        places = np.concatenate([person.route for person in people])
+        around = paths_around(whole, places)
+        through = _through(whole, door)
+        detours = {}
+        for pair in through:
+            start, end = (whole.places[place][None] for place in whole.pairs[pair])
+            longer = around.between(start, end)[0] / whole.paths.between(start, end)[0]
+            if longer <= DETOUR and _learned_around(agent.sampled.graph, poses, places, start, end):
+                detours[int(pair)] = float(longer)
+        if len(detours) >= LEAST and (best is None or len(detours) > len(best.pairs)):
+            best = Doorway(tuple(people), np.array(sorted(detours)), detours)
+    return best
+
+
+def _through(whole: Building, door: Door) -> NDArray[np.intp]:
+    """Numbers of the drives that lead through a door."""
+    recorded, line = whole.recorded, np.array([[*door.start, *door.end]])
+    gap = distance_to_segments(recorded.poses[:, :2], line)[:, 0]
+    return np.array(
+        [
+            number
+            for number in range(len(recorded.trajectories))
+            if gap[recorded.frames_of(number)].min() < 0.1
+        ],
+        dtype=np.intp,
+    )
+
+
+def _learned_around(
+    graph: nx.DiGraph, poses: Array, places: Array, start: Array, end: Array
+) -> bool:
+    """Whether a map has a path between two places that leads through nobody."""
+    edges = np.array(list(graph.edges), dtype=np.intp).reshape(-1, 2)
+    segments = np.hstack([poses[edges[:, 0], :2], poses[edges[:, 1], :2]])
+    gap = distance_to_segments(places, segments).min(axis=0)
+    left = nx.DiGraph(edges[gap > Person.radius + BODY].tolist())
+    near = [
+        [v for v in left if np.linalg.norm(poses[v, :2] - place) < 1.0] for place in (start, end)
+    ]
+    reached = set().union(*(nx.descendants(left, v) | {v} for v in near[0]))
+    return bool(reached & set(near[1]))
+
+
+def _detours(whole: Building, trials: Trials, door: Doorway) -> Array:
+    """(N,) how many times as long each trial takes around the door."""
+    number = {tuple(pair): i for i, pair in enumerate(whole.pairs.tolist())}
+    return np.array([door.detour[number[tuple(pair)]] for pair in trials.pairs.tolist()])
+
+
+QUICK = Settings(queries=20)
+EXPERIMENT = Experiment(
+    "ltvn_change",
+    run,
+    tuple(range(20_002, 20_026, 3)),
+    tuple(range(20_002, 20_008, 3)),
+    settings=Settings(),
+    quick_settings=QUICK,
+)
