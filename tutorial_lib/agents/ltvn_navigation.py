@@ -227,8 +227,8 @@ class LTVNNavigation:
             if reachable[0] > self._settings.near:
                 seen = waypoint = poses[0]
                 break
-            hopeless = reachable[0] < self._settings.doubt and kind != "presumed"
-            if not hopeless or state.avoided.get(edge, 0.0) > now:
+            unseen = reachable[0] < self._settings.doubt and kind != "presumed"
+            if not unseen or state.avoided.get(edge, 0.0) > now:
                 break
             self._doubt(robot, Traversal(edge, kind, False, None, arrived_by, looked=True))
         if state.avoided.get(edge, 0.0) > now and state.searched < _RECOVERING:

@@ -15,7 +15,6 @@ import networkx as nx
 import numpy as np
 
 from tutorial_lib.errors import InputError
-from tutorial_lib.topology.mapping.edge_rules import weight
 from tutorial_lib.validation import flag, number, whole
 
 CERTAIN = 0.97
@@ -349,7 +348,7 @@ def undone(graph: nx.DiGraph, events: list[Event]) -> nx.DiGraph:
 
 def _belief(edge: dict[str, Any], probability: float) -> dict[str, float]:
     """The attributes of an edge that depend on a belief; on Meng's map its weight does, too."""
-    weights = {"weight": float(weight(probability))} if "weight" in edge else {}
+    weights = {"weight": float(-np.log(probability))} if "weight" in edge else {}
     return {"probability": probability, **weights}
 
 

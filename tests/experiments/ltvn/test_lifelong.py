@@ -9,7 +9,7 @@ from tests.conftest import in_turn, make_box, needs
 from tutorial_lib.agents.ltvn import LTVNAgent
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import Options
-from tutorial_lib.experiments.ltvn import label, lifelong, model, spurious
+from tutorial_lib.experiments.ltvn import change, label, lifelong, model, spurious
 from tutorial_lib.experiments.protocols import navigation_tasks
 from tutorial_lib.experiments.protocols.lifelong import (
     TrueModel,
@@ -17,8 +17,11 @@ from tutorial_lib.experiments.protocols.lifelong import (
     image_poses,
     run_queries,
 )
+from tutorial_lib.experiments.protocols.obstacles import across_door, paths_around
+from tutorial_lib.se2 import relative, wrap
 from tutorial_lib.topology.maintenance import undone
 from tutorial_lib.topology.mapping.sampling_map import SamplingRules
+from tutorial_lib.world.floorplan import Door
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 
@@ -32,7 +35,7 @@ def building():
 @pytest.fixture(autouse=True)
 def one_building(building, monkeypatch):
     """Every world is this room."""
-    for module in (label, lifelong, model, spurious):
+    for module in (change, label, lifelong, model, spurious):
         monkeypatch.setattr(module, "make_building", lambda *_, **__: building)
         monkeypatch.setattr(module, "for_each", in_turn)
 
@@ -93,6 +96,67 @@ def test_what_is_blocked_is_closed_both_ways_and_opens_again(building, queries):
     failed = {event.edge for event in agent.upkeep.events if event.kind == "pruned"}
     assert closed <= set(agent.sampled.graph.edges) | failed
     assert len(closed - failed) > len(closed) / 2
+
+
+def test_images_of_one_place_that_look_different_ways_are_joined_by_turning(building):
+    graph, poses = (agent := learned(building)).sampled.graph, image_poses(building, agent)
+    turns = [(a, b, edge) for a, b, edge in graph.edges(data=True) if "turn" in edge]
+    assert len(turns) > 10
+    for a, b, edge in turns:
+        there = relative(poses[a], poses[b])
+        assert np.hypot(*there[:2]) < 1.0
+        assert abs(wrap(edge["turn"] - there[2])) < 0.3
+        assert abs(there[2]) > 0.9
+        assert graph.edges[b, a]["turn"] == pytest.approx(-edge["turn"])
+    without = learned(building, turns=None).sampled.graph
+    assert not any("turn" in edge for _, _, edge in without.edges(data=True))
+
+
+def test_robots_look_before_they_drive_along_what_is_not_there(building, queries):
+    agent = learned(building)
+    injected = spurious.spoil(building, agent, 0.2, np.random.default_rng(0))
+    outcome, navigations = run_queries(building, queries, agent, 6)
+    done = [one for navigation in navigations for one in navigation.traversals]
+    looked = [one for one in done if one.looked]
+    assert np.mean([one.edge in injected for one in looked]) > 0.8
+    driven = [one for one in done if not one.looked]
+    assert np.mean([one.edge in injected for one in driven]) < 0.1
+    assert outcome.success.mean() > 0.6
+
+
+def test_a_door_that_closes_costs_the_map_that_does_not_change_more(building, monkeypatch):
+    """The room's pillars leave two ways; people stand across the one between them."""
+    people = tuple(Person(np.array([[7.5, y]]), speed=0.0) for y in np.arange(2.0, 7.2, 0.34))
+    pairs = np.arange(len(building.pairs))
+    door = change.Doorway(people, pairs, dict.fromkeys(pairs.tolist(), 1.5))
+    monkeypatch.setattr(change, "doorway", lambda *_: door)
+    monkeypatch.setattr(change, "part_of", lambda whole, *_: whole)
+    kinds = {"ltvn": {}, "frozen": {"maintenance": None}}
+    monkeypatch.setattr(
+        change, "prepared_agent", lambda where, name, _: learned(where, **kinds[name])
+    )
+    settings = change.Settings(agents=("ltvn", "frozen"), queries=6, block=3, fleet=3)
+    rows, notes = change.run(Options(worlds=(20_002,)), settings)
+    assert [(row["agent"], row["phase"], row["block"]) for row in rows] == [
+        (name, phase, block)
+        for name in ("ltvn", "frozen")
+        for phase in change.PHASES
+        for block in (0, 1)
+    ]
+    assert all(row["queries"] == 3 and row["seconds"] > 0 for row in rows)
+    assert notes == ["1 of 1 worlds have a door with a detour"]
+
+
+def test_paths_lead_around_people_in_a_door(building):
+    door = Door((7.5, 0.0), (7.5, 4.0), (0, 0))
+    people = across_door(door)
+    gaps = np.diff([person.route[0, 1] for person in people])
+    assert gaps.max() <= 0.34 + 1e-9
+    places = np.concatenate([person.route for person in people])
+    ends = np.array([[6.9, 1.0]]), np.array([[8.1, 1.0]])
+    straight = building.paths.between(*ends)[0]
+    assert straight < 1.5
+    assert paths_around(building, places).between(*ends)[0] > 4 * straight
 
 
 def test_an_agent_without_a_map_says_so(building):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from tutorial_lib.agents.ltvn import spaced
 from tutorial_lib.driving.data.reachability_pairs import ReachabilityPairs
-from tutorial_lib.experiments.common.experiment import Experiment
+from tutorial_lib.experiments.common.experiment import STANDARD, Experiment
 from tutorial_lib.experiments.common.report import Options, Rows
 from tutorial_lib.experiments.protocols.drives import TOUR, part_of
 from tutorial_lib.experiments.protocols.navigation_tasks import make_building
@@ -91,7 +91,8 @@ class Scored:
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Score all pairs of validation worlds, choose thresholds, and count on the other worlds."""
-    worlds = [*settings.validation, *options.worlds]
+    worlds = [(world, STANDARD) for world in settings.validation]
+    worlds += [(world, options.palette) for world in options.worlds]
     found = for_each(scored, worlds, options.seed, settings.gates, label="ltvn_model")
     chosen, measured = found[: len(settings.validation)], found[len(settings.validation) :]
     rows: Rows = []
@@ -109,9 +110,10 @@ def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     return rows, notes
 
 
-def scored(world: int, seed: int, gates: tuple[str, ...]) -> Scored:
-    """What every gate says about all pairs of one world's tour."""
-    whole = make_building(world, seed)
+def scored(item: tuple[int, str], seed: int, gates: tuple[str, ...]) -> Scored:
+    """What every gate says about all pairs of the tour of one world with its palette."""
+    world, palette = item
+    whole = make_building(world, seed, palette=palette)
     recorded = part_of(whole, TOUR, seed).recorded
     kept = [
         frames[spaced(recorded.poses[frames], APART, TURNED)]
@@ -208,4 +210,5 @@ EXPERIMENT = Experiment(
     tuple(range(20_000, 20_004)),
     settings=Settings(),
     quick_settings=Settings(gates=("mined", "all"), validation=VALIDATION[:4]),
+    accepts=frozenset({"palette"}),
 )
