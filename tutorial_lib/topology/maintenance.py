@@ -1,8 +1,8 @@
 """A map that mends itself: what traversals say about its edges (LTVN, Graph Maintenance).
 
 Every change is an event, so that all of them can be listed, drawn, and undone. Ours, not the
-paper's: a limit to certainty, blame that is shared with the edge before, and the return of pruned
-edges.
+paper's: a limit to certainty, a look along an edge as evidence, blame that is shared with the edge
+before, and the return of pruned edges.
 """
 
 from __future__ import annotations
@@ -112,8 +112,8 @@ class MaintenanceRules:
         imagines: p(it is seen | not r), where the map is wrong and not the model.
         prune: R_p, the probability below which an edge is pruned after a failure.
         share_blame: whether the edge before shares the blame (ours).
-        returns: queries after which a pruned edge comes back, twice as many each time that it is
-            pruned again; 0 for never (ours).
+        returns: queries after which a pruned edge comes back that had worked before, twice as many
+            each time that it is pruned again; 0 for never (ours).
         returns_blocked: the same where something stood in the way, always as many (ours).
         expand: whether unused images are tried where no path is left.
         loosened: D_c times this for such images and for novel ones.
@@ -229,7 +229,7 @@ class Maintenance:
         self.query = 0
         self._pruned: dict[Edge, _Pruned] = {}
         self._times: defaultdict[Edge, int] = defaultdict(int)
-        self._driven: set[Edge] = set()
+        self._worked: set[Edge] = set()
 
     @property
     def pruned(self) -> dict[Edge, dict[str, Any]]:
@@ -256,9 +256,10 @@ class Maintenance:
         rules, before = self.rules, traversal.arrived_by
         edge = self.graph.edges[source, target]
         prior = _doubted(edge["probability"], traversal.success)
-        succeeds, deceives = rules.succeeds[traversal.kind], rules.deceives
         if traversal.looked:
             succeeds, deceives = rules.sees[traversal.kind], rules.imagines
+        else:
+            succeeds, deceives = rules.succeeds[traversal.kind], rules.deceives
         shared = rules.share_blame and before is not None and self.graph.has_edge(*before)
         if shared:
             at, exists = shared_bayes(
@@ -272,7 +273,7 @@ class Maintenance:
             exists = bayes(prior, succeeds, deceives, traversal.success)
         changed: dict[str, Any] = {"probability": _limited(exists, prior)}
         if traversal.success:
-            self._driven.add((source, target))
+            self._worked.add((source, target))
         if traversal.success and traversal.measured is not None:
             mean, variance = gaussian(
                 edge["length"], edge["variance"], traversal.measured, self.noise
@@ -292,9 +293,9 @@ class Maintenance:
     def prune_edge(self, edge: Edge, blocked: bool = False) -> None:
         """Take an edge out of the graph, until it returns."""
         rules, gone = self.rules, dict(self.graph.edges[edge])
-        wait = rules.returns_blocked if blocked else rules.returns * 2 ** self._times[edge]
-        if not blocked and edge not in self._driven:
-            wait = 0
+        wait = rules.returns * 2 ** self._times[edge] if edge in self._worked else 0
+        if blocked:
+            wait = rules.returns_blocked
         due = self.query + wait if wait else np.inf
         self._times[edge] += not blocked
         self._pruned[edge] = _Pruned(gone, due, blocked)
