@@ -69,7 +69,7 @@ class Settings:
     """
 
     agents: tuple[str, ...] = AGENTS
-    queries: int = 50
+    queries: int = 30
     block: int = 10
     fleet: int = 5
 
@@ -247,7 +247,7 @@ QUICK = Settings(queries=20)
 EXPERIMENT = Experiment(
     "ltvn_change",
     run,
-    tuple(range(20_002, 20_026, 3)),
+    tuple(range(20_002, 20_020, 3)),
     tuple(range(20_002, 20_008, 3)),
     settings=Settings(),
     quick_settings=QUICK,

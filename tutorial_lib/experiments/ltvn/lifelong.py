@@ -84,14 +84,14 @@ class Settings:
         *(("ving", NETWORK), ("sptm", NETWORK), ("meng", NETWORK), ("oracle", ORACLE)),
     )
     lasting: tuple[tuple[str, str], ...] = ((MENDING, NETWORK), (FROZEN, NETWORK))
-    queries: int = 500
-    brief: int = 100
+    queries: int = 200
+    brief: int = 50
     block: int = 50
     fleet: int = 25
 
 
 _PARTS = tuple((name, NETWORK) for name in VARIANTS)
-ABLATED = Settings(agents=_PARTS, lasting=_PARTS, queries=150)
+ABLATED = Settings(agents=_PARTS, lasting=_PARTS, queries=100)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,7 +245,7 @@ def _rows(key: dict[str, Any], parts: list[Lived], worlds: list[int], settings: 
 def _notes(by: dict[Any, Lived], options: Options, settings: Settings) -> list[str]:
     """Paired differences of LTVN's agent from the others, early and late."""
     notes = []
-    half = min(100, settings.queries // 2)
+    half = min(settings.brief, settings.queries // 2)
     for family, worlds in families(options.worlds).items():
         for name, perception in settings.agents:
             if name == MENDING or (MENDING, perception) not in settings.agents:

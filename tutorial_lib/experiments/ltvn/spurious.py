@@ -57,7 +57,7 @@ class Settings:
 
     shares: tuple[float, ...] = (0.2,)
     perceptions: tuple[str, ...] = (NETWORK,)
-    queries: int = 300
+    queries: int = 250
     block: int = 50
     fleet: int = 25
 
