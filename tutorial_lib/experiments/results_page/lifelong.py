@@ -128,8 +128,8 @@ def _lifelong_section(results: Results) -> list[str]:
     return [
         f"Each of {results.worlds('ltvn_lifelong')} test buildings is toured once; all agents get "
         f"the same queries, and fleets of 25 robots use and mend one map. *Oracle* perception has "
-        f"the true label and waypoint in place of the network. Agents whose maps do not change have "
-        f"only the first queries, as the column says.",
+        f"the true label and waypoint in place of the network. Agents whose maps do not change "
+        f"have only the first queries, as the column says.",
         table(
             [
                 *("agent", "perception", "worlds", f"first {count} queries", "queries"),
