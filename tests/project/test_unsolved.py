@@ -58,7 +58,7 @@ def test_each_prints_what_it_prints_alone(rest, again):
 
 def test_what_only_the_solution_defines_is_missing_without_it():
     solved = cells_of(f"helper = 1\n{EXERCISE}", ["print(helper)"])
-    cells, first, second = both(solved, cells_of(STUB, ["print(helper)"]))
+    cells, _, second = both(solved, cells_of(STUB, ["print(helper)"]))
     run(cells[: second[-1]])
     with pytest.raises(NameError):
         run(cells)
