@@ -356,10 +356,10 @@ rollout_labels = check_rollout_labels.use(rollout_labels)
 # many collide?
 
 # %% hidden=true
-# Draw pairs in four buildings, drive, and label the rollouts
+# Draw pairs in four buildings, and drive
 SEEDS = {"apartment": 10_036, "office": 10_037, "maze": 10_038, "ring of corridors": 10_039}
-buildings = {}
-lines = []
+TRAIN, CALIBRATE, TEST = ["apartment", "maze"], ["ring of corridors"], ["office"]
+driven = {}
 for i, (name, seed) in enumerate(tqdm(SEEDS.items(), "buildings")):
     world = recorded
     if local_world(seed) != HOME:
@@ -371,21 +371,27 @@ for i, (name, seed) in enumerate(tqdm(SEEDS.items(), "buildings")):
     rollouts, touched = roll_out(world, drawn, visual_policy)
     goals = world.poses[drawn.targets]
     gaps = np.linalg.norm(rollouts.poses[:, :, :2] - goals[:, :2], axis=2)
-    labels = rollout_labels(STEP * np.arange(len(gaps)), gaps, touched, drawn.geodesic)
-    logits = all_logits(reachability, world, drawn.starts, drawn.targets)
-    buildings[name] = {
+    driven[name] = {
         "recorded": world,
         "paths": geodesics,
         "pairs": drawn,
         "rollouts": rollouts,
+        "touched": touched,
         "goals": goals,
         "gaps": gaps,
-        "labels": labels,
-        "logits": logits,
+        "logits": all_logits(reachability, world, drawn.starts, drawn.targets),
     }
+
+# %% hidden=true
+# Label the rollouts
+buildings, lines = {}, []
+for name, building in driven.items():
+    gaps, touched, drawn = building["gaps"], building["touched"], building["pairs"]
+    labels = rollout_labels(STEP * np.arange(len(gaps)), gaps, touched, drawn.geodesic)
+    buildings[name] = building | {"labels": labels}
     crashed = (labels == 0) & touched.any(axis=0)
     late = 1 - labels.mean() - crashed.mean()
-    agree = np.mean(labels == rollouts.reached)
+    agree = np.mean(labels == building["rollouts"].reached)
     lines.append([name, len(labels), labels.mean(), late, crashed.mean(), agree])
 headings = {"building": "", "pairs": "d", "arrive": ".0%", "do not in time": ".0%"}
 table({**headings, "collide": ".0%", "the library agrees on": ".0%"}, lines)
@@ -518,14 +524,13 @@ def pooled(names, key):
 
 def frozen_features(name):
     """The features of the encoder of C_WP for every pair of a building, (N, features)."""
-    world, drawn = buildings[name]["recorded"], buildings[name]["pairs"]
+    world, drawn = driven[name]["recorded"], driven[name]["pairs"]
     current = waypoints.encode(Simulation(world.scene, drawn.starts).observe())
     targets = encoded(waypoints, world, drawn.targets).encoded
     with torch.no_grad():
         return waypoints.network.encoder.compare(current, targets).flatten(1)
 
 
-TRAIN, CALIBRATE, TEST = ["apartment", "maze"], ["ring of corridors"], ["office"]
 features = {name: frozen_features(name) for name in SEEDS}
 x = torch.cat([features[name] for name in TRAIN])
 y = torch.from_numpy(pooled(TRAIN, "labels")).float()
@@ -790,13 +795,12 @@ mine_pairs = check_mine_pairs.use(mine_pairs)
 # %% [markdown]
 # Now the pool of the apartment and the maze, your training set of it, and a second quick network, trained on it from the same initial weights (about 6 s). Both networks are then queried for all pairs of 45 frames of the *office*, which neither has seen. **Predict:** how many far, occluded pairs of the office will each be sure of? And will the second be worse on the 150 ordinary pairs of the office?
 
+
 # %% hidden=true
-# Query the quick network for all pairs of 45 frames in three buildings, mine, and train again
-
-
+# Take all pairs of 45 frames in three buildings, and their features
 def all_pairs(name, count=45):
     """All pairs of some frames of a building, with their features."""
-    world, paths_there = buildings[name]["recorded"], buildings[name]["paths"]
+    world, paths_there = driven[name]["recorded"], driven[name]["paths"]
     chosen = np.linspace(0, len(world.poses) - 1, count).round().astype(int)
     here, there = (grid.ravel() for grid in np.meshgrid(chosen, chosen, indexing="ij"))
     here, there = here[here != there], there[here != there]
@@ -811,13 +815,17 @@ def all_pairs(name, count=45):
     return pairs, features, here
 
 
+queried = {name: all_pairs(name) for name in tqdm((*TRAIN, *TEST), "buildings")}
+
+
+# %% hidden=true
+# Query the quick network for these pairs, mine, and train again
 def quick_logits(network, features):
     """The logits of a quick network, (N,)."""
     with torch.no_grad():
         return network(features)[:, 0].double().numpy()
 
 
-queried = {name: all_pairs(name) for name in tqdm((*TRAIN, *TEST), "buildings")}
 pool = torch.cat([x, *(queried[name][1] for name in TRAIN)])
 easy = len(x)
 sizes = [easy, *(len(queried[name][0]) for name in TRAIN)]
@@ -839,7 +847,7 @@ def roll_out_pool(pairs):
         mine = building_of[pairs] == i
         if mine.any():
             chosen = queried[name][0].subset(within[pairs[mine]])
-            rollouts, _ = roll_out(buildings[name]["recorded"], chosen, visual_policy)
+            rollouts, _ = roll_out(driven[name]["recorded"], chosen, visual_policy)
             found[mine] = rollouts.reached
     if len(pairs):
         print(f"{len(pairs)} confident pairs rolled out, {found.mean():.0%} arrive")

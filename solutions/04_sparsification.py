@@ -175,8 +175,8 @@ show(side_by_side(tables, ["threshold 0.6", "threshold 0.96"], gap=30))
 # Now the trajectory of the first figure, with the shipped estimator for $k = 2$. From each frame it is evaluated on the next 60 frames, which cover 4 m and more; frames beyond count as 0.
 
 # %% hidden=true
-# Query RE from each frame to the next 60, and count anchors
-AHEAD = 60
+# Query RE from each frame to the next 60
+AHEAD, P_SPARSIFY = 60, 0.95
 
 
 def reach_ahead(guide, frames):
@@ -191,6 +191,9 @@ def reach_ahead(guide, frames):
 
 guide = Guide(recorded, "k2")
 reach = reach_ahead(guide, frames)
+
+# %% hidden=true
+# Count anchors
 counts = [(p, len(choose_anchors(reach, p))) for p in (0.9, 0.95, 0.97, 0.99)]
 lines = [[p, count, count / len(frames)] for p, count in counts]
 words = f"{len(frames)} frames"
@@ -249,11 +252,9 @@ sliders(
 # From every frame of the trajectory: how far ahead does the rule get at 0.95? With it, two properties of the place: the clearance to the nearest wall, and how much the car turns within the next metre.
 # **Predict:** where on the trajectory is the blue curve low?
 
+
 # %% hidden=true
 # Draw how far ahead the rule gets from every frame
-P_SPARSIFY = 0.95
-
-
 def farthest(reach, here, p):
     """The last frame that the rule reaches from frame `here`."""
     holds = reach[here, here + 1 :] > p
@@ -604,7 +605,8 @@ transition = check_transition.use(transition)
 # %% hidden=true
 # Drive to the same two numbers, and to the same place
 waypoint = np.array([1.0, 0.6])
-room = np.minimum(clearance, scene.clearance.at(to_world(poses, waypoint)))
+places = poses[:, :2], to_world(poses, waypoint)
+room = np.minimum(*map(scene.clearance.at, places))
 widest = poses[room.argmax()]
 simulation = Simulation(scene, np.tile(widest, (2, 1)), sensors=Sensors(camera=None))
 then, controller, tracks = simulation.observe().odometry, RMPController(), []
@@ -842,7 +844,7 @@ show(stacked(strips, CASES[1:], gap=4))
 
 
 # %% hidden=true
-# Follow all trajectories in four ways
+# Follow all trajectories at random, by the library, and by an oracle
 ends = np.array([(path[0], path[-1]) for path in kept])
 lengths = recorded.arc[ends[:, 1]] - recorded.arc[ends[:, 0]]
 
@@ -885,16 +887,19 @@ def random_waypoint(poses, _):
     return rng.uniform([-1.0, -1.5], [3.0, 1.5], size=(len(poses), 2))
 
 
-four_ways = {
-    "random": lambda: (roll_out_blind(random_waypoint),),
-    "yours": lambda: follow(guide, anchor_paths(guide, kept), recorded.poses[ends[:, 0]]),
-    "library": lambda: guide.follow(kept),
-    "oracle": lambda: (roll_out_blind(oracle),),
+random_track = roll_out_blind(random_waypoint)
+metres, library_track, record = guide.follow(kept)
+oracle_track = roll_out_blind(oracle)
+
+# %% hidden=true
+# Follow them with your functions
+your_track, your_states = follow(guide, anchor_paths(guide, kept), recorded.poses[ends[:, 0]])
+results = {
+    "random": random_track,
+    "yours": your_track,
+    "library": library_track,
+    "oracle": oracle_track,
 }
-driven = {name: drive() for name, drive in tqdm(four_ways.items(), "ways to drive")}
-your_track, your_states = driven["yours"]
-metres, library_track, record = driven["library"]
-results = {name: found[name == "library"] for name, found in driven.items()}
 lines = [[name, metres_of(t).sum() / lengths.sum()] for name, t in results.items()]
 table({"": "", "cover rate": ".1%"}, lines)
 

@@ -491,7 +491,7 @@ track = check_track.use(track)
 # **Predict:** the car starts in a room with a twin. When will it know in which one? How long after the kidnapping will it notice, and how long until it knows where it is? (About 8 s.)
 
 # %% hidden=true
-# A drive that is cut and goes on elsewhere, its likelihoods, and the belief along it
+# A drive that is cut and goes on elsewhere, and its likelihoods
 topomap = maps["sequences"]
 alive, places = topomap.alive, vertex_poses(building, topomap)
 trials = draw_ambiguous_trials(office, 12, np.random.default_rng(1))
@@ -527,6 +527,9 @@ def look(step):
 
 
 model = motion_model(topomap)
+
+# %% hidden=true
+# The belief along the drive
 beliefs, vertices = track(wheels, look, model.lengths, model.onward, rules)
 track_poses = places[alive]
 

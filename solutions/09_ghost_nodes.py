@@ -637,19 +637,9 @@ explore = check_explore.use(explore)
 #
 # **Predict:** order the five by SPL. (About 10 s.)
 
+
 # %% hidden=true
-# Your loop and four others on the same hard episodes
-results, runs = {}, []
-for number in tqdm(range(EPISODES), "episodes", leave=False):
-    one = fresh(hard[[number]])
-    robot = CalledRobot(one, model)
-    _, graph, ghosts = explore(robot)
-    runs.append((one, robot, graph, ghosts))
-results["your loop"] = tuple(
-    np.array([getattr(one, what)[0] for one, *_ in runs]) for what in ("success", "travelled")
-)
-
-
+# Four agents on the same hard episodes
 def all_at_once(agent_of, episodes=hard, scenes=None):
     """Success and metres of an agent, all its episodes in lock-step; and the task."""
     many = fresh(episodes, scenes)
@@ -664,6 +654,18 @@ others = {
     "oracle": OracleExplorer,
 }
 tasks = {name: all_at_once(agent_of) for name, agent_of in others.items()}
+
+# %% hidden=true
+# Your loop beside them
+results, runs = {}, []
+for number in tqdm(range(EPISODES), "episodes", leave=False):
+    one = fresh(hard[[number]])
+    robot = CalledRobot(one, model)
+    _, graph, ghosts = explore(robot)
+    runs.append((one, robot, graph, ghosts))
+results["your loop"] = tuple(
+    np.array([getattr(one, what)[0] for one, *_ in runs]) for what in ("success", "travelled")
+)
 results |= {name: (many.success, many.travelled) for name, many in tasks.items()}
 names = ("random walk", "frontier exploration", "your loop", "the library's agent", "oracle")
 rows = [
@@ -959,13 +961,19 @@ table(head, rows)
 # **Predict:** which of these can happen to a robot that explores with ghosts? (a) It passes the goal and does not see it. (b) It stops at a wrong place. (c) It runs out of ghosts while half of the building is unexplored. (d) It runs out of steps. (About 10 s.)
 
 # %% hidden=true
-# A gallery: your loop and the library's agent on hard episodes of two more buildings
-gallery, tried, kinds = [], {"your loop": 0, "the library's": 0}, []
+# The library's agent on hard episodes of two more buildings
+elsewhere = []
 for seed, signs in tqdm(((10_003, "plain"), (10_005, "wayfinding")), "buildings", leave=False):
     name = exploration_world(seed, signs)
     scene = scene_of(name)
     some = draw_episodes(name, scene, {"hard": 8}, np.random.default_rng(seed))
     many = all_at_once(others["the library's agent"], some, {name: scene})
+    elsewhere.append((name, scene, some, many))
+
+# %% hidden=true
+# A gallery: your loop and the library's agent
+gallery, tried, kinds = [], {"your loop": 0, "the library's": 0}, []
+for name, scene, some, many in tqdm(elsewhere, "buildings", leave=False):
     ends = [("the library's", many, i) for i in range(len(some))]
     for i in range(len(some)):
         one = fresh(some[[i]], {name: scene})

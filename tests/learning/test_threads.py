@@ -5,37 +5,46 @@ import sys
 import pytest
 
 LOADED = "from tutorial_lib.learning import WaypointNetwork; WaypointNetwork('waypoint_k2')"
-SHOWN = "import torch; print(torch.get_num_threads())"
+SHOWN = "import torch; print(torch.get_num_threads(), flush=True)"
 OURS = ("OMP_NUM_THREADS", "MKL_NUM_THREADS")
+EACH = """
+import os, sys
+import cv2, networkx, numba, scipy.spatial, torch  # what takes long, once for all
+for code in sys.argv[1:]:
+    child = os.fork()
+    if not child:
+        exec(code)
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+"""
 
 
-def threads(*statements, **environment):
-    """What torch says in a process of its own after these statements."""
+def run(*arguments, **environment):
+    """The numbers that a process of its own prints."""
     clean = {name: value for name, value in os.environ.items() if name not in OURS}
-    code = "\n".join((*statements, SHOWN))
-    run = [sys.executable, "-c", code]
-    found = subprocess.run(run, env=clean | environment, capture_output=True, text=True, check=True)
-    return int(found.stdout)
-
-
-def test_the_first_network_sets_one_thread():
-    assert threads("import torch", LOADED) == 1
+    call = [sys.executable, "-c", *arguments]
+    found = subprocess.run(
+        call, env=clean | environment, capture_output=True, text=True, check=True
+    )
+    return [int(number) for number in found.stdout.split()]
 
 
 @pytest.mark.parametrize("name", OURS)
 def test_the_environment_decides(name):
-    assert threads(LOADED, **{name: "2"}) == 2
+    assert run(f"{LOADED}; {SHOWN}", **{name: "2"}) == [2]
 
 
-def test_a_number_set_before_stays_and_one_set_later_too():
-    told = "import torch; torch.set_num_threads(3)"
-    assert threads(told, LOADED) == 3
-    assert threads("from tutorial_lib.learning import WaypointNetwork", told, LOADED) == 3
-    usual = threads()
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="a process of its own for each takes long")
+def test_the_first_network_sets_one_thread_unless_a_number_is_set_before_or_later():
+    (usual,) = run(SHOWN)
+    imported = "from tutorial_lib.learning import WaypointNetwork, use_threads"
+    expected = {
+        LOADED: 1,
+        f"torch.set_num_threads(3); {LOADED}": 3,
+        f"{imported}; torch.set_num_threads(3); {LOADED}": 3,
+        f"{imported}; use_threads(3); {LOADED}": 3,
+    }
     if sys.platform == "linux" and os.uname().machine == "x86_64":  # where MKL knows
-        assert threads(f"import torch; torch.set_num_threads({usual})", LOADED) == usual
-
-
-def test_use_threads_stays_whatever_comes():
-    told = "from tutorial_lib.learning import use_threads; use_threads(3)"
-    assert threads(told, LOADED) == 3
+        expected[f"torch.set_num_threads({usual}); {LOADED}"] = usual
+    codes = [f"{code}; {SHOWN}" for code in expected]
+    assert dict(zip(expected, run(EACH, *codes), strict=True)) == expected

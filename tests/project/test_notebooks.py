@@ -6,14 +6,14 @@ from pathlib import Path
 import nbformat
 import pytest
 from nbformat import NotebookNode
-from nbformat.v4 import new_code_cell, new_notebook
+from nbformat.v4 import new_notebook
 
 from tests.project.printed import differences, printed
+from tests.project.unsolved import both
 from tutorial_lib.builder import LARGEST, execute, for_students, read, to_text, unmarked
 
 PROJECT = Path(__file__).parents[2]
 SOURCES = sorted(PROJECT.glob("solutions/*.py"))
-EMPTY = new_code_cell("%reset -f")
 each_source = pytest.mark.parametrize("source", SOURCES, ids=lambda source: source.stem)
 
 
@@ -66,21 +66,22 @@ def test_the_solved_notebook_can_be_read_where_it_is_hosted(source):
 
 @each_source
 def test_it_runs_from_top_to_bottom_unsolved_and_solved(source):
-    """One after the other, each from an empty namespace; the kernel imports the library once.
+    """In one kernel, which imports the library and runs what both have in common once.
 
     What the solved one prints is what is stored, and so what its text speaks of.
     """
-    versions = {"not attempted": for_students(solved(source)), "passed": solved(source)}
-    cells = [cell for notebook in versions.values() for cell in (EMPTY, *notebook.cells)]
-    both = new_notebook(cells=[NotebookNode(cell, id=f"cell-{i}") for i, cell in enumerate(cells)])
-    execute(both, PROJECT / "notebooks")
-    middle = len(versions["not attempted"].cells) + 1
-    for expected, part in zip(versions, (both.cells[:middle], both.cells[middle:]), strict=True):
-        said, names = texts(part), exercises(versions[expected].cells)
+    notebook = solved(source)
+    students = for_students(notebook)
+    cells, first, second = both(notebook.cells, students.cells)
+    run = new_notebook(cells=[NotebookNode(cell, id=f"cell-{i}") for i, cell in enumerate(cells)])
+    execute(run, PROJECT / "notebooks")
+    names = exercises(students.cells)
+    for expected, part in (("passed", first), ("not attempted", second)):
+        said = texts(run.cells[i] for i in part)
         assert re.findall(r"^(\w+): (?:passed|failed|not attempted)", said, re.MULTILINE) == names
         assert said.count(f": {expected}.") == len(names)
     stored = nbformat.read(source.with_suffix(".ipynb"), as_version=4)
-    for before, now in zip(stored.cells, both.cells[middle + 1 :], strict=True):
+    for before, now in zip(stored.cells, (run.cells[i] for i in first), strict=True):
         assert not differences(printed(before), printed(now)), before.source
 
 
