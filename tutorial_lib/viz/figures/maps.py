@@ -28,11 +28,17 @@ def map_view(
         poses: (V, 3) at which they were recorded.
         bounds: x0, y0, x1, y1 of the part that is shown; all unless given.
     """
+    view = pale_view(scene, bounds)
+    draw_topomap(view, view.base, topomap, poses)
+    return view
+
+
+def pale_view(scene: Scene, bounds: ArrayLike | None = None) -> PlanView:
+    """The plan made pale, so that a map on it stands out; its walls stay dark."""
     view = PlanView(scene, bounds=bounds)
     view.base = faded(view.base, _FADED)
     for wall in scene.plan.walls:
         view.polyline(view.base, wall.reshape(2, 2), colours.SOLID, 1)
-    draw_topomap(view, view.base, topomap, poses)
     return view
 
 
