@@ -79,7 +79,8 @@ def run(options: argparse.Namespace) -> int:
 def _refuse(options: argparse.Namespace, mode: str, names: Sequence[str]) -> None:
     """Refuse options that do not count with `--explore` or `--lifelong`."""
     for name in names:
-        if getattr(options, name) not in (None, False):
+        given = getattr(options, name)
+        if given is not None and given is not False:  # a seed of 0 is given, too
             raise InputError(f"--{name}: the demo cannot use it with --{mode}; leave it out")
 
 
