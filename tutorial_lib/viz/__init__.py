@@ -50,7 +50,7 @@ from tutorial_lib.viz.figures import (
     state_legend,
     state_ribbon,
 )
-from tutorial_lib.viz.notebook import TeleopController, play, show, sliders, table, teleop
+from tutorial_lib.viz.notebook import TeleopController, play, presses, show, sliders, table, teleop
 
 __all__ = [
     "Picture",
@@ -94,6 +94,7 @@ __all__ = [
     "outcome_legend",
     "pictured_pair",
     "play",
+    "presses",
     "probability_bar",
     "reach_table",
     "show",

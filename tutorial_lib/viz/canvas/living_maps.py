@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from tutorial_lib.validation import instance, number
 from tutorial_lib.viz.canvas import colours
-from tutorial_lib.viz.canvas.given import places_of
+from tutorial_lib.viz.canvas.given import pairs_of, places_of
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
 from tutorial_lib.viz.canvas.topomaps import draw_edges
 from tutorial_lib.world.materials import Colour
@@ -57,12 +57,13 @@ def draw_living_map(
     poses = places_of("poses", poses, ("V", 3))
     shades = defaultdict(list)
     for source, target, probability in graph.edges(data="probability"):
-        shades[round(probability * _STEPS)].append((source, target))
+        share = number("graph: probability", probability, least=0.0, most=1.0)
+        shades[round(share * _STEPS)].append((source, target))
     for shade in sorted(shades, reverse=True):  # what is doubted lies on top
         share = shade / _STEPS
         width = _SURE if share > 0.5 else _DOUBTED
         draw_edges(view, picture, poses, shades[shade], belief_colour(share), width)
-    for source, target in pruned:
+    for source, target in pairs_of(pruned, len(poses), "poses"):
         for dash in _dashes(poses[source, :2], poses[target, :2]):
             view.polyline(picture, dash, colours.LASER, _PRUNED)
 

@@ -33,9 +33,12 @@ def map_view(
     return view
 
 
-def pale_view(scene: Scene, bounds: ArrayLike | None = None) -> PlanView:
-    """The plan made pale, so that a map on it stands out; its walls stay dark."""
-    view = PlanView(scene, bounds=bounds)
+def pale_view(scene: Scene, bounds: ArrayLike | None = None, side: int = 720) -> PlanView:
+    """The plan made pale, so that a map on it stands out, `side` x `side` pixels; walls stay dark.
+
+    `bounds` are those of `PlanView`.
+    """
+    view = PlanView(scene, side, side, bounds=bounds)
     view.base = faded(view.base, _FADED)
     for wall in scene.plan.walls:
         view.polyline(view.base, wall.reshape(2, 2), colours.SOLID, 1)
