@@ -233,7 +233,9 @@ def joined_map(
     made = SampledMap(pool, rules)
     most = len(pool) - 1
     chosen = integers(f"vertices of {len(pool)} images", vertices, ("V",), least=0, most=most)
-    pairs = integers("edges", edges, ("E", 2), least=0, most=most)
+    pairs = np.empty((0, 2), dtype=np.intp)
+    if len(edges):
+        pairs = integers("edges", edges, ("E", 2), least=0, most=most)
     if not np.isin(pairs, chosen).all():
         raise InputError("edges: one leads from or to an image that is no vertex; leave it out")
     made.graph.add_nodes_from(chosen.tolist())
