@@ -63,7 +63,7 @@ def draw_living_map(
         share = shade / _STEPS
         width = _SURE if share > 0.5 else _DOUBTED
         draw_edges(view, picture, poses, shades[shade], belief_colour(share), width)
-    for source, target in pairs_of(pruned, len(poses), "poses"):
+    for source, target in pairs_of(pruned, len(poses), "poses", "pruned"):
         for dash in _dashes(poses[source, :2], poses[target, :2]):
             view.polyline(picture, dash, colours.LASER, _PRUNED)
 
