@@ -614,7 +614,7 @@ print(f"the first that was pruned: edge {EVENT.edge}, in query {EVENT.query}")
 # **Predict:** you add an edge through a wall. How many failures will it survive?
 #
 # <details><summary>Answer</summary>
-# Two or three, if a robot tries it at all: nobody drives an edge that isn't on a shortest path. All 25 robots share the map, so what the first one learns spares the others. After a while the false edge comes back, on probation, and goes again at its first failure.
+# Two or three, if a robot tries it at all: nobody drives an edge that isn't on a shortest path. Where the laser sees the wall in the way, one is enough. All 25 robots share the map, so what the first one learns spares the others. Later the false edge comes back with little belief, and goes again at its first failure.
 # </details>
 
 # %% hidden=true

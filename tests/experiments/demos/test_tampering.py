@@ -61,7 +61,11 @@ def test_a_block_takes_the_next_queries_past_the_door_as_it_is(tampered, agent, 
     tampered.press(RUN)
     tampered.press(DOOR)
     assert "shut" in tampered.text
+    assert " of your" not in tampered.text
+    tampered.press(ADD)
     tampered.press(RUN)
+    left = int(agent.sampled.graph.has_edge(*tampered.added[0]))
+    assert tampered.text.endswith(f"; {left} of your 1 added ones are left.")
     tampered.press(DOOR)
     assert not tampered.shut
     x = tampered._queries.starts[:, 0].tolist()

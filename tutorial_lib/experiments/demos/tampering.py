@@ -36,13 +36,11 @@ class Block:
 
     Attributes:
         success: share of the queries that arrived.
-        seconds: on average.
         pruned: edges that were out of the map afterwards.
         shut: whether the door was.
     """
 
     success: float
-    seconds: float
     pruned: int
     shut: bool
 
@@ -111,7 +109,7 @@ class TamperedMap:
         self.text = doing[one_of("name", name, self.actions)]()
 
     def render(self) -> Picture:
-        """The map as it is now, beside the blocks so far."""
+        """The map as it is now, beside the blocks so far, if there are any."""
         view, upkeep = self._view, self._agent.upkeep
         picture = view.base.copy()
         draw_living_map(view, picture, self._poses, upkeep.graph, upkeep.pruned)
@@ -127,8 +125,10 @@ class TamperedMap:
             for source, target in edges:
                 for vertex in (source, target):
                     view.ring(picture, self._poses[vertex, :2], 0.3, tone)
-        titles = ["grey: sure; vermilion: doubted; dashed: pruned", "each block of 25 queries"]
-        return side_by_side([picture, self._chart()], titles)
+        parts = {"grey: sure; vermilion: doubted; dashed: pruned": picture}
+        if self.blocks:
+            parts[f"each block of {BLOCK} queries"] = self._chart()
+        return side_by_side([*parts.values()], [*parts])
 
     def _run(self) -> str:
         upkeep, done = self._agent.upkeep, len(self.blocks) * BLOCK
@@ -142,15 +142,14 @@ class TamperedMap:
             self._first + done,
             people,
         )
-        success, seconds = float(found.success.mean()), float(found.seconds.mean())
-        self.blocks.append(Block(success, seconds, len(upkeep.pruned), self.shut))
-        left = [edge for edge in self.added if upkeep.graph.has_edge(*edge)]
-        back = [edge for edge in self.cut if upkeep.graph.has_edge(*edge)]
+        self.blocks.append(Block(float(found.success.mean()), len(upkeep.pruned), self.shut))
+        yours = ""
+        for edges, words in ((self.cut, "cut edges are back"), (self.added, "added ones are left")):
+            here = sum(upkeep.graph.has_edge(*edge) for edge in edges)
+            yours += f"; {here} of your {len(edges)} {words}" if edges else ""
         return (
-            f"{found.success.sum()} of {BLOCK} arrive, {seconds:.0f} s on average; "
-            f"{upkeep.graph.number_of_edges()} edges, {len(upkeep.pruned)} pruned; "
-            f"of yours, {len(back)} of {len(self.cut)} cut edges are back, "
-            f"{len(left)} of {len(self.added)} added ones left."
+            f"{found.success.sum()} of {BLOCK} arrive, {found.seconds.mean():.0f} s on average; "
+            f"{upkeep.graph.number_of_edges()} edges, {len(upkeep.pruned)} pruned{yours}."
         )
 
     def _turn_door(self) -> str:
@@ -192,7 +191,11 @@ class TamperedMap:
         axes.plot(numbers, success, color=colours.unit(colours.ROBOT), marker="o", label="arrive")
         pruned = [block.pruned / 100 for block in self.blocks]
         axes.plot(
-            numbers, pruned, color=colours.unit(colours.LASER), marker="s", label="pruned, hundreds"
+            numbers,
+            pruned,
+            color=colours.unit(colours.LASER),
+            marker="s",
+            label="edges pruned, hundreds",
         )
         for before, (number, block) in zip(
             [self._first, *numbers], zip(numbers, self.blocks, strict=True), strict=False
