@@ -112,3 +112,49 @@ def test_on_a_terminal_progress_is_a_bar(monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     assert list(parallel.progress(range(3), 3, "worlds")) == [0, 1, 2]
     assert "worlds: 100%" in capsys.readouterr().err
+
+
+def noted(number, folder):
+    """Say that it was done, and fail at 3 as long as there is a stone in the way."""
+    with (folder / "done").open("a") as done:
+        done.write(f"{number} ")
+    if number == 3 and (folder / "stone").exists():
+        raise RuntimeError("stone")
+    return number * number
+
+
+def test_what_was_finished_before_a_failure_is_not_done_again(tmp_path):
+    (tmp_path / "stone").touch()
+    kept = tmp_path / "kept"
+
+    def attempt():
+        with parallel.resumable(kept):
+            return for_each(noted, range(5), tmp_path, label="squares", jobs=1)
+
+    with pytest.raises(RuntimeError, match="stone"):
+        attempt()
+    before = len(list(kept.glob("*.pkl")))
+    assert before == 3
+    (tmp_path / "stone").unlink()
+    (tmp_path / "done").unlink()
+    assert attempt() == [0, 1, 4, 9, 16]
+    assert (tmp_path / "done").read_text() == "3 4 "
+    assert not kept.exists()
+    (tmp_path / "done").unlink()
+    assert attempt() == [0, 1, 4, 9, 16]
+    assert (tmp_path / "done").read_text() == "0 1 2 3 4 "
+
+
+def test_other_arguments_are_other_work(tmp_path):
+    kept = tmp_path / "kept"
+    with parallel.resumable(kept):
+        one = for_each(square, range(3), 1, label="squares", jobs=1)
+        other = for_each(square, range(3), 2, label="squares", jobs=1)
+        assert (one, other) == ([1, 2, 5], [2, 3, 6])
+        assert len(list(kept.glob("*.pkl"))) == 6
+
+
+def test_where_nothing_can_be_kept_the_work_is_done_all_the_same(tmp_path):
+    (tmp_path / "file").touch()
+    with parallel.resumable(tmp_path / "file" / "kept"):
+        assert for_each(square, range(3), 1, label="squares", jobs=1) == [1, 2, 5]

@@ -1,24 +1,66 @@
-"""The same work on many worlds, on all cores."""
+"""The same work on many worlds, on all cores; what is done survives when the rest is killed."""
 
 from __future__ import annotations
 
+import shutil
 import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import partial
+from pathlib import Path
 from typing import Any
 
+import joblib
 from joblib import Parallel, delayed
 from tqdm.auto import tqdm
 
 from tutorial_lib.errors import InputError
+from tutorial_lib.files import atomic_path, make_folder
 from tutorial_lib.validation import instance, whole
 
 LINE_INTERVAL = 10.0
 """Seconds from one line of progress in a log file to the next, at least."""
 MOST_JOBS = 1_024
 """Processes; more are a mistake."""
+_folder: ContextVar[Path | None] = ContextVar("folder", default=None)
+"""Where finished pieces of work are kept, see `resumable`."""
+
+
+@contextmanager
+def resumable(folder: Path) -> Iterator[None]:
+    """Keep each finished piece of work of `for_each` in a folder until all of it is done.
+
+    Where the block was killed or failed, the same block finds again what was finished. The folder's
+    name must tell what the pieces depend on besides their items and arguments. Where it cannot be
+    made, nothing is kept.
+    """
+    try:
+        make_folder(folder)
+    except OSError:
+        yield
+        return
+    token = _folder.set(folder)
+    try:
+        yield
+    finally:
+        _folder.reset(token)
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def _kept(folder: Path, work: Callable[..., Any], item: object, *arguments: object) -> Any:  # noqa: ANN401
+    """What `work(item, *arguments)` returns, from the folder if it was finished before."""
+    path = folder / f"{joblib.hash((work, item, arguments))}.pkl"
+    if path.exists():
+        return joblib.load(path)
+    found = work(item, *arguments)
+    folder.mkdir(parents=True, exist_ok=True)  # the same run may have ended beside this one
+    with atomic_path(path) as temporary:
+        joblib.dump(found, temporary)
+    return found
 
 
 def for_each(
@@ -54,6 +96,9 @@ def for_each(
     jobs, items = whole("jobs", jobs, least=-MOST_JOBS, most=MOST_JOBS), list(items)
     if not jobs:
         raise InputError("jobs: 0; give the number of processes, or -1 for as many as cores")
+    folder = _folder.get()
+    if folder is not None:
+        work = partial(_kept, folder, work)
     run_all = Parallel(n_jobs=jobs, return_as="generator")
     with warnings.catch_warnings():
         # That is intended, and the piece of work that waits is given to the next worker. One that

@@ -166,6 +166,7 @@ WITHOUT = dict.fromkeys(
         *("choose_places", "draw_ambiguous_trials", "draw_return", "explored"),
         *("farthest", "learned_from", "make_office", "navigate_once"),
         *("deep_experiences", "image_poses", "run_fleet", "run_queries"),
+        *("MapScore", "TamperedMap", "score_map"),
         "place_people",
     ),
     RUN,

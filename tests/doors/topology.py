@@ -494,7 +494,8 @@ DOORS = {
 }
 LEARNED = "a part of LTVN's agent, which makes it of what its model predicts"
 WITHOUT = dict.fromkeys(
-    ("ImagePool", "Maintenance", "SampledMap", "Traversal", "build", "undone"), LEARNED
+    ("ImagePool", "Maintenance", "SampledMap", "Traversal", "build", "joined_map", "undone"),
+    LEARNED,
 )
 
 

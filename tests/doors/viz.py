@@ -2,6 +2,7 @@
 
 from functools import cache
 
+import networkx as nx
 import numpy as np
 
 from tests.conftest import make_box
@@ -35,6 +36,18 @@ SIZE = {"least": 0, "most": 16_384}
 GRAPH = {"here": {"A": 0.9}, "A": {"goal": 0.8}, "goal": {}}
 ROW = {"method": "meng", "context": 5, "sparsity": 0.1, "stored": 0.2, "threshold": 0.9}
 ROW |= {"cover_rate": 0.9, "low": 0.8, "high": 0.95}
+
+
+class Pressed:
+    """What `presses` wants."""
+
+    actions, text = ("on", "off"), "it is off"
+
+    def press(self, name):
+        self.text = f"it is {name}"
+
+    def render(self):
+        return np.zeros((8, 9, 3), np.uint8)
 
 
 @cache
@@ -179,6 +192,12 @@ CANVAS = {
         colour=colour(),
         width=line(),
         heads=flag(True),
+    ),
+    "draw_living_map": lambda: on(
+        viz.draw_living_map,
+        poses=poses("V", refuses="shorter V, empty"),
+        graph=a(nx.DiGraph([(0, 1, {"probability": 0.9})])),
+        pruned=integers([(1, 2)], ("E", 2), least=0, most=2),
     ),
     "draw_field_of_view": lambda: on(
         viz.draw_field_of_view,
@@ -447,6 +466,7 @@ NOTEBOOK = {
         count=whole(4, least=1),
         alt=text("a film"),
     ),
+    "presses": lambda: call(viz.presses, anything, controller=a(Pressed())),
     "show": lambda: call(viz.show, shown, picture=picture(8, 9), alt=text("a picture")),
     "sliders": lambda: call(
         viz.sliders,

@@ -12,7 +12,8 @@ LAYERS = (
     ("array_forms", "se2"),
     ("validation",),
     ("observation",),
-    ("geometry", "interfaces", "files", "memory", "reading", "parallel", "course"),
+    ("geometry", "interfaces", "files", "memory", "reading", "course"),
+    ("parallel",),
     ("world",),
     ("driving",),
     ("exploration",),  # below learning, which trains on its labels and drives in its task
@@ -193,7 +194,7 @@ def test_the_library_s_root_imports_nothing():
         ({"agents.x": "import cv2"}, "draws"),
         ({"learning.x": "from IPython.display import display"}, "draws"),
         ({"world.x": "from .y import z", "world.y": "from tutorial_lib.world import x"}, "cycle"),
-        ({"parallel": "from tutorial_lib.files import write_text", "files": ""}, "not below"),
+        ({"memory": "from tutorial_lib.files import write_text", "files": ""}, "not below"),
         ({"world": "from .x import y", "world.x": "from tutorial_lib.world import z"}, "own pack"),
         ({"viz.canvas.x": "from .. import show", "viz": "", "viz.canvas": ""}, "own package"),
         ({"viz.canvas.x": "from tutorial_lib.viz.canvas import Y", "viz.canvas": ""}, "own pack"),

@@ -1,8 +1,12 @@
-"""Navigates or explores once, on film. What it needs is imported after its first word."""
+"""Navigates, explores, or lives through many queries, on film.
+
+What it needs is imported after its first word.
+"""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,6 +24,10 @@ FAMILY = "apartment"
 EXPLORED = 2
 """Seed of the usual exploration: from a bedroom over a corridor into the living room, past several
 ghosts of which it chooses some; with seed 0 it would be one straight corridor."""
+LIFELONG_REFUSES = (
+    *("map", "region", "family", "seed", "start", "goal", "oracle", "learn", "explore"),
+)
+"""Options that do not count beside `--lifelong`, whose building and trip are always the same."""
 _PLACE = "x,y,heading in metres and radians, or a room's name"
 
 
@@ -48,10 +56,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="look for the goal in a place never seen, without a map; generated plans have seeds "
         "from 10000 on, in which no network learned",
     )
+    parser.add_argument(
+        "--lifelong",
+        action="store_true",
+        help="film the first, the tenth and the hundredth query on a map that mends itself, in an "
+        "office where a door is shut and opened again",
+    )
 
 
 def run(options: argparse.Namespace) -> int:
     """Run the demo, and say all the time what is being done."""
+    if options.lifelong:
+        return 0 if _live(options) else MISSED
     if options.region is not None and options.map is None:
         raise InputError("--region: is that of a map's file; give --map, or leave it out")
     if options.map is not None and options.family is not None:
@@ -60,11 +76,32 @@ def run(options: argparse.Namespace) -> int:
     return 0 if reached else MISSED
 
 
+def _refuse(options: argparse.Namespace, mode: str, names: Sequence[str]) -> None:
+    """Refuse options that do not count with `--explore` or `--lifelong`."""
+    for name in names:
+        given = getattr(options, name)
+        if given is not None and given is not False:  # a seed of 0 is given, too
+            raise InputError(f"--{name}: the demo cannot use it with --{mode}; leave it out")
+
+
+def _live(options: argparse.Namespace) -> bool:
+    """A hundred queries on one map; whether the goal was reached in all that are filmed."""
+    _refuse(options, "lifelong", LIFELONG_REFUSES)
+    with Narrator() as say:
+        say("importing the library")
+        from tutorial_lib.experiments.demos.lifelong_demo import run_lifelong_demo
+
+        life = run_lifelong_demo(Path.cwd(), say=say)
+    print(f"{life.plan}, from {life.rooms[0]} to {life.rooms[1]}, three times:")
+    for line in life.story:
+        print(f"  {line}")
+    print(f"Look at {life.film} and {life.strip}; the figures are in demo.json.")
+    return life.reached
+
+
 def _explore(options: argparse.Namespace) -> bool:
     """Explore; whether the goal was found."""
-    for name in ("oracle", "learn"):
-        if getattr(options, name):
-            raise InputError(f"--{name}: the demo cannot use it with --explore; leave it out")
+    _refuse(options, "explore", ("oracle", "learn"))
     seed = EXPLORED if options.seed is None else options.seed
     with Narrator() as say:
         say("importing the library")

@@ -9,6 +9,7 @@ from tutorial_lib.experiments.protocols.lifelong import (
     image_poses,
     run_fleet,
     run_queries,
+    score_map,
 )
 from tutorial_lib.experiments.protocols.lookalikes import (
     Office,
@@ -58,6 +59,7 @@ __all__ = [
     "part_of",
     "run_fleet",
     "run_queries",
+    "score_map",
     "spread_places",
     "vertex_poses",
 ]

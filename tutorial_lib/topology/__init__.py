@@ -20,7 +20,12 @@ from tutorial_lib.topology.mapping.export import export_geojson, export_graphml
 from tutorial_lib.topology.mapping.image_pool import ImagePool, length
 from tutorial_lib.topology.mapping.insertion import add_trajectory
 from tutorial_lib.topology.mapping.retrieval import likeness, most_alike
-from tutorial_lib.topology.mapping.sampling_map import SampledMap, SamplingRules, build
+from tutorial_lib.topology.mapping.sampling_map import (
+    SampledMap,
+    SamplingRules,
+    build,
+    joined_map,
+)
 from tutorial_lib.topology.mapping.storage import load_map, save_map
 from tutorial_lib.topology.mapping.topomap import TopoMap
 from tutorial_lib.topology.motion_model import MotionModel, motion_model, moved
@@ -54,6 +59,7 @@ __all__ = [
     "export_geojson",
     "export_graphml",
     "gaussian",
+    "joined_map",
     "length",
     "likeness",
     "load_map",

@@ -10,6 +10,7 @@ from tutorial_lib.viz.canvas import (
     draw_edges,
     draw_field_of_view,
     draw_frames,
+    draw_living_map,
     draw_metrics,
     draw_outcome,
     draw_plan,
@@ -49,7 +50,7 @@ from tutorial_lib.viz.figures import (
     state_legend,
     state_ribbon,
 )
-from tutorial_lib.viz.notebook import TeleopController, play, show, sliders, table, teleop
+from tutorial_lib.viz.notebook import TeleopController, play, presses, show, sliders, table, teleop
 
 __all__ = [
     "Picture",
@@ -69,6 +70,7 @@ __all__ = [
     "draw_edges",
     "draw_field_of_view",
     "draw_frames",
+    "draw_living_map",
     "draw_metrics",
     "draw_outcome",
     "draw_plan",
@@ -92,6 +94,7 @@ __all__ = [
     "outcome_legend",
     "pictured_pair",
     "play",
+    "presses",
     "probability_bar",
     "reach_table",
     "show",

@@ -7,7 +7,7 @@ from tests.conftest import make_box
 from tests.viz.pictures import decoded
 from tutorial_lib.errors import InputError
 from tutorial_lib.viz.notebook.teleoperation import ACTIONS, TeleopController
-from tutorial_lib.viz.notebook.widgets import KEYS, sliders, teleop
+from tutorial_lib.viz.notebook.widgets import KEYS, presses, sliders, teleop
 from tutorial_lib.world.scene import Scene
 
 POSE = [5.0, 5.0, 0.0]
@@ -141,3 +141,30 @@ def test_the_static_strip_shows_the_low_the_present_and_the_high_value():
     seen.clear()
     panel._repr_mimebundle_()
     assert seen == [(0, 1), (7, 1), (10, 1)]
+
+
+class Switch:
+    actions = ("on", "off", "break")
+
+    def __init__(self):
+        self.text = "off"
+
+    def press(self, name):
+        if name == "break":
+            raise InputError("switch: broken")
+        self.text = name
+
+    def render(self):
+        return grey(8, 200 if self.text == "on" else 20)[0]
+
+
+def test_buttons_of_a_controller_press_it_and_say_what_goes_wrong():
+    panel = presses(Switch())
+    off = panel.picture.value
+    panel.buttons["on"].click()
+    assert panel.picture.value != off
+    assert ">on<" in panel.line.value
+    still = base64.b64decode(panel._repr_mimebundle_()["image/png"])
+    assert np.array_equal(decoded(still), decoded(panel.picture.value))
+    panel.buttons["break"].click()
+    assert "InputError: switch: broken" in panel.line.value

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
+import joblib
+
+from tutorial_lib.course import cache_folder
 from tutorial_lib.errors import InputError
 from tutorial_lib.experiments.common.report import ROUND, Options, Report, Rows
+from tutorial_lib.parallel import resumable
 
 STANDARD = "standard"
 """The palette unless another one is given."""
@@ -18,6 +26,16 @@ OPTIONAL = (
     "body",
 )
 """Options that only some experiments take."""
+
+
+@cache
+def library_hash() -> str:
+    """Of the library's source and the cards of its weights: whatever a run's rows depend on."""
+    library = Path(__file__).resolve().parents[2]
+    found = sha256()
+    for path in sorted([*library.rglob("*.py"), *library.glob("weights/*.json")]):
+        found.update(path.read_bytes())
+    return found.hexdigest()
 
 
 @dataclass(frozen=True)
@@ -64,7 +82,11 @@ class Experiment:
             worlds = options.worlds or self.quick_worlds or self.worlds
             settings = settings if self.quick_settings is None else self.quick_settings
         worlds, file = (worlds, "") if options.map is None else ((), options.map.name)
-        rows, notes = self.run(replace(options, worlds=worlds), settings)
+        asked = replace(options, worlds=worlds)
+        # What lies in a file of one's own may change from one run to the next.
+        own = options.agent or options.map is not None
+        with nullcontext() if own else resumable(self._folder(asked, settings)):
+            rows, notes = self.run(asked, settings)
         changed = {"odometry": "" if options.drifts else options.odometry}
         changed["palette"] = "" if options.palette == STANDARD else options.palette
         changed["region"] = ", ".join(f"{number:g}" for number in options.region or ())
@@ -75,6 +97,11 @@ class Experiment:
         return Report(
             self.name, options.seed, worlds, options.quick, took, rows, tuple(notes), file
         )
+
+    def _folder(self, options: Options, settings: Any) -> Path:  # noqa: ANN401 - a dataclass
+        """Where pieces of a run are kept until it is done: by all that its rows depend on."""
+        made_from = joblib.hash((options, settings, library_hash()))
+        return cache_folder() / "unfinished" / f"{self.name}-{made_from}"
 
     def options(self) -> tuple[str, ...]:
         """Which options it takes, to read; every experiment takes --seed, --quick and --json."""

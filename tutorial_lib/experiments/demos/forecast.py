@@ -1,4 +1,4 @@
-"""How long a map takes to learn: from its drives, corrected by the first that are learned."""
+"""How long work in parts takes: from what each part costs, corrected by the first that are done."""
 
 from __future__ import annotations
 
@@ -17,7 +17,41 @@ _SPOKEN = 4.0  # seconds from one word to the next, at least
 
 
 class Forecast:
-    """Of the time that is left, while drives are learned one after the other."""
+    """Of the time that is left, while parts are done one after the other."""
+
+    def __init__(self, costs: Array, pace: float = 1.0) -> None:
+        """Forecast.
+
+        Args:
+            costs: (P,) seconds of each part on an idle laptop, in order.
+            pace: times as long that this machine takes, until a part is done.
+        """
+        self._costs, self._pace = costs, pace
+        self._finished, self._seconds, self._spoken = 0, 0.0, 0.0
+
+    def done(self, seconds: float) -> bool:
+        """Note that one more part was done, after so many seconds; whether to say what is left.
+
+        It is said after the first part, and then from time to time.
+        """
+        self._finished, self._seconds = self._finished + 1, seconds
+        due = self._finished == 1 or seconds - self._spoken >= _SPOKEN
+        self._spoken = seconds if due else self._spoken
+        return due and self._finished < len(self._costs)
+
+    @property
+    def left(self) -> float:
+        """Seconds: what the parts that are left cost, at the pace of those that are done."""
+        pace = self._seconds / self._costs[: self._finished].sum() if self._finished else self._pace
+        return float(pace * self._costs[self._finished :].sum())
+
+    def words(self) -> str:
+        """What is left, in seconds."""
+        return f"about {max(self.left, 1.0):.0f} s"
+
+
+class DrivesForecast(Forecast):
+    """The same while a map learns drives."""
 
     def __init__(
         self, lengths: Sequence[float], sure: Sequence[Array], asked: float | None = None
@@ -31,29 +65,12 @@ class Forecast:
         """
         self._metres = np.array(lengths, dtype=float)
         anchors = [float(np.interp(one, *_ANCHORS).sum()) for one in sure]
-        self._costs = _METRE * self._metres + _ANCHOR * np.array(anchors)
         usual = _ASKED * self._metres.sum()
-        self._pace = 1.0 if asked is None else asked / usual
-        self._done, self._seconds, self._spoken = 0, 0.0, 0.0
-
-    def learned(self, seconds: float) -> bool:
-        """Note that one more drive was learned, after so many seconds; whether to say what is left.
-
-        It is said after the first drive, and then from time to time.
-        """
-        self._done, self._seconds = self._done + 1, seconds
-        due = self._done == 1 or seconds - self._spoken >= _SPOKEN
-        self._spoken = seconds if due else self._spoken
-        return due and self._done < len(self._costs)
-
-    @property
-    def left(self) -> float:
-        """Seconds: what the drives that are left cost, at the pace of those that were learned."""
-        pace = self._seconds / self._costs[: self._done].sum() if self._done else self._pace
-        return float(pace * self._costs[self._done :].sum())
+        pace = 1.0 if asked is None else asked / usual
+        super().__init__(_METRE * self._metres + _ANCHOR * np.array(anchors), pace)
 
     def words(self) -> str:
         """What is left, in drives, metres and seconds."""
-        left = self._metres[self._done :]
-        drives = f"{len(left)} drives left, " if self._done else ""
-        return f"{drives}{left.sum():.0f} m, about {max(self.left, 1.0):.0f} s"
+        left = self._metres[self._finished :]
+        drives = f"{len(left)} drives left, " if self._finished else ""
+        return f"{drives}{left.sum():.0f} m, {super().words()}"

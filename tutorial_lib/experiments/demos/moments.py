@@ -1,4 +1,4 @@
-"""What a demo's film shows of one moment: of an agent with a map, and of an oracle."""
+"""What a demo's film shows of one moment: of agents with a map, and of an oracle."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tutorial_lib.agents.ltvn_navigation import LTVNNavigation
+from tutorial_lib.agents.ltvn_state import GOAL
 from tutorial_lib.agents.navigator import MapNavigation
 from tutorial_lib.driving.geodesics import DistanceFields
 from tutorial_lib.se2 import Array, arc_length
 from tutorial_lib.topology.following.transitions import State
+from tutorial_lib.topology.maintenance import Maintenance
 from tutorial_lib.viz.canvas.plan_view import Picture
 from tutorial_lib.viz.figures.dashboard import Moment
 from tutorial_lib.world.sensors import Camera
@@ -53,6 +56,65 @@ class BySight:
             ("map", self.map),
         )
         return _moment(simulation, track, path, self.goal, lines, self.image)
+
+
+@dataclass(frozen=True)
+class OnLivingMap:
+    """Moments of an agent whose map mends itself.
+
+    Attributes:
+        navigation: of the agent.
+        upkeep: of its map.
+        vertices: (V, 3) poses at which the map's images were taken.
+        goal: (3,) pose at which the goal image was taken.
+        image: of the goal.
+        door: whether it is open, in words.
+    """
+
+    navigation: LTVNNavigation
+    upkeep: Maintenance
+    vertices: Array
+    goal: Array
+    image: Picture
+    door: str
+
+    def __call__(self, simulation: Simulation, track: Array) -> Moment:
+        """The plan over vertices to the goal, and the edge that is driven."""
+        state, path = self.navigation.states[0], np.empty((0, 2))
+        if state.path:
+            ahead = self.vertices[state.path[1:], :2]
+            path = np.concatenate([simulation.poses[0, None, :2], ahead, self.goal[None, :2]])
+        counts = map_counts(self.upkeep)
+        lines = (
+            ("time", f"{simulation.seconds:.1f} s"),
+            ("door", self.door),
+            ("robot", self._doing()),
+            ("edges of the map", f"{counts['edges']}"),
+            ("pruned; returned", f"{counts['pruned']}; {counts['returned']}"),
+        )
+        return _moment(simulation, track, path, self.goal, lines, self.image)
+
+    def _doing(self) -> str:
+        """What the robot does, in words."""
+        if self.navigation.arrived[0]:
+            return "is there"
+        leg = self.navigation.states[0].leg
+        if leg is None:
+            return "looks around"
+        if leg.target == GOAL:
+            return "drives to the goal"
+        edge = self.upkeep.graph.get_edge_data(leg.source, leg.target)
+        words = "reverses" if leg.reverse else "drives"
+        return words if edge is None else f"{words}, p(edge) {edge['probability']:.2f}"
+
+
+def map_counts(upkeep: Maintenance) -> dict[str, int]:
+    """Edges of a map, edges that are pruned now, and how often one has returned so far."""
+    return {
+        "edges": upkeep.graph.number_of_edges(),
+        "pruned": len(upkeep.pruned),
+        "returned": sum(event.kind == "returned" for event in upkeep.events),
+    }
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from tutorial_lib.agents.oracle import OracleNavigation
 from tutorial_lib.experiments.common import agents
 from tutorial_lib.experiments.demos.endings import drive_ending
 from tutorial_lib.experiments.demos.ends import End
-from tutorial_lib.experiments.demos.forecast import Forecast
+from tutorial_lib.experiments.demos.forecast import DrivesForecast
 from tutorial_lib.experiments.demos.learned_map import keep_learned, load_learned
 from tutorial_lib.experiments.demos.moments import ByOracle, BySight
 from tutorial_lib.experiments.demos.outcome import (
@@ -48,7 +48,7 @@ from tutorial_lib.viz.figures.maps import map_view
 from tutorial_lib.viz.figures.panels import evenly, stacked
 from tutorial_lib.world.floorplan import FloorPlan
 from tutorial_lib.world.scene import Scene
-from tutorial_lib.world.simulation import Simulation
+from tutorial_lib.world.simulation import Sensors, Simulation
 
 PLACES = 6
 """Places between which trajectories are recorded."""
@@ -140,13 +140,13 @@ def learn_map(
     drives = building.recorded.trajectories
     lengths = [one.arc_length[-1] for one in drives]
     begun = time.monotonic()
-    forecast = Forecast(lengths, sureness(building, agent), time.monotonic() - begun)
+    forecast = DrivesForecast(lengths, sureness(building, agent), time.monotonic() - begun)
     some = f"{len(drives)} of {recorded}" if recorded > len(drives) else f"{len(drives)}"
     say(f"learning a map from {some} drives, {forecast.words()}")
     begun = time.monotonic()
     for experience in experiences(building):
         agent.learn([experience])
-        if forecast.learned(time.monotonic() - begun):
+        if forecast.done(time.monotonic() - begun):
             say(f"learning a map: {forecast.words()}")
     say(f"learned {len(agent.topomap)} images in {time.monotonic() - begun:.0f} s")
     if not again:
@@ -239,6 +239,7 @@ def drive(
     start: Callable[[Simulation], Navigation],
     recorder: FilmRecorder,
     plans: Sequence[Plan] = (),
+    sensors: Sensors | None = None,
 ) -> Drive:
     """Drive a task, and say how it went; the robot's plans are read when it is over."""
     started: list[Simulation] = []
@@ -247,7 +248,7 @@ def drive(
         started.append(simulation)
         return start(simulation)
 
-    found = navigate(task.building, task.trial, begin, task.people, recorder)
+    found = navigate(task.building, task.trial, begin, task.people, recorder, sensors)
     ending = drive_ending(found, plans)
     recorder.finish(started[0], ending)
     return recorder.drive(started[0], reached=bool(found.there[0]), ending=ending)

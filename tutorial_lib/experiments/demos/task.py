@@ -128,7 +128,7 @@ def choose_task(
     if found is None:
         advice = "choose other places, or turn the goal" if len(given) else "give a larger map"
         raise InputError(f"demo: the car arrives on no drive through {name}; {advice}")
-    return _task(*found, len(whole.pairs), bounds)
+    return task_of(*found, len(whole.pairs), bounds)
 
 
 def _first_trip(
@@ -171,7 +171,7 @@ def _trial(
     return trial_to(whole, number, start, goal)
 
 
-def _task(building: Building, trial: Trials, recorded: int, bounds: Array) -> Task:
+def task_of(building: Building, trial: Trials, recorded: int, bounds: Array) -> Task:
     """The task of a trial, for which the drives of a building are learned."""
     scene, first = building.scene, trial.recorded.first[trial.goals[0]]
     ends = trial.starts[:, :2], trial.goal_poses[:, :2]

@@ -17,6 +17,7 @@ from tutorial_lib.interfaces import Experience, Goals, Navigation, Observation, 
 from tutorial_lib.learning.analytic_label import AnalyticLabel
 from tutorial_lib.learning.views import VIEWS, View
 from tutorial_lib.se2 import Array, relative
+from tutorial_lib.topology.mapping.sampling_map import SampledMap
 from tutorial_lib.world.people import Person
 from tutorial_lib.world.scene import Scene
 from tutorial_lib.world.simulation import Sensors, Simulation
@@ -158,6 +159,36 @@ def run_fleet(
 
     sensors = Sensors(with_depth=True)
     return navigate(building, trials, start, people, sensors=sensors), navigation
+
+
+@dataclass(frozen=True)
+class MapScore:
+    """How good a map is.
+
+    Attributes:
+        vertices: of it; fewer are better.
+        edges: of it.
+        arrived: queries that reached their goal.
+        queries: their number.
+    """
+
+    vertices: int
+    edges: int
+    arrived: int
+    queries: int
+
+    def beats(self, other: MapScore, spare: int = 1) -> bool:
+        """Whether this map has fewer vertices, and at most `spare` more queries fail."""
+        return self.vertices < other.vertices and self.arrived >= other.arrived - spare
+
+
+def score_map(building: Building, trials: Trials, sampled: SampledMap) -> MapScore:
+    """Run trials on a map that does not change, in fleets."""
+    agent = LTVNAgent(model=sampled.pool.model, maintenance=None)
+    agent.use(sampled)
+    found, _ = run_queries(building, trials, agent)
+    graph = sampled.graph
+    return MapScore(len(graph), graph.number_of_edges(), int(found.success.sum()), len(trials))
 
 
 def joined_outcomes(parts: Sequence[Outcome]) -> Outcome:

@@ -18,7 +18,7 @@ from tutorial_lib.interfaces import RelativeModel
 from tutorial_lib.se2 import Array, inverse, wrap
 from tutorial_lib.topology.mapping.image_pool import ImagePool, length, support
 from tutorial_lib.topology.mapping.turn_edges import TurnSettings, turns_among
-from tutorial_lib.validation import flag, instance, number, one_of, whole
+from tutorial_lib.validation import flag, instance, integers, number, one_of, whole
 
 ORDERS = ("uniform", "farthest first")
 
@@ -252,6 +252,34 @@ def build(pool: ImagePool, rules: SamplingRules, rng: np.random.Generator) -> Sa
     made.unused.discard(first)
     while _one_pass(made, rng):
         pass
+    return made
+
+
+def joined_map(
+    pool: ImagePool, rules: SamplingRules, vertices: Sequence[int], edges: Sequence[tuple[int, int]]
+) -> SampledMap:
+    """A map of vertices and edges that were chosen otherwise; it gets edges in reverse, too.
+
+    Args:
+        pool: all images.
+        rules: of what is added later.
+        vertices: (V,) images.
+        edges: (E, 2) from vertex to vertex, none in reverse.
+
+    Raises:
+        InputError: when an edge leads from or to an image that is no vertex.
+    """
+    made = SampledMap(pool, rules)
+    most = len(pool) - 1
+    chosen = integers(f"vertices of {len(pool)} images", vertices, ("V",), least=0, most=most)
+    pairs = np.empty((0, 2), dtype=np.intp)
+    if len(edges):
+        pairs = integers("edges", edges, ("E", 2), least=0, most=most)
+    if not np.isin(pairs, chosen).all():
+        raise InputError("edges: one leads from or to an image that is no vertex; leave it out")
+    made.graph.add_nodes_from(chosen.tolist())
+    made.join([(source, target) for source, target in pairs.tolist()])
+    made.unused -= set(chosen.tolist())
     return made
 
 

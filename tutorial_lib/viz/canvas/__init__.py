@@ -4,6 +4,7 @@ from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.anchors import draw_anchors, draw_frames, draw_states
 from tutorial_lib.viz.canvas.field_of_view import draw_field_of_view
 from tutorial_lib.viz.canvas.labels import label, write_beside
+from tutorial_lib.viz.canvas.living_maps import draw_living_map
 from tutorial_lib.viz.canvas.motion_policies import draw_arrows, draw_metrics
 from tutorial_lib.viz.canvas.outcomes import draw_outcome, outcome_legend
 from tutorial_lib.viz.canvas.plan_view import Picture, PlanView
@@ -20,6 +21,7 @@ __all__ = [
     "draw_edges",
     "draw_field_of_view",
     "draw_frames",
+    "draw_living_map",
     "draw_metrics",
     "draw_outcome",
     "draw_plan",

@@ -68,13 +68,15 @@ def points_of(name: str, value: ArrayLike) -> Array:
     return found[:, :2]
 
 
-def pairs_of(value: Iterable[tuple[int, int]], count: int, of: str) -> list[tuple[int, int]]:
+def pairs_of(
+    value: Iterable[tuple[int, int]], count: int, of: str, name: str = "edges"
+) -> list[tuple[int, int]]:
     """Edges between that many nodes or poses, or an `InputError`."""
     if not isinstance(value, Iterable):
-        raise InputError(f"edges: {value!r}; give pairs of vertices")
+        raise InputError(f"{name}: {value!r}; give pairs of vertices")
     found = list(value)
     if found:
-        integers(f"edges between {count} {of}", found, ("E", 2), least=0, most=count - 1)
+        integers(f"{name} between {count} {of}", found, ("E", 2), least=0, most=count - 1)
     return found
 
 

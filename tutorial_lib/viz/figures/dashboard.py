@@ -99,14 +99,14 @@ def dashboard(view: PlanView, moment: Moment, title: str, legend: Legend = LEGEN
     for image, caption in views:
         shown = camera_picture(image, SIDE, smooth=True)
         picture[top : top + SIDE // 3, left : left + SIDE] = shown
-        label(picture, caption, left, top + SIDE // 3 + 18, 0.45, colours.FAINT)
+        label(picture, caption, left, top + SIDE // 3 + 18, 0.5, colours.FAINT)
         top += SIDE // 3 + 40
     size = 320 if moment.target is None else 200
     picture[top : top + size, left : left + size] = draw_laser(moment, size)
-    label(picture, "laser, 4 m around", left, top + size + 20, 0.45, colours.FAINT)
+    label(picture, "laser, 4 m around", left, top + size + 20, 0.5, colours.FAINT)
     gap = size * 0.18
     for i, (name, value) in enumerate(moment.lines):
-        label(picture, name, left + size + 16, top + 20 + round(gap * i), 0.45, colours.FAINT)
+        label(picture, name, left + size + 16, top + 20 + round(gap * i), 0.5, colours.FAINT)
         label(picture, value, left + size + 16, top + 40 + round(gap * i), 0.6, colours.INK)
     for i, (name, colour) in enumerate(legend):
         x, y = left + SIDE // 4 * (i % 4), top + size + 56 + 26 * (i // 4)

@@ -28,11 +28,20 @@ def map_view(
         poses: (V, 3) at which they were recorded.
         bounds: x0, y0, x1, y1 of the part that is shown; all unless given.
     """
-    view = PlanView(scene, bounds=bounds)
+    view = pale_view(scene, bounds)
+    draw_topomap(view, view.base, topomap, poses)
+    return view
+
+
+def pale_view(scene: Scene, bounds: ArrayLike | None = None, side: int = 720) -> PlanView:
+    """The plan made pale, so that a map on it stands out, `side` x `side` pixels; walls stay dark.
+
+    `bounds` are those of `PlanView`.
+    """
+    view = PlanView(scene, side, side, bounds=bounds)
     view.base = faded(view.base, _FADED)
     for wall in scene.plan.walls:
         view.polyline(view.base, wall.reshape(2, 2), colours.SOLID, 1)
-    draw_topomap(view, view.base, topomap, poses)
     return view
 
 

@@ -29,10 +29,12 @@ from tutorial_lib.viz.notebook.teleoperation import (
 )
 
 __all__ = [
+    "PressPanel",
     "Shell",
     "SliderPanel",
     "TeleopController",
     "TeleopPanel",
+    "presses",
     "sliders",
     "teleop",
     "teleop_picture",
@@ -67,46 +69,96 @@ class Shell(ipywidgets.VBox):
         return {**bundle, "image/png": base64.b64encode(png(self.still())).decode("ascii")}
 
 
-class TeleopPanel(Shell):
-    """Buttons, a picture and a line of text for a `TeleopController`.
+class PressPanel(Shell):
+    """Buttons, a picture and a line of text for a controller, see `presses`.
+
+    Attributes:
+        buttons: by name.
+        picture: what is shown, as PNG.
+        line: text about the state.
+    """
+
+    def __init__(
+        self,
+        controller: Any,  # noqa: ANN401 - see `presses`
+        names: Sequence[str],
+        still: Callable[[], Picture],
+        wide: str = "14em",
+    ) -> None:
+        """Make a button for each name, `wide`; `still` draws the static picture."""
+        self.controller = controller
+        self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
+        self.buttons = {
+            name: ipywidgets.Button(description=name, layout=ipywidgets.Layout(width=wide))
+            for name in names
+        }
+        for button in self.buttons.values():
+            button.on_click(lambda button: self.press(button.description))
+        self._refresh()
+        super().__init__([self.picture, self.line, *self._rows()], still)
+
+    def press(self, name: str) -> None:
+        """What happens when a button is pressed."""
+        self.line.value = _words(f"{name} …")
+        try:
+            self.controller.press(name)
+        except Exception as error:  # a callback has no cell to print in, so the error would be lost
+            self.line.value = _words(f"{type(error).__name__}: {error}", "b")
+        else:
+            self._refresh()
+
+    def _rows(self) -> list[ipywidgets.Widget]:
+        """The buttons in rows."""
+        return [ipywidgets.HBox([*self.buttons.values()])]
+
+    def _refresh(self, *_: object) -> None:
+        _put(self.picture, self.controller.render())
+        self.line.value = _words(self.controller.text)
+
+
+def presses(controller: Any) -> PressPanel:  # noqa: ANN401 - a protocol would be longer
+    """Buttons that do something to what a controller shows, as a cell's last line.
+
+    Args:
+        controller: has `actions`, names of buttons; `press(name)`; `render()`, a picture (H, W, 3)
+            uint8 RGB, which also stands on a static page; and a `text`.
+    """
+    with_methods("controller", controller, "press", "render")
+    return PressPanel(controller, controller.actions, controller.render)
+
+
+class TeleopPanel(PressPanel):
+    """The same for a `TeleopController`.
 
     The arrow keys press buttons, too, while the pointer is on the picture; `KEYS` lists them.
 
     Attributes:
         buttons: by name, with "start again".
         hide_map: hides the map: then the camera and the laser are all there is.
-        picture: what is shown, as PNG.
-        line: text about the state.
     """
 
     def __init__(self, controller: TeleopController, rehearsal: Sequence[str]) -> None:
         """Connect buttons to `controller`; `rehearsal` are the presses of the static strip."""
-        self.controller = controller
-        self.picture, self.line = ipywidgets.Image(format="png"), ipywidgets.HTML()
-        self.buttons = {
-            name: ipywidgets.Button(description=name, layout=ipywidgets.Layout(width="7.5em"))
-            for name in (*ACTIONS, "start again")
-        }
-        for button in self.buttons.values():
-            button.on_click(lambda button: self.press(button.description))
         self.hide_map = ipywidgets.ToggleButton(description="hide the map")
         self.hide_map.observe(self._refresh, names="value")
-        row = [*self.buttons.values(), self.hide_map]
-        rows = [ipywidgets.HBox(row[:3]), ipywidgets.HBox(row[3:6]), ipywidgets.HBox(row[6:])]
+        names = (*ACTIONS, "start again")
+        super().__init__(controller, names, lambda: controller.rehearse(rehearsal), "7.5em")
         self.keyboard = ipyevents.Event(
             source=self.picture, watched_events=["keydown"], prevent_default_action=True
         )
         self.keyboard.on_dom_event(self._typed)
-        self._refresh()
-        super().__init__([self.picture, self.line, *rows], lambda: controller.rehearse(rehearsal))
 
     def press(self, name: str) -> None:
         """What happens when a button is pressed."""
         if name == "start again":
             self.controller.reset()
+            self._refresh()
         else:
-            self.controller.press(name)
-        self._refresh()
+            super().press(name)
+
+    def _rows(self) -> list[ipywidgets.Widget]:
+        row = [*self.buttons.values(), self.hide_map]
+        return [ipywidgets.HBox(row[:3]), ipywidgets.HBox(row[3:6]), ipywidgets.HBox(row[6:])]
 
     def _typed(self, event: Mapping[str, Any]) -> None:
         name = KEYS.get((event.get("key", ""), bool(event.get("shiftKey"))))

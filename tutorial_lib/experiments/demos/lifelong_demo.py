@@ -1,0 +1,301 @@
+"""The demo of a map that mends itself: three queries of a hundred, on film, while a door shuts."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.experiments.common import agents
+from tutorial_lib.experiments.demos.forecast import Forecast
+from tutorial_lib.experiments.demos.life_film import LifeFilm
+from tutorial_lib.experiments.demos.moments import OnLivingMap, map_counts
+from tutorial_lib.experiments.demos.navigation_demo import drive
+from tutorial_lib.experiments.demos.outcome import (
+    FIGURES,
+    FILM,
+    STRIP,
+    Drive,
+    check_folder,
+    rounded,
+)
+from tutorial_lib.experiments.demos.recorder import FILM_RATE, FilmRecorder
+from tutorial_lib.experiments.demos.task import Say, Task, silent, task_of
+from tutorial_lib.experiments.protocols.drives import part_of
+from tutorial_lib.experiments.protocols.lifelong import (
+    deep_experiences,
+    deep_goals,
+    image_poses,
+    run_queries,
+)
+from tutorial_lib.experiments.protocols.navigation_tasks import Building, draw_trials, explored
+from tutorial_lib.files import atomic_paths
+from tutorial_lib.viz.canvas.colours import PERSON
+from tutorial_lib.viz.canvas.plan_view import Picture
+from tutorial_lib.viz.figures.dashboard import Moment
+from tutorial_lib.viz.figures.film import exact_png, film_encoder
+from tutorial_lib.viz.figures.panels import stacked
+from tutorial_lib.world.generators import generate
+from tutorial_lib.world.people import Person
+from tutorial_lib.world.scene import Scene
+from tutorial_lib.world.simulation import Sensors
+
+SEED, PLACES = 1, 8
+"""Of the office, and the places between which its tour leads."""
+TRIP = 4, 2
+"""The places between which the filmed queries lead: past the door it is half as far as round."""
+DOOR = (0.22, 1.93), (0.55, 1.89), (0.89, 1.84)
+"""Where people stand when the door is shut."""
+_SPARE = 40.0  # seconds more than usual that a query may take: time for the long way round
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Queries of a life that are run in the same way; a single one is filmed.
+
+    Attributes:
+        first: number of the first query.
+        last: number of the last one.
+        shut: whether the door is.
+        cost: seconds that it takes on an idle laptop.
+    """
+
+    first: int
+    last: int
+    shut: bool
+    cost: float
+
+    @property
+    def door(self) -> str:
+        """In words."""
+        return "shut" if self.shut else "open"
+
+    @property
+    def filmed(self) -> bool:
+        """Whether it is a single query."""
+        return self.first == self.last
+
+
+STAGES = (
+    Stage(1, 1, False, 8.0),
+    Stage(2, 9, True, 6.0),
+    Stage(10, 10, True, 10.0),
+    Stage(11, 50, True, 27.0),
+    Stage(51, 99, False, 18.0),
+    Stage(100, 100, False, 8.0),
+)
+_LEARNING = 12.0  # seconds to record the drives and learn the map on an idle laptop
+
+
+@dataclass(frozen=True)
+class Query(Drive):
+    """How a filmed query went.
+
+    Attributes:
+        number: of the query.
+        door: "open" or "shut".
+        edges: of the map afterwards.
+        pruned: edges that were out of the map then.
+        returned: how often a pruned edge had come back by then.
+    """
+
+    number: int
+    door: str
+    edges: int
+    pruned: int
+    returned: int
+
+    @property
+    def sentence(self) -> str:
+        """All of it in words."""
+        return (
+            f"query {self.number}, door {self.door}: {self.ending}, after {self.seconds:.0f} s; "
+            f"map: {self.edges} edges, {self.pruned} pruned, {self.returned} returned"
+        )
+
+
+@dataclass(frozen=True)
+class Queries:
+    """How queries went that were not filmed: their numbers, how many reached the goal, seconds."""
+
+    first: int
+    last: int
+    door: str
+    reached: int
+    seconds: float
+
+    @property
+    def sentence(self) -> str:
+        """All of it in words."""
+        count = self.last - self.first + 1
+        return (
+            f"queries {self.first} to {self.last}, to other goals, door {self.door}: "
+            f"{self.reached} of {count} reach the goal, {self.seconds:.0f} s on average"
+        )
+
+
+@dataclass(frozen=True)
+class Life:
+    """What `demo.json` holds of a map's life; lengths in metres, times in seconds.
+
+    Attributes:
+        reached: whether all filmed queries reached the goal.
+        story: what happened, in words, in order.
+        start: x, y and heading of the filmed queries.
+        goal: x, y and heading at which its image was taken.
+        geodesic: of the shortest path, past the door.
+        vertices: of the map.
+        filmed: queries that were filmed.
+        others: queries that were not.
+    """
+
+    reached: bool
+    story: tuple[str, ...]
+    name: str
+    plan: str
+    rooms: tuple[str, str]
+    start: tuple[float, float, float]
+    goal: tuple[float, float, float]
+    geodesic: float
+    vertices: int
+    filmed: tuple[Query, ...]
+    others: tuple[Queries, ...]
+    film: str = FILM
+    strip: str = STRIP
+
+
+def run_lifelong_demo(folder: Path, *, stages: Sequence[Stage] = STAGES, say: Say = silent) -> Life:
+    """Live through all stages; leave demo.webm, demo.png and demo.json.
+
+    Args:
+        folder: for the files.
+        stages: of the life, in order.
+        say: is called with what is being done.
+    """
+    check_folder(folder)
+    forecast = Forecast(np.array([_LEARNING, *(stage.cost for stage in stages)]))
+    begun = time.monotonic()
+    say(f"recording drives through an office and learning a map of them; {forecast.words()} in all")
+    office, agent, task = _beginning()
+    forecast.done(time.monotonic() - begun)
+    life = _Life(office, agent, task, stages)
+    with atomic_paths(*(folder / name for name in (FILM, STRIP, FIGURES))) as (film, *others):
+        with film_encoder(folder / FILM, film, FILM_RATE) as write:
+            for stage in stages:
+                say(f"{life.announced(stage)}; {forecast.words()} left")
+                life.run(stage, write)
+                forecast.done(time.monotonic() - begun)
+            say("writing the film")
+        others[0].write_bytes(exact_png(stacked(life.last_pictures)))
+        outcome = life.outcome()
+        others[1].write_text(json.dumps(asdict(outcome), indent=1) + "\n", encoding="utf-8")
+    return outcome
+
+
+def _beginning() -> tuple[Building, LTVNAgent, Task]:
+    """The office, an agent that has learned a tour through it, and the trip that is filmed."""
+    scene = Scene(generate("office", SEED))
+    office = explored(f"office {SEED}", scene, np.random.default_rng(0), PLACES)
+    number = np.flatnonzero((office.pairs == TRIP).all(axis=1))
+    trial = draw_trials(office, 1, np.random.default_rng(0), among=number)
+    toured = part_of(office, "tour", 0)
+    task = task_of(toured, trial, len(office.pairs), np.array(scene.plan.bounds))
+    agent = agents.ltvn()
+    agent.learn(deep_experiences(toured))
+    return office, agent, task
+
+
+class _Life:
+    """One map, and what its robots do on it.
+
+    Attributes:
+        story: what happened so far, in order.
+        last_pictures: of the filmed queries.
+    """
+
+    def __init__(
+        self, office: Building, agent: LTVNAgent, task: Task, stages: Sequence[Stage]
+    ) -> None:
+        """Nobody has driven yet."""
+        self.story: list[Query | Queries] = []
+        self.last_pictures: list[Picture] = []
+        self._agent, self._task, self._total = agent, task, stages[-1].last
+        others = draw_trials(office, self._total, np.random.default_rng(1))
+        self._others = replace(others, seconds=others.seconds + _SPARE)
+        self._vertices = image_poses(task.building, agent)
+        self._door = [Person([place], speed=0.0, colour=PERSON) for place in DOOR]
+        self._film = LifeFilm(task.building.scene, agent.upkeep, self._vertices, DOOR, len(stages))
+
+    def announced(self, stage: Stage) -> str:
+        """What is done in a stage, in words."""
+        if stage.filmed:
+            return f"query {stage.first} of {self._total}, filmed, the door is {stage.door}"
+        return f"queries {stage.first} to {stage.last}, to other goals, the door is {stage.door}"
+
+    def run(self, stage: Stage, write: Callable[[Picture], None]) -> None:
+        """Run the queries of a stage; `write` gets each picture of a film."""
+        self.story.append(self._filmed(stage, write) if stage.filmed else self._unfilmed(stage))
+
+    def outcome(self) -> Life:
+        """How all of it went."""
+        task, trial = self._task, self._task.trial
+        filmed = tuple(one for one in self.story if isinstance(one, Query))
+        ends = trial.starts[:, :2], trial.goal_poses[:, :2]
+        return Life(
+            reached=all(one.reached for one in filmed),
+            story=tuple(one.sentence for one in self.story),
+            name="demo --lifelong",
+            plan=task.building.name,
+            rooms=task.rooms,
+            start=rounded(trial.starts[0]),
+            goal=rounded(trial.goal_poses[0]),
+            geodesic=round(float(task.building.paths.between(*ends)[0]), 2),
+            vertices=len(self._agent.sampled.vertices),
+            filmed=filmed,
+            others=tuple(one for one in self.story if isinstance(one, Queries)),
+        )
+
+    def _filmed(self, stage: Stage, write: Callable[[Picture], None]) -> Query:
+        agent, trial = self._agent, self._task.trial
+        trial = replace(trial, seconds=trial.seconds + _SPARE)
+        task = replace(self._task, trial=trial, people=self._door if stage.shut else [])
+        agent.upkeep.begin(stage.first)
+        navigation = agent.start(deep_goals(trial))
+        title = f"{task.building.name}: query {stage.first} of {self._total}, door {stage.door}"
+        before = [one.sentence for one in self.story]
+
+        def watch(moment: Moment) -> None:
+            now = f"query {stage.first}, door {stage.door}: under way"
+            write(self._film.frame(moment, title, stage.door, [*before, now]))
+
+        goal = trial.goal_poses[0]
+        make = OnLivingMap(navigation, agent.upkeep, self._vertices, goal, task.image, stage.door)
+        recorder = FilmRecorder(make, watch)
+        went = drive(task, lambda _: navigation, recorder, sensors=Sensors(with_depth=True))
+        counts = map_counts(agent.upkeep)
+        query = Query(**asdict(went), number=stage.first, door=stage.door, **counts)
+        last = self._film.frame(recorder.moments[-1], title, stage.door, [*before, query.sentence])
+        for _ in range(round(2 * FILM_RATE)):
+            write(last)
+        self.last_pictures.append(last)
+        return query
+
+    def _unfilmed(self, stage: Stage) -> Queries:
+        numbers = np.arange(stage.first, stage.last + 1)
+        people = self._door if stage.shut else []
+        some = self._others.subset(numbers - 1)
+        found, _ = run_queries(
+            self._task.building, some, self._agent, first=stage.first, people=people
+        )
+        return Queries(
+            stage.first,
+            stage.last,
+            stage.door,
+            reached=int(found.there.sum()),
+            seconds=round(float(found.seconds.mean()), 1),
+        )
