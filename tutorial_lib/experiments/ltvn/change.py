@@ -91,18 +91,21 @@ class Doorway:
 
 def run(options: Options, settings: Settings) -> tuple[Rows, list[str]]:
     """Let every agent live through all phases in every building that has such a door."""
-    items = [(world, name) for world in options.worlds for name in settings.agents]
-    found = dict(
-        zip(items, for_each(lived, items, options.seed, settings, label="ltvn_change"), strict=True)
-    )
-    worlds = [world for world in options.worlds if found[world, settings.agents[0]] is not None]
+    doors = for_each(doorway, options.worlds, options.seed, label="doors")
+    known = {
+        world: door for world, door in zip(options.worlds, doors, strict=True) if door is not None
+    }
+    items = [(world, known[world], name) for world in known for name in settings.agents]
+    lives = iter(for_each(lived, items, options.seed, settings, label="ltvn_change"))
+    found = {(world, name): next(lives) for world, _, name in items}
     rows = [
-        _row(name, phase, block, [found[world, name] for world in worlds], worlds, settings)
+        _row(name, phase, block, [found[world, name] for world in known], list(known), settings)
         for name in settings.agents
         for phase in PHASES
         for block in range(settings.queries // settings.block)
+        if known
     ]
-    return rows, [f"{len(worlds)} of {len(options.worlds)} worlds have a door with a detour"]
+    return rows, [f"{len(known)} of {len(options.worlds)} worlds have a door with a detour"]
 
 
 def _row(
@@ -131,14 +134,11 @@ def _row(
     }
 
 
-def lived(item: tuple[int, str], seed: int, settings: Settings) -> dict[str, Outcome] | None:
-    """One agent in one building, by phase; none where no door has a learned detour."""
-    world, name = item
+def lived(item: tuple[int, Doorway, str], seed: int, settings: Settings) -> dict[str, Outcome]:
+    """One agent in one building, by phase."""
+    world, door, name = item
     whole = make_building(world, seed)
     building = part_of(whole, DRIVES, seed)
-    door = doorway(whole, building)
-    if door is None:
-        return None
     rng = np.random.default_rng([seed, world, 1])
     count = settings.queries
     trials = draw_trials(whole, len(PHASES) * count, rng, door.pairs)
@@ -187,8 +187,10 @@ def _queries(
     return joined_outcomes(parts)
 
 
-def doorway(whole: Building, building: Building) -> Doorway | None:
+def doorway(world: int, seed: int) -> Doorway | None:
     """The door that most drives lead through, of those with a detour that was learned."""
+    whole = make_building(world, seed)
+    building = part_of(whole, DRIVES, seed)
     agent = prepared_agent(building, FROZEN, NETWORK)
     poses = image_poses(building, agent)
     best: Doorway | None = None
