@@ -339,7 +339,9 @@ sliders(
 # %% [markdown]
 # **An unlucky streak.** An edge is *pruned* after a failure if its probability falls below $R_p = 0.2$. Look at `failures = 2`: one failure is forgiven; two in a row are the end of an edge that began at 0.9. A true edge that succeeds nine times in ten fails twice in a row once in a hundred. That's rare, until you drive a hundred edges a day.
 #
-# Three things keep the map alive, all ours: the belief never goes above 0.97 or below 0.03, so that it can still change its mind; a pruned edge *comes back* after some queries, with little belief; and what the laser shows to be blocked comes back soon, since a shut door is no mistake of the map.
+# Three things keep the map alive, all ours: the belief never goes above 0.97 or below 0.03, so that it can still change its mind; a pruned edge that has worked before *comes back* after some queries, with little belief; and what the laser shows to be blocked comes back soon, since a shut door is no mistake of the map.
+#
+# And one thing saves it time, ours too: the robot **looks before it drives**. Where it surely can't see an edge's target from the edge's source, it doesn't set off. It takes another edge, and the map believes this one less. For an edge through a wall, a look is enough; a *wormhole* between two places that look alike passes every look, and only a drive finds it out.
 #
 # ### Exercise 4 · `gaussian` (easy, 5 minutes)
 #
@@ -534,7 +536,7 @@ sliders(
 # %% [markdown]
 # ## 7 · What nobody had used
 #
-# Pruning can cut a map in two. But most images of the tour were never used: they were redundant, or nothing could be joined to them. LTVN keeps them as $T'$. When no path is left, it samples from $T'$ until there is one, *keeps only the images on that path*, and puts the others back.
+# Pruning can cut a map in two. But most images of the tour were never used: they were redundant, or nothing could be joined to them. LTVN keeps those that nothing could be joined to as $T'$ (we keep the redundant ones as well: where the map is broken, a second photo of a place is worth something). When no path is left, it samples from $T'$ until there is one, *keeps only the images on that path*, and puts the others back.
 #
 # ### Exercise 6 · `expand` (medium, 8 minutes)
 #
@@ -614,7 +616,7 @@ print(f"the first that went: edge {EVENT.edge}, in query {EVENT.query}")
 # **Predict:** you add an edge through a wall. How many failures will it survive?
 #
 # <details><summary>Answer</summary>
-# Two or three, if a robot tries it at all: nobody drives an edge that isn't on a shortest path. Where the laser sees the wall in the way, one is enough. All 25 robots share the map, so what the first one learns spares the others. Later the false edge comes back with little belief, and goes again at its first failure.
+# Often none: the robot looks along the edge, doesn't see its target, and takes another. After two or three such looks the edge is gone, if a robot comes by at all: nobody looks along an edge that isn't on a shortest path. All 25 robots share the map, so what the first one learns spares the others. An edge that never worked doesn't come back by itself.
 # </details>
 
 # %% hidden=true
