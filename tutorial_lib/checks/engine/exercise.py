@@ -32,6 +32,7 @@ def exercise(
     example: tuple,
     run: Function | None = None,
     others: Mapping[str, Function] | None = None,
+    later: Mapping[str, Any] | None = None,
     calls: int = 1_000,
     endless: str = "",
     **comparing: Any,  # noqa: ANN401 - see `compare`
@@ -49,6 +50,8 @@ def exercise(
         run: (function, *case) calls a function and returns what is judged, where that is more than
             its answer; it runs beside the function.
         others: mistakes that are no edits of the rule: what to say, and functions that make them.
+        later: what else is given to `compare` once every case is right: other ``cases``, of which
+            no mistakes are known, and how those are compared.
         calls: how often the cells below call it.
         endless: what to say when it does not end.
         **comparing: how answers are called, formed, compared and drawn, see `compare` and
@@ -64,7 +67,11 @@ def exercise(
 
     def judge(student: Function) -> Any:  # noqa: ANN401 - target and yours, if drawn
         with np.errstate(all="ignore"):
-            return compared(rule.__name__, student, cases, right, faults, **comparing)
+            picture = compared(rule.__name__, student, cases, right, faults, **comparing)
+            if later:
+                unknown = {"right": right, "faults": {}}
+                compare(rule.__name__, student, **unknown, **{**comparing, **later})
+            return picture
 
     judge.__name__, judge.__doc__, judge.__module__ = f"check_{rule.__name__}", about, module
     made = check(rule, example, calls=calls, endless=endless)(judge)
