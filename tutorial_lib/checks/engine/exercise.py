@@ -48,7 +48,7 @@ def exercise(
         about: one line on what is checked.
         example: arguments to measure speed with.
         run: (function, *case) calls a function and returns what is judged, where that is more than
-            its answer; it runs beside the function.
+            its answer; unless `invoke` does so, too, it runs beside the function.
         others: mistakes that are no edits of the rule: what to say, and functions that make them.
         later: what else is given to `compare` once every case is right: other ``cases``, of which
             no mistakes are known, and how those are compared.
@@ -63,7 +63,7 @@ def exercise(
     if run is not None:
         right, faults = partial(run, rule), {words: partial(run, f) for words, f in known.items()}
         there = beside(run)
-        comparing["invoke"] = lambda what, student, *given: there(student, *given)
+        comparing.setdefault("invoke", lambda what, student, *given: there(student, *given))
 
     def judge(student: Function) -> Any:  # noqa: ANN401 - target and yours, if drawn
         with np.errstate(all="ignore"):
