@@ -1,9 +1,12 @@
 """Exercises as specifications: every known mistake is one, and is named by its own words."""
 
+import textwrap
+
 import pytest
 
 from tests.checks.test_checks import all_checks
-from tutorial_lib.checks.engine import edited, mistakes_of
+from tutorial_lib.checks.engine import edited, exercise, mistakes_of
+from tutorial_lib.checks.framework.topics import Topic
 from tutorial_lib.errors import InputError
 
 SPECIFIED = [check for check in all_checks() if check.mistakes is not None]
@@ -38,3 +41,54 @@ def test_an_edit_that_does_not_apply_is_refused():
         mistakes_of(rule, "no z\n    z -> y\n")
     with pytest.raises(InputError, match="below words"):
         mistakes_of(rule, "    x + 1 -> y\n")
+
+
+def test_words_and_edits_may_take_several_lines():
+    text = """
+    one line,
+    and another
+        x + 1
+            -> x - 1
+        return -> y = x; return
+    one line
+        x + 1 -> x
+    """
+    found = mistakes_of(rule, textwrap.dedent(text))
+    assert list(found) == ["one line, and another", "one line"]
+    assert [mistake(5) for mistake in found.values()] == [4, 5]
+
+
+def specified(cases, **more):
+    return exercise(
+        rule,
+        cases,
+        "add\n    x + 1 -> x - 1",
+        module="nb00",
+        about="It adds.",
+        example=(1,),
+        **more,
+    )
+
+
+def test_cases_may_have_words_of_their_own():
+    check = specified(
+        [Topic("one", "count on", [(1,)]), Topic("more", "go on", [(2,), (3,)])],
+        form=lambda what, answer, *_: answer,
+        difference=lambda got, want, *_: f"{got}, not {want}",
+    )
+    assert check(rule).status == "passed"
+    assert check(lambda x: x - 1).message == "rule, one: add"
+    assert check(lambda x: min(x + 1, 3)).message == "rule, more: go on (3, not 4)"
+
+
+def test_later_cases_come_when_all_others_are_right():
+    check = specified({"one": (1,)}, later={"cases": {"large": (99,)}})
+    assert check(rule).status == "passed"
+    assert check(lambda x: x - 1).message == "rule, one: add (0 came back; 2 is right)"
+    assert check(lambda x: min(x, 9) + 1).message == "rule, large: 10 came back; 100 is right"
+
+
+def test_what_is_judged_may_be_more_than_the_answer():
+    check = specified({"one": (1,)}, run=lambda function, x: (function(x), "run"))
+    assert check(rule).status == "passed"
+    assert check(lambda x: x - 1).message.startswith("rule, one: add (")
