@@ -81,6 +81,14 @@ def test_teachers_get_goals_answers_and_mistakes(project):
     assert "right" not in page
 
 
+def test_teachers_get_the_mistakes_that_checks_know(project):
+    source = project / "solutions/01_compose.py"
+    source.write_text(SOURCE.replace("`double`", "`compose`"))
+    page = teachers_page([source], project / "tests/wrong_answers", "# Top")
+    assert "- `compose`\n  - the second pose is seen from the first" in page
+    assert "\n  - the headings are subtracted; they add up\n" in page
+
+
 def test_what_is_written_by_hand_stays(project):
     first = [file.read_text() for file in write_guides(project)]
     assert all(text.startswith(f"# By hand\n\n{MADE}\n") for text in first)

@@ -9,32 +9,6 @@ import torch
 from torch import nn
 
 
-def goal_policy__pulls_harder_from_far_away(offsets, velocities, gain, damping, near):
-    """divide the offset by its length"""
-    return gain * offsets - damping * velocities, _identities(offsets)
-
-
-def goal_policy__pushes_with_the_velocity(offsets, velocities, gain, damping, near):
-    """it needs a minus"""
-    return _pull(offsets, gain, near) + damping * velocities, _identities(offsets)
-
-
-def goal_policy__forgets_the_damping(offsets, velocities, gain, damping, near):
-    """the damping is missing"""
-    return _pull(offsets, gain, near), _identities(offsets)
-
-
-def goal_policy__never_fades(offsets, velocities, gain, damping, near):
-    """within `near` the pull fades: divide by the distance or by `near`"""
-    return _pull(offsets, gain, 1e-9) - damping * velocities, _identities(offsets)
-
-
-def goal_policy__takes_one_length_for_all(offsets, velocities, gain, damping, near):
-    """each offset has its own length"""
-    pull = gain * offsets / max(np.linalg.norm(offsets), near)
-    return pull - damping * velocities, _identities(offsets)
-
-
 def goal_policy__gives_one_metric_for_all(offsets, velocities, gain, damping, near):
     """the metrics: shape (2, 2), but (4, 2, 2) is needed"""
     return _pull(offsets, gain, near) - damping * velocities, np.eye(2)
@@ -54,82 +28,6 @@ def goal_policy__right_point_by_point(offsets, velocities, gain, damping, near):
     return np.reshape(found, np.shape(offsets)), _identities(offsets)
 
 
-def obstacle_policy__holds_back_what_recedes(distances, closing, push, brake, weight, fade):
-    """a receding obstacle only pushes"""
-    return (push + brake * closing) / _limited(distances), _fading(distances, weight, fade)
-
-
-def obstacle_policy__pulls_closer(distances, closing, push, brake, weight, fade):
-    """it makes the distance grow"""
-    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
-    return -away, _fading(distances, weight, fade)
-
-
-def obstacle_policy__divides_only_the_push(distances, closing, push, brake, weight, fade):
-    """both divided by the distance"""
-    away = push / _limited(distances) + brake * np.maximum(closing, 0)
-    return away, _fading(distances, weight, fade)
-
-
-def obstacle_policy__pushes_alike_at_any_distance(distances, closing, push, brake, weight, fade):
-    """near obstacles push harder"""
-    return push + brake * np.maximum(closing, 0), _fading(distances, weight, fade)
-
-
-def obstacle_policy__divides_by_nothing(distances, closing, push, brake, weight, fade):
-    """in the acceleration too, not only in the metric"""
-    away = (push + brake * np.maximum(closing, 0)) / distances
-    return away, weight * np.exp(-np.maximum(distances, 0.01) / fade)
-
-
-def obstacle_policy__limits_nothing(distances, closing, push, brake, weight, fade):
-    """0.01 m, in both"""
-    away = (push + brake * np.maximum(closing, 0)) / distances
-    return away, weight * np.exp(-distances / fade)
-
-
-def obstacle_policy__limits_only_the_push(distances, closing, push, brake, weight, fade):
-    """in the metric too"""
-    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
-    return away, weight * np.exp(-distances / fade)
-
-
-def obstacle_policy__brakes_what_recedes(distances, closing, push, brake, weight, fade):
-    """not the absolute value"""
-    away = (push + brake * np.abs(closing)) / _limited(distances)
-    return away, _fading(distances, weight, fade)
-
-
-def obstacle_policy__limits_the_sum(distances, closing, push, brake, weight, fade):
-    """limit the closing speed from below, not the sum"""
-    away = np.maximum(push + brake * closing, 0) / _limited(distances)
-    return away, _fading(distances, weight, fade)
-
-
-def obstacle_policy__swaps_its_answers(distances, closing, push, brake, weight, fade):
-    """give the accelerations first"""
-    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
-    return _fading(distances, weight, fade), away
-
-
-def obstacle_policy__divides_only_the_brake(distances, closing, push, brake, weight, fade):
-    """divide both terms by the distance"""
-    away = push + brake * np.maximum(closing, 0) / _limited(distances)
-    return away, _fading(distances, weight, fade)
-
-
-def obstacle_policy__never_stops_caring(distances, closing, push, brake, weight, fade):
-    """the metric fades with distance"""
-    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
-    return away, np.full(len(distances), weight)
-
-
-def obstacle_policy__cares_more_for_the_far(distances, closing, push, brake, weight, fade):
-    """the exponent is negative"""
-    away = (push + brake * np.maximum(closing, 0)) / _limited(distances)
-    return away, weight * np.exp(_limited(distances) / fade)
-
-
 def obstacle_policy__right_one_by_one(distances, closing, push, brake, weight, fade):
     pairs = []
     for distance, speed in zip(distances, closing, strict=True):
@@ -138,24 +36,6 @@ def obstacle_policy__right_one_by_one(distances, closing, push, brake, weight, f
         pairs.append((force / distance, weight * np.e ** (-distance / fade)))
     away, metrics = np.array(pairs).T
     return away, metrics
-
-
-def resolve__gives_the_force(policies):
-    """that is the force"""
-    return _sums(policies)[0]
-
-
-def resolve__forgets_the_metrics(policies):
-    """the metrics do not count"""
-    force = sum(j.T @ a for j, a, _ in policies)
-    metric = sum(j.T @ j for j, _, _ in policies)
-    return np.linalg.solve(metric + 1e-6 * np.eye(2), force)
-
-
-def resolve__forgets_the_metric_in_the_force(policies):
-    """the force lacks the metric"""
-    force = sum(j.T @ a for j, a, _ in policies)
-    return np.linalg.solve(_sums(policies)[1] + 1e-6 * np.eye(2), force)
 
 
 def resolve__averages(policies):
@@ -169,51 +49,6 @@ def resolve__has_no_damping(policies):
     return np.linalg.solve(metric, force)
 
 
-def resolve__solves_inside_the_loop(policies):
-    """solve once, after the sums; do not add up what each policy wants"""
-    wanted = np.zeros(2)
-    for jacobian, acceleration, metric in policies:
-        own = jacobian.T @ metric @ jacobian + 1e-6 * np.eye(2)
-        wanted = wanted + np.linalg.solve(own, jacobian.T @ metric @ acceleration)
-    return wanted
-
-
-def resolve__forgets_the_jacobian(policies):
-    """pull back with J"""
-    force, total = np.zeros(2), 1e-6 * np.eye(2)
-    for _, acceleration, metric in policies:
-        force, total = force + metric @ acceleration, total + metric
-    return np.linalg.solve(total, force)
-
-
-def resolve__forgets_the_jacobian_of_the_force(policies):
-    """pull back the force with J too"""
-    force = sum(np.zeros(2) + m @ a for _, a, m in policies)
-    return np.linalg.solve(_sums(policies)[1] + 1e-6 * np.eye(2), force)
-
-
-def resolve__divides_by_the_number(policies):
-    """the force is a sum, not a mean"""
-    force, metric = _sums(policies)
-    return np.linalg.solve(metric + 1e-6 * np.eye(2), force / len(policies))
-
-
-def resolve__returns_inside_the_loop(policies):
-    """is the return inside the loop?"""
-    return resolve__right_by_least_squares(policies[:1])
-
-
-def resolve__takes_a_pseudo_inverse(policies):
-    """a pseudo-inverse leaves out the 1e-6"""
-    force, metric = _sums(policies)
-    return np.linalg.pinv(metric) @ force
-
-
-def resolve__hears_only_the_last(policies):
-    """only the last one counts"""
-    return resolve__right_by_least_squares(policies[-1:])
-
-
 def resolve__right_by_least_squares(policies):
     rows, wanted = [1e-3 * np.eye(2)], [np.zeros(2)]
     for jacobian, acceleration, metric in policies:
@@ -222,29 +57,6 @@ def resolve__right_by_least_squares(policies):
         rows.append(root @ jacobian)
         wanted.append(root @ acceleration)
     return np.linalg.lstsq(np.concatenate(rows), np.concatenate(wanted), rcond=None)[0]
-
-
-def waypoint_label__always_takes_the_target(start, track, source, target, sees):
-    """not in sight"""
-    return _seen_from(start, track[target])
-
-
-def waypoint_label__stays_in_the_world(start, track, source, target, sees):
-    """as seen from the start"""
-    if target <= source:
-        return track[target, :2]
-    places = track[source + 1 : target + 1, :2]
-    seen = np.flatnonzero(sees(start[:2], places))
-    return places[seen[-1]] if len(seen) else None
-
-
-def waypoint_label__takes_the_nearest(start, track, source, target, sees):
-    """take the farthest"""
-    if target <= source:
-        return _seen_from(start, track[target])
-    places = track[source + 1 : target + 1]
-    seen = np.flatnonzero(sees(start[:2], places[:, :2]))
-    return _seen_from(start, places[seen[0]]) if len(seen) else None
 
 
 def waypoint_label__stops_at_the_first_hidden_place(start, track, source, target, sees):
@@ -259,72 +71,10 @@ def waypoint_label__stops_at_the_first_hidden_place(start, track, source, target
     return found
 
 
-def waypoint_label__takes_the_greatest_distance(start, track, source, target, sees):
-    """not the one at the greatest distance"""
-    if target <= source:
-        return _seen_from(start, track[target])
-    places = track[source + 1 : target + 1]
-    seen = sees(start[:2], places[:, :2])
-    far = np.linalg.norm(places[:, :2] - start[:2], axis=1) * seen
-    return _seen_from(start, places[far.argmax()]) if seen.any() else None
-
-
-def waypoint_label__looks_for_a_way_back(start, track, source, target, sees):
-    """do not search the places in between"""
-    first, last = min(source, target), max(source, target)
-    places = track[first + 1 : last + 1]
-    seen = np.flatnonzero(sees(start[:2], places[:, :2]))
-    if target <= source:
-        places = track[target : source + 1]
-        seen = np.flatnonzero(sees(start[:2], places[:, :2]))
-        return _seen_from(start, places[seen[0]])
-    return _seen_from(start, places[seen[-1]]) if len(seen) else None
-
-
-def waypoint_label__ignores_the_target(start, track, source, target, sees):
-    """not beyond the target"""
-    if target <= source:
-        return _seen_from(start, track[target])
-    return _last_in_sight(start, track[source + 1 :], start, sees)
-
-
 def waypoint_label__has_no_case_for_a_target_behind(start, track, source, target, sees):
     """in sight: your code stops with IndexError"""
     places = track[source + 1 : target + 1]
     return _seen_from(start, places[np.flatnonzero(sees(start[:2], places[:, :2]))[-1]])
-
-
-def waypoint_label__looks_for_a_target_behind(start, track, source, target, sees):
-    """yours looks whether it is in sight"""
-    first = target if target <= source else source + 1
-    return _last_in_sight(start, track[first : target + 1], start, sees)
-
-
-def waypoint_label__takes_only_a_target_before_the_source(start, track, source, target, sees):
-    """target <= source"""
-    if target < source:
-        return _seen_from(start, track[target])
-    return _last_in_sight(start, track[source + 1 : target + 1], start, sees)
-
-
-def waypoint_label__takes_the_source_too(start, track, source, target, sees):
-    """the place of source itself is no candidate"""
-    if target <= source:
-        return _seen_from(start, track[target])
-    return _last_in_sight(start, track[source : target + 1], start, sees)
-
-
-def waypoint_label__looks_from_the_source(start, track, source, target, sees):
-    """look from the start"""
-    if target <= source:
-        return _seen_from(start, track[target])
-    return _last_in_sight(start, track[source + 1 : target + 1], track[source], sees)
-
-
-def waypoint_label__counts_from_the_start_of_the_track(start, track, source, target, sees):
-    """count from the first candidate"""
-    ok = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
-    return _seen_from(start, track[ok[-1]])
 
 
 def waypoint_label__counts_so_and_stays_in_the_world(start, track, source, target, sees):
@@ -333,31 +83,12 @@ def waypoint_label__counts_so_and_stays_in_the_world(start, track, source, targe
     return track[ok[-1], :2]
 
 
-def waypoint_label__is_one_frame_early(start, track, source, target, sees):
-    """one frame too early"""
-    ok = np.flatnonzero(sees(start[:2], track[source + 1 : target + 1, :2]))
-    return _seen_from(start, track[source + ok[-1]])
-
-
-def waypoint_label__leaves_out_the_target(start, track, source, target, sees):
-    """the target itself is a candidate too"""
-    if target <= source:
-        return _seen_from(start, track[target])
-    return _last_in_sight(start, track[source + 1 : target], start, sees)
-
-
 def waypoint_label__takes_the_last_of_nothing(start, track, source, target, sees):
     """there is no last place"""
     if target <= source:
         return _seen_from(start, track[target])
     places = track[source + 1 : target + 1]
     return _seen_from(start, places[np.flatnonzero(sees(start[:2], places[:, :2]))[-1]])
-
-
-def waypoint_label__makes_one_up(start, track, source, target, sees):
-    """return None, not the target"""
-    found = waypoint_label__right_from_the_far_end(start, track, source, target, sees)
-    return _seen_from(start, track[target]) if found is None else found
 
 
 def waypoint_label__right_from_the_far_end(start, track, source, target, sees):
@@ -378,14 +109,6 @@ def _identities(offsets):
     return np.tile(np.eye(2), (*np.shape(offsets)[:-1], 1, 1))
 
 
-def _limited(distances):
-    return np.maximum(distances, 0.01)
-
-
-def _fading(distances, weight, fade):
-    return weight * np.exp(-_limited(distances) / fade)
-
-
 def _sums(policies):
     force = sum(j.T @ m @ a for j, a, m in policies)
     return force, sum(j.T @ m @ j for j, _, m in policies)
@@ -395,11 +118,6 @@ def _seen_from(start, place):
     offset = (place[0] - start[0]) + 1j * (place[1] - start[1])
     turned = offset * np.exp(-1j * start[2])
     return np.array([turned.real, turned.imag])
-
-
-def _last_in_sight(start, places, origin, sees):
-    seen = np.flatnonzero(sees(origin[:2], places[:, :2]))
-    return _seen_from(start, places[seen[-1]]) if len(seen) else None
 
 
 def _eyes(offsets):
@@ -426,45 +144,6 @@ def goal_policy__ignores_the_damping(offsets, velocities, gain, damping, near):
     return gain * _toward(offsets, near) - 3.0 * velocities, _eyes(offsets)
 
 
-def goal_policy__takes_the_minimum(offsets, velocities, gain, damping, near):
-    """divide by the larger of distance and `near`, not by the smaller"""
-    d = np.linalg.norm(offsets, axis=-1, keepdims=True)
-    return gain * offsets / np.minimum(d, near) - damping * velocities, _eyes(offsets)
-
-
-def goal_policy__stops_within_near(offsets, velocities, gain, damping, near):
-    """within `near` the pull fades evenly; it does not stop at once"""
-    d = np.linalg.norm(offsets, axis=-1, keepdims=True)
-    pull = np.where(d < near, 0.0, gain * offsets / np.maximum(d, 1e-9))
-    return pull - damping * velocities, _eyes(offsets)
-
-
-def goal_policy__damps_by_the_speed(offsets, velocities, gain, damping, near):
-    """the velocity is damped component by component, not its length"""
-    speed = np.linalg.norm(velocities, axis=-1, keepdims=True)
-    return gain * _toward(offsets, near) - damping * speed, _eyes(offsets)
-
-
-def goal_policy__puts_gain_and_damping_in_one_bracket(offsets, velocities, gain, damping, near):
-    """only the pull is multiplied by the gain, only the velocity by the damping"""
-    return (gain - damping) * _toward(offsets, near) - velocities, _eyes(offsets)
-
-
-def goal_policy__pushes_away(offsets, velocities, gain, damping, near):
-    """it pushes away from the goal: the offset runs from the point to its goal"""
-    return -gain * _toward(offsets, near) - damping * velocities, _eyes(offsets)
-
-
-def goal_policy__puts_the_gain_into_the_metric(offsets, velocities, gain, damping, near):
-    """the metric is the identity itself; the gain does not belong in it"""
-    return gain * _toward(offsets, near) - damping * velocities, gain * _eyes(offsets)
-
-
-def goal_policy__fills_the_metric_with_ones(offsets, velocities, gain, damping, near):
-    """the metric is the identity: ones on the diagonal only"""
-    return gain * _toward(offsets, near) - damping * velocities, np.ones((*np.shape(offsets), 2))
-
-
 def goal_policy__needs_rows(offsets, velocities, gain, damping, near):
     """your code stops with AxisError: axis 1 is out of bounds for array of dimension 1"""
     d = np.linalg.norm(offsets, axis=1)[:, None]
@@ -476,22 +155,10 @@ def goal_policy__exchanges_its_answers(offsets, velocities, gain, damping, near)
     return _eyes(offsets), gain * _toward(offsets, near) - damping * velocities
 
 
-def goal_policy__adds_up_components(offsets, velocities, gain, damping, near):
-    """divide by the length of the offset, not by the sum of its components"""
-    d = np.abs(offsets).sum(-1, keepdims=True)
-    return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
-
-
 def goal_policy__changes_velocities(offsets, velocities, gain, damping, near):
     """your function changes its argument velocities"""
     velocities *= damping
     return gain * _toward(offsets, near) - velocities, _eyes(offsets)
-
-
-def goal_policy__divides_by_the_square(offsets, velocities, gain, damping, near):
-    """divide by the length of the offset, not by its square"""
-    d = (offsets**2).sum(-1, keepdims=True)
-    return gain * offsets / np.maximum(d, near) - damping * velocities, _eyes(offsets)
 
 
 def goal_policy__right_where(offsets, velocities, gain, damping, near):
@@ -518,73 +185,10 @@ def _near(distances):
     return np.maximum(distances, 0.01)
 
 
-def obstacle_policy__begins_at_10_centimetres(distances, closing, push, brake, weight, fade):
-    """the smallest distance is 0.01 m, 1 cm, not 10 cm"""
-    d = np.maximum(distances, 0.1)
-    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
-
-
 def obstacle_policy__ignores_fade(distances, closing, push, brake, weight, fade):
     """another fade never changes your answer; it should"""
     d = _near(distances)
     return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / 0.08)
-
-
-def obstacle_policy__adds_a_centimetre(distances, closing, push, brake, weight, fade):
-    """0.01 m is the smallest distance; it is not added to every distance"""
-    d = distances + 0.01
-    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
-
-
-def obstacle_policy__divides_by_the_square(distances, closing, push, brake, weight, fade):
-    """divide by the distance itself, not by its square"""
-    d = _near(distances)
-    return (push + brake * np.maximum(closing, 0)) / d**2, weight * np.exp(-d / fade)
-
-
-def obstacle_policy__fades_with_the_square(distances, closing, push, brake, weight, fade):
-    """the exponent is the distance divided by `fade`, not squared"""
-    d = _near(distances)
-    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-((d / fade) ** 2))
-
-
-def obstacle_policy__brakes_only_what_recedes(distances, closing, push, brake, weight, fade):
-    """the brake acts while the distance shrinks (closing > 0), not while it grows"""
-    d = _near(distances)
-    return (push + brake * np.maximum(-closing, 0)) / d, weight * np.exp(-d / fade)
-
-
-def obstacle_policy__pushes_only_what_comes_nearer(distances, closing, push, brake, weight, fade):
-    """an obstacle pushes even if it does not come nearer: only the brake depends on closing"""
-    d = _near(distances)
-    return np.where(closing > 0, push + brake * closing, 0) / d, weight * np.exp(-d / fade)
-
-
-def obstacle_policy__takes_the_push_for_the_brake(distances, closing, push, brake, weight, fade):
-    """the brake is missing its own factor: it is brake, not push, that multiplies closing"""
-    d = _near(distances)
-    return (push + push * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
-
-
-def obstacle_policy__takes_the_nearest_for_all(distances, closing, push, brake, weight, fade):
-    """each obstacle has its own distance; do not use the nearest one's for all"""
-    d = np.full_like(distances, _near(distances).min())
-    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
-
-
-def obstacle_policy__divides_the_metrics_by_their_sum(
-    distances, closing, push, brake, weight, fade
-):
-    """each metric stands alone; do not divide them by their sum"""
-    d = _near(distances)
-    m = np.exp(-d / fade)
-    return (push + brake * np.maximum(closing, 0)) / d, weight * m / m.sum()
-
-
-def obstacle_policy__drops_the_sign_of_the_distance(distances, closing, push, brake, weight, fade):
-    """a negative distance is nearer than 0.01 m too: np.maximum, not the absolute value"""
-    d = np.maximum(np.abs(distances), 0.01)
-    return (push + brake * np.maximum(closing, 0)) / d, weight * np.exp(-d / fade)
 
 
 def obstacle_policy__changes_its_arguments(distances, closing, push, brake, weight, fade):
@@ -599,12 +203,6 @@ def obstacle_policy__cuts_the_metric_off(distances, closing, push, brake, weight
     m = weight * np.exp(-d / fade)
     m[d > 0.5] = 0
     return (push + brake * np.maximum(closing, 0)) / d, m
-
-
-def obstacle_policy__takes_the_fastest_for_all(distances, closing, push, brake, weight, fade):
-    """each obstacle has its own closing speed; do not use the largest for all"""
-    d = _near(distances)
-    return (push + brake * max(closing.max(), 0)) / d, weight * np.exp(-d / fade)
 
 
 def obstacle_policy__returns_lists(distances, closing, push, brake, weight, fade):
@@ -640,47 +238,10 @@ def resolve__adds_too_much_to_the_diagonal(policies):
     return np.linalg.solve(m + 1e-2 * np.eye(2), f)
 
 
-def resolve__adds_to_the_whole_matrix(policies):
-    """1e-6 belongs to the diagonal only: 1e-6 * np.eye(2)"""
-    f, m = _total(policies)
-    return np.linalg.solve(m + 1e-6, f)
-
-
 def resolve__adds_for_every_policy(policies):
     """with J the identity its acceleration comes back as it is (1.998 at"""
     f, m = _total(policies)
     return np.linalg.solve(m + 1e-3 * len(policies) * np.eye(2), f)
-
-
-def resolve__exchanges_j_and_its_transpose(policies):
-    """J and J^T are exchanged: force J^T M a and metric J^T M J"""
-    f, m = np.zeros(2), 1e-6 * np.eye(2)
-    for j, a, w in policies:
-        if j.shape[0] == 2:
-            f, m = f + j @ w @ a, m + j @ w @ j.T
-        else:
-            f, m = f + j.T @ w @ a, m + j.T @ w @ j
-    return np.linalg.solve(m, f)
-
-
-def resolve__counts_the_metric_twice(policies):
-    """the metric M counts twice; it stands once in the force and once in the metric"""
-    f, m = np.zeros(2), 1e-6 * np.eye(2)
-    for j, a, w in policies:
-        f, m = f + j.T @ w @ w @ a, m + j.T @ w @ w @ j
-    return np.linalg.solve(m, f)
-
-
-def resolve__multiplies_instead_of_solving(policies):
-    """the force is multiplied by the metric; solve metric @ u = force instead"""
-    f, m = _total(policies)
-    return (m + 1e-6 * np.eye(2)) @ f
-
-
-def resolve__solves_with_the_diagonal(policies):
-    """the diagonal of the metric is not enough; solve with the whole 2 x 2 matrix"""
-    f, m = _total(policies)
-    return f / (np.diag(m) + 1e-6)
 
 
 def resolve__skips_policies_of_one_row(policies):
@@ -689,33 +250,10 @@ def resolve__skips_policies_of_one_row(policies):
     return np.linalg.solve(m + 1e-6 * np.eye(2), f)
 
 
-def resolve__adds_the_first_two_only(policies):
-    """sum over all policies; only the first two count in yours"""
-    f, m = _total(policies[:2])
-    return np.linalg.solve(m + 1e-6 * np.eye(2), f)
-
-
-def resolve__uses_the_diagonal_of_m(policies):
-    """M is a whole matrix, not only its diagonal"""
-    f, m = np.zeros(2), 1e-6 * np.eye(2)
-    for j, a, w in policies:
-        d = np.diag(np.diag(w))
-        f, m = f + j.T @ d @ a, m + j.T @ d @ j
-    return np.linalg.solve(m, f)
-
-
 def resolve__returns_a_column(policies):
     """shape (2, 1), but (2,) is needed"""
     f, m = _total(policies)
     return np.linalg.solve(m + 1e-6 * np.eye(2), f[:, None])
-
-
-def resolve__gives_up_where_a_direction_is_free(policies):
-    """no policy constrains one direction: add 1e-6 to the diagonal (0 at"""
-    f, m = _total(policies)
-    if abs(np.linalg.det(m)) < 1e-3:
-        return np.zeros(2)
-    return np.linalg.solve(m, f)
 
 
 def resolve__changes_metrics(policies):
@@ -781,43 +319,6 @@ def waypoint_label__takes_the_mean(start, track, source, target, sees):
     return _local(start, places[seen].mean(axis=0)) if len(seen) else None
 
 
-def waypoint_label__counts_the_places_in_sight(start, track, source, target, sees):
-    """the number of places in sight is no index: some before the last one may be hidden"""
-    if target <= source:
-        return _local(start, track[target])
-    places = track[source + 1 : target + 1, :2]
-    count = int(sees(start[:2], places).sum())
-    return _local(start, places[count - 1]) if count else None
-
-
-def waypoint_label__turns_the_wrong_way(start, track, source, target, sees):
-    """turned the wrong way: to_local"""
-    right = waypoint_label__right_backwards(start, track, source, target, sees)
-    if right is None:
-        return None
-    return _local(start * [1, 1, -1], start[:2] + _world(start, right))
-
-
-def _world(start, local):
-    c, s = np.cos(start[2]), np.sin(start[2])
-    return np.array([c * local[0] - s * local[1], s * local[0] + c * local[1]])
-
-
-def waypoint_label__points_y_to_the_right(start, track, source, target, sees):
-    """y points to the right here; it must be positive to the left: to_local"""
-    right = waypoint_label__right_backwards(start, track, source, target, sees)
-    return None if right is None else right * [1, -1]
-
-
-def waypoint_label__answers_as_seen_from_the_source(start, track, source, target, sees):
-    """as seen from the pose of frame `source`; it must be as seen from the start: to_local"""
-    if target <= source:
-        return _local(track[source], track[target])
-    places = track[source + 1 : target + 1, :2]
-    seen = np.flatnonzero(sees(start[:2], places))
-    return _local(track[source], places[seen[-1]]) if len(seen) else None
-
-
 def waypoint_label__searches_from_the_first_frame(start, track, source, target, sees):
     """nothing is in sight, so there is no last place; return None"""
     if target <= source:
@@ -825,20 +326,6 @@ def waypoint_label__searches_from_the_first_frame(start, track, source, target, 
     places = track[: target + 1, :2]
     seen = np.flatnonzero(sees(start[:2], places))
     return _local(start, places[seen[-1]]) if len(seen) else None
-
-
-def waypoint_label__has_no_label_for_a_target_behind(start, track, source, target, sees):
-    """a target behind is its own waypoint, in sight or not; yours gives"""
-    if target <= source:
-        return None
-    return waypoint_label__right_backwards(start, track, source, target, sees)
-
-
-def waypoint_label__returns_the_source_for_a_target_behind(start, track, source, target, sees):
-    """a target behind is its own waypoint, in sight or not; yours gives the"""
-    if target <= source:
-        return _local(start, track[source])
-    return waypoint_label__right_backwards(start, track, source, target, sees)
 
 
 def waypoint_label__returns_three_numbers(start, track, source, target, sees):
@@ -870,15 +357,6 @@ def waypoint_label__passes_poses_to_sees(start, track, source, target, sees):
         return _local(start, track[target])
     places = track[source + 1 : target + 1]
     seen = np.flatnonzero(sees(start, places))
-    return _local(start, places[seen[-1]]) if len(seen) else None
-
-
-def waypoint_label__takes_the_source_for_a_candidate(start, track, source, target, sees):
-    """the place of source itself is no candidate, and a target at the"""
-    if target < source:
-        return _local(start, track[target])
-    places = track[source : target + 1, :2]
-    seen = np.flatnonzero(sees(start[:2], places))
     return _local(start, places[seen[-1]]) if len(seen) else None
 
 
@@ -1340,95 +818,14 @@ def _lengths(o):
     return np.linalg.norm(o, axis=-1, keepdims=True)
 
 
-def goal_policy__rounds_the_length(o, v, g, b, n):
-    """divide by the larger of length and `near`; far away `near` must not matter"""
-    return (g * o / np.sqrt(_lengths(o) ** 2 + n**2) - b * v, _eyes(o))
-
-
-def goal_policy__does_not_divide_within_near(o, v, g, b, n):
-    """within `near` the pull is gain * offset / near; it is not divided by `near`"""
-    return (
-        np.where(_lengths(o) < n, g * o, g * o / np.maximum(_lengths(o), 1e-09)) - b * v,
-        _eyes(o),
-    )
-
-
-def goal_policy__multiplies_the_damping_by_the_gain(o, v, g, b, n):
-    """the damping does not belong inside the pull: the gain multiplies the pull alone"""
-    return (g * (o / np.maximum(_lengths(o), n) - b * v), _eyes(o))
-
-
-def goal_policy__divides_by_the_damping(o, v, g, b, n):
-    """the velocity is multiplied by the damping, not divided by it"""
-    return (g * o / np.maximum(_lengths(o), n) - v / b, _eyes(o))
-
-
 def goal_policy__returns_numbers_as_metrics(o, v, g, b, n):
     """the metrics: shape (), but (2, 2) is needed"""
     return (g * o / np.maximum(_lengths(o), n) - b * v, np.ones(np.shape(o)[:-1]))
 
 
-def goal_policy__puts_the_damping_into_the_metric(o, v, g, b, n):
-    """the metric is the identity itself; the damping does not belong in it"""
-    return (g * o / np.maximum(_lengths(o), n) - b * v, b * _eyes(o))
-
-
-def goal_policy__weighs_only_the_direction_to_the_goal(o, v, g, b, n):
-    """the metric weighs all directions equally, not only the one to the goal"""
-    u = o / np.maximum(_lengths(o), 1e-09)
-    return (g * o / np.maximum(_lengths(o), n) - b * v, u[..., :, None] * u[..., None, :])
-
-
 def goal_policy__measures_along_the_wrong_axis(o, v, g, b, n):
     """each row has a length and a metric of its own: axis=-1 and keepdims=True"""
     return (g * o / np.maximum(np.linalg.norm(o, axis=0), n) - b * v, _eyes(o))
-
-
-def goal_policy__damps_by_the_square(o, v, g, b, n):
-    """the damping grows with the velocity itself, not with its square"""
-    return (g * o / np.maximum(_lengths(o), n) - b * v * _lengths(v), _eyes(o))
-
-
-def obstacle_policy__takes_the_minimum(d, c, p, b, w, f):
-    """limit the distances from below: np.maximum(distances, 0.01), not np.minimum"""
-    d = np.minimum(d, 0.01)
-    return ((p + b * np.maximum(c, 0)) / d, w * np.exp(-d / f))
-
-
-def obstacle_policy__begins_at_a_millimetre(d, c, p, b, w, f):
-    """the smallest distance is 0.01 m, 1 cm, not 1 mm"""
-    d = np.maximum(d, 0.001)
-    return ((p + b * np.maximum(c, 0)) / d, w * np.exp(-d / f))
-
-
-def obstacle_policy__exchanges_push_and_brake(d, c, p, b, w, f):
-    """`push` and `brake` are exchanged: it is the brake that multiplies closing"""
-    d = _near(d)
-    return ((b + p * np.maximum(c, 0)) / d, w * np.exp(-d / f))
-
-
-def obstacle_policy__exchanges_weight_and_fade(d, c, p, b, w, f):
-    """`weight` and `fade` are exchanged: weight * exp(-distance / fade)"""
-    d = _near(d)
-    return ((p + b * np.maximum(c, 0)) / d, f * np.exp(-d / w))
-
-
-def obstacle_policy__takes_powers_of_two(d, c, p, b, w, f):
-    """the metric falls by the factor e every `fade` metres: np.exp, not powers of 2"""
-    d = _near(d)
-    return ((p + b * np.maximum(c, 0)) / d, w * 2 ** (-d / f))
-
-
-def obstacle_policy__fades_along_a_line(d, c, p, b, w, f):
-    """the metric fades exponentially, np.exp, not along a straight line"""
-    d = _near(d)
-    return ((p + b * np.maximum(c, 0)) / d, w * np.maximum(0, 1 - d / f))
-
-
-def obstacle_policy__squares_the_closing_speed(d, c, p, b, w, f):
-    """the brake multiplies the closing speed itself, not its square"""
-    d = _near(d)
-    return ((p + b * np.maximum(c, 0) ** 2) / d, w * np.exp(-d / f))
 
 
 def obstacle_policy__adds_up_all_obstacles(d, c, p, b, w, f):
@@ -1443,59 +840,16 @@ def obstacle_policy__returns_a_matrix(d, c, p, b, w, f):
     return ((p + b * np.maximum(c, 0)) / d, np.diag(w * np.exp(-d / f)))
 
 
-def obstacle_policy__weighs_its_acceleration(d, c, p, b, w, f):
-    """the acceleration is not weighted with the metric here; `resolve` does that"""
-    d = _near(d)
-    m = w * np.exp(-d / f)
-    return (m * (p + b * np.maximum(c, 0)) / d, m)
-
-
 def resolve__inverts_number_by_number(P):
     """with J the identity its acceleration comes back as it is (2e+06 at"""
     F, M = _sums(P)
     return 1 / (M + 1e-06) @ F
 
 
-def resolve__turns_the_force_around(P):
-    """the sign is wrong: solve metric @ u = force, without a minus"""
-    F, M = _sums(P)
-    return -np.linalg.solve(M + 1e-06 * np.eye(2), F)
-
-
 def resolve__returns_a_list(P):
     """a list came back; return a numpy array"""
     F, M = _sums(P)
     return list(np.linalg.solve(M + 1e-06 * np.eye(2), F))
-
-
-def resolve__keeps_only_the_last_metric(P):
-    """sum the metrics of all policies; only the last one counts in yours"""
-    F = np.zeros(2)
-    for j, a, m in P:
-        F = F + j.T @ m @ a
-        M = j.T @ m @ j
-    return np.linalg.solve(M + 1e-06 * np.eye(2), F)
-
-
-def resolve__keeps_only_the_last_force(P):
-    """sum the forces of all policies; only the last one counts in yours"""
-    M = np.zeros((2, 2))
-    for j, a, m in P:
-        F = j.T @ m @ a
-        M = M + j.T @ m @ j
-    return np.linalg.solve(M + 1e-06 * np.eye(2), F)
-
-
-def resolve__adds_one_to_the_diagonal(P):
-    """what you add to the diagonal must be 1e-6; 1 slows every policy down"""
-    F, M = _sums(P)
-    return np.linalg.solve(M + np.eye(2), F)
-
-
-def resolve__hears_only_the_heaviest(P):
-    """sum over all policies; only the one with the largest metric counts in yours"""
-    j, a, m = max(P, key=lambda p: np.trace(p[2]))
-    return np.linalg.solve(j.T @ m @ j + 1e-06 * np.eye(2), j.T @ m @ a)
 
 
 def resolve__begins_with_a_force(P):
@@ -1527,19 +881,6 @@ def _labelled(st, tr, a, b, sees, pick):
     return _local(st, pts[pick(k)]) if len(k) else None
 
 
-def waypoint_label__takes_the_last_but_one(st, tr, a, b, sees):
-    """that is the last place in sight but one; take the last"""
-    return _labelled(st, tr, a, b, sees, lambda k: k[-2] if len(k) > 1 else k[-1])
-
-
-def waypoint_label__takes_the_first_in_sight(st, tr, a, b, sees):
-    """that is the first place in sight, or the first of all; take the last in sight"""
-    if b <= a:
-        return _local(st, tr[b])
-    pts = tr[a + 1 : b + 1, :2]
-    return _local(st, pts[np.argmax(sees(st[:2], pts))])
-
-
 def waypoint_label__takes_the_last_hidden_place(st, tr, a, b, sees):
     """of frames source + 1 to target, take the last that is in sight, as seen from start"""
     if b <= a:
@@ -1547,17 +888,6 @@ def waypoint_label__takes_the_last_hidden_place(st, tr, a, b, sees):
     pts = tr[a + 1 : b + 1, :2]
     k = np.flatnonzero(~sees(st[:2], pts))
     return _local(st, pts[k[-1]]) if len(k) else _local(st, pts[-1])
-
-
-def waypoint_label__takes_the_nearest_to_the_target(st, tr, a, b, sees):
-    """the last place along the trajectory counts, not the one nearest to the target in metres"""
-    if b <= a:
-        return _local(st, tr[b])
-    pts = tr[a + 1 : b + 1, :2]
-    k = np.flatnonzero(sees(st[:2], pts))
-    if not len(k):
-        return None
-    return _local(st, pts[k[np.argmin(np.linalg.norm(pts[k] - tr[b, :2], axis=1))]])
 
 
 def waypoint_label__searches_between_target_and_source(st, tr, a, b, sees):
@@ -1589,13 +919,6 @@ def waypoint_label__looks_back_from_the_target(st, tr, a, b, sees):
     if b <= a:
         return _local(tr[b], st)
     return _labelled(st, tr, a, b, sees, lambda k: k[-1])
-
-
-def waypoint_label__forgets_the_source_s_own_frame(st, tr, a, b, sees):
-    """a target at the source's own frame is its own waypoint too: target <= source"""
-    if b < a - 1:
-        return _local(st, tr[b])
-    return _labelled(st, tr, a, b, sees, lambda k: k[-1]) if b > a else None
 
 
 def waypoint_label__stops_half_way(st, tr, a, b, sees):
@@ -1747,32 +1070,6 @@ def train_network__counts_rises_of_the_loss(*c):
 
 def train_network__right_tn(*c):
     return _train(*c)
-
-
-def goal_policy__damps_within_near_only(offsets, velocities, gain, damping, near):
-    """the damping acts everywhere, not only within `near`"""
-    close_by = np.linalg.norm(offsets, axis=-1, keepdims=True) < near
-    return _pull(offsets, gain, near) - damping * velocities * close_by, _identities(offsets)
-
-
-def goal_policy__damps_far_away_only(offsets, velocities, gain, damping, near):
-    """the damping acts everywhere, not only farther away"""
-    far = np.linalg.norm(offsets, axis=-1, keepdims=True) >= near
-    return _pull(offsets, gain, near) - damping * velocities * far, _identities(offsets)
-
-
-def goal_policy__damps_along_the_way(offsets, velocities, gain, damping, near):
-    """works against the whole velocity"""
-    speed = np.linalg.norm(velocities, axis=-1, keepdims=True)
-    return _pull(offsets, 1.0, near) * (gain - damping * speed), _identities(offsets)
-
-
-def resolve__adds_a_millionth_for_every_policy(policies):
-    """1e-6 is added once, to the sum"""
-    force, metric = np.zeros(2), np.zeros((2, 2))
-    for j, a, m in policies:
-        force, metric = force + j.T @ m @ a, metric + j.T @ m @ j + 1e-6 * np.eye(2)
-    return np.linalg.solve(metric, force) if policies else force
 
 
 def resolve__adds_up_nothing(policies):

@@ -7,80 +7,15 @@ import numpy as np
 from scipy.optimize import minimize, minimize_scalar
 
 
-def rollout_labels__ignores_collisions(times, gaps, touched, geodesic):
-    """has failed, even if it arrives"""
-    return _float((gaps <= 0.3) & _in_time(times, geodesic))
-
-
 def rollout_labels__drops_collisions(times, gaps, touched, geodesic):
     """counts 0, it is not left out"""
     kept = ~touched.any(axis=0)
     return _right(times, gaps[:, kept], touched[:, kept], geodesic[kept])
 
 
-def rollout_labels__makes_collisions_nan(times, gaps, touched, geodesic):
-    """counts 0, not nan"""
-    label = _right(times, gaps, touched, geodesic)
-    return np.where(touched.any(axis=0) & (label == 0), np.nan, label)
-
-
-def rollout_labels__counts_later_collisions(times, gaps, touched, geodesic):
-    """after it has arrived does not count"""
-    return _float((gaps <= 0.3) & _in_time(times, geodesic)) * ~touched.any(axis=0)
-
-
-def rollout_labels__forgets_earlier_collisions(times, gaps, touched, geodesic):
-    """free again when it arrives"""
-    return _float((gaps <= 0.3) & _in_time(times, geodesic) & ~touched)
-
-
-def rollout_labels__waits_forever(times, gaps, touched, geodesic):
-    """after t_max does not count"""
-    return _float((gaps <= 0.3) & _clean(touched))
-
-
-def rollout_labels__has_no_grace(times, gaps, touched, geodesic):
-    """5 s on top"""
-    in_time = times[:, None] <= geodesic / 0.3
-    return _float((gaps <= 0.3) & _clean(touched) & in_time)
-
-
-def rollout_labels__multiplies_by_the_speed(times, gaps, touched, geodesic):
-    """divide the geodesic by it"""
-    in_time = times[:, None] <= geodesic * 0.3 + 5
-    return _float((gaps <= 0.3) & _clean(touched) & in_time)
-
-
-def rollout_labels__looks_at_the_end(times, gaps, touched, geodesic):
-    """do not look only at the last moment"""
-    return (gaps[-1] <= 0.3) * 1.0 * ~touched.any(axis=0)
-
-
-def rollout_labels__looks_at_the_limit(times, gaps, touched, geodesic):
-    """do not look only at the moment t_max"""
-    row = np.abs(times[:, None] - geodesic / 0.3 - 5).argmin(axis=0)
-    robots = np.arange(len(geodesic))
-    return ((gaps[row, robots] <= 0.3) & _clean(touched)[row, robots]).astype(float)
-
-
-def rollout_labels__is_generous(times, gaps, touched, geodesic):
-    """near means within 0.30 m"""
-    return _float((gaps <= 0.5) & _clean(touched) & _in_time(times, geodesic))
-
-
-def rollout_labels__labels_failures(times, gaps, touched, geodesic):
-    """0 for those that do not"""
-    return 1.0 - _right(times, gaps, touched, geodesic)
-
-
 def rollout_labels__labels_moments(times, gaps, touched, geodesic):
     """one answer for each moment"""
     return ((gaps <= 0.3) & _clean(touched) & _in_time(times, geodesic)).astype(float)
-
-
-def rollout_labels__lets_everybody_pass(times, gaps, touched, geodesic):
-    """every rollout counts as reached"""
-    return np.ones(len(geodesic))
 
 
 def rollout_labels__right_drive_by_drive(times, gaps, touched, geodesic):
@@ -98,53 +33,6 @@ def rollout_labels__right_drive_by_drive(times, gaps, touched, geodesic):
 def rollout_labels__right_with_sums(times, gaps, touched, geodesic):
     bad = np.cumsum(touched, axis=0) + (times[:, None] > geodesic / 0.3 + 5.0)
     return np.where(bad > 0, np.inf, gaps).min(axis=0) <= 0.3
-
-
-def rollout_labels__is_strict_about_the_distance(times, gaps, touched, geodesic):
-    """exactly 0.30 m counts as near"""
-    return _float((gaps < 0.3) & _clean(touched) & _in_time(times, geodesic))
-
-
-def rollout_labels__is_strict_about_the_time(times, gaps, touched, geodesic):
-    """exactly t_max is still in time"""
-    in_time = times[:, None] < geodesic / 0.3 + 5
-    return _float((gaps <= 0.3) & _clean(touched) & in_time)
-
-
-def rollout_labels__adds_before_it_divides(times, gaps, touched, geodesic):
-    """the 5 s come on top of the quotient"""
-    in_time = times[:, None] <= (geodesic + 5) / 0.3
-    return _float((gaps <= 0.3) & _clean(touched) & in_time)
-
-
-def rollout_labels__has_one_limit_for_all(times, gaps, touched, geodesic):
-    """t_max is different for each car"""
-    in_time = times[:, None] <= np.max(geodesic) / 0.3 + 5
-    return _float((gaps <= 0.3) & _clean(touched) & in_time)
-
-
-def rollout_labels__counts_rows_for_seconds(times, gaps, touched, geodesic):
-    """not with the number of the row"""
-    rows = np.arange(len(times))[:, None]
-    return _float((gaps <= 0.3) & _clean(touched) & (rows <= geodesic / 0.3 + 5))
-
-
-def rollout_labels__forgives_a_touch_on_arrival(times, gaps, touched, geodesic):
-    """a touch in the moment in which the car arrives counts"""
-    before = np.cumsum(touched, axis=0) - touched == 0
-    return _float((gaps <= 0.3) & before & _in_time(times, geodesic))
-
-
-def rollout_labels__mixes_moments(times, gaps, touched, geodesic):
-    """must hold at the same moment"""
-    near, in_time = (gaps <= 0.3).any(axis=0), _in_time(times, geodesic).any(axis=0)
-    return (near & in_time & _clean(touched).any(axis=0)).astype(float)
-
-
-def rollout_labels__takes_the_first_row_for_never(times, gaps, touched, geodesic):
-    """the rollout that "never comes near" has the label 0, not 1: it is within 0.30 m never"""
-    first, cars = (gaps <= 0.3).argmax(axis=0), np.arange(len(geodesic))
-    return (_clean(touched)[first, cars] & (times[first] <= geodesic / 0.3 + 5)).astype(float)
 
 
 def rollout_labels__cuts_the_quotient(times, gaps, touched, geodesic):
@@ -180,11 +68,6 @@ def rollout_labels__returns_one_label(times, gaps, touched, geodesic):
     return _right(times, gaps, touched, geodesic).mean()
 
 
-def rollout_labels__wants_everything_clean_at_the_limit(times, gaps, touched, geodesic):
-    """the number of good moments"""
-    return ((gaps <= 0.3) & _clean(touched) & _in_time(times, geodesic)).sum(axis=0)
-
-
 def rollout_labels__uses_and(times, gaps, touched, geodesic):
     """not by and, or"""
     return np.array([1.0 if gaps <= 0.3 and not touched else 0.0])
@@ -208,57 +91,6 @@ def rollout_labels__right_as_whole_numbers(times, gaps, touched, geodesic):
             )
         ]
     )
-
-
-def reach_loss__forgets_the_minus(logits, labels, weights):
-    """turn its sign round"""
-    return -_mean(_each(logits, labels), weights)
-
-
-def reach_loss__forgets_failures(logits, labels, weights):
-    """there is a second term"""
-    return _mean(labels * np.logaddexp(0, -logits), weights)
-
-
-def reach_loss__turns_the_logit_round(logits, labels, weights):
-    """a high logit predicts that the target will be reached"""
-    return _mean(_each(-logits, labels), weights)
-
-
-def reach_loss__rounds_labels(logits, labels, weights):
-    """do not round them"""
-    return _mean(_each(logits, labels > 0.5), weights)
-
-
-def reach_loss__ignores_the_weights(logits, labels, weights):
-    """the weights do not count yet"""
-    return _each(logits, labels).mean()
-
-
-def reach_loss__divides_by_the_number(logits, labels, weights):
-    """not by the number of pairs"""
-    return (weights * _each(logits, labels)).mean()
-
-
-def reach_loss__adds_up(logits, labels, weights):
-    """that is the sum"""
-    return (weights * _each(logits, labels)).sum()
-
-
-def reach_loss__squares(logits, labels, weights):
-    """the squared error"""
-    return _mean((_sigmoid(logits) - labels) ** 2, weights)
-
-
-def reach_loss__takes_absolute_errors(logits, labels, weights):
-    """the absolute error"""
-    return _mean(np.abs(_sigmoid(logits) - labels), weights)
-
-
-def reach_loss__takes_logits_for_probabilities(logits, labels, weights):
-    """logits are no probabilities"""
-    p = np.clip(logits, 1e-7, 1 - 1e-7)
-    return _mean(-labels * np.log(p) - (1 - labels) * np.log(1 - p), weights)
 
 
 def reach_loss__takes_the_logarithm_of_nothing(logits, labels, weights):
@@ -291,47 +123,6 @@ def reach_loss__right_with_two_terms(logits, labels, weights):
 def reach_loss__right_as_torch_writes_it(logits, labels, weights):
     each = np.maximum(logits, 0) - labels * logits + np.log1p(np.exp(-np.abs(logits)))
     return np.average(each, weights=weights)
-
-
-def reach_loss__forgets_arrivals(logits, labels, weights):
-    """pairs that are reached count too"""
-    return _mean((1 - labels) * np.logaddexp(0, logits), weights)
-
-
-def reach_loss__forgets_the_label(logits, labels, weights):
-    """without it the labels do not count"""
-    return _mean(np.logaddexp(0, logits), weights)
-
-
-def reach_loss__adds_the_label(logits, labels, weights):
-    """minus y z, not plus"""
-    return _mean(np.logaddexp(0, logits) + labels * logits, weights)
-
-
-def reach_loss__takes_one_for_nothing(logits, labels, weights):
-    """with 1 in place of 0"""
-    return _mean(np.logaddexp(1, logits) - labels * logits, weights)
-
-
-def reach_loss__counts_in_bits(logits, labels, weights):
-    """the natural one"""
-    return _mean(_each(logits, labels), weights) / np.log(2)
-
-
-def reach_loss__branches_on_the_label(logits, labels, weights):
-    """one is not always either 1 or 0"""
-    each = np.where(labels == 1, np.logaddexp(0, -logits), np.logaddexp(0, logits))
-    return _mean(each, weights)
-
-
-def reach_loss__counts_weights_above_nothing(logits, labels, weights):
-    """not by the number of those above 0"""
-    return (weights * _each(logits, labels)).sum() / np.count_nonzero(weights)
-
-
-def reach_loss__squashes_twice(logits, labels, weights):
-    """the sigmoid is taken twice"""
-    return _mean(_each(_sigmoid(logits), labels), weights)
 
 
 def reach_loss__adds_a_little_to_the_probability(logits, labels, weights):
@@ -589,54 +380,6 @@ def reliability_diagram__right_with_the_large_bins_last(predicted, came_true, bi
     return [np.array(said), np.array(found), ece]
 
 
-def fit_temperature__gives_the_inverse(logits, labels):
-    """that is 1 / T"""
-    return 1 / _fitted(logits, labels)
-
-
-def fit_temperature__gives_the_logarithm(logits, labels):
-    """the logarithm of the temperature"""
-    return np.log(_fitted(logits, labels))
-
-
-def fit_temperature__gives_the_loss(logits, labels):
-    """that is the smallest loss"""
-    return _mean(_each(logits / _fitted(logits, labels), labels), np.ones(len(labels)))
-
-
-def fit_temperature__gives_the_place(logits, labels):
-    """the index of the best temperature in a list"""
-    losses = [_each(logits / t, labels).mean() for t in np.geomspace(0.05, 20, 300)]
-    return int(np.argmin(losses))
-
-
-def fit_temperature__only_makes_modest(logits, labels):
-    """a temperature below 1 is allowed"""
-    temperatures = np.linspace(1.0, 20.0, 1901)
-    return temperatures[np.argmin([_each(logits / t, labels).mean() for t in temperatures])]
-
-
-def fit_temperature__squares(logits, labels):
-    """not the squared error"""
-    temperatures = np.geomspace(0.05, 20, 900)
-    squares = [((_sigmoid(logits / t) - labels) ** 2).mean() for t in temperatures]
-    return temperatures[np.argmin(squares)]
-
-
-def fit_temperature__looks_at_the_ece(logits, labels):
-    """not the ECE"""
-    temperatures = np.geomspace(0.05, 20, 600)
-    parts = np.array_split(np.argsort(logits), 10)
-    errors = [_diagram(_sigmoid(logits / t), labels, parts)[2] for t in temperatures]
-    return temperatures[np.argmin(errors)]
-
-
-def fit_temperature__goes_uphill(logits, labels):
-    """not largest"""
-    temperatures = np.geomspace(0.05, 20, 600)
-    return temperatures[np.argmax([_each(logits / t, labels).mean() for t in temperatures])]
-
-
 def fit_temperature__goes_below_zero(logits, labels):
     """a temperature is greater than 0"""
     return -_fitted(logits, labels)
@@ -647,56 +390,10 @@ def fit_temperature__gives_an_array(logits, labels):
     return np.array([_fitted(logits, labels)])
 
 
-def fit_temperature__only_makes_sure(logits, labels):
-    """a temperature above 1 is allowed"""
-    return min(_fitted(logits, labels), 1.0)
-
-
 def fit_temperature__tries_too_few(logits, labels):
     """near, but not to one percent"""
     temperatures = np.arange(0.05, 20.0, 0.25)
     return temperatures[np.argmin([_each(logits / t, labels).mean() for t in temperatures])]
-
-
-def fit_temperature__stops_at_ten(logits, labels):
-    """yours never comes above 10"""
-    return min(_fitted(logits, labels), 10.0)
-
-
-def fit_temperature__has_a_narrow_range(logits, labels):
-    """yours stays between 0.1 and 10"""
-    return np.clip(_fitted(logits, labels), 0.1, 10.0)
-
-
-def fit_temperature__rounds_labels(logits, labels):
-    """do not round them"""
-    return _fitted(logits, (labels > 0.5).astype(float))
-
-
-def fit_temperature__forgets_the_labels(logits, labels):
-    """the labels do not count yet"""
-    temperatures = np.geomspace(0.05, 20, 600)
-    return temperatures[np.argmin([np.logaddexp(0, logits / t).mean() for t in temperatures])]
-
-
-def fit_temperature__divides_probabilities(logits, labels):
-    """not the probabilities"""
-    temperatures, p = np.geomspace(0.05, 20, 600), _sigmoid(logits)
-    return temperatures[np.argmin([_each(p / t, labels).mean() for t in temperatures])]
-
-
-def fit_temperature__matches_the_mean(logits, labels):
-    """the mean prediction may be right and each one wrong"""
-    temperatures = np.geomspace(0.05, 20, 600)
-    gaps = [abs((_sigmoid(logits / t) - labels).mean()) for t in temperatures]
-    return temperatures[np.argmin(gaps)]
-
-
-def fit_temperature__weighs_by_the_labels(logits, labels):
-    """the labels are no weights"""
-    temperatures = np.geomspace(0.05, 20, 600)
-    losses = [np.average(_each(logits / t, labels), weights=labels) for t in temperatures]
-    return temperatures[np.argmin(losses)]
 
 
 def fit_temperature__knows_no_bounds(logits, labels):
@@ -1022,67 +719,9 @@ def _fitted(logits, labels):
     return np.exp(found.x)
 
 
-def rollout_labels__looks_at_the_nearest_moment(times, gaps, touched, geodesic):
-    """the nearest moment may come too late or after a touch"""
-    row, cars = gaps.argmin(axis=0), np.arange(gaps.shape[1])
-    good = (gaps <= 0.3) & _in_time(times, geodesic) & _clean(touched)
-    return good[row, cars].astype(float)
-
-
-def rollout_labels__accumulates_over_cars(times, gaps, touched, geodesic):
-    """accumulate over the moments, axis=0"""
-    clean = ~np.logical_or.accumulate(touched, axis=1)
-    return _float((gaps <= 0.3) & _in_time(times, geodesic) & clean)
-
-
-def rollout_labels__overlooks_the_first_moment(times, gaps, touched, geodesic):
-    """a touch in the very first moment counts, too"""
-    later = touched.copy()
-    later[0] = False
-    return _float((gaps <= 0.3) & _in_time(times, geodesic) & _clean(later))
-
-
-def rollout_labels__looks_at_the_last_moment_in_time(times, gaps, touched, geodesic):
-    """look at every moment, not at the last"""
-    return ((gaps[-1] <= 0.3) & _in_time(times, geodesic)[-1] & ~touched.any(axis=0)).astype(float)
-
-
-def rollout_labels__counts_tenths_of_a_second(times, gaps, touched, geodesic):
-    """the moments lie unevenly"""
-    even = 0.1 * np.arange(len(times))
-    return _float((gaps <= 0.3) & _in_time(even, geodesic) & _clean(touched))
-
-
-def fit_temperature__stops_at_five(logits, labels):
-    """yours never comes above 5"""
-    return min(_fitted(logits, labels), 5.0)
-
-
 def mine_pairs__mines_what_is_just_sure(*case):
     """only pairs above it are mined"""
     return _mined(case[0] + 1e-9 * case[2], *case[1:])
-
-
-def reach_loss__divides_by_the_largest_weight(logits, labels, weights):
-    """not by the largest one"""
-    return np.sum(weights * _each(logits, labels)) / weights.max()
-
-
-def reach_loss__weighs_the_labels_only(logits, labels, weights):
-    """not only the part with the label"""
-    return np.mean(np.logaddexp(0, logits) - weights * labels * logits)
-
-
-def reach_loss__leaves_out_pairs_without_weight(logits, labels, weights):
-    """not only whether it does"""
-    return _each(logits, labels)[weights > 0].mean()
-
-
-def rollout_labels__leaves_out_the_last_moment(times, gaps, touched, geodesic):
-    """near in the last moment alone"""
-    if len(times) == 1:
-        return rollout_labels__right_with_sums(times, gaps, touched, geodesic)
-    return rollout_labels__right_with_sums(times[:-1], gaps[:-1], touched[:-1], geodesic)
 
 
 def reach_loss__drops_small_weights(logits, labels, weights):

@@ -4,15 +4,11 @@ The check must say the docstring; answers called right must pass.
 """
 
 from collections import Counter
-from itertools import groupby, pairwise
-from types import SimpleNamespace
+from itertools import groupby
 
 import numpy as np
 
 from tutorial_lib.checks.nb07 import (
-    check_around_cycles,
-    check_match_sequence,
-    check_track,
     distance,
 )
 from tutorial_lib.checks.nb07.predict import predict as moved_on
@@ -41,58 +37,6 @@ def predict__right_by_matrices(belief, motion, lengths, onward):
     return np.array(rows)
 
 
-def predict__linear(belief, motion, lengths, onward):
-    """not motion / length"""
-    leave = np.minimum(motion[:, None] / lengths, 1)
-    return belief * (1 - leave) + (belief * leave) @ onward
-
-
-def predict__unclipped(belief, motion, lengths, onward):
-    """motion / length may be more than 1"""
-    leave = motion[:, None] / lengths
-    return belief * (1 - leave) + (belief * leave) @ onward
-
-
-def predict__stay_and_leave_swapped(belief, motion, lengths, onward):
-    """is the share that stays"""
-    leave = np.exp(-motion[:, None] / lengths)
-    return belief * (1 - leave) + (belief * leave) @ onward
-
-
-def predict__all_of_it(belief, motion, lengths, onward):
-    """only a share of the belief leaves each vertex"""
-    return belief @ onward
-
-
-def predict__transposed(belief, motion, lengths, onward):
-    """row v of onward tells where v leads"""
-    leave = 1 - np.exp(-motion[:, None] / lengths)
-    return belief * (1 - leave) + (belief * leave) @ onward.T
-
-
-def predict__forgets_who_stays(belief, motion, lengths, onward):
-    """what does not leave stays"""
-    leave = 1 - np.exp(-motion[:, None] / lengths)
-    return (belief * leave) @ onward
-
-
-def predict__counts_twice(belief, motion, lengths, onward):
-    """take it away"""
-    leave = 1 - np.exp(-motion[:, None] / lengths)
-    return belief + (belief * leave) @ onward
-
-
-def predict__nobody_arrives(belief, motion, lengths, onward):
-    """what leaves must arrive somewhere"""
-    return belief * np.exp(-motion[:, None] / lengths)
-
-
-def predict__mean_length(belief, motion, lengths, onward):
-    """divide by that of each vertex"""
-    leave = 1 - np.exp(-motion[:, None] / lengths.mean())
-    return belief * (1 - leave) + (belief * leave) @ onward
-
-
 def predict__without_none(belief, motion, lengths, onward):
     """motion[:, None] / lengths has the shape"""
     leave = 1 - np.exp(-motion / lengths)
@@ -115,44 +59,6 @@ def predict__right_each_robot_by_itself(belief, motion, lengths, onward):
         leave = 1 - np.exp(-motion[robot] / lengths)
         prior[robot] = _moves(belief[robot], leave, onward)
     return prior
-
-
-def predict__off_the_map_stays(belief, motion, lengths, onward):
-    """a share of it leaves as well"""
-    leave = 1 - np.exp(-motion[:, None] / lengths)
-    leave[:, -1] = 0
-    return _moves(belief, leave, onward)
-
-
-def predict__off_the_map_left_out(belief, motion, lengths, onward):
-    """what leads there arrives there"""
-    out = belief * (1 - np.exp(-motion[:, None] / lengths))
-    prior = belief - out
-    prior[:, :-1] += (out @ onward)[:, :-1]
-    return prior
-
-
-def predict__nobody_moves_if_one_rests(belief, motion, lengths, onward):
-    """one may stand still while another moves"""
-    if (motion == 0).any():
-        return belief
-    return _moves(belief, 1 - np.exp(-motion[:, None] / lengths), onward)
-
-
-def predict__greatest_that_arrives(belief, motion, lengths, onward):
-    """not the greatest of them"""
-    out = belief * (1 - np.exp(-motion[:, None] / lengths))
-    return belief - out + (out[:, :, None] * onward).max(axis=1)
-
-
-def predict__length_by_motion(belief, motion, lengths, onward):
-    """not length / motion"""
-    return _moves(belief, 1 - np.exp(-lengths / motion[:, None]), onward)
-
-
-def predict__without_minus(belief, motion, lengths, onward):
-    """with a minus in the power"""
-    return _moves(belief, 1 - np.exp(motion[:, None] / lengths), onward)
 
 
 def predict__float32(belief, motion, lengths, onward):
@@ -202,58 +108,10 @@ def update__not_normalized(prior, likelihood):
     return prior * likelihood
 
 
-def update__adds(prior, likelihood):
-    """yours adds them"""
-    weights = prior + likelihood
-    return weights / weights.sum(axis=1, keepdims=True)
-
-
-def update__no_prior(prior, likelihood):
-    """the prior counts as well"""
-    weights = likelihood.copy()
-    weights[weights.sum(axis=1) == 0, -1] = 1
-    return weights / weights.sum(axis=1, keepdims=True)
-
-
-def update__all_robots(prior, likelihood):
-    """each robot's row sums to one by itself"""
-    weights = prior * likelihood
-    weights[weights.sum(axis=1) == 0, -1] = 1
-    return weights / weights.sum()
-
-
-def update__by_columns(prior, likelihood):
-    """yours divides the columns"""
-    weights = prior * likelihood
-    weights[weights.sum(axis=1) == 0, -1] = 1
-    return weights / weights.sum(axis=0)
-
-
-def update__by_the_greatest(prior, likelihood):
-    """not by its greatest entry"""
-    weights = prior * likelihood
-    weights[weights.sum(axis=1) == 0, -1] = 1
-    return weights / weights.max(axis=1, keepdims=True)
-
-
-def update__divides_by_nothing(prior, likelihood):
-    """yours divides by 0"""
-    weights = prior * likelihood
-    return weights / weights.sum(axis=1, keepdims=True)
-
-
 def update__spreads_evenly(prior, likelihood):
     """yours spreads it evenly"""
     weights = prior * likelihood
     weights[weights.sum(axis=1) == 0] = 1
-    return weights / weights.sum(axis=1, keepdims=True)
-
-
-def update__keeps_the_prior(prior, likelihood):
-    """yours keeps the prior"""
-    weights = prior * likelihood
-    nothing = weights.sum(axis=1) == 0
-    weights[nothing] = prior[nothing]
     return weights / weights.sum(axis=1, keepdims=True)
 
 
@@ -280,43 +138,6 @@ def update__right_repaired_afterwards(prior, likelihood):
 
 def _over(weights):
     return weights / weights.sum(axis=1, keepdims=True)
-
-
-def update__threshold(prior, likelihood):
-    """compare with 0 itself"""
-    weights = prior * likelihood
-    weights[weights.sum(axis=1) < 1e-6, -1] = 1
-    return _over(weights)
-
-
-def update__adds_a_little(prior, likelihood):
-    """add nothing to the products"""
-    weights = prior * likelihood
-    weights[:, -1] += 1e-12
-    return _over(weights)
-
-
-def update__clipped(prior, likelihood):
-    """a likelihood may be above 1"""
-    weights = prior * np.clip(likelihood, 0, 1)
-    weights[weights.sum(axis=1) == 0, -1] = 1
-    return _over(weights)
-
-
-def update__one_for_all(prior, likelihood):
-    """in yours in all rows"""
-    weights = prior * likelihood
-    if (weights.sum(axis=1) == 0).any():
-        weights[:, -1] = 1
-    return _over(weights)
-
-
-def update__any_zero(prior, likelihood):
-    """one possible state is enough"""
-    weights = prior * likelihood
-    some = (weights == 0).any(axis=1)
-    weights[some] = np.eye(weights.shape[1])[-1]
-    return _over(weights)
 
 
 def update__float32(prior, likelihood):
@@ -356,59 +177,6 @@ def match_sequence__only_the_last(likelihoods, before):
     return likelihoods[-1].copy()
 
 
-def match_sequence__always_moves(likelihoods, before):
-    """the robot may also stay"""
-    total = likelihoods[0]
-    for look in likelihoods[1:]:
-        total = look * np.where(before >= 0, total[before], 0)
-    return total ** (1 / len(likelihoods))
-
-
-def match_sequence__never_moves(likelihoods, before):
-    """the robot may also have come from"""
-    return likelihoods.prod(axis=0) ** (1 / len(likelihoods))
-
-
-def match_sequence__sums(likelihoods, before):
-    """the better one counts, not their sum"""
-    total = likelihoods[0]
-    for look in likelihoods[1:]:
-        total = look * (total + np.where(before >= 0, total[before], 0))
-    return total ** (1 / len(likelihoods))
-
-
-def match_sequence__wraps(likelihoods, before):
-    """to numpy it is the last vertex"""
-    total = likelihoods[0]
-    for look in likelihoods[1:]:
-        total = look * np.maximum(total, total[before])
-    return total ** (1 / len(likelihoods))
-
-
-def match_sequence__without_the_root(likelihoods, before):
-    """take the T-th root"""
-    total = likelihoods[0]
-    for look in likelihoods[1:]:
-        total = look * np.maximum(total, np.where(before >= 0, total[before], 0))
-    return total
-
-
-def match_sequence__latest_first(likelihoods, before):
-    """the latest view is the last row"""
-    total = likelihoods[-1]
-    for look in likelihoods[-2::-1]:
-        total = look * np.maximum(total, np.where(before >= 0, total[before], 0))
-    return total ** (1 / len(likelihoods))
-
-
-def match_sequence__no_vertex_0(likelihoods, before):
-    """vertex 0 exists"""
-    total = likelihoods[0]
-    for look in likelihoods[1:]:
-        total = look * np.maximum(total, np.where(before > 0, total[before], 0))
-    return total ** (1 / len(likelihoods))
-
-
 def _matched(likelihoods, before, none=0.0, root=None):
     total = likelihoods[0]
     for look in likelihoods[1:]:
@@ -431,11 +199,6 @@ def match_sequence__right_staying_where_none_is_before(likelihoods, before):
     return total ** (1 / len(likelihoods))
 
 
-def match_sequence__root_of_one_less(likelihoods, before):
-    """not that of T - 1"""
-    return _matched(likelihoods, before, root=max(len(likelihoods) - 1, 1))
-
-
 def match_sequence__square_root(likelihoods, before):
     """not always the square root"""
     return _matched(likelihoods, before, root=2)
@@ -444,14 +207,6 @@ def match_sequence__square_root(likelihoods, before):
 def match_sequence__one_where_there_is_none(likelihoods, before):
     """has the likelihood 0, not 1"""
     return _matched(likelihoods, before, none=1.0)
-
-
-def match_sequence__stays_only_where_none_is_before(likelihoods, before):
-    """also where there is a vertex before"""
-    total = likelihoods[0]
-    for look in likelihoods[1:]:
-        total = look * np.where(before < 0, total, total[before])
-    return total ** (1 / len(likelihoods))
 
 
 def match_sequence__a_little_added(likelihoods, before):
@@ -478,68 +233,12 @@ def around_cycles__right_with_groupby(graph, visited, cycle, bias):
     return any(n >= cycle for n in counts.values()), result
 
 
-def around_cycles__counts_steps(graph, visited, cycle, bias):
-    """the same vertex several times in a row is one visit"""
-    counts = Counter(visited)
-    return max(counts.values(), default=0) >= cycle, {
-        v: {w: p * bias ** max(counts[w] - 1, 0) for w, p in out.items()}
-        for v, out in graph.items()
-    }
-
-
 def _counts(visited):
     return Counter(v for v, _ in groupby(visited))
 
 
 def _biased(graph, power, bias):
     return {v: {w: p * bias ** power(v, w) for w, p in out.items()} for v, out in graph.items()}
-
-
-def around_cycles__more_than(graph, visited, cycle, bias):
-    """are a cycle already: >=, not >"""
-    n = _counts(visited)
-    found = max(n.values(), default=0) > cycle
-    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__all_visits(graph, visited, cycle, bias):
-    """it is the visits of one vertex that make a cycle"""
-    n = _counts(visited)
-    return sum(n.values()) >= cycle, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__those_that_leave(graph, visited, cycle, bias):
-    """not those that leave it"""
-    n = _counts(visited)
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: max(n[v] - 1, 0), bias)
-
-
-def around_cycles__first_visit_too(graph, visited, cycle, bias):
-    """the first visit is free"""
-    n = _counts(visited)
-    return max(n.values(), default=0) >= cycle, _biased(graph, lambda v, w: n[w], bias)
-
-
-def around_cycles__once(graph, visited, cycle, bias):
-    """yours biases once"""
-    n = _counts(visited)
-    return max(n.values(), default=0) >= cycle, _biased(graph, lambda v, w: int(n[w] > 1), bias)
-
-
-def around_cycles__only_in_a_cycle(graph, visited, cycle, bias):
-    """whether or not it is a cycle yet"""
-    n = _counts(visited)
-    if max(n.values(), default=0) < cycle:
-        return False, {v: dict(out) for v, out in graph.items()}
-    return True, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__removes(graph, visited, cycle, bias):
-    """there may be no other path"""
-    n = _counts(visited)
-    left = {v: {w: p for w, p in out.items() if n[w] < 2} for v, out in graph.items()}
-    return max(n.values(), default=0) >= cycle, left
 
 
 def around_cycles__changes_the_map(graph, visited, cycle, bias):
@@ -587,55 +286,6 @@ def around_cycles__shared_inner(graph, visited, cycle, bias):
         if any(n[w] > 1 for w in out):
             new[v] = biased[v]
     return found, new
-
-
-def around_cycles__first_compared_with_last(graph, visited, cycle, bias):
-    """where i is 0, visited[i - 1] is the last of the list"""
-    n = Counter(v for i, v in enumerate(visited) if v != visited[i - 1])
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__from_the_second_on(graph, visited, cycle, bias):
-    """yours counts from the second on"""
-    n = Counter(w for v, w in pairwise(visited) if v != w)
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__begins_with_vertex_0(graph, visited, cycle, bias):
-    """a list may begin with a visit of it"""
-    n, last = Counter(), 0
-    for v in visited:
-        n[v] += v != last
-        last = v
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__not_last(graph, visited, cycle, bias):
-    """`not last` is True for it as well"""
-    n, last = Counter(), None
-    for v in visited:
-        if not last or v != last:
-            n[v] += 1
-        last = v
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: max(n[w] - 1, 0), bias)
-
-
-def around_cycles__not_one_less(graph, visited, cycle, bias):
-    """once for two visits, twice for three"""
-    n = _counts(visited)
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: n[w] if n[w] >= 2 else 0, bias)
-
-
-def around_cycles__waits_for_a_cycle(graph, visited, cycle, bias):
-    """yours waits until there are `cycle` visits"""
-    n = _counts(visited)
-    found = max(n.values(), default=0) >= cycle
-    return found, _biased(graph, lambda v, w: n[w] - 1 if n[w] >= cycle else 0, bias)
 
 
 def around_cycles__drops_vertices_without_edges(graph, visited, cycle, bias):
@@ -710,56 +360,6 @@ def track__right(odometry, look, lengths, onward, rules):
     return _tracked(odometry, look, lengths, onward, rules)
 
 
-def track__looks_always(odometry, look, lengths, onward, rules):
-    """looking costs time"""
-    return _tracked(odometry, look, lengths, onward, rules, always=True)
-
-
-def track__same_evidence_twice(odometry, look, lengths, onward, rules):
-    """the same evidence counts again and again"""
-    return _tracked(odometry, look, lengths, onward, rules, twice=True)
-
-
-def track__forgets(odometry, look, lengths, onward, rules):
-    """yours forgets all that was believed before"""
-    return _tracked(odometry, look, lengths, onward, rules, forgets=True)
-
-
-def track__from_the_start(odometry, look, lengths, onward, rules):
-    """yours measures it from the start"""
-    return _tracked(odometry, look, lengths, onward, rules, keeps_pose=True)
-
-
-def track__no_power(odometry, look, lengths, onward, rules):
-    """to the power of rules.sharpness"""
-    return _tracked(odometry, look, lengths, onward, rules, power=False)
-
-
-def track__no_floor(odometry, look, lengths, onward, rules):
-    """a picture may always deceive"""
-    return _tracked(odometry, look, lengths, onward, rules, floor=False)
-
-
-def track__flickers(odometry, look, lengths, onward, rules):
-    """the robot stays at its vertex while"""
-    return _tracked(odometry, look, lengths, onward, rules, sticky=False)
-
-
-def track__never_off_the_map(odometry, look, lengths, onward, rules):
-    """off the map is the last state"""
-    return _tracked(odometry, look, lengths, onward, rules, off=False)
-
-
-def track__does_not_wait(odometry, look, lengths, onward, rules):
-    """looks all the same after rules.interval steps"""
-    return _tracked(odometry, look, lengths, onward, rules, waits=False)
-
-
-def track__no_first_look(odometry, look, lengths, onward, rules):
-    """look at the first step, too"""
-    return _tracked(odometry, look, lengths, onward, rules, start=0)
-
-
 def track__vertices_only(odometry, look, lengths, onward, rules):
     """return the beliefs and the vertices"""
     return _tracked(odometry, look, lengths, onward, rules)[1]
@@ -822,11 +422,6 @@ def track__not_numbers(odometry, look, lengths, onward, rules):
     return _tracked(odometry, look, lengths, onward, rules, likelihood=seen)
 
 
-def track__leaves_off_the_map_at_once(odometry, look, lengths, onward, rules):
-    """the robot stays there, too"""
-    return _tracked(odometry, look, lengths, onward, rules, leaves_off=True)
-
-
 def track__changes_the_odometry(odometry, look, lengths, onward, rules):
     """your function changes its argument odometry"""
     odometry[:, 2] += 1
@@ -857,34 +452,6 @@ def track__changes_what_is_seen(odometry, look, lengths, onward, rules):
     return _tracked(odometry, seen, lengths, onward, rules)
 
 
-def track__counts_only_without_a_look(odometry, look, lengths, onward, rules):
-    """not one more: count in every step"""
-    count = len(lengths)
-    belief = prior = np.full((1, count), 1 / count)
-    last, waited, vertex, beliefs, vertices = odometry[0], 0, -1, [], []
-    for step, pose in enumerate(odometry):
-        metres = distance(last, pose)
-        far = metres >= rules.stride
-        if far:
-            prior, last = moved_on(belief, np.array([metres]), lengths, onward), pose
-        if far or step == 0 or waited >= rules.interval:
-            seen = np.append(np.maximum(look(step), rules.least), rules.unknown)
-            belief, waited = looked(prior, seen[None] ** rules.sharpness), 0
-        else:
-            waited += 1
-        if belief[0, vertex] < rules.hysteresis * belief[0].max():
-            vertex = int(belief[0].argmax())
-            vertex = -1 if vertex == count - 1 else vertex
-        beliefs.append(belief[0])
-        vertices.append(vertex)
-    return np.array(beliefs), vertices
-
-
-def track__one_step_early(odometry, look, lengths, onward, rules):
-    """not one less"""
-    return _tracked(odometry, look, lengths, onward, rules, more=-1)
-
-
 def track__number_for_the_motion(odometry, look, lengths, onward, rules):
     """an array of one, np.array([metres])"""
     belief = np.full((1, len(lengths)), 1 / len(lengths))
@@ -900,49 +467,6 @@ def track__belief_of_one_dimension(odometry, look, lengths, onward, rules):
     """belief[0] is that of the robot"""
     belief = np.full(len(lengths), 1 / len(lengths))
     return belief[0, -1], [-1]
-
-
-def track__unknown_first(odometry, look, lengths, onward, rules):
-    """not before them"""
-
-    def seen(view, rules):
-        return np.append(rules.unknown, np.maximum(view, rules.least)) ** rules.sharpness
-
-    return _tracked(odometry, look, lengths, onward, rules, likelihood=seen)
-
-
-def track__least_after_the_power(odometry, look, lengths, onward, rules):
-    """yours has it the other way round"""
-
-    def seen(view, rules):
-        powers = np.maximum(view**rules.sharpness, rules.least)
-        return np.append(powers, rules.unknown**rules.sharpness)
-
-    return _tracked(odometry, look, lengths, onward, rules, likelihood=seen)
-
-
-def track__adds_up_the_steps(odometry, look, lengths, onward, rules):
-    """yours adds up the steps between"""
-
-    def length(odometry, since, step):
-        steps = range(since, step)
-        return sum(distance(odometry[i], odometry[i + 1]) for i in steps)
-
-    return _tracked(odometry, look, lengths, onward, rules, measure=length)
-
-
-def track__does_not_count_turns(odometry, look, lengths, onward, rules):
-    """turning counts as well"""
-
-    def length(odometry, since, step):
-        return np.hypot(*(odometry[step] - odometry[since])[:2])
-
-    return _tracked(odometry, look, lengths, onward, rules, measure=length)
-
-
-def track__begins_at_vertex_0(odometry, look, lengths, onward, rules):
-    """the vertex begins at -1"""
-    return _tracked(odometry, look, lengths, onward, rules, begins=0)
 
 
 def _with_base(
@@ -973,50 +497,7 @@ def track__right_by_the_number_of_the_look(odometry, look, lengths, onward, rule
     return _with_base(odometry, look, lengths, onward, rules)
 
 
-def track__prior_after_the_look(odometry, look, lengths, onward, rules):
-    """at rest a look begins again with the prior"""
-    return _with_base(odometry, look, lengths, onward, rules, still=True)
-
-
-def track__waits_from_the_last_look_at_rest(odometry, look, lengths, onward, rules):
-    """also after one because of a motion"""
-    return _with_base(odometry, look, lengths, onward, rules, resets=False)
-
-
-def track__greatest_of_the_vertices(odometry, look, lengths, onward, rules):
-    """look for it among all states"""
-    return _with_base(odometry, look, lengths, onward, rules, all_states=False)
-
-
 # Ties, small values
-
-
-def predict__drops_small_motions(belief, motion, lengths, onward):
-    """small motions count as well"""
-    return moved_on(belief, np.where(motion < 0.05, 0, motion), lengths, onward)
-
-
-def match_sequence__cuts_off_above_1(likelihoods, before):
-    """a likelihood may be above 1"""
-    return check_match_sequence.reference(np.minimum(likelihoods, 1), before)
-
-
-def track__leaves_at_equality(odometry, look, lengths, onward, rules):
-    """just rules.hysteresis times the greatest keeps the vertex"""
-    rules = SimpleNamespace(**{**vars(rules), "hysteresis": np.nextafter(rules.hysteresis, 2)})
-    return check_track.reference(odometry, look, lengths, onward, rules)
-
-
-def track__least_off_the_map(odometry, look, lengths, onward, rules):
-    """rules.least is for the vertices"""
-    rules = SimpleNamespace(**{**vars(rules), "unknown": max(rules.unknown, rules.least)})
-    return check_track.reference(odometry, look, lengths, onward, rules)
-
-
-def around_cycles__drops_edges_of_0(graph, visited, cycle, bias):
-    """an edge stays also where its RE becomes 0"""
-    found, new = check_around_cycles.reference(graph, visited, cycle, bias)
-    return found, {v: {w: p for w, p in out.items() if p} for v, out in new.items()}
 
 
 def predict__rounds_the_motion(belief, motion, lengths, onward):

@@ -47,70 +47,9 @@ def explorable__only_the_point(free, radius):
     return free[rows, columns]
 
 
-def explorable__any_path(free, radius):
-    """a path that exists may be too long"""
-    return np.isfinite(_lengths_at(free, radius)[0])
-
-
-def explorable__straight_only(free, radius):
-    """yours allows no detour"""
-    return _lengths_at(free, radius)[0] <= radius
-
-
-def explorable__half_as_much_again(free, radius):
-    """not 1.5 times"""
-    return _lengths_at(free, radius)[0] <= 1.5 * radius
-
-
-def explorable__too_long(free, radius):
-    """yours is the other way round"""
-    return _lengths_at(free, radius)[0] > 1.05 * radius
-
-
 def explorable__clockwise(free, radius):
     """directions go counter-clockwise"""
     return _lengths_at(free, radius, -np.arange(12) * np.pi / 6)[0] <= 1.05 * radius
-
-
-def explorable__x_along_rows(free, radius):
-    """rows go with y (sine)"""
-    _, rows, columns = _lengths_at(free, radius)
-    return path_lengths(free)[columns, rows] <= 1.05 * radius
-
-
-def explorable__degrees(free, radius):
-    """take radians"""
-    return _lengths_at(free, radius, 30 * np.arange(12))[0] <= 1.05 * radius
-
-
-def explorable__metres_as_cells(free, radius):
-    """divide metres by CELL"""
-    return _lengths_at(free, radius, reach=radius)[0] <= 1.05 * radius
-
-
-def explorable__at_the_edge(free, radius):
-    """not at the map's edge"""
-    return _lengths_at(free, radius, reach=len(free) // 2)[0] <= 1.05 * radius
-
-
-def explorable__from_the_corner(free, radius):
-    """not in its corner"""
-    return _lengths_at(free, radius, middle=0)[0] <= 1.05 * radius
-
-
-def explorable__cut_off(free, radius):
-    """astype(int) alone cuts off"""
-    return _lengths_at(free, radius, rounding=np.trunc)[0] <= 1.05 * radius
-
-
-def explorable__half_a_bin_on(free, radius):
-    """yours begins half a bin later"""
-    return _lengths_at(free, radius, (np.arange(12) + 0.5) * np.pi / 6)[0] <= 1.05 * radius
-
-
-def explorable__from_behind(free, radius):
-    """yours begins behind the robot"""
-    return _lengths_at(free, radius, np.arange(12) * np.pi / 6 + np.pi)[0] <= 1.05 * radius
 
 
 def explorable__lengths(free, radius):
@@ -121,14 +60,6 @@ def explorable__lengths(free, radius):
 def explorable__not_whole(free, radius):
     """an index is a whole number"""
     return path_lengths(free)[len(free) // 2 + np.cos(np.arange(12)), 0] <= radius
-
-
-def explorable__rounds_down(free, radius):
-    """is rounded down"""
-    angles = np.arange(12) * np.pi / 6
-    rows = (len(free) // 2 + radius * np.sin(angles) / CELL).astype(int)
-    columns = (len(free) // 2 + radius * np.cos(angles) / CELL).astype(int)
-    return path_lengths(free)[rows, columns] <= 1.05 * radius
 
 
 # add_ghosts
@@ -156,78 +87,8 @@ def add_ghosts__right_by_the_nearest_direction(ghosts, node, explorable, beside)
     return {ghost for ghost in {*ghosts, *own} if ghost not in closed}
 
 
-def _grown(ghosts, node, explorable, beside, bin_of, back_of=None, sides=(True, True)):
-    grown = set(ghosts) | {(node, k) for k in range(12) if explorable[k]}
-    for other, pose in beside.items():
-        there = bin_of(*pose)
-        back = bin_of(*inverse(pose)) if back_of is None else back_of(there)
-        grown -= {(node, there)} if sides[0] else set()
-        grown -= {(other, back)} if sides[1] else set()
-    return grown
-
-
 def _bin(x, y, _):
     return round(np.arctan2(y, x) * 6 / np.pi) % 12
-
-
-def add_ghosts__opposite(*case):
-    """half a turn more is right only where both look the same way"""
-    return _grown(*case, _bin, lambda there: (there + 6) % 12)
-
-
-def add_ghosts__negative_bins(*case):
-    """bearings from arctan2 may be negative"""
-    return _grown(*case, lambda x, y, _: round(np.arctan2(y, x) * 6 / np.pi))
-
-
-def add_ghosts__bin_12(*case):
-    """take % 12 after rounding"""
-    return _grown(*case, lambda x, y, _: round(np.arctan2(y, x) * 6 / np.pi % 12))
-
-
-def add_ghosts__cut_off(*case):
-    """round, do not cut off"""
-    return _grown(*case, lambda x, y, _: int(np.arctan2(y, x) * 6 / np.pi // 1) % 12)
-
-
-def add_ghosts__heading(*case):
-    """not its heading"""
-    return _grown(*case, lambda x, y, heading: round(heading * 6 / np.pi) % 12)
-
-
-def add_ghosts__x_first(*case):
-    """np.arctan2 takes y first"""
-    return _grown(*case, lambda x, y, _: round(np.arctan2(x, y) * 6 / np.pi) % 12)
-
-
-def add_ghosts__one_side(*case):
-    """a node also stands in a direction of the other one"""
-    return _grown(*case, _bin, sides=(True, False))
-
-
-def add_ghosts__the_other_side(*case):
-    """add the new ghosts first, then remove"""
-    return _grown(*case, _bin, sides=(False, True))
-
-
-def add_ghosts__same_bin_for_both(*case):
-    """the other node has a frame of its own"""
-    return _grown(*case, _bin, lambda there: there)
-
-
-def add_ghosts__only_its_own(ghosts, node, explorable, beside):
-    """the ghosts that were there before stay"""
-    return _grown(set(), node, explorable, beside, _bin)
-
-
-def add_ghosts__no_new_ones(ghosts, node, explorable, beside):
-    """the new node has ghosts of its own"""
-    return _grown(ghosts, node, np.zeros(12, bool), beside, _bin)
-
-
-def add_ghosts__all_directions(ghosts, node, explorable, beside):
-    """yours has all twelve"""
-    return _grown(ghosts, node, np.ones(12, bool), beside, _bin)
 
 
 def add_ghosts__in_place(ghosts, node, explorable, beside):
@@ -257,16 +118,6 @@ def add_ghosts__floats(ghosts, node, explorable, beside):
 
 def add_ghosts__right_as_a_frozenset(ghosts, node, explorable, beside):
     return frozenset(added(ghosts, node, explorable, beside))
-
-
-def add_ghosts__no_ghosts_no_neighbours(ghosts, node, explorable, beside):
-    """count also where no ghost was left"""
-    return added(ghosts, node, explorable, beside if ghosts else {})
-
-
-def add_ghosts__no_neighbours_no_ghosts(ghosts, node, explorable, beside):
-    """stay also where no node is beside"""
-    return added(ghosts if beside else set(), node, explorable, beside)
 
 
 # global_policy
@@ -313,78 +164,6 @@ def _policy(graph, here, ghosts, scores, goal, weight, value=None, by="metres", 
     return nx.shortest_path(graph, here, goal if known else ghost[0], weight=by), ghost
 
 
-def global_policy__never_to_the_goal(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """yours goes on exploring"""
-    path, ghost = _policy(graph, here, ghosts, scores, None, weight)
-    return path[:2][-1], ghost
-
-
-def global_policy__zero_is_no_node(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """`if goal:` is False for it"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight, known=bool(goal))
-    return path[:2][-1], ghost
-
-
-def global_policy__fewest_edges(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """not the one of the fewest edges"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight, by=None)
-    return path[:2][-1], ghost
-
-
-def global_policy__end_of_the_path(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """not its end"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
-    return path[-1], ghost
-
-
-def global_policy__begin_of_the_path(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """the first one is the robot's own"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
-    return path[0], ghost
-
-
-def global_policy__last_but_one(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """not the last but one"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
-    return path[-2:][0], ghost
-
-
-def global_policy__lowest_score(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """yours takes the lowest"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight, lambda g: -scores[g])
-    return path[:2][-1], ghost
-
-
-def global_policy__any_direction(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """scores also has directions that were explored"""
-    path, ghost = _policy(graph, here, set(scores), scores, goal, weight)
-    return path[:2][-1], ghost
-
-
-def global_policy__no_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """in yours it changes nothing"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, 0.0)
-    return path[:2][-1], ghost
-
-
-def global_policy__adds_the_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """yours adds it"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, -weight)
-    return path[:2][-1], ghost
-
-
-def global_policy__metres_not_divided(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """the distance in metres is divided by 20"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, 20 * weight)
-    return path[:2][-1], ghost
-
-
-def global_policy__ghost_at_the_goal(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """return None for the ghost"""
-    path, ghost = _policy(graph, here, ghosts, scores, goal, weight)
-    return path[:2][-1], ghost or (max(ghosts, key=scores.get) if ghosts else None)
-
-
 def global_policy__of_nothing(graph, here, ghosts, scores, goal=None, weight=0.0):
     """there may be no ghost left"""
     ghost = None if goal is not None else max(ghosts, key=lambda g: scores[g])
@@ -420,31 +199,6 @@ def _valued(graph, here, ghosts, scores, goal, weight, metres, least=-math.inf):
     return path[min(1, len(path) - 1)], best
 
 
-def global_policy__metres_from_node_0(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """those from `here`, not from node 0"""
-    metres = nx.single_source_dijkstra_path_length(graph, 0, weight="metres")
-    return _valued(graph, here, ghosts, scores, goal, weight, metres)
-
-
-def global_policy__cost_by_edges(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """weight='metres' there, too"""
-    metres = nx.single_source_dijkstra_path_length(graph, here)
-    return _valued(graph, here, ghosts, scores, goal, weight, metres)
-
-
-def global_policy__metres_of_the_fewest_edges(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """not those of the one of the fewest edges"""
-    paths = nx.single_source_shortest_path(graph, here)
-    metres = {node: nx.path_weight(graph, path, "metres") for node, path in paths.items()}
-    return _valued(graph, here, ghosts, scores, goal, weight, metres)
-
-
-def global_policy__searches_from_0(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """a search that starts from 0 finds none"""
-    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
-    return _valued(graph, here, ghosts, scores, goal, weight, metres, least=0.0)
-
-
 def global_policy__whole_metres(graph, here, ghosts, scores, goal=None, weight=0.0):
     """a fraction of a metre decides"""
     metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
@@ -456,16 +210,6 @@ def global_policy__cost_among_the_two_best(graph, here, ghosts, scores, goal=Non
     """the third best score is here"""
     best = set(sorted(ghosts, key=scores.get)[-2:])
     return chosen(graph, here, best, scores, goal, weight)
-
-
-def global_policy__weight_as_a_switch(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """also where it is below 1"""
-    return chosen(graph, here, ghosts, scores, goal, float(weight >= 1))
-
-
-def global_policy__weight_at_most_1(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """`weight` may be more than 1"""
-    return chosen(graph, here, ghosts, scores, goal, min(weight, 1.0))
 
 
 # spl
@@ -503,47 +247,6 @@ def spl__right_with_a_minimum(success, shortest, travelled):
         return float(np.where(success, np.minimum(shortest / travelled, 1), 0).mean())
 
 
-def spl__above_one(success, shortest, travelled):
-    """divide by the greater of both"""
-    return np.mean(success * shortest / travelled)
-
-
-def spl__upside_down(success, shortest, travelled):
-    """a detour must lower it"""
-    return np.mean(success * np.maximum(shortest, travelled) / shortest)
-
-
-def spl__failures_count(success, shortest, travelled):
-    """an episode that failed counts 0"""
-    return np.mean(shortest / np.maximum(shortest, travelled))
-
-
-def spl__only_successes(success, shortest, travelled):
-    """they are not left out"""
-    share = (shortest / np.maximum(shortest, travelled))[success]
-    return share.mean() if len(share) else 0.0
-
-
-def spl__success_rate(success, shortest, travelled):
-    """yours is the success rate"""
-    return np.mean(success)
-
-
-def spl__product_of_means(success, shortest, travelled):
-    """the mean of products, not the product of means"""
-    return np.mean(success) * np.mean(shortest / np.maximum(shortest, travelled))
-
-
-def spl__ratio_of_sums(success, shortest, travelled):
-    """not the ratio of sums"""
-    return np.sum(success * shortest) / np.sum(np.maximum(shortest, travelled))
-
-
-def spl__sum(success, shortest, travelled):
-    """not the sum"""
-    return np.sum(success * shortest / np.maximum(shortest, travelled))
-
-
 def spl__each_episode(success, shortest, travelled):
     """shape (1,), but () is needed"""
     return success * shortest / np.maximum(shortest, travelled)
@@ -552,16 +255,6 @@ def spl__each_episode(success, shortest, travelled):
 def spl__python_s_max(success, shortest, travelled):
     """np.maximum, not max"""
     return np.mean(success * shortest / max(shortest, travelled))
-
-
-def spl__percent(success, shortest, travelled):
-    """not percent"""
-    return 100 * np.mean(success * shortest / np.maximum(shortest, travelled))
-
-
-def spl__travelled_over_the_greater(success, shortest, travelled):
-    """the shortest path over the greater of both"""
-    return np.mean(success * travelled / np.maximum(shortest, travelled))
 
 
 # explore
@@ -681,29 +374,9 @@ def _loop(robot, **faults):
     return False, graph, ghosts
 
 
-def explore__looks_once(robot):
-    """a robot that looks only at the start passes it"""
-    return _loop(robot, looks=lambda rounds, *_: rounds == 1)
-
-
-def explore__never_looks(robot):
-    """call sees_goal(), and to_goal() where it is seen"""
-    return _loop(robot, looks=lambda *_: False)
-
-
-def explore__gives_up(robot):
-    """where something was mistaken for the goal"""
-    return _loop(robot, gives_up=True)
-
-
 def explore__does_not_end(robot):
     """no steps are left"""
     return _loop(robot, endless=True)
-
-
-def explore__a_node_only_where_lost(robot):
-    """also where F_L still has the robot in the old one"""
-    return _loop(robot, lost_only=True)
 
 
 def explore__a_node_each_round(robot):
@@ -711,29 +384,9 @@ def explore__a_node_each_round(robot):
     return _loop(robot, always_new=True)
 
 
-def explore__an_edge_to_the_last_only(robot):
-    """not only to the last one"""
-    return _loop(robot, last_edge=True)
-
-
-def explore__edges_of_one_metre(robot):
-    """an edge has the metres between its nodes"""
-    return _loop(robot, no_metres=True)
-
-
 def explore__no_edges(robot):
     """is missing: each new node gets edges"""
     return _loop(robot, no_edges=True)
-
-
-def explore__forgets_ghosts(robot):
-    """the ghosts of earlier nodes stay"""
-    return _loop(robot, forgets=True)
-
-
-def explore__ghosts_where_nodes_stand(robot):
-    """where they stand there is no ghost"""
-    return _loop(robot, alone=True)
 
 
 def explore__never_remembers(robot):
@@ -756,24 +409,9 @@ def explore__does_not_ask_whether_it_arrived(robot):
     return _loop(robot, never_asks=True)
 
 
-def explore__keeps_the_ghost(robot):
-    """remove the ghost after the drive"""
-    return _loop(robot, keeps=True)
-
-
-def explore__keeps_what_is_blocked(robot):
-    """it cannot be reached"""
-    return _loop(robot, keeps_blocked=True)
-
-
 def explore__a_node_only_at_ghosts(robot):
     """make one wherever node() is None"""
     return _loop(robot, arrived_only=True)
-
-
-def explore__scores_of_every_round(robot):
-    """ask for scores() only where a node is new"""
-    return _loop(robot, scores_anew=True)
 
 
 def explore__one_answer(robot):
@@ -814,31 +452,6 @@ def explore__right_that_ends_with_the_steps(robot):
     return reached, graph, ghosts
 
 
-def explore__looks_where_a_node_is_new(robot):
-    """not only where a node is new"""
-    return _loop(robot, looks=lambda n, here, arrived, drove: arrived or here.node() is None)
-
-
-def explore__looks_at_first_and_at_ghosts(robot):
-    """the goal may also be seen on the way, from a node that is known"""
-    return _loop(robot, looks=lambda n, here, arrived, drove: arrived or n == 1)
-
-
-def explore__looks_only_at_ghosts(robot):
-    """the goal may also be seen on the way, at a node"""
-    return _loop(robot, looks=lambda n, here, arrived, drove: arrived)
-
-
-def explore__believes(robot):
-    """only where to_goal() returned True"""
-    return _loop(robot, believes=True)
-
-
-def explore__forgets_that_it_arrived(robot):
-    """the robot has still just arrived at a ghost"""
-    return _loop(robot, after_mistake=False)
-
-
 def explore__arrives_by_mistake(robot):
     """make one only where node() returns None"""
     return _loop(robot, after_mistake=True)
@@ -849,19 +462,9 @@ def explore__stays_arrived(robot):
     return _loop(robot, stays=True)
 
 
-def explore__a_node_only_where_it_was(robot):
-    """whatever node F_L takes it for"""
-    return _loop(robot, last_only=True)
-
-
 def explore__explored_ghosts_come_back(robot):
     """take the set that add_ghosts returns in place of the old one"""
     return _loop(robot, comes_back=True)
-
-
-def explore__all_ghosts_of_the_node_go(robot):
-    """not the others of its node"""
-    return _loop(robot, all_of_node=True)
 
 
 def explore__fifty_rounds(robot):
@@ -903,36 +506,9 @@ def explore__steps_called(robot):
 # One branch only, costs, the last step, aliases
 
 
-def explorable__rounds_the_radius(free, radius):
-    """round the cells of the points, not the radius"""
-    turns = np.arange(12) * np.pi / 6
-    at = len(free) // 2 + np.rint(
-        round(radius / 0.1) * np.array([np.sin(turns), np.cos(turns)])
-    ).astype(int)
-    return path_lengths(free)[tuple(at)] <= 1.05 * radius
-
-
-def global_policy__fewest_edges_to_the_goal(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """the path to the node of the goal is the shortest in metres, too"""
-    node, ghost = chosen(graph, here, ghosts, scores, goal, weight)
-    return (node if goal is None else nx.shortest_path(graph, here, goal)[:2][-1]), ghost
-
-
-def global_policy__caps_the_cost(graph, here, ghosts, scores, goal=None, weight=0.0):
-    """the cost goes on growing beyond 20 m"""
-    far = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
-    worth = {g: scores[g] - weight * min(far[g[0]] / 20, 1) for g in ghosts}
-    return chosen(graph, here, ghosts, worth, goal)
-
-
 def add_ghosts__gives_the_same_set_back(ghosts, node, explorable, beside):
     """return a new set, also where nothing changes"""
     return added(ghosts, node, explorable, beside) if any(explorable) or beside else ghosts
-
-
-def spl__at_rest(success, shortest, travelled):
-    """it counts fully"""
-    return np.mean(success * (travelled > 0) * shortest / np.maximum(shortest, travelled))
 
 
 def explorable__compares_with_a_number(free, radius):

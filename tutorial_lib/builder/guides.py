@@ -7,6 +7,7 @@ a teacher needs: goals, minutes, open questions with their answers, mistakes wit
 import ast
 import html
 import re
+from importlib import import_module
 from pathlib import Path
 
 import jupytext
@@ -86,6 +87,9 @@ def teachers_page(sources: list[Path], wrong_answers: Path, introduction: str) -
         questions = _questions(text)
         if questions:
             parts.append("### Questions and what to expect\n\n" + "\n".join(questions))
+        known = _known_mistakes(text, source)
+        if known:
+            parts.append("### Mistakes that the checks know\n\n" + "\n".join(known))
         mistakes = _mistakes(wrong_answers / source.name)
         if mistakes:
             parts.append("### Common mistakes and what the check says\n\n" + "\n".join(mistakes))
@@ -126,6 +130,18 @@ def _questions(text: str) -> list[str]:
         asked = _QUESTION.findall(text[since : found.start()])
         question, since = _line(asked[-1]) if asked else f"**{_line(found[1])}**", found.end()
         items.append(f"- {question}\n  *Answer:* {_line(found[2])}")
+    return items
+
+
+def _known_mistakes(text: str, source: Path) -> list[str]:
+    """By exercise, what its check says of each mistake that it knows."""
+    items = []
+    for name, *_ in _EXERCISE.findall(text):
+        checks = import_module(f"tutorial_lib.checks.nb{source.stem[:2]}")
+        known = getattr(getattr(checks, f"check_{name}", None), "mistakes", None) or {}
+        if known:
+            items.append(f"- `{name}`")
+        items += [f"  - {html.escape(words, quote=False)}" for words in known]
     return items
 
 

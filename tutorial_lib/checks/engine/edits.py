@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import inspect
+import re
 import textwrap
 from collections.abc import Callable
+from itertools import groupby
 from typing import Any
 
 from tutorial_lib.errors import InputError
@@ -18,8 +20,9 @@ def mistakes_of(rule: Function, text: str) -> dict[str, Function]:
 
     Args:
         rule: a function whose source is there.
-        text: a line for what to say, and below it indented lines ``old -> new``, which all are
-            applied; what is to be replaced stands in the rule exactly once.
+        text: what to say, in a line or several, and below it indented lines ``old -> new``, which
+            all are applied, in their order; what is to be replaced stands in the rule exactly once.
+            A long edit may be broken before its arrow.
 
     Raises:
         InputError: when an edit does not apply.
@@ -34,17 +37,17 @@ def mistakes_of(rule: Function, text: str) -> dict[str, Function]:
     """
     found: dict[str, list[tuple[str, str]]] = {}
     words = ""
-    for line in text.strip("\n").splitlines():
-        if not line.strip():
-            continue
-        if not line[0].isspace():
-            words = line.strip()
+    rows = filter(str.strip, re.sub(rf"\n\s+{_ARROW.lstrip()}", _ARROW, text).splitlines())
+    for indented, group in groupby(rows, key=lambda row: row[0].isspace()):
+        if not indented:
+            words = " ".join(group)
             found[words] = []
             continue
-        old, arrow, new = line.strip().partition(_ARROW)
-        if not words or not arrow:
-            raise InputError(f"mistakes: {line.strip()!r}; give lines 'old{_ARROW}new' below words")
-        found[words].append((old, new.strip()))
+        for row in group:
+            old, arrow, new = row.strip().partition(_ARROW)
+            if not words or not arrow:
+                raise InputError(f"mistakes: {row.strip()!r}; give 'old{_ARROW}new' below words")
+            found[words].append((old, new))
     return {words: edited(rule, edits) for words, edits in found.items()}
 
 

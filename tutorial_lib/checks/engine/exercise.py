@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
+
+import numpy as np
 
 from tutorial_lib.checks.engine.edits import mistakes_of
 from tutorial_lib.checks.framework.answers import beside
 from tutorial_lib.checks.framework.check import Check, check
 from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.framework.topics import Topic, judge_topics
 
 Function = Callable[..., Any]
 
@@ -22,14 +24,15 @@ def case(*arguments: Any) -> tuple[Any, ...]:  # noqa: ANN401 - whatever the rul
 
 def exercise(
     rule: Function,
-    cases: Mapping[str, Sequence[Any]],
-    mistakes: str,
+    cases: Mapping[str, Sequence[Any]] | Sequence[Topic],
+    mistakes: str = "",
     *,
     module: str,
     about: str,
     example: tuple,
     run: Function | None = None,
     others: Mapping[str, Function] | None = None,
+    later: Mapping[str, Any] | None = None,
     calls: int = 1_000,
     endless: str = "",
     **comparing: Any,  # noqa: ANN401 - see `compare`
@@ -38,46 +41,39 @@ def exercise(
 
     Args:
         rule: the right answer; the cells below use it where the student's is not there.
-        cases: for each, what it is like and the arguments.
+        cases: for each, what it is like and the arguments, for `compare`; or topics, each with
+            words of its own, for `judge_topics`.
         mistakes: see `mistakes_of`.
         module: of the check; names the notebook.
         about: one line on what is checked.
         example: arguments to measure speed with.
         run: (function, *case) calls a function and returns what is judged, where that is more than
-            its answer; it runs beside the function.
-        others: mistakes that are no edits: what to say, and functions that make them.
+            its answer; unless `invoke` does so, too, it runs beside the function.
+        others: mistakes that are no edits of the rule: what to say, and functions that make them.
+        later: what else is given to `compare` once every case is right: other ``cases``, of which
+            no mistakes are known, and how those are compared.
         calls: how often the cells below call it.
         endless: what to say when it does not end.
-        **comparing: how answers are called, formed, compared and drawn, see `compare`.
+        **comparing: how answers are called, formed, compared and drawn, see `compare` and
+            `judge_topics`.
     """
     known = mistakes_of(rule, mistakes) | dict(others or {})
     right, faults = rule, known
+    compared = compare if isinstance(cases, Mapping) else judge_topics
     if run is not None:
         right, faults = partial(run, rule), {words: partial(run, f) for words, f in known.items()}
         there = beside(run)
-        comparing["invoke"] = lambda what, student, *given: there(student, *given)
+        comparing.setdefault("invoke", lambda what, student, *given: there(student, *given))
 
     def judge(student: Function) -> Any:  # noqa: ANN401 - target and yours, if drawn
-        return compare(rule.__name__, student, cases, right, faults, **comparing)
+        with np.errstate(all="ignore"):
+            picture = compared(rule.__name__, student, cases, right, faults, **comparing)
+            if later:
+                unknown = {"right": right, "faults": {}}
+                compare(rule.__name__, student, **unknown, **{**comparing, **later})
+            return picture
 
     judge.__name__, judge.__doc__, judge.__module__ = f"check_{rule.__name__}", about, module
     made = check(rule, example, calls=calls, endless=endless)(judge)
-    made.specification = Specification(right, cases, faults, comparing)
+    made.mistakes = known
     return made
-
-
-@dataclass(frozen=True)
-class Specification:
-    """What an exercise consists of, so that all of them can be tested alike.
-
-    Attributes:
-        right: gives the right answer to a case.
-        cases: by what they are like.
-        mistakes: by what is said of them.
-        comparing: how answers are compared.
-    """
-
-    right: Function
-    cases: Mapping[str, Sequence[Any]]
-    mistakes: Mapping[str, Function]
-    comparing: Mapping[str, Any]

@@ -6,7 +6,7 @@ import html
 import re
 import time
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -75,10 +75,10 @@ class Check:
         name: of the exercise.
         notebook: its number, as in "02".
         reference: the function that the cells below use when the student's is not there.
-        specification: of a check that `checks.engine` made.
+        mistakes: of a check that `checks.engine` made, by what is said of them.
     """
 
-    specification: Any = None
+    mistakes: Mapping[str, Function] | None = None
 
     def __init__(
         self, judge: Function, reference: Function, example: tuple, calls: int, endless: str

@@ -92,9 +92,8 @@ def compare(
         got = [_answer(student, invoke, form, what, case) for what, case in named.items()]
         first = list(named).index(what)
         pairs = [(g, w) for g, w in zip(got, wanted, strict=True) if g is not _NONE]
-        words = altered(pairs) or _best(
-            first, got, wanted, faults, answers, same, list(named.values())
-        )
+        known = _best(first, got, wanted, faults, answers, same, list(named.values()))
+        words = known if known in faults else altered(pairs) or known
         said, words = difference(mine, want, *case), words or broken(mine, want, *case)
         raise WrongAnswer(f"{what}: {words} ({said})" if words else f"{what}: {said}", picture)
     if aliases:

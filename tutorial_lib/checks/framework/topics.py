@@ -47,11 +47,11 @@ def judge_topics(
     faults: Mapping[str, Function],
     *,
     form: Function,
-    invoke: Function = call,
+    invoke: Function = lambda what, student, *case: call(student, *case),
     same: Function = lambda got, want, *case: close(got, want, tolerance=_TOLERANCE),
     difference: Function = lambda got, want, *case: farthest(got, np.asarray(want, float)),
     draw: Function = lambda student: None,
-) -> None:
+) -> NDArray[np.uint8] | None:
     """Demand the right answer to every case, the simple ones first.
 
     Args:
@@ -62,10 +62,13 @@ def judge_topics(
         faults: for known mistakes, what to say and a function that makes this mistake. It is named
             when it gives every answer that the student's function gives, or every wrong one.
         form: (what, answer, *case) demands an answer of the right form.
-        invoke: (student, *case) calls the student's function.
+        invoke: (what, student, *case) calls the student's function.
         same: (got, want, *case) tells whether two answers are equally good.
         difference: (got, want, *case) says where they differ.
         draw: (student) gives target and yours.
+
+    Returns:
+        Target and yours, if drawn.
 
     Raises:
         WrongAnswer: for the first case with a wrong answer.
@@ -74,12 +77,12 @@ def judge_topics(
     for topic in topics:
         what = f"{name}, {topic.about}"
         for case in topic.cases:
-            answer = attempt(what, topic.words, student, *case, invoke=invoke)
+            called = partial(invoke, what, student)
+            answer = attempt(what, topic.words, called, *case)
             got = _formed(form, what, answer, *case)
             want = right(*case)
             if same(got, want, *case):
                 continue
-            called = partial(invoke, student)
             if not _repeats(called, case, got, form, same):
                 raise WrongAnswer(f"{what}: {AGAIN}")
             given = _given(called, topics, form)
@@ -90,16 +93,23 @@ def judge_topics(
             raise WrongAnswer(f"{what}: {words}", _picture(draw, student))
     if aliases:
         raise aliases[0]
+    return draw(student)
 
 
-def attempt(what: str, words: str, student: Function, *case: Any, invoke: Function = call) -> Any:  # noqa: ANN401 - whatever students return
+def attempt(what: str, words: str, called: Function, *case: Any) -> Any:  # noqa: ANN401 - whatever students return
     """A student's answer; an error of its code is reported with the case and a hint.
+
+    Args:
+        what: was asked.
+        words: the hint.
+        called: calls the student's function.
+        *case: the arguments.
 
     Raises:
         WrongAnswer: when the student's function raises an error or changes its arguments.
     """
     try:
-        return invoke(student, *case)
+        return called(*case)
     except (NotImplementedError, WrongAnswer, MemoryError):
         raise
     except Exception as error:

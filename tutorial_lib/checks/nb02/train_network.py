@@ -1,6 +1,7 @@
 """The check of the training loop, in notebook 02: what it does with a network."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -84,7 +85,7 @@ def check_train_network(student: Callable[..., Any]) -> None:
     for about, case in _cases().items():
         what = f"train_network, {about}"
         words = "follow the seven rules above, one after the other"
-        got = attempt(what, words, student, *case, invoke=beside(trace))
+        got = attempt(what, words, partial(beside(trace), student), *case)
         wrong = mistake(got, trace(train_network, *case), *case[:2])
         if wrong:
             raise WrongAnswer(f"{what}: {wrong}")

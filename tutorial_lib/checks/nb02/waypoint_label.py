@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import numbers
-from tutorial_lib.checks.framework.check import WrongAnswer, check
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.comparison import close, farthest
-from tutorial_lib.checks.framework.topics import Topic, judge_topics
+from tutorial_lib.checks.framework.topics import Topic
 from tutorial_lib.checks.nb02.label_cases import (
     CORNER,
     CORNER_WALL,
@@ -18,120 +19,190 @@ from tutorial_lib.checks.nb02.label_cases import (
     POST,
     ROUND,
     STRAIGHT,
+    Sees,
     among,
     case,
     clear_sight,
     only,
     random_case,
 )
-from tutorial_lib.checks.nb02.label_mistakes import BEHIND, FAULTS, waypoint_label
 from tutorial_lib.checks.nb02.label_picture import labels_from_above
-from tutorial_lib.geometry import Array
+from tutorial_lib.se2 import Array, to_local
 from tutorial_lib.world.raycast import Raycaster
 
 
-def _topics() -> list[Topic]:
-    rng = np.random.default_rng(9)
-    none = "nothing is in sight, so there is no last place; return None"
-    return [
-        Topic(
-            "round a corner",
-            "of frames source + 1 to target, take the last that is in sight, as seen from start",
-            [case([1.0, -0.2, 0.3], CORNER, 10, 40, among([CORNER_WALL]))],
-        ),
-        Topic(
-            "a target in sight",
-            "the target itself is a candidate: here it is the waypoint",
-            [case([0.2, 0.1, 0.3], CORNER, 2, 15, among([FAR_WALL]))],
-        ),
-        Topic(
-            "past a post",
-            "the last place in sight counts, also if a post hides some places before it",
-            [case([0.0, -0.6, 0.2], STRAIGHT, 0, 40, among([POST]))],
-        ),
-        Topic(
-            "out and back",
-            "the last place along the trajectory counts, whatever its distance in metres",
-            [case([0.0, 0.3, 0.0], ROUND, 0, len(ROUND) - 1, among([FAR_WALL]))],
-        ),
-        Topic(
-            "a trajectory that goes on",
-            "nothing beyond the target is a candidate",
-            [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, among([FAR_WALL]))],
-        ),
-        Topic(
-            "a waypoint 12 m away",
-            "there is no largest distance: the farthest place in sight counts",
-            [case([0.0, 0.2, 0.1], LONG, 0, 120, among([FAR_WALL]))],
-        ),
-        Topic(
-            "only the first candidate in sight",
-            "the first candidate is frame source + 1",
-            [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
-        ),
-        Topic(
-            "a waypoint 3 cm away",
-            "there is no smallest distance: a place beside the car counts",
-            [case([0.6, 0.03, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
-        ),
-        Topic(
-            "target behind, in sight",
-            BEHIND,
-            [case([2.1, 1.5, 1.6], CORNER, 35, 25, among([CORNER_WALL]))],
-        ),
-        Topic(
-            "target behind, hidden",
-            BEHIND,
-            [case([2.1, 1.5, 1.6], CORNER, 35, 5, among([CORNER_WALL]))],
-        ),
-        Topic(
-            "target at the source",
-            "a target at the source's own frame is its own waypoint too: target <= source",
-            [
-                case([0.9, 0.2, -0.4], CORNER, 10, 10, among([CORNER_WALL])),
-                case([0.9, 0.2, -0.4], CORNER, 10, 10, only(CORNER, [])),
-            ],
-        ),
-        Topic(
-            "nothing in sight",
-            none,
-            [case([0.1, 0.0, 0.0], STRAIGHT, 2, 30, among([[0.25, -2, 0.25, 2]]))],
-        ),
-        Topic(
-            "nothing in sight but the place of source, and places before it or after the target",
-            f"these are no candidates; {none}",
-            [
-                case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [9])),
-                case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [3, 35])),
-            ],
-        ),
-        Topic(
-            "40 random trajectories",
-            "take the last frame in sight from source + 1 to target, whatever the distances; a "
-            "target at or before source is its own waypoint",
-            [random_case(rng) for _ in range(40)],
-        ),
-    ]
+def waypoint_label(
+    start: Array, track: Array, source: int, target: int, sees: Sees
+) -> Array | None:
+    """The farthest place in clear sight, in the frame of the start; None if there is none.
+
+    Args:
+        start: (3,) pose of the robot, beside frame `source`.
+        track: (T, 3) poses of the trajectory.
+        source: index of a frame.
+        target: index of a frame; one at or before the source is its own waypoint.
+        sees: returns which points (C, 2) are in clear sight of a place (2,).
+    """
+    if target <= source:
+        place = track[target, :2]
+    else:
+        frames = np.arange(source + 1, target + 1)
+        seen = np.asarray(sees(start[:2], track[frames, :2]), bool)
+        place = track[frames[seen][-1], :2] if seen.any() else None
+    return None if place is None else to_local(start, place)
 
 
-@check(
-    waypoint_label,
-    (np.zeros(3), STRAIGHT, 0, 40, clear_sight(Raycaster([FAR_WALL]))),
-)
-def check_waypoint_label(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    """Round a corner, past a post, out and back, targets ahead and behind, nothing in sight."""
-    judge_topics(
-        "waypoint_label",
-        student,
-        _topics(),
-        waypoint_label,
-        FAULTS,
-        form=_form,
-        same=_same,
-        difference=_difference,
-        draw=_picture,
-    )
-    return _picture(student)
+_RNG = np.random.default_rng(9)
+_NONE = "nothing is in sight, so there is no last place; return None"
+_BEHIND = "a target behind is its own waypoint, in sight or not"
+TOPICS = [
+    Topic(
+        "round a corner",
+        "of frames source + 1 to target, take the last that is in sight, as seen from start",
+        [case([1.0, -0.2, 0.3], CORNER, 10, 40, among([CORNER_WALL]))],
+    ),
+    Topic(
+        "a target in sight",
+        "the target itself is a candidate: here it is the waypoint",
+        [case([0.2, 0.1, 0.3], CORNER, 2, 15, among([FAR_WALL]))],
+    ),
+    Topic(
+        "past a post",
+        "the last place in sight counts, also if a post hides some places before it",
+        [case([0.0, -0.6, 0.2], STRAIGHT, 0, 40, among([POST]))],
+    ),
+    Topic(
+        "out and back",
+        "the last place along the trajectory counts, whatever its distance in metres",
+        [case([0.0, 0.3, 0.0], ROUND, 0, len(ROUND) - 1, among([FAR_WALL]))],
+    ),
+    Topic(
+        "a trajectory that goes on",
+        "nothing beyond the target is a candidate",
+        [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, among([FAR_WALL]))],
+    ),
+    Topic(
+        "a waypoint 12 m away",
+        "there is no largest distance: the farthest place in sight counts",
+        [case([0.0, 0.2, 0.1], LONG, 0, 120, among([FAR_WALL]))],
+    ),
+    Topic(
+        "only the first candidate in sight",
+        "the first candidate is frame source + 1",
+        [case([0.5, 0.2, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
+    ),
+    Topic(
+        "a waypoint 3 cm away",
+        "there is no smallest distance: a place beside the car counts",
+        [case([0.6, 0.03, 0.1], STRAIGHT, 5, 20, only(STRAIGHT, [6]))],
+    ),
+    Topic(
+        "target behind, in sight",
+        _BEHIND,
+        [case([2.1, 1.5, 1.6], CORNER, 35, 25, among([CORNER_WALL]))],
+    ),
+    Topic(
+        "target behind, hidden",
+        _BEHIND,
+        [case([2.1, 1.5, 1.6], CORNER, 35, 5, among([CORNER_WALL]))],
+    ),
+    Topic(
+        "target at the source",
+        "a target at the source's own frame is its own waypoint too: target <= source",
+        [
+            case([0.9, 0.2, -0.4], CORNER, 10, 10, among([CORNER_WALL])),
+            case([0.9, 0.2, -0.4], CORNER, 10, 10, only(CORNER, [])),
+        ],
+    ),
+    Topic(
+        "nothing in sight",
+        _NONE,
+        [case([0.1, 0.0, 0.0], STRAIGHT, 2, 30, among([[0.25, -2, 0.25, 2]]))],
+    ),
+    Topic(
+        "nothing in sight but the place of source, and places before it or after the target",
+        f"these are no candidates; {_NONE}",
+        [
+            case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [9])),
+            case([0.1, 0.3, 0.0], STRAIGHT, 9, 30, only(STRAIGHT, [3, 35])),
+        ],
+    ),
+    Topic(
+        "40 random trajectories",
+        "take the last frame in sight from source + 1 to target, whatever the distances; a "
+        "target at or before source is its own waypoint",
+        [random_case(_RNG) for _ in range(40)],
+    ),
+]
+MISTAKES = """
+it is in world coordinates; give it as seen from the start: to_local
+    to_local(start, place) -> place
+shifted, but not turned by the start's heading: to_local
+    to_local(start, place) -> place - start[:2]
+turned the wrong way: to_local
+    to_local(start, place) -> to_local(start * [1, 1, -1], place)
+y points to the right here; it must be positive to the left: to_local
+    to_local(start, place) -> to_local(start, place) * [1, -1]
+as seen from the pose of frame `source`; it must be as seen from the start: to_local
+    to_local(start, place) -> to_local(track[source], place)
+that is the target itself, but it is not in sight
+    track[frames[seen][-1], :2] if seen.any() else None -> track[target, :2]
+with nothing in sight there is no waypoint: return None, not the target
+    if seen.any() else None -> if seen.any() else track[target, :2]
+take the last place in sight up to the target, not beyond the target
+    target + 1) -> len(track))
+that is the nearest place in sight; take the farthest
+    frames[seen][-1] -> frames[seen][0]
+that is the first place in sight, or the first of all; take the last in sight
+    frames[seen][-1], :2] if seen.any() else None -> frames[seen.argmax()], :2]
+a place farther on is in sight again; do not stop at the first hidden one
+    frames[seen][-1] -> frames[max((len(seen) if seen.all() else seen.argmin()) - 1, 0)]
+that is the last place in sight but one; take the last
+    frames[seen][-1] -> frames[seen][-2 if seen.sum() > 1 else -1]
+that is the last hidden place; take the last one in sight
+    frames[seen][-1] -> (frames if seen.all() else frames[~seen])[-1]
+the last place along the trajectory counts, not the one nearest to the target in metres
+    frames[seen][-1] -> min(frames[seen], key=lambda i: np.hypot(*(track[i] - track[target])[:2]))
+the number of places in sight is no index: some before the last one may be hidden
+    frames[seen][-1] -> frames[seen.sum() - 1]
+the last place along the trajectory counts, not the one at the greatest distance
+    frames[seen][-1] -> max(frames[seen], key=lambda i: np.hypot(*(track[i] - start)[:2]))
+look from the start, not from the place of source: sees(start[:2], places)
+    sees(start[:2] -> sees(track[source, :2]
+the target itself is a candidate too
+    target + 1) -> target)
+one frame too early: index 0 of the candidates is frame source + 1
+    frames[seen][-1] -> frames[seen][-1] - 1
+the indices of the places in sight count from the first candidate, not from the start of
+the track: places[seen[-1]]
+    frames[seen][-1] -> frames[seen][-1] - frames[0]
+that is the first place that is hidden; take the last one in sight
+    frames[seen][-1] -> frames[-1 if seen.all() else seen.argmin()]
+the place of source itself is no candidate; the first one is source + 1
+    source + 1 -> source
+the first candidate is source + 1, not source + 2
+    source + 1 -> source + 2
+the place of source itself is no candidate, and a target at the source's own frame is its
+own waypoint: target <= source
+    source + 1 -> source
+    target <= source -> target < source
+a target at the source's own frame is its own waypoint too: target <= source
+    target <= source -> target < source
+a target behind is its own waypoint, in sight or not; do not search the places in between
+    place = track[target, :2] -> between = track[target : source + 1, :2]; place = FIRST
+    FIRST -> next((place for place in between if sees(start[:2], place[None])[0]), None)
+a target behind is its own waypoint, in sight or not; do not take the nearest of the places
+in between
+    place = track[target, :2] -> between = track[target : source + 1, :2][::-1]; place = FIRST
+    FIRST -> next((place for place in between if sees(start[:2], place[None])[0]), None)
+a target behind is its own waypoint, in sight or not; yours gives None for it
+    place = track[target, :2] -> place = None
+a target behind is its own waypoint, in sight or not; yours looks whether it is in sight
+    place = track[target, :2]
+        -> place = track[target, :2] if sees(start[:2], track[[target], :2])[0] else None
+a target behind is its own waypoint, in sight or not; yours gives the place of the source
+    place = track[target, :2] -> place = track[source, :2]
+"""
 
 
 def _form(what: str, answer: object, *arguments: Any) -> Array | None:  # noqa: ANN401
@@ -159,6 +230,20 @@ def _difference(got: Array | None, want: Array | None, *_: object) -> str:
 
 
 def _picture(student: Callable[..., Any]) -> NDArray[np.uint8]:
-    arguments = _topics()[0].cases[0]
+    arguments = TOPICS[0].cases[0]
     right, yours = waypoint_label(*arguments), student(*arguments)
     return labels_from_above(np.array([CORNER_WALL]), *arguments[:2], right, yours)
+
+
+check_waypoint_label = exercise(
+    waypoint_label,
+    TOPICS,
+    MISTAKES,
+    module=__name__,
+    about="Round a corner, past a post, out and back, targets ahead and behind, nothing in sight.",
+    example=(np.zeros(3), STRAIGHT, 0, 40, clear_sight(Raycaster([FAR_WALL]))),
+    form=_form,
+    same=_same,
+    difference=_difference,
+    draw=_picture,
+)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.nb03.forms import calling, one_number
+from tutorial_lib.checks.nb03.reach_loss import reach_loss
 from tutorial_lib.geometry import Array
 from tutorial_lib.learning.calibration import sigmoid
 
@@ -17,18 +16,15 @@ Case = tuple[Array, Array]
 """Logits and labels, (N,)."""
 LOWEST, HIGHEST = 0.05, 20.0
 """The temperatures between which the best one is sought."""
-_TEMPERATURES = np.geomspace(LOWEST, HIGHEST, 600)
 
 
 def fit_temperature(logits: Array, labels: Array) -> float:
     """The temperature for which the loss of logits (N,) over it is smallest, to one percent."""
-    return float(_TEMPERATURES[_losses(logits, labels).argmin()])
-
-
-def _losses(logits: Array, labels: Array, temperatures: Array = _TEMPERATURES) -> Array:
-    """The mean loss at each temperature."""
-    z = logits / np.atleast_1d(temperatures)[:, None]
-    return (np.logaddexp(0.0, z) - labels * z).mean(axis=1)
+    temperatures = np.geomspace(LOWEST, HIGHEST, 600)
+    z = logits / temperatures[:, None]
+    losses = (np.logaddexp(0.0, z) - labels * z).mean(axis=1)
+    best = temperatures[losses.argmin()]
+    return float(best)
 
 
 def _logits(
@@ -45,7 +41,7 @@ def _logits(
 
 
 _ALWAYS = np.tile([-0.4, 0.3, 0.5, -0.2, 0.1], 8)
-_CASES: dict[str, Case] = {
+CASES = {
     "an overconfident network": _logits(2.0, blunders=0.12),
     "an underconfident network": _logits(0.4),
     "soft labels": _logits(1.8, soft=True),
@@ -65,6 +61,66 @@ _CASES: dict[str, Case] = {
         (_ALWAYS < 0).astype(float),
     ),
 }
+MISTAKES = """
+that is 1 / T: the logits are divided by the temperature
+    float(best) -> 1 / float(best)
+that is the smallest loss; give the temperature that has it
+    temperatures[losses.argmin()] -> losses.min()
+that is the logarithm of the temperature
+    float(best) -> float(np.log(best))
+that is the temperature with a minus; it is greater than 0
+    float(best) -> -float(best)
+that is the index of the best temperature in a list; give the temperature
+    temperatures[losses.argmin()] -> losses.argmin()
+a temperature below 1 is allowed, it makes a network more confident
+    float(best) -> max(float(best), 1.0)
+a temperature above 1 is allowed, it makes a network less confident
+    float(best) -> min(float(best), 1.0)
+T is sought from 0.05 to 20; yours never comes below 0.1
+    float(best) -> max(float(best), 0.1)
+T is sought from 0.05 to 20; yours never comes above 10
+    float(best) -> min(float(best), 10.0)
+T is sought from 0.05 to 20; yours never comes above 5
+    float(best) -> min(float(best), 5.0)
+T is sought from 0.05 to 20; yours stays between 0.1 and 10
+    float(best) -> min(max(float(best), 0.1), 10.0)
+T is sought from 0.05 to 20; yours stays between 0.5 and 2
+    float(best) -> min(max(float(best), 0.5), 2.0)
+the best temperature comes back rounded; one percent of 0.35 is little
+    float(best) -> round(float(best), 1)
+T is sought from 0.05 to 20; yours stays between 0.5 and 5
+    float(best) -> min(max(float(best), 0.5), 5.0)
+the cross-entropy is to be smallest, not the squared error
+    np.logaddexp(0.0, z) - labels * z -> (sigmoid(z) - labels) ** 2
+the cross-entropy is to be smallest, not the absolute error
+    np.logaddexp(0.0, z) - labels * z -> np.abs(sigmoid(z) - labels)
+the labels do not count yet
+    - labels * z -> - 0
+labels may lie between 0 and 1: do not round them
+    - labels -> - (labels > 0.5)
+the labels are no weights: pairs that are not reached count too
+    (np.logaddexp(0.0, z) - labels * z) -> (labels * (np.logaddexp(0.0, z) - labels * z))
+the loss takes logits: no sigmoid before it
+    logits / temperatures[:, None] -> sigmoid(logits / temperatures[:, None])
+the logits are divided by T, not the probabilities
+    logits / -> sigmoid(logits) /
+the mean prediction may be right and each one wrong: the mean loss decides
+    (np.logaddexp(0.0, z) - labels * z).mean(axis=1) -> np.abs((sigmoid(z) - labels).mean(axis=1))
+the loss is to be smallest, not largest
+    argmin -> argmax
+the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes bins
+    (np.logaddexp(0.0, z) - labels * z).mean(axis=1) -> _ece(z, labels)
+that is the index of the best temperature in a list; give the temperature itself
+    temperatures[losses.argmin()] -> losses.argmin()
+    600 -> 300
+that is the index of the best temperature in a list; give the temperature, not its place
+    temperatures[losses.argmin()] -> losses.argmin()
+    600 -> 1000
+that is the index of the best temperature in a list; give the temperature, a number from
+0.05 to 20
+    temperatures[losses.argmin()] -> losses.argmin()
+    600 -> 100
+"""
 _HINTS: dict[type[Exception], str] = {
     ValueError: "logits and labels are (N,), and T is one number",
     TypeError: "logits / t is an array (N,) for each t; reach_loss wants weights, too, all 1",
@@ -74,21 +130,11 @@ _HINTS: dict[type[Exception], str] = {
 }
 
 
-@check(fit_temperature, _logits(2.5), calls=10)
-def check_fit_temperature(student: Callable[..., Any]) -> None:
-    """Overconfident and underconfident networks, soft labels, and both ends of the range."""
-    compare(
-        "fit_temperature",
-        student,
-        _CASES,
-        fit_temperature,
-        _FAULTS,
-        invoke=calling(_HINTS),
-        form=_form,
-        same=_same,
-        difference=_apart,
-        broken=_broken,
-    )
+def _ece(z: Array, labels: Array) -> Array:
+    """The ECE, in ten bins, of each row of logits (T, N)."""
+    order, gap = np.argsort(z[0]), sigmoid(z) - labels
+    first = [part[0] for part in np.array_split(np.arange(len(order)), 10)]
+    return np.abs(np.add.reduceat(gap[:, order], first, axis=1)).sum(axis=1)
 
 
 def _form(what: str, got: Any, *_: object) -> float:  # noqa: ANN401 - students' answers
@@ -110,7 +156,7 @@ def _apart(got: float, want: float, *case: Array) -> str:
         return f"{got:.3g}, but a temperature is greater than 0"
     if not 0.99 * LOWEST <= got <= 1.01 * HIGHEST:
         return f"{got:.4g}, but T is sought from 0.05 to 20"
-    mine, best = _losses(*case, np.array([got, want]))
+    mine, best = (reach_loss(case[0] / t, case[1], np.ones(len(case[0]))) for t in (got, want))
     losses = f"with T = {got:.4g} the mean loss is {mine:.6f}, with T = {want:.4g} it is {best:.6f}"
     if abs(np.log(got / want)) < 0.5:
         return f"{losses}: near, but not to one percent"
@@ -132,84 +178,17 @@ def _broken(got: float, want: float, *_: Array) -> str:
     )
 
 
-def _smallest(score: Callable[[Array, Array], Array]) -> Callable[[Array, Array], float]:
-    """The temperature at which another score (600,) of logits / T (600, N) is smallest."""
-
-    def fault(logits: Array, labels: Array) -> float:
-        return float(_TEMPERATURES[score(logits / _TEMPERATURES[:, None], labels).argmin()])
-
-    return fault
-
-
-def _loss(z: Array, labels: Array) -> Array:
-    return (np.logaddexp(0.0, z) - labels * z).mean(axis=1)
-
-
-def _clipped(low: float, high: float) -> Callable[[Array, Array], float]:
-    """The best temperature of a shorter range."""
-    return lambda logits, labels: min(max(fit_temperature(logits, labels), low), high)
-
-
-def _index(count: int) -> Callable[[Array, Array], float]:
-    temperatures = np.geomspace(LOWEST, HIGHEST, count)
-    return lambda logits, labels: float(_losses(logits, labels, temperatures).argmin())
-
-
-def _ece(z: Array, labels: Array) -> Array:
-    order, gap = np.argsort(z[0]), sigmoid(z) - labels
-    first = [part[0] for part in np.array_split(np.arange(len(order)), 10)]
-    return np.abs(np.add.reduceat(gap[:, order], first, axis=1)).sum(axis=1)
-
-
-_INDEX = "that is the index of the best temperature in a list; give the temperature"
-_FAULTS: dict[str, Callable[[Array, Array], float]] = {
-    "that is 1 / T: the logits are divided by the temperature": lambda *case: (
-        1 / fit_temperature(*case)
-    ),
-    "that is the smallest loss; give the temperature that has it": lambda *case: float(
-        _losses(*case).min()
-    ),
-    "that is the logarithm of the temperature": lambda *case: float(np.log(fit_temperature(*case))),
-    "that is the temperature with a minus; it is greater than 0": lambda *case: (
-        -fit_temperature(*case)
-    ),
-    _INDEX: _index(600),
-    "a temperature below 1 is allowed, it makes a network more confident": _clipped(1.0, HIGHEST),
-    "a temperature above 1 is allowed, it makes a network less confident": _clipped(LOWEST, 1.0),
-    "T is sought from 0.05 to 20; yours never comes below 0.1": _clipped(0.1, HIGHEST),
-    "T is sought from 0.05 to 20; yours never comes above 10": _clipped(LOWEST, 10.0),
-    "T is sought from 0.05 to 20; yours never comes above 5": _clipped(LOWEST, 5.0),
-    "T is sought from 0.05 to 20; yours stays between 0.1 and 10": _clipped(0.1, 10.0),
-    "T is sought from 0.05 to 20; yours stays between 0.5 and 2": _clipped(0.5, 2.0),
-    "the best temperature comes back rounded; one percent of 0.35 is little": lambda *case: round(
-        fit_temperature(*case), 1
-    ),
-    "T is sought from 0.05 to 20; yours stays between 0.5 and 5": _clipped(0.5, 5.0),
-    "the cross-entropy is to be smallest, not the squared error": _smallest(
-        lambda z, y: ((sigmoid(z) - y) ** 2).mean(axis=1)
-    ),
-    "the cross-entropy is to be smallest, not the absolute error": _smallest(
-        lambda z, y: np.abs(sigmoid(z) - y).mean(axis=1)
-    ),
-    "the labels do not count yet": _smallest(lambda z, y: np.logaddexp(0.0, z).mean(axis=1)),
-    "labels may lie between 0 and 1: do not round them": _smallest(lambda z, y: _loss(z, y > 0.5)),
-    "the labels are no weights: pairs that are not reached count too": _smallest(
-        lambda z, y: (y * (np.logaddexp(0.0, z) - y * z)).sum(axis=1)
-    ),
-    "the loss takes logits: no sigmoid before it": _smallest(lambda z, y: _loss(sigmoid(z), y)),
-    "the logits are divided by T, not the probabilities": lambda logits, labels: float(
-        _TEMPERATURES[_losses(sigmoid(logits), labels).argmin()]
-    ),
-    "the mean prediction may be right and each one wrong: the mean loss decides": _smallest(
-        lambda z, y: np.abs((sigmoid(z) - y).mean(axis=1))
-    ),
-    "the loss is to be smallest, not largest": lambda *case: float(
-        _TEMPERATURES[_losses(*case).argmax()]
-    ),
-    "the cross-entropy is to be smallest, not the ECE, which jumps when a pair changes bins": (
-        _smallest(_ece)
-    ),
-    f"{_INDEX} itself": _index(300),
-    f"{_INDEX}, not its place": _index(1000),
-    f"{_INDEX}, a number from 0.05 to 20": _index(100),
-}
+check_fit_temperature = exercise(
+    fit_temperature,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Overconfident and underconfident networks, soft labels, and both ends of the range.",
+    example=_logits(2.5),
+    calls=10,
+    invoke=calling(_HINTS),
+    form=_form,
+    same=_same,
+    difference=_apart,
+    broken=_broken,
+)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -10,24 +9,39 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb03.forms import calling, vector
-from tutorial_lib.checks.nb03.rollout_faults import FAULTS, rollout_labels
 from tutorial_lib.checks.nb03.rollout_stories import (
     STORIES,
-    Case,
     at_limits,
     last_moment,
     random_rollouts,
     rollouts_of,
 )
-from tutorial_lib.driving.metrics import REACHED, time_limit
+from tutorial_lib.driving.metrics import GRACE, REACHED, SLOWEST, time_limit
 from tutorial_lib.geometry import Array
 from tutorial_lib.viz.canvas import colours
 from tutorial_lib.viz.canvas.labels import label
 
-_CASES: dict[str, Case] = {
+
+def rollout_labels(times: Array, gaps: Array, touched: NDArray[np.bool_], geodesic: Array) -> Array:
+    """1 for each rollout (N,) within 0.30 m of its target in time, with nothing touched before.
+
+    Args:
+        times: (T,) seconds since the start, rising.
+        gaps: (T, N) metres to the target.
+        touched: (T, N) whether something is touched at that moment.
+        geodesic: (N,) metres from start to target along the shortest path.
+    """
+    near, limit = gaps <= REACHED, geodesic / SLOWEST + GRACE
+    in_time = times[:, None] <= limit
+    clean = ~np.logical_or.accumulate(touched, axis=0)
+    good = near & in_time & clean
+    return good.any(axis=0).astype(float)
+
+
+CASES = {
     "single stories": rollouts_of(),
     "exactly at the limits": at_limits(),
     "near in the last moment alone": last_moment(),
@@ -36,32 +50,101 @@ _CASES: dict[str, Case] = {
     "one car": random_rollouts(30, 1, 11),
     "one moment": random_rollouts(1, 20, 4),
     "300 cars": random_rollouts(150, 300, 5),
+    "two cars that stay at their targets": (
+        np.arange(3.0),
+        np.full((3, 2), 0.1),
+        np.zeros((3, 2), bool),
+        np.ones(2),
+    ),
 }
+MISTAKES = """
+every rollout counts as reached; three things must hold
+    near & in_time & clean -> near | True
+no rollout counts as reached; look at each moment
+    near & in_time & clean -> near & False
+a rollout that touched something has failed, even if it arrives
+    near & in_time & clean -> near & in_time
+what a car touches after it has arrived does not count: look at what was touched up to each
+moment
+    np.logical_or.accumulate(touched, axis=0) -> touched.any(axis=0)
+a rollout that touched something has failed, even if the car is free again when it arrives;
+see np.logical_or.accumulate
+    np.logical_or.accumulate(touched, axis=0) -> touched
+a touch in the moment in which the car arrives counts, too
+    accumulate(touched, -> accumulate(np.vstack([np.zeros_like(touched[:1]), touched[:-1]]),
+a target that is reached after t_max does not count
+    near & in_time & clean -> near & clean
+t_max has 5 s on top: geodesic / 0.3 + 5
+    + GRACE -> + 0
+0.3 m/s is a speed: divide the geodesic by it
+    geodesic / SLOWEST -> geodesic * SLOWEST
+t_max is geodesic / 0.3 + 5: the 5 s come on top of the quotient
+    geodesic / SLOWEST + GRACE -> (geodesic + GRACE) / SLOWEST
+t_max is different for each car; it depends on its geodesic
+    geodesic / -> geodesic.max() /
+t_max is in seconds: compare it with times, not with the number of the row
+    times[:, None] -> np.arange(len(times))[:, None]
+a car that was at the target once has reached it: do not look only at the last moment
+    near & in_time & clean -> (near & clean)[-1:]
+a car that was at the target once has reached it: do not look only at the moment t_max
+    near & in_time & clean -> np.take_along_axis(near & clean, row[None], axis=0)
+    good = -> row = np.abs(times[:, None] - limit).argmin(axis=0); good =
+a car that was at the target once has reached it: look at every moment, not at the last
+    near & in_time & clean -> (near & in_time & clean)[-1:]
+the nearest moment may come too late or after a touch, and an earlier one may be good: look
+at every moment
+    near & in_time & clean
+        -> np.take_along_axis(near & in_time & clean, gaps.argmin(axis=0)[None], axis=0)
+the moments lie unevenly: compare times with t_max, not 0.1 s times the number of the row
+    times[:, None] -> 0.1 * np.arange(len(times))[:, None]
+accumulate over the moments, axis=0, and not over the cars
+    accumulate(touched, axis=0) -> accumulate(touched, axis=1)
+argmax of a column without any True is 0: a car that is never near has no first moment
+    near & in_time & clean
+        -> np.take_along_axis(in_time & clean, near.argmax(axis=0)[None], axis=0)
+a touch in the very first moment counts, too
+    accumulate(touched, -> accumulate(np.vstack([np.zeros_like(touched[:1]), touched[1:]]),
+near means within 0.30 m, not 0.5 m
+    REACHED -> 0.5
+near means within 0.30 m, not 0.25 m
+    REACHED -> 0.25
+the slowest speed is 0.3 m/s, not 0.5 m/s
+    / SLOWEST -> / 0.5
+t_max has 5 s on top, not 10 s
+    GRACE -> 10
+the moment of the start counts, too: a car may stand at its target
+    good.any -> good[1:].any
+the last moment counts, too
+    good.any -> good[:-1].any
+what was touched before the arrival counts, not what is touched after it
+    accumulate(touched, axis=0) -> accumulate(touched[::-1], axis=0)[::-1]
+each car has a t_max of its own, by its own geodesic, not that of their mean
+    geodesic / -> geodesic.mean() /
+exactly 0.30 m counts as near, too: at most
+    gaps <= -> gaps <
+exactly t_max is still in time: at t_max at the latest
+    times[:, None] <= -> times[:, None] <
+both limits belong to it: at most 0.30 m, at t_max at the latest
+    gaps <= -> gaps <
+    times[:, None] <= -> times[:, None] <
+a rollout that touched something counts 0, not nan: it is a failure, not a gap in the data
+    return good.any(axis=0).astype(float)
+        -> return np.where(touched.any(axis=0) & ~good.any(axis=0), np.nan, good.any(axis=0))
+near, in time and clean must hold at the same moment, not each at some moment
+    near & in_time & clean -> near.any(0) & in_time.any(0) & clean.any(0, keepdims=True)
+one good moment is enough: any, not all
+    good.any -> good.all
+1 is for those that arrive, 0 for those that do not
+    return -> return 1 -
+a label is 1 or 0, not the number of good moments
+    good.any -> good.sum
+"""
 _HINTS: dict[type[Exception], str] = {
     ValueError: "times is (T,), geodesic (N,), the others are (T, N): times[:, None] is a column, "
     "with which limits (N,) make a table (T, N)",
     IndexError: "gaps and touched have a row for each moment and a column for each car",
     TypeError: "gaps and touched are arrays (T, N); tables of true and false are joined by &, |, ~",
 }
-_EXAMPLE = (np.arange(300.0), np.ones((300, 400)), np.zeros((300, 400), bool), np.ones(400))
-
-
-@check(rollout_labels, _EXAMPLE)
-def check_rollout_labels(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """In time and too late, past the target, along walls, exactly at limits, and 400 more."""
-    return compare(
-        "rollout_labels",
-        student,
-        _CASES,
-        rollout_labels,
-        FAULTS,
-        invoke=calling(_HINTS),
-        form=_form,
-        same=_same,
-        difference=_worst,
-        broken=_broken,
-        draw=_timelines,
-    )
 
 
 def _form(what: str, got: Any, *case: Any) -> Array:  # noqa: ANN401 - students' answers
@@ -138,3 +221,19 @@ def _timelines(want: Array, got: Array) -> NDArray[np.uint8]:
         right = abs(got[row] - want[row]) < 1e-6
         write(f"{got[row]:.3g}", 716, y + 5, colour=colours.GOAL if right else colours.LASER)
     return picture
+
+
+check_rollout_labels = exercise(
+    rollout_labels,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="In time and too late, past the target, along walls, exactly at limits, and 400 more.",
+    example=case(np.arange(300.0), np.ones((300, 400)), np.zeros((300, 400), bool), np.ones(400)),
+    invoke=calling(_HINTS),
+    form=_form,
+    same=_same,
+    difference=_worst,
+    broken=_broken,
+    draw=_timelines,
+)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import parts, returned
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 
 Graph = dict[int, dict[int, float]]
@@ -23,112 +23,16 @@ def around_cycles(
     graph: Graph, visited: Sequence[int], cycle: int, bias: float
 ) -> tuple[bool, Graph]:
     """Whether a robot goes round in circles, and a graph that leads it elsewhere; see there."""
-    return _around(graph, visited, cycle, bias)
-
-
-def _around(
-    graph: Graph, visited: Sequence[int], cycle: int, bias: float, fault: str = ""
-) -> tuple[bool, Graph]:
-    """The rule, with a `fault` if one is named."""
-    came = visited if fault == "steps" else [vertex for vertex, _ in groupby(visited)]
-    came = {
-        "set": list(dict.fromkeys(visited)),
-        "wraps": [v for i, v in enumerate(visited) if v != visited[i - 1]],
-        "0 is none": [
-            v for u, v in zip([None, *visited], visited, strict=False) if not u or u != v
-        ],
-        "second on": came[1:],
-        "last left out": came[:-1],
-        "two before": [v for i, v in enumerate(visited) if v not in visited[max(i - 2, 0) : i]],
-        "from 0": came[1:] if came[:1] == [0] else came,
-    }.get(fault, came)
+    came = [vertex for vertex, _ in groupby(visited)]
     visits = Counter(came)
-    most = max(visits.values(), default=0)
-    limit = 3 if fault == "cycle is 3" else cycle
-    limit = limit + (fault == "more than") - (fault == "one too few")
-    found = {"any": len(came) >= cycle, "last": bool(came) and visits[came[-1]] >= cycle}.get(
-        fault, most >= limit
-    )
-    if fault == "only in a cycle" and not found:
-        return found, copy.deepcopy(graph)
-
-    def factor(v: int, w: int) -> float:
-        n = visits[v if fault == "leaving" else w]
-        more = {
-            "each visit": n,
-            "once": min(max(n - 1, 0), 1),
-            "from the limit": max(n - cycle + 1, 0),
-            "at the limit": n - 1 if n >= max(cycle, 1) else 0,
-            "not one less": n if n >= 2 else 0,
-        }.get(fault, max(n - 1, 0))
-        if fault == "product":
-            return 1.0 if n < 2 else bias * (n - 1)
-        if fault == "no visit divides":
-            return bias ** (n - 1)
-        if fault == "half":
-            return 0.5**more
-        if fault == "at most twice":
-            return bias ** min(more, 2)
-        if fault == "times":
-            return 1.0 if n < 2 else bias / n
-        return bias**more
-
-    biased = {v: {w: p * factor(v, w) for w, p in out.items()} for v, out in graph.items()}
-    if fault == "removes":
-        biased = {v: {w: graph[v][w] for w in out if visits[w] < 2} for v, out in graph.items()}
-    if fault == "subtracts":
-        biased = {
-            v: {w: p - bias * max(visits[w] - 1, 0) for w, p in out.items()}
-            for v, out in graph.items()
-        }
-    if fault == "drops zeros":
-        biased = {v: {w: p for w, p in out.items() if p > 0} for v, out in biased.items()}
-    if fault == "same":
-        biased = copy.deepcopy(graph)
+    found = max(visits.values(), default=0) >= cycle
+    biased = {
+        v: {w: p * bias ** max(visits[w] - 1, 0) for w, p in out.items()}
+        for v, out in graph.items()
+    }
     return found, biased
 
 
-_FAULTS = {
-    "a visit is a coming: the same vertex several times in a row is one visit": "steps",
-    "a vertex may be visited several times, with others in between; yours counts each once": "set",
-    "`cycle` visits are a cycle already: >=, not >": "more than",
-    "`cycle` visits are a cycle, not one less": "one too few",
-    "it is the visits of one vertex that make a cycle, not all visits together": "any",
-    "any vertex that was visited often makes a cycle, not only the last one": "last",
-    "edges are biased from the second visit on, whether or not it is a cycle yet": (
-        "only in a cycle"
-    ),
-    "the edges to a vertex that was visited are biased, not those that leave it": "leaving",
-    "the first visit is free: bias ** (n - 1) for n visits": "each visit",
-    "each visit but the first counts: bias ** (n - 1); yours biases once": "once",
-    "the bias begins with the second visit, not with the one that makes a cycle": "from the limit",
-    "edges are biased from two visits on; yours waits until there are `cycle` visits": (
-        "at the limit"
-    ),
-    "bias ** (n - 1) for n visits: once for two visits, twice for three": "not one less",
-    "where i is 0, visited[i - 1] is the last of the list; the first one is always a visit": (
-        "wraps"
-    ),
-    "vertex 0 is a vertex: `not last` is True for it as well; compare with None": "0 is none",
-    "the first of the list is a visit, too; yours counts from the second on": "second on",
-    "vertex 0 is a vertex like the others: a list may begin with a visit of it": "from 0",
-    "multiply by bias for each further visit: bias ** (n - 1), not bias / n": "times",
-    "edges to vertices that were visited stay, with less probability; there may be no other path": (
-        "removes"
-    ),
-    "an edge stays also where its RE becomes 0": "drops zeros",
-    "the last of the list is a visit, too": "last left out",
-    "compare with the vertex just before, not with the two before": "two before",
-    "a power of the bias, bias ** (n - 1), not a multiple of it": "product",
-    "a vertex that was not visited keeps its RE: max(n - 1, 0)": "no visit divides",
-    "bias is an argument, not always 0.5": "half",
-    "cycle is an argument, not always 3": "cycle is 3",
-    "every visit but the first counts, also beyond the third": "at most twice",
-    "multiply RE by the bias; a difference may be negative": "subtracts",
-    "the graph that you return has the same RE as before; bias the edges to visited vertices": (
-        "same"
-    ),
-}
 _SMALL: Graph = {
     0: {1: 0.99, 2: 0.9},
     1: {2: 0.98, 3: 0.97},
@@ -136,7 +40,7 @@ _SMALL: Graph = {
     3: {4: 0.9, 1: 0.96},
     4: {},
 }
-_CASES: dict[str, tuple[Graph, list[int], int, float]] = {
+CASES = {
     "round and round": (_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5),
     "straight on": (_SMALL, [0, 1, 3, 4], 3, 0.5),
     "several steps at each vertex": (_SMALL, [0, 0, 0, 1, 1, 3, 3, 3], 3, 0.5),
@@ -152,23 +56,70 @@ _CASES: dict[str, tuple[Graph, list[int], int, float]] = {
     "a vertex left and entered anew at the end": (_SMALL, [3, 1, 2, 0, 1], 2, 0.5),
     "an empty map": ({}, [], 3, 0.5),
 }
-
-
-@check(around_cycles, (_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5))
-def check_around_cycles(student: Callable[..., Any]) -> None:
-    """Cycles, straight paths, and long stays at a vertex."""
-    compare(
-        "around_cycles",
-        student,
-        _CASES,
-        around_cycles,
-        with_faults(_around, _FAULTS),
-        invoke=_invoke,
-        form=_formed,
-        same=_same,
-        difference=_why,
-        broken=_broken,
-    )
+MISTAKES = """
+a visit is a coming: the same vertex several times in a row is one visit
+    [vertex for vertex, _ in groupby(visited)] -> visited
+a vertex may be visited several times, with others in between; yours counts each once
+    [vertex for vertex, _ in groupby(visited)] -> set(visited)
+`cycle` visits are a cycle already: >=, not >
+    >= cycle -> > cycle
+`cycle` visits are a cycle, not one less
+    >= cycle -> >= cycle - 1
+it is the visits of one vertex that make a cycle, not all visits together
+    max(visits.values(), default=0) >= cycle -> len(came) >= cycle
+any vertex that was visited often makes a cycle, not only the last one
+    max(visits.values(), default=0) >= cycle -> bool(came) and visits[came[-1]] >= cycle
+edges are biased from the second visit on, whether or not it is a cycle yet
+    max(visits[w] - 1, 0) -> (max(visits[w] - 1, 0) * found)
+the edges to a vertex that was visited are biased, not those that leave it
+    visits[w] -> visits[v]
+the first visit is free: bias ** (n - 1) for n visits
+    max(visits[w] - 1, 0) -> visits[w]
+each visit but the first counts: bias ** (n - 1); yours biases once
+    max(visits[w] - 1, 0) -> (visits[w] > 1)
+the bias begins with the second visit, not with the one that makes a cycle
+    visits[w] - 1 -> visits[w] - cycle + 1
+edges are biased from two visits on; yours waits until there are `cycle` visits
+    max(visits[w] - 1, 0) -> (visits[w] - 1 if visits[w] >= max(cycle, 1) else 0)
+bias ** (n - 1) for n visits: once for two visits, twice for three
+    max(visits[w] - 1, 0) -> (visits[w] if visits[w] > 1 else 0)
+where i is 0, visited[i - 1] is the last of the list; the first one is always a visit
+    [vertex for vertex, _ in groupby(visited)]
+        -> [v for i, v in enumerate(visited) if v != visited[i - 1]]
+vertex 0 is a vertex: `not last` is True for it as well; compare with None
+    [vertex for vertex, _ in groupby(visited)]
+        -> [v for u, v in zip([None, *visited], visited, strict=False) if not u or u != v]
+the first of the list is a visit, too; yours counts from the second on
+    groupby(visited)] -> groupby(visited)][1:]
+vertex 0 is a vertex like the others: a list may begin with a visit of it
+    visits = -> came = came[1:] if came[:1] == [0] else came; visits =
+multiply by bias for each further visit: bias ** (n - 1), not bias / n
+    bias ** max(visits[w] - 1, 0) -> (bias / visits[w] if visits[w] > 1 else 1)
+edges to vertices that were visited stay, with less probability; there may be no other path
+    p * bias ** max(visits[w] - 1, 0) for w, p in out.items()
+        -> p for w, p in out.items() if visits[w] < 2
+an edge stays also where its RE becomes 0
+    for w, p in out.items() -> for w, p in out.items() if p * bias ** max(visits[w] - 1, 0) > 0
+the last of the list is a visit, too
+    groupby(visited)] -> groupby(visited)][:-1]
+compare with the vertex just before, not with the two before
+    [vertex for vertex, _ in groupby(visited)]
+        -> [v for i, v in enumerate(visited) if v not in visited[max(i - 2, 0) : i]]
+a power of the bias, bias ** (n - 1), not a multiple of it
+    bias ** max(visits[w] - 1, 0) -> (bias * (visits[w] - 1) if visits[w] > 1 else 1)
+a vertex that was not visited keeps its RE: max(n - 1, 0)
+    max(visits[w] - 1, 0) -> (visits[w] - 1)
+bias is an argument, not always 0.5
+    bias ** -> 0.5 **
+cycle is an argument, not always 3
+    >= cycle -> >= 3
+every visit but the first counts, also beyond the third
+    max(visits[w] - 1, 0) -> min(max(visits[w] - 1, 0), 2)
+multiply RE by the bias; a difference may be negative
+    p * bias ** max(visits[w] - 1, 0) -> p - bias * max(visits[w] - 1, 0)
+the graph that you return has the same RE as before; bias the edges to visited vertices
+    p * bias ** max(visits[w] - 1, 0) -> p
+"""
 
 
 def _invoke(what: str, student: Callable[..., Any], *case: Any) -> Any:  # noqa: ANN401
@@ -267,3 +218,18 @@ def _why(
     v, w = _difference(got[1], want[1]) or (0, 0)
     mine, right = got[1][v].get(w), want[1][v].get(w)
     return f"after {visited} the edge from {v} to {w} has {right}, yours {mine}"
+
+
+check_around_cycles = exercise(
+    around_cycles,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Cycles, straight paths, and long stays at a vertex.",
+    example=case(_SMALL, [0, 1, 2, 0, 1, 2, 0], 3, 0.5),
+    invoke=_invoke,
+    form=_formed,
+    same=_same,
+    difference=_why,
+    broken=_broken,
+)

@@ -2,28 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.engine import case, exercise
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.nb07.predict import predict
 from tutorial_lib.checks.nb07.small_models import distance
 from tutorial_lib.checks.nb07.track_answers import broken, difference, formed, same
 from tutorial_lib.checks.nb07.track_stories import STORIES, Drive, Story
-from tutorial_lib.checks.nb07.track_words import FAULTS
 from tutorial_lib.checks.nb07.update import update
 from tutorial_lib.geometry import Array
 from tutorial_lib.topology.localization import FilterSettings
-
-Tracked = tuple[Array, list[int]]
-"""Beliefs (T, V + 1), and the vertex at each step, -1 off the map."""
-Rule = Callable[..., Array]
 
 
 def track(
@@ -32,8 +25,7 @@ def track(
     lengths: Array,
     onward: Array,
     rules: FilterSettings,
-    steps: tuple[Rule, Rule] = (predict, update),
-) -> Tracked:
+) -> tuple[Array, list[int]]:
     """Localize one robot at each step of a drive; see the exercise.
 
     Args:
@@ -42,91 +34,125 @@ def track(
         lengths: (V + 1,) of the motion model.
         onward: (V + 1, V + 1) of the motion model.
         rules: settings of the filter.
-        steps: that predict and update.
+
+    Returns:
+        Beliefs (T, V + 1), and the vertex at each step, -1 off the map.
     """
-    return _tracked(odometry, look, lengths, onward, rules, steps=steps)
-
-
-def _tracked(
-    odometry: Array,
-    look: Callable[[int], Array],
-    lengths: Array,
-    onward: Array,
-    rules: FilterSettings,
-    fault: str = "",
-    steps: tuple[Rule, Rule] = (predict, update),
-) -> Tracked:
-    """The loop, with a `fault` if one is named."""
     count = len(lengths)
     belief = prior = np.full((1, count), 1.0 / count)
-    limit = rules.interval + {"late": 1, "early": -1}.get(fault, 0)
-    last, waited, vertex = odometry[0], limit, 0 if fault == "at 0" else -1
-    driven, beliefs, vertices = 0.0, list[Array](), list[int]()
-    if fault == "no first look":
-        waited = 0
+    last, waited, vertex = odometry[0], rules.interval, -1
+    beliefs, vertices = [], []
     for step, pose in enumerate(odometry):
-        driven += distance(odometry[max(step - 1, 0)], pose)
-        motion = {
-            "no wrap": math.dist(last[:2], pose[:2]) + 0.5 * abs(pose[2] - last[2]),
-            "no small ones": distance(last, pose) * (distance(last, pose) >= 0.05),
-            "adds up": driven,
-            "no turns": math.dist(last[:2], pose[:2]),
-        }.get(fault, distance(last, pose))
-        far = motion > rules.stride if fault == "greater" else motion >= rules.stride
-        if fault == "each step":
-            far = motion > 0
+        motion = distance(last, pose)
+        far = motion >= rules.stride
         if far:
-            source = prior if fault == "from the prior" else belief
-            far_motion = rules.stride if fault == "stride" else motion
-            prior, driven = steps[0](source, np.array([far_motion]), lengths, onward), 0.0
-        if (far and fault != "from the start") or fault == "step by step":
+            prior = predict(belief, np.array([motion]), lengths, onward)
             last = pose
         waited += step > 0
-        due = waited >= limit and (fault != "never waits" or not step)
-        if fault == "always looks" or far or due:
-            source = belief if fault == "twice" or (fault == "at rest" and not far) else prior
-            source = np.full((1, count), 1.0 / count) if fault == "no memory" else source
-            belief = steps[1](source, _likelihood(look(step), rules, fault)[None])
-            waited = waited if fault == "always due" or (far and fault == "due at rest") else 0
-        vertex = _chosen(belief[0], vertex, rules, fault)
-        beliefs.append((prior if fault == "prior" else belief)[0])
+        if far or waited >= rules.interval:
+            seen = np.maximum(look(step), rules.least)
+            likelihood = np.append(seen, rules.unknown) ** rules.sharpness
+            belief = update(prior, likelihood[None])
+            waited = 0
+        best = int(belief[0].argmax())
+        if belief[0, vertex] < rules.hysteresis * belief[0, best]:
+            vertex = -1 if best == count - 1 else best
+        beliefs.append(belief[0])
         vertices.append(vertex)
     return np.array(beliefs), vertices
 
 
-def _likelihood(seen: Array, rules: FilterSettings, fault: str) -> Array:
-    """The likelihoods (V + 1,) of all states."""
-    power = 1.0 if fault == "no power" else rules.sharpness
-    unknown = 0.0 if fault == "no unknown" else rules.unknown
-    if fault == "unknown as it is":
-        return np.append(np.maximum(seen, rules.least) ** power, unknown)
-    if fault == "power before least":
-        return np.append(np.maximum(seen**power, rules.least), unknown**power)
-    unknown = max(unknown, rules.least) if fault == "least for all" else unknown
-    seen = np.maximum(seen, 0.0 if fault == "no least" else rules.least)
-    return (
-        np.append(unknown, seen) if fault == "unknown first" else np.append(seen, unknown)
-    ) ** power
-
-
-def _chosen(belief: Array, before: int, rules: FilterSettings, fault: str) -> int:
-    """The vertex at which the robot is localized."""
-    best = int(belief.argmax())
-    greatest = belief[best]
-    if fault in ("never lost", "never off"):
-        best = int(belief[:-1].argmax())
-        greatest = belief[best] if fault == "never lost" else greatest
-    share = {"no hysteresis": 2.0, "for ever": 0.0}.get(fault, rules.hysteresis)
-    stays = belief[before] >= share * greatest
-    if fault == "more than the share":
-        stays = belief[before] > share * greatest
-    if fault == "share is a half":
-        stays = belief[before] >= 0.5 * greatest
-    if fault == "half":
-        stays = belief[before] >= share
-    if stays and not (fault == "off at once" and before == -1):
-        return before
-    return -1 if best == len(belief) - 1 and fault != "last number" else best
+MISTAKES = """
+standing still, the same evidence counts again and again in yours: update the prior of the last
+motion, not the belief
+    update(prior, -> update(belief,
+at rest a look begins again with the prior of the last motion, not with the belief: the same
+evidence counts once
+    update(prior, -> update(prior if far else belief,
+each look begins with the prior; yours forgets all that was believed before
+    update(prior, -> update(np.full((1, count), 1.0 / count),
+predict from the belief after the last look, not from the prior before it
+    predict(belief, -> predict(prior,
+look at the first step, too: nothing is known yet
+    odometry[0], rules.interval, -> odometry[0], 0,
+looking costs time: look after a stride or after rules.interval steps, not at each
+    if far or waited >= rules.interval: -> if True:
+a robot that has not moved looks all the same after rules.interval steps
+    waited >= rules.interval: -> waited >= rules.interval and not step:
+wait rules.interval steps from one look to the next, not one more: count in every step, also in that
+of the look
+    odometry[0], rules.interval, -> odometry[0], rules.interval + 1,
+    waited >= rules.interval -> waited > rules.interval
+wait rules.interval steps from one look to the next, not one less
+    odometry[0], rules.interval, -> odometry[0], rules.interval - 1,
+    waited >= rules.interval -> waited >= rules.interval - 1
+after any look the steps of waiting are counted from 0, also after one because of a motion
+    waited = 0 -> waited = waited if far else 0
+predict once the robot has moved a stride since the last prediction, not at each step
+    motion >= rules.stride -> motion > 0
+measure the motion from the pose of the last prediction, not from the step before
+    waited += step > 0 -> last, waited = pose, waited + (step > 0)
+measure the motion from the pose of the last prediction; yours measures it from the start
+    last = pose -> pass
+measure from the pose of the last prediction to this one; yours adds up the steps between, so that
+going to and fro counts as going far
+    motion = distance(last, pose)
+        -> motion = driven = driven + distance(odometry[max(step - 1, 0)], pose)
+    last = pose -> driven = 0.0
+    last, waited, vertex = -> driven = 0.0; last, waited, vertex =
+turning counts as well: distance(last, pose), not the coordinates alone
+    distance(last, pose) -> np.hypot(*(pose - last)[:2])
+a motion of just a stride is enough: >=
+    motion >= -> motion >
+predict with the motion that was measured, not with the stride
+    np.array([motion]) -> np.array([rules.stride])
+a picture may always deceive: no likelihood below rules.least
+    rules.least -> 0.0
+off the map any view has the likelihood rules.unknown; append it
+    rules.unknown -> 0.0
+off the map is the last state: append rules.unknown behind the vertices, not before them
+    np.append(seen, rules.unknown) -> np.append(rules.unknown, seen)
+first no likelihood below rules.least, then the power; yours has it the other way round
+    look(step), -> look(step) ** rules.sharpness,
+    np.append(seen, rules.unknown) ** rules.sharpness
+        -> np.append(seen, rules.unknown**rules.sharpness)
+all likelihoods to the power of rules.sharpness, that of being off the map as well
+    np.append(seen, rules.unknown) ** rules.sharpness
+        -> np.append(seen**rules.sharpness, rules.unknown)
+the likelihoods to the power of rules.sharpness
+    ** rules.sharpness -> ** 1
+return the beliefs, after the look, not the priors
+    beliefs.append(belief[0]) -> beliefs.append(prior[0])
+off the map is the last state; the robot may be there: vertex -1
+    belief[0].argmax() -> belief[0, :-1].argmax()
+the greatest belief may be that of being off the map: look for it among all states
+    belief[0].argmax() -> belief[0, :-1].argmax()
+    rules.hysteresis * belief[0, best] -> rules.hysteresis * belief.max()
+off the map is a state like the others: the robot stays there, too, while that has rules.hysteresis
+times the best belief
+    if belief[0, vertex] < -> if vertex == -1 or belief[0, vertex] <
+rules.least is for the vertices: off the map the likelihood is rules.unknown, even below it
+    (seen, rules.unknown) -> (seen, max(rules.unknown, rules.least))
+a belief of just rules.hysteresis times the greatest keeps the vertex: >=
+    belief[0, vertex] < -> belief[0, vertex] <=
+rules.hysteresis is not always 0.5
+    rules.hysteresis * -> 0.5 *
+headings jump at half a turn: distance(last, pose) takes the short way round
+    distance(last, pose) -> np.hypot(*(pose - last)[:2]) + 0.5 * abs(pose[2] - last[2])
+small motions count as well, where rules.stride is small
+    distance(last, pose) -> distance(last, pose) * (distance(last, pose) >= 0.05)
+nothing is known at first: the vertex begins at -1, and 0 is the first vertex
+    rules.interval, -1 -> rules.interval, 0
+off the map the vertex is -1, not the number of the last state
+    -1 if best == count - 1 else best -> best
+the robot stays at its vertex while that has rules.hysteresis times the best belief
+    rules.hysteresis * -> 2.0 *
+the robot leaves its vertex once another one is clearly more probable
+    rules.hysteresis * -> 0.0 *
+compare the old vertex's belief with the best one's times rules.hysteresis, not with
+rules.hysteresis itself
+    rules.hysteresis * belief[0, best] -> rules.hysteresis
+"""
 
 
 def _play(tracks: Callable[..., Any], story: Story) -> tuple[Any, list[int]]:
@@ -171,23 +197,20 @@ def _invoke(what: str, student: Callable[..., Any], story: Story) -> tuple[Any, 
         raise WrongAnswer(f"{what}: {explained(error, hints, _SAID)}") from error
 
 
-@check(
+check_track = exercise(
     track,
-    (np.zeros((40, 3)), lambda step: np.full(5, 0.5), np.ones(6), np.eye(6), FilterSettings()),
+    {name: case(story) for name, story in STORIES.items()},
+    MISTAKES,
+    module=__name__,
+    about="Drives along a row, at standstill, among twins, off the map, and with a kidnapping.",
+    example=case(
+        np.zeros((40, 3)), lambda step: np.full(5, 0.5), np.ones(6), np.eye(6), FilterSettings()
+    ),
     calls=20,
+    run=_play,
+    invoke=_invoke,
+    form=formed,
+    same=same,
+    difference=difference,
+    broken=broken,
 )
-def check_track(student: Callable[..., Any]) -> None:
-    """Drives along a row, at standstill, among twins, off the map, and with a kidnapping."""
-    faults = with_faults(_tracked, FAULTS)
-    compare(
-        "track",
-        student,
-        {name: (story,) for name, story in STORIES.items()},
-        partial(_play, track),
-        {words: partial(_play, rule) for words, rule in faults.items()},
-        invoke=_invoke,
-        form=formed,
-        same=same,
-        difference=difference,
-        broken=broken,
-    )

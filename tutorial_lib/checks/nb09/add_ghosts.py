@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.engine import exercise
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.wording import kind
 from tutorial_lib.checks.nb09.calls import keeping
 from tutorial_lib.se2 import Array, inverse
@@ -23,103 +20,17 @@ def add_ghosts(
     ghosts: Ghosts, node: int, explorable: NDArray[np.bool_], beside: dict[int, Array]
 ) -> Ghosts:
     """The ghosts after a node was added; see the exercise."""
-    return _added(ghosts, node, explorable, beside)
 
+    def direction(pose: Array) -> int:
+        bearing = np.arctan2(pose[1], pose[0])
+        share = bearing * _DIRECTIONS / (2 * np.pi)
+        return round(share) % _DIRECTIONS
 
-def _added(
-    ghosts: Ghosts,
-    node: int,
-    explorable: NDArray[np.bool_],
-    beside: dict[int, Array],
-    fault: str = "",
-) -> Ghosts:
-    """The rule, with a `fault` if one is named."""
-    chosen = range(_DIRECTIONS) if fault == "all twelve" else np.flatnonzero(explorable).tolist()
-    chosen = np.flatnonzero(~explorable).tolist() if fault == "not explorable" else chosen
-    own = {(node, k) for k in chosen}
-    grown = set(ghosts)
-    if fault == "only new" or (fault == "alone" and not beside):
-        grown = set()
-    grown |= set() if fault == "adds none" else own
-    for other, pose in {} if fault == "first of all" and not ghosts else beside.items():
-        there = _direction(pose, fault)
-        back = _direction(inverse(pose), fault)
-        if fault == "heading for both":
-            there = back = round(pose[2] * _DIRECTIONS / (2 * np.pi)) % _DIRECTIONS
-        if fault == "opposite":
-            back = (there + 6) % _DIRECTIONS
-        if fault == "both the same":
-            back = there
-        if fault == "frames exchanged":
-            there, back = back, there
-        if fault != "new node only":
-            grown.discard((other, back))
-        if fault != "others only":
-            grown.discard((node, there))
-        if fault == "all of them":
-            grown = {ghost for ghost in grown if ghost[0] != other}
-        if fault == "neighbours":
-            grown -= {(other, (back + k) % _DIRECTIONS) for k in (-1, 1)}
-        if fault == "first only":
-            break
+    grown = ghosts | {(node, k) for k in np.flatnonzero(explorable).tolist()}
+    for other, pose in beside.items():
+        there, back = direction(pose), direction(inverse(pose))
+        grown -= {(node, there), (other, back)}
     return grown
-
-
-def _direction(pose: Array, fault: str) -> int:
-    """The bin of the bearing of a place, with a `fault`."""
-    x, y, heading = pose
-    bearing = {"heading": heading, "swapped": np.arctan2(x, y), "clockwise": -np.arctan2(y, x)}.get(
-        fault, np.arctan2(y, x)
-    )
-    if fault == "slope":
-        bearing = np.arctan(y / x)
-    share = bearing * _DIRECTIONS / (2 * np.pi)
-    if fault == "floor":
-        return int(np.floor(share)) % _DIRECTIONS
-    if fault == "negative":
-        return round(share)
-    if fault == "bin 12":
-        return round(share % _DIRECTIONS)
-    if fault == "absolute":
-        return abs(round(share)) % _DIRECTIONS
-    return round(share) % _DIRECTIONS
-
-
-_FAULTS = {
-    "bearings from arctan2 may be negative, and so are yours in bins; % 12 makes -3 of them 9": (
-        "negative"
-    ),
-    "a bearing of 350 degrees rounds to bin 12, which is bin 0: take % 12 after rounding": "bin 12",
-    "a bearing of -90 degrees is bin 9, not bin 3: % 12, not abs": "absolute",
-    "bins are centred on their bearings: round, do not cut off": "floor",
-    "the direction in which a node stands is the bearing of its place, arctan2(y, x), not its "
-    "heading": "heading",
-    "np.arctan2 takes y first: arctan2(y, x)": "swapped",
-    "the direction in which a node stands is the bearing of its place; yours is its heading, in "
-    "both frames": "heading for both",
-    "directions are counted counter-clockwise, as bearings are": "clockwise",
-    "arctan(y / x) does not know ahead from behind: arctan2(y, x)": "slope",
-    "a node also stands in a direction of the other one: remove that ghost, too, of the node that "
-    "was there before": "new node only",
-    "in the new node's own direction of the other node there is no ghost either: add the new "
-    "ghosts first, then remove": "others only",
-    "the other node sees the new one at the bearing of inverse(pose); half a turn more is right "
-    "only where both look the same way": "opposite",
-    "the other node has a frame of its own: the new one is at inverse(pose) there": "both the same",
-    "`pose` is that of the other node in the frame of the new one; yours takes it the other way "
-    "round": "frames exchanged",
-    "only the ghost in the direction of the new node goes; the others of that node stay": (
-        "all of them"
-    ),
-    "only the ghost in the direction of the new node goes, not those beside it": "neighbours",
-    "the ghosts that were there before stay, unless the new node stands there": "only new",
-    "the new node has ghosts of its own, one in each explorable direction": "adds none",
-    "the other nodes count also where no ghost was left before": "first of all",
-    "the ghosts that were there before stay also where no node is beside the new one": "alone",
-    "a ghost only in directions that are explorable; yours has all twelve": "all twelve",
-    "a ghost where explorable is True; yours has them where it is False": "not explorable",
-    "several nodes may be beside the new one; yours looks at the first only": "first only",
-}
 
 
 def _seen(*directions: int) -> NDArray[np.bool_]:
@@ -144,7 +55,7 @@ def _random(seed: int) -> tuple[Ghosts, int, NDArray[np.bool_], dict[int, Array]
 
 
 _ALL = {(0, k) for k in range(_DIRECTIONS)}
-_CASES = {
+CASES = {
     "the first node": (set(), 0, _seen(0, 1, 6), {}),
     "the robot has driven straight ahead": (_ALL, 1, _seen(0, 3, 6, 9), {0: _pose(3, 180, 0)}),
     "the other node lies behind on the left, and looks elsewhere": (
@@ -167,28 +78,66 @@ _CASES = {
     "the ghost there was removed already": ({(0, 2)}, 1, _seen(1, 2), {0: _pose(3, 62, 3)}),
     **{f"at random ({seed})": _random(seed) for seed in range(8)},
 }
-
-
-@check(add_ghosts, _random(3), calls=300)
-def check_add_ghosts(student: Callable[..., Any]) -> None:
-    """First nodes and later ones, ahead, behind and aside, with several beside them."""
-    hints = {
-        TypeError: "a ghost is a pair (node, direction) of whole numbers; a set takes .add(...), "
-        "and .discard(...) where it may not be there",
-        KeyError: ".remove complains where the ghost is not there; .discard does not",
-        ValueError: "a pose has three numbers, x, y and heading",
-    }
-    compare(
-        "add_ghosts",
-        student,
-        _CASES,
-        add_ghosts,
-        with_faults(_added, _FAULTS),
-        invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", hints),
-        form=_formed,
-        difference=_why,
-        broken=_broken,
-    )
+MISTAKES = """
+bearings from arctan2 may be negative, and so are yours in bins; % 12 makes -3 of them 9
+    round(share) % _DIRECTIONS -> round(share)
+a bearing of 350 degrees rounds to bin 12, which is bin 0: take % 12 after rounding
+    round(share) % _DIRECTIONS -> round(share % _DIRECTIONS)
+a bearing of -90 degrees is bin 9, not bin 3: % 12, not abs
+    round(share) % _DIRECTIONS -> abs(round(share)) % _DIRECTIONS
+bins are centred on their bearings: round, do not cut off
+    round(share) -> int(np.floor(share))
+the direction in which a node stands is the bearing of its place, arctan2(y, x), not its heading
+    np.arctan2(pose[1], pose[0]) -> pose[2]
+np.arctan2 takes y first: arctan2(y, x)
+    np.arctan2(pose[1], pose[0]) -> np.arctan2(pose[0], pose[1])
+the direction in which a node stands is the bearing of its place; yours is its heading, in both
+frames
+    np.arctan2(pose[1], pose[0]) -> pose[2]
+    direction(inverse(pose)) -> direction(pose)
+directions are counted counter-clockwise, as bearings are
+    bearing = -> bearing = -
+arctan(y / x) does not know ahead from behind: arctan2(y, x)
+    np.arctan2(pose[1], pose[0]) -> np.arctan(pose[1] / pose[0])
+a node also stands in a direction of the other one: remove that ghost, too, of the node that was
+there before
+    {(node, there), (other, back)} -> {(node, there)}
+in the new node's own direction of the other node there is no ghost either: add the new ghosts
+first, then remove
+    {(node, there), (other, back)} -> {(other, back)}
+the other node sees the new one at the bearing of inverse(pose); half a turn more is right only
+where both look the same way
+    direction(inverse(pose)) -> (direction(pose) + 6) % _DIRECTIONS
+the other node has a frame of its own: the new one is at inverse(pose) there
+    direction(inverse(pose)) -> direction(pose)
+`pose` is that of the other node in the frame of the new one; yours takes it the other way round
+    there, back = -> back, there =
+only the ghost in the direction of the new node goes; the others of that node stay
+    grown -= {(node, there), (other, back)}
+        -> grown = {one for one in grown if one[0] != other and one != (node, there)}
+only the ghost in the direction of the new node goes, not those beside it
+    (other, back)} -> *((other, (back + k) % _DIRECTIONS) for k in (-1, 0, 1))}
+the ghosts that were there before stay, unless the new node stands there
+    ghosts | -> set() |
+the new node has ghosts of its own, one in each explorable direction
+    ghosts | {(node, k) for k in np.flatnonzero(explorable).tolist()} -> set(ghosts)
+the other nodes count also where no ghost was left before
+    in beside.items(): -> in beside.items() if ghosts else ():
+the ghosts that were there before stay also where no node is beside the new one
+    ghosts | -> (ghosts if beside else set()) |
+a ghost only in directions that are explorable; yours has all twelve
+    np.flatnonzero(explorable).tolist() -> range(_DIRECTIONS)
+a ghost where explorable is True; yours has them where it is False
+    flatnonzero(explorable) -> flatnonzero(~explorable)
+several nodes may be beside the new one; yours looks at the first only
+    in beside.items(): -> in list(beside.items())[:1]:
+"""
+_HINTS = {
+    TypeError: "a ghost is a pair (node, direction) of whole numbers; a set takes .add(...), "
+    "and .discard(...) where it may not be there",
+    KeyError: ".remove complains where the ghost is not there; .discard does not",
+    ValueError: "a pose has three numbers, x, y and heading",
+}
 
 
 def _formed(what: str, got: object, *_: object) -> Ghosts:
@@ -232,3 +181,18 @@ def _why(got: Ghosts, want: Ghosts, *_: object) -> str:
     said = [f"{more[0]} should not be there"] if more else []
     said += [f"{less[0]} is missing"] if less else []
     return ", ".join(said)
+
+
+check_add_ghosts = exercise(
+    add_ghosts,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="First nodes and later ones, ahead, behind and aside, with several beside them.",
+    example=_random(3),
+    calls=300,
+    invoke=keeping(add_ghosts, "work on copies, as in set(ghosts)", _HINTS),
+    form=_formed,
+    difference=_why,
+    broken=_broken,
+)

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import case, exercise
 from tutorial_lib.checks.framework.answers import calling, mask
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
 from tutorial_lib.checks.nb09.small_maps import CELL, path_lengths, small_map
 from tutorial_lib.viz.figures.directions import map_picture
 from tutorial_lib.viz.figures.panels import side_by_side
@@ -21,82 +17,12 @@ _DETOUR = 1.05
 
 def explorable(free: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
     """Whether each direction (12,) of a local map leads to explorable area; see the exercise."""
-    return _explorable(free, radius)
-
-
-def _explorable(free: NDArray[np.bool_], radius: float, fault: str = "") -> NDArray[np.bool_]:
-    """The rule, with a `fault` if one is named."""
     lengths, middle = path_lengths(free), len(free) // 2
-    middle = {"corner": 0, "off by one": middle + 1}.get(fault, middle)
     bearings = np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS
-    bearings += {"half a bin": np.pi / _DIRECTIONS, "behind": np.pi, "aside": np.pi / 2}.get(
-        fault, 0.0
-    )
-    if fault == "both ends":
-        bearings = np.linspace(0.0, 2 * np.pi, _DIRECTIONS)
-    bearings = {"clockwise": -bearings, "degrees": np.rad2deg(bearings)}.get(fault, bearings)
-    whole = round(radius / CELL)
-    bound = whole * CELL if fault == "rounded bound" else radius
-    reach = {
-        "rounded radius": whole,
-        "cut radius": int(radius / CELL),
-        "edge": middle,
-        "cells": radius,
-    }.get(fault, radius / CELL)
-    ahead, left = reach * np.cos(bearings), reach * np.sin(bearings)
-    turn = {"cut off": np.trunc, "rounded up": np.ceil}.get(fault, np.rint)
-    rows, columns = (middle + turn(part).astype(int) for part in (left, ahead))
-    if fault == "rounded down":
-        rows, columns = ((middle + part).astype(int) for part in (left, ahead))
-    if fault == "no middle":
-        columns = columns - middle
-    if fault == "swapped":
-        rows, columns = columns, rows
-    if fault == "only the point":
-        return free[rows, columns]
-    found = lengths[rows, columns]
-    if fault == "any path":
-        return np.isfinite(found)
-    if fault == "longer":
-        return found > _DETOUR * radius
-    return found <= {"no detour": 1.0, "half as much": 1.5}.get(fault, _DETOUR) * bound
-
-
-_FAULTS = {
-    "the path decides, not the point alone: it may be free and lie behind a wall": "only the point",
-    "a path that exists may be too long: compare its length with 1.05 * radius, both in metres": (
-        "any path"
-    ),
-    "the path may be 1.05 times the radius long; yours allows no detour": "no detour",
-    "the path may be 1.05 times the radius long, not 1.5 times": "half as much",
-    "True is for paths that are short enough; yours is the other way round": "longer",
-    "directions go counter-clockwise, and rows grow with y: row 0 is on the robot's right": (
-        "clockwise"
-    ),
-    "rows go with y (sine), columns with x (cosine)": "swapped",
-    "bin 0 is centred on straight ahead; yours begins half a bin later": "half a bin",
-    "bin 0 is straight ahead, along the columns; yours begins behind the robot": "behind",
-    "bin 0 is straight ahead, along the columns; yours begins on the robot's left": "aside",
-    "np.linspace(0, 2 * np.pi, 12) has straight ahead twice, and its directions are 32.7 degrees "
-    "apart; endpoint=False leaves the last one out": "both ends",
-    "np.cos and np.sin take radians; yours gives them degrees": "degrees",
-    "a cell is CELL metres wide: divide metres by CELL": "cells",
-    "no direction is explorable in yours: the point is `radius` metres away, not at the map's "
-    "edge, and the length of the path to it is compared with 1.05 * radius, both in metres": "edge",
-    "the robot is in the middle of the map, cell (S // 2, S // 2), not in its corner": "corner",
-    "radius need not be a multiple of CELL: round the cells of the points, not the radius": (
-        "rounded radius"
-    ),
-    "radius need not be a multiple of CELL: // and int cut it off, round the points": "cut radius",
-    "compare with 1.05 * radius, as it is given, not rounded to cells": "rounded bound",
-    "take the nearest cell, np.rint; astype(int) alone cuts off, towards zero": "cut off",
-    "take the nearest cell, np.rint, not the one above": "rounded up",
-    "the middle of S cells, S odd, is S // 2; yours is one cell off": "off by one",
-    "rows count from the middle, and so do columns: add S // 2 to both": "no middle",
-    "take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded down": (
-        "rounded down"
-    ),
-}
+    reach = radius / CELL
+    left, ahead = reach * np.sin(bearings), reach * np.cos(bearings)
+    rows, columns = middle + np.rint(left).astype(int), middle + np.rint(ahead).astype(int)
+    return lengths[rows, columns] <= _DETOUR * radius
 
 
 def _random(seed: int, radius: float) -> tuple[NDArray[np.bool_], float]:
@@ -112,7 +38,7 @@ def _random(seed: int, radius: float) -> tuple[NDArray[np.bool_], float]:
 
 
 _ROOM = ((2.0, -3.5, 2.2, -0.5), (2.0, 0.6, 2.2, 3.5), (-3.5, 2.2, 3.5, 2.4), (-1.2, -3, -1, 1))
-_CASES = {
+CASES = {
     "a room with a door ahead": (small_map(*_ROOM), 3.0),
     "nothing in the way": (small_map(), 3.0),
     "walls all around": (
@@ -132,29 +58,63 @@ _CASES = {
     **{f"a radius between two cells ({seed})": _random(seed, 2.94) for seed in range(8, 16)},
     **{f"at random ({seed})": _random(seed, 3.0 - 0.5 * (seed % 2)) for seed in range(8)},
 }
-
-
-@check(explorable, (small_map(*_ROOM), 3.0), calls=300)
-def check_explorable(student: Callable[..., Any]) -> NDArray[np.uint8] | None:
-    """Open places, walls, doors, detours, and another radius."""
-    far = "is `radius` used, and in metres? The map has len(free) cells a side, of CELL metres each"
-    whole = "an index is a whole number: np.rint(...).astype(int)"
-    return compare(
-        "explorable",
-        student,
-        _CASES,
-        explorable,
-        with_faults(_explorable, _FAULTS),
-        invoke=calling({IndexError: f"{whole}, and {far}"}),
-        form=lambda what, got, *_: mask(what, got, (_DIRECTIONS,)),
-        difference=_why,
-        broken=_broken,
-        draw=_draw,
-    )
+MISTAKES = """
+the path decides, not the point alone: it may be free and lie behind a wall
+    lengths[rows, columns] <= _DETOUR * radius -> free[rows, columns]
+a path that exists may be too long: compare its length with 1.05 * radius, both in metres
+    lengths[rows, columns] <= _DETOUR * radius -> np.isfinite(lengths[rows, columns])
+the path may be 1.05 times the radius long; yours allows no detour
+    _DETOUR * -> 1.0 *
+the path may be 1.05 times the radius long, not 1.5 times
+    _DETOUR * -> 1.5 *
+True is for paths that are short enough; yours is the other way round
+    <= -> >
+directions go counter-clockwise, and rows grow with y: row 0 is on the robot's right
+    bearings = -> bearings = -
+rows go with y (sine), columns with x (cosine)
+    lengths[rows, columns] -> lengths[columns, rows]
+bin 0 is centred on straight ahead; yours begins half a bin later
+    reach = -> bearings = bearings + np.pi / _DIRECTIONS; reach =
+bin 0 is straight ahead, along the columns; yours begins behind the robot
+    reach = -> bearings = bearings + np.pi; reach =
+bin 0 is straight ahead, along the columns; yours begins on the robot's left
+    reach = -> bearings = bearings + np.pi / 2; reach =
+np.linspace(0, 2 * np.pi, 12) has straight ahead twice, and its directions are 32.7 degrees apart;
+endpoint=False leaves the last one out
+    np.arange(_DIRECTIONS) * 2 * np.pi / _DIRECTIONS -> np.linspace(0.0, 2 * np.pi, _DIRECTIONS)
+np.cos and np.sin take radians; yours gives them degrees
+    reach = -> bearings = np.rad2deg(bearings); reach =
+a cell is CELL metres wide: divide metres by CELL
+    radius / CELL -> radius
+no direction is explorable in yours: the point is `radius` metres away, not at the map's edge, and
+the length of the path to it is compared with 1.05 * radius, both in metres
+    radius / CELL -> middle
+the robot is in the middle of the map, cell (S // 2, S // 2), not in its corner
+    len(free) // 2 -> 0
+radius need not be a multiple of CELL: round the cells of the points, not the radius
+    radius / CELL -> round(radius / CELL)
+radius need not be a multiple of CELL: // and int cut it off, round the points
+    radius / CELL -> int(radius / CELL)
+compare with 1.05 * radius, as it is given, not rounded to cells
+    _DETOUR * radius -> _DETOUR * (round(radius / CELL) * CELL)
+take the nearest cell, np.rint; astype(int) alone cuts off, towards zero
+    np.rint(left) -> np.trunc(left)
+    np.rint(ahead) -> np.trunc(ahead)
+take the nearest cell, np.rint, not the one above
+    np.rint(left) -> np.ceil(left)
+    np.rint(ahead) -> np.ceil(ahead)
+the middle of S cells, S odd, is S // 2; yours is one cell off
+    len(free) // 2 -> len(free) // 2 + 1
+rows count from the middle, and so do columns: add S // 2 to both
+    middle + np.rint(ahead) -> np.rint(ahead)
+take the nearest cell, np.rint; S // 2 + ... cut off by astype(int) is rounded down
+    middle + np.rint(left).astype(int) -> (middle + left).astype(int)
+    middle + np.rint(ahead).astype(int) -> (middle + ahead).astype(int)
+"""
 
 
 def _draw(want: NDArray[np.bool_], got: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    free, radius = next(iter(_CASES.values()))
+    free, radius = next(iter(CASES.values()))
     pictures = [map_picture(free, chosen, radius / CELL) for chosen in (want, got)]
     return side_by_side(pictures, ["target", "yours"])
 
@@ -190,3 +150,22 @@ def _broken(
     if length <= _DETOUR * radius:
         return f"a path of at most 1.05 * radius leads to the point, and that is enough; {where}"
     return f"the path to the point is longer than 1.05 * radius, with no rounding; {where}"
+
+
+_FAR = "is `radius` used, and in metres? The map has len(free) cells a side, of CELL metres each"
+check_explorable = exercise(
+    explorable,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Open places, walls, doors, detours, and another radius.",
+    example=case(small_map(*_ROOM), 3.0),
+    calls=300,
+    invoke=calling(
+        {IndexError: f"an index is a whole number: np.rint(...).astype(int), and {_FAR}"}
+    ),
+    form=lambda what, got, *_: mask(what, got, (_DIRECTIONS,)),
+    difference=_why,
+    broken=_broken,
+    draw=_draw,
+)

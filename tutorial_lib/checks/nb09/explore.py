@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
+from tutorial_lib.checks.engine import case, edited, exercise
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.framework.explanation import explained
 from tutorial_lib.checks.framework.wording import kind, times
 from tutorial_lib.checks.nb09.add_ghosts import add_ghosts
-from tutorial_lib.checks.nb09.explore_words import FAULTS
 from tutorial_lib.checks.nb09.global_policy import global_policy
 from tutorial_lib.checks.nb09.small_buildings import BUILDINGS, Building
 from tutorial_lib.checks.nb09.small_places import Ghost, PlacesRobot
@@ -31,69 +29,101 @@ def explore(robot: Any) -> Explored:  # noqa: ANN401
     Args:
         robot: a `PlacesRobot`, or one of the real task.
     """
-    return _explored(robot)
-
-
-def _explored(robot: Any, fault: str = "") -> Explored:  # noqa: ANN401
-    """The loop, with a `fault` if one is named."""
-    graph, ghosts, scores = nx.Graph(), set[Ghost](), dict[Ghost, float]()
-    arrived, last, there, first = False, 0, -1, True
-    while robot.steps > (fault == "last step unused") or fault == "no end":
-        looks = {
-            "looks once": first,
-            "looks at ghosts": arrived,
-            "looks at first and at ghosts": first or arrived,
-            "looks at new": arrived or robot.node() is None,
-            "never looks": False,
-        }.get(fault, True)
-        first = False
-        if looks and robot.sees_goal():
-            if robot.to_goal() or fault == "believes":
+    graph, ghosts, scores, arrived = nx.Graph(), set(), {}, False
+    while robot.steps > 0:
+        if robot.sees_goal():
+            found = robot.to_goal()
+            if found:
                 return True, graph, ghosts
-            if fault == "tries again":
-                continue
-            if fault == "gives up":
-                return False, graph, ghosts
-            arrived = {"forgets arrival": False, "invents arrival": True}.get(fault, arrived)
         here = robot.node()
-        new = here is None or (arrived and fault != "only where lost")
-        new &= fault != "only in the last" or here is None or here == last
-        if new:
-            here = len(graph)
-            beside = robot.beside()
+        if here is None or arrived:
+            here, beside = len(graph), robot.beside()
             graph.add_node(here)
             for other, pose in beside.items():
-                if fault != "last edge" or other == last:
-                    metres = 1.0 if fault == "no metres" else float(np.hypot(pose[0], pose[1]))
-                    graph.add_edge(here, other, metres=metres)
-            known = set[Ghost]() if fault == "forgets" else ghosts
-            near = {} if fault == "stale" else beside
-            ghosts = add_ghosts(known, here, robot.explorable(), near)
-            if fault == "forgets scores":
-                scores = dict.fromkeys(ghosts, 0.0)
-            scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}
+                graph.add_edge(here, other, metres=float(np.hypot(pose[0], pose[1])))
+            ghosts = add_ghosts(ghosts, here, robot.explorable(), beside)
+            scores |= {(here, k): float(score) for k, score in enumerate(robot.scores())}
             robot.remember(here)
-        if fault == "scores anew":
-            scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}
-        last = here
-        travel = 1.0 if fault == "weighs" else 0.3 if fault == "weighs a little" else 0.0
-        node, ghost = global_policy(graph, here, ghosts, scores, weight=travel)
+        node, ghost = global_policy(graph, here, ghosts, scores)
         if ghost is None:
             break
-        there = ghost[0]
-        if fault == "best of this node" and (mine := [g for g in ghosts if g[0] == here]):
-            node, ghost, there = here, max(mine, key=scores.__getitem__), here
         if node != here:
             robot.to_node(node)
             arrived = False
             continue
-        if fault != "straight to it" or there == here:
-            arrived = robot.to_ghost(ghost) or (fault == "stays arrived" and arrived)
-        if fault == "all of the node":
-            ghosts = {other for other in ghosts if other[0] != here}
-        if fault != "keeps it" and not (fault == "keeps what is blocked" and not arrived):
-            ghosts = ghosts - {ghost}
+        arrived = robot.to_ghost(ghost)
+        ghosts = ghosts - {ghost}
     return False, graph, ghosts
+
+
+MISTAKES = """
+look for the goal in every round: a robot that looks only at the start passes it
+    if robot.sees_goal(): -> if not graph and robot.sees_goal():
+the goal may also be seen on the way, at a node: call sees_goal() in every round
+    if robot.sees_goal(): -> if arrived and robot.sees_goal():
+the goal may also be seen on the way, from a node that is known: call sees_goal() in every round
+    if robot.sees_goal(): -> if (arrived or not graph) and robot.sees_goal():
+the goal may also be seen from a node that is known: call sees_goal() in every round, not only where
+a node is new
+    if robot.sees_goal(): -> if (arrived or robot.node() is None) and robot.sees_goal():
+call sees_goal(), and to_goal() where it is seen
+    if robot.sees_goal(): -> if False:
+only where to_goal() returned True has the robot reached the goal
+    found = robot.to_goal() -> found = robot.to_goal() or True
+the robot has still just arrived at a ghost where it then took something for the goal: that place
+becomes a node
+    found = robot.to_goal() -> found, arrived = robot.to_goal(), False
+to_goal() returns False where something was mistaken for the goal; then go on exploring
+    if found: -> if True:
+    return True, graph, ghosts -> return found, graph, ghosts
+the last step counts as well: go on while robot.steps is above 0
+    robot.steps > 0 -> robot.steps > 1
+the score alone chooses the ghost, as in the paper: no weight for global_policy
+    global_policy(graph, here, ghosts, scores)
+        -> global_policy(graph, here, ghosts, scores, weight=1.0)
+the score alone chooses the ghost, as in the paper: call global_policy without a weight
+    global_policy(graph, here, ghosts, scores)
+        -> global_policy(graph, here, ghosts, scores, weight=0.3)
+the loop ends when robot.steps is 0
+    robot.steps > 0 -> True
+a ghost that was reached becomes a node also where F_L still has the robot in the old one
+    here is None or arrived -> here is None
+a ghost that was reached becomes a node, whatever node F_L takes it for
+    graph, ghosts, scores, arrived = nx -> last = -1; graph, ghosts, scores, arrived = nx
+    here is None or arrived -> here is None or (arrived and here == last)
+    node, ghost = -> last = here; node, ghost =
+remove the ghost to which the robot was sent, not the others of its node
+    ghosts = ghosts - {ghost} -> ghosts = {other for other in ghosts if other[0] != here}
+the ghosts of earlier nodes stay: give add_ghosts the ghosts so far
+    add_ghosts(ghosts, -> add_ghosts(set(),
+the scores of earlier nodes stay: add the new ones to them
+    scores |= -> scores = dict.fromkeys(ghosts, 0.0) |
+ask for scores() only where a node is new: at a known node the robot looks another way than it did
+then, and directions are counted from there
+    node, ghost =
+        -> scores |= {(here, k): float(s) for k, s in enumerate(robot.scores())}; node, ghost =
+give add_ghosts the nodes beside the new one, robot.beside(); where they stand there is no ghost
+    robot.explorable(), beside) -> robot.explorable(), {})
+the new node gets an edge to every node beside it, not only to the last one
+    graph, ghosts, scores, arrived = nx -> last = -1; graph, ghosts, scores, arrived = nx
+    in beside.items(): -> in [item for item in beside.items() if item[0] == last]:
+    node, ghost = -> last = here; node, ghost =
+an edge has the metres between its nodes, np.hypot of x and y
+    float(np.hypot(pose[0], pose[1])) -> 1.0
+the best ghost of the whole graph is next, however far away: not that of the node where the robot
+is, and no weight of the metres in global_policy
+    node, ghost = -> own = {one for one in ghosts if one[0] == here} or ghosts; node, ghost =
+    (graph, here, ghosts, scores) -> (graph, here, own, scores)
+remove the ghost after the drive, reached or not, or the robot will want to go there again
+    ghosts = ghosts - {ghost} -> pass
+remove the ghost also where to_ghost returned False: it cannot be reached
+    ghosts = ghosts - {ghost} -> ghosts = ghosts - {ghost} if arrived else ghosts
+"""
+OTHERS = {
+    "to_goal() returned False: go on below, in this round, with the node and its ghosts": edited(
+        explore, [("if found:", "if not found:\n                continue\n            if found:")]
+    ),
+}
 
 
 def _play(explores: Callable[..., Any], building: Building) -> tuple[Any, list[tuple[object, ...]]]:
@@ -128,30 +158,6 @@ def _invoke(what: str, student: Callable[..., Any], building: Building) -> Any: 
         if isinstance(error, KeyError) and isinstance(error.args[0], int | np.integer):
             hints[KeyError] = "no edges lead to this node; " + _EDGES
         raise WrongAnswer(f"{what}: {explained(error, hints, said)}") from error
-
-
-@check(
-    explore,
-    (PlacesRobot(BUILDINGS["a loop"]),),
-    calls=10,
-    endless="explore: your loop has not ended after {seconds:g} seconds. It ends when the goal is "
-    "reached, when no ghost is left, and when robot.steps is 0",
-)
-def check_explore(student: Callable[..., Any]) -> None:
-    """Corridors, dead ends, loops, mistakes, ghosts out of reach, and too few steps."""
-    faults = with_faults(_explored, FAULTS)
-    compare(
-        "explore",
-        student,
-        {name: (building,) for name, building in BUILDINGS.items()},
-        partial(_play, explore),
-        {words: partial(_play, rule) for words, rule in faults.items()},
-        invoke=_invoke,
-        form=_formed,
-        same=_same,
-        difference=_why,
-        broken=_broken,
-    )
 
 
 def _formed(what: str, got: tuple[Any, list[Any]], *_: object) -> tuple[Any, ...]:
@@ -229,3 +235,23 @@ def _why(got: tuple[Any, ...], want: tuple[Any, ...], *_: object) -> str:
 def _spoken(drive: tuple[object, ...]) -> str:
     name, argument = drive
     return f"{name}({'' if argument is None else argument})"
+
+
+check_explore = exercise(
+    explore,
+    {name: case(building) for name, building in BUILDINGS.items()},
+    MISTAKES,
+    module=__name__,
+    about="Corridors, dead ends, loops, mistakes, ghosts out of reach, and too few steps.",
+    example=case(PlacesRobot(BUILDINGS["a loop"])),
+    others=OTHERS,
+    calls=10,
+    endless="explore: your loop has not ended after {seconds:g} seconds. It ends when the goal is "
+    "reached, when no ghost is left, and when robot.steps is 0",
+    run=_play,
+    invoke=_invoke,
+    form=_formed,
+    same=_same,
+    difference=_why,
+    broken=_broken,
+)

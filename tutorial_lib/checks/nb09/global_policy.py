@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import parts
-from tutorial_lib.checks.framework.check import WrongAnswer, check
-from tutorial_lib.checks.framework.comparison import compare, with_faults
+from tutorial_lib.checks.framework.check import WrongAnswer
 from tutorial_lib.checks.nb09.calls import keeping
 
 Ghost = tuple[int, int]
@@ -28,99 +27,18 @@ def global_policy(
     weight: float = 0.0,
 ) -> Choice:
     """Where a robot goes next; see the exercise."""
-    return _chosen(graph, here, ghosts, scores, goal, weight)
-
-
-def _chosen(
-    graph: nx.Graph,
-    here: int,
-    ghosts: set[Ghost],
-    scores: dict[Ghost, float],
-    goal: int | None = None,
-    weight: float = 0.0,
-    fault: str = "",
-) -> Choice:
-    """The policy, with a `fault` if one is named."""
-    few = {"edges", "edges to the goal" if goal is not None else "edges to a ghost"}
-    by = None if fault in few else "metres"
-    start = {"from 0": 0}.get(fault, here)
-    metres = nx.single_source_dijkstra_path_length(graph, start, weight="metres")
-    if fault == "hops":
-        metres = nx.single_source_shortest_path_length(graph, here)
-    if fault == "fewest edges":
-        fewest = nx.single_source_shortest_path(graph, here)
-        metres = {node: nx.path_weight(graph, path, "metres") for node, path in fewest.items()}
-    far = {"not over 20": 1.0}.get(fault, _FAR)
-    weight = {"adds": -weight, "no travel": 0.0, "always": 1.0}.get(fault, weight)
-    weight = {"switch": float(weight >= 1), "at most 1": min(weight, 1.0)}.get(fault, weight)
+    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
 
     def value(ghost: Ghost) -> float:
         cost = metres[ghost[0]]
-        if fault == "rounded":
-            cost = round(cost)
-        if fault == "capped":
-            cost = min(cost, _FAR)
-        if fault == "ratio":
-            return scores[ghost] / (1.0 + weight * cost / far)
-        if fault == "shares":
-            return (1.0 - weight) * scores[ghost] - weight * cost / far
-        score = {"worst": -scores[ghost], "nearest": -metres[ghost[0]]}.get(fault, scores[ghost])
-        return score - weight * cost / far
+        return scores[ghost] - weight * cost / _FAR
 
-    known = goal is not None and fault != "no goal" and not (fault == "goal 0" and goal == 0)
-    if not known and not (ghosts or fault == "all scores"):
+    if goal is None and not ghosts:
         return here, None
-    open_to = scores if fault == "all scores" else sorted(ghosts)
-    if fault == "own first":
-        open_to = [ghost for ghost in open_to if ghost[0] == here] or open_to
-    ghost = max(open_to, key=value) if not known or (fault == "ghost too" and ghosts) else None
-    if fault == "above 0" and not known and ghost is not None and value(ghost) <= 0:
-        return here, None
-    if fault == "positive only" and not known and all(scores[g] <= 0 for g in ghosts):
-        return here, None
-    end = goal if known else ghost[0] if ghost is not None else here
-    path = nx.shortest_path(graph, here, end, weight=by)
-    step = {"end": len(path) - 1, "start": 0, "one before": max(len(path) - 2, 0)}.get(fault, 1)
-    return path[min(step, len(path) - 1)], ghost
-
-
-_FAULTS = {
-    "once the goal is localised in a node the robot goes there; yours goes on exploring": "no goal",
-    "node 0 is a node: `if goal:` is False for it; compare with None": "goal 0",
-    "return None for the ghost where the goal is localised": "ghost too",
-    "the highest score is the best; yours takes the lowest": "worst",
-    "the score decides, not the distance to the ghost alone": "nearest",
-    "only what is in `ghosts` can be chosen: scores also has directions that were explored, or "
-    "never were ghosts": "all scores",
-    "all ghosts of the graph count, not only those of the node where the robot is": "own first",
-    "the path is the shortest in metres, not the one of the fewest edges: weight='metres'": "edges",
-    "the path to the node of the goal is the shortest in metres, too: weight='metres'": (
-        "edges to the goal"
-    ),
-    "the path to a ghost is the shortest in metres, too: weight='metres'": "edges to a ghost",
-    "the metres are not rounded: a fraction may decide": "rounded",
-    "the cost goes on growing beyond 20 m": "capped",
-    "a ghost may have a score of 0 or below; it is a ghost all the same": "positive only",
-    "the difference of score and cost, not their ratio": "ratio",
-    "the score counts fully, whatever the weight: only the cost is multiplied by it": "shares",
-    "return the next node on the path, not its end": "end",
-    "return the next node on the path: the first one is the robot's own": "start",
-    "return the second node of the path, not the last but one": "one before",
-    "the cost of travelling is taken away from the score; yours adds it": "adds",
-    "the distance in metres is divided by 20, as in the score itself": "not over 20",
-    "a ghost costs the metres of the path to its node, not its edges: weight='metres' there, too": (
-        "hops"
-    ),
-    "the metres to a ghost are those from `here`, not from node 0": "from 0",
-    "a ghost costs the metres of the shortest path in metres, not those of the one of the fewest "
-    "edges": "fewest edges",
-    "where all values are below 0, one is the greatest nevertheless: a search that starts from 0 "
-    "finds none": "above 0",
-    "`weight` itself multiplies the distance, also where it is below 1": "switch",
-    "`weight` may be more than 1": "at most 1",
-    "`weight` says how much travelling counts; in yours it changes nothing": "no travel",
-    "`weight` says how much travelling counts; yours always counts it": "always",
-}
+    ghost = max(sorted(ghosts), key=value) if goal is None else None
+    end = ghost[0] if goal is None else goal
+    path = nx.shortest_path(graph, here, end, weight="metres")
+    return path[min(1, len(path) - 1)], ghost
 
 
 def _graph(*edges: tuple[int, int, float]) -> nx.Graph:
@@ -156,7 +74,7 @@ _ROUND = _graph((0, 1, 2.0), (1, 2, 2.0), (2, 3, 2.0), (0, 3, 9.0))
 _SCORES = {
     (v, k): round(0.3 + 0.01 * ((7 * v + 5 * k) % 23), 2) for v in range(4) for k in range(12)
 }
-_CASES = {
+CASES = {
     "one node": (_graph(), 0, {(0, 1), (0, 2)}, {(0, 1): 0.6, (0, 2): 0.8, (0, 3): 0.9}, None, 0.0),
     "ghosts along a row": (_ROW, 3, {(0, 4), (3, 1)}, _SCORES | {(0, 4): 0.9}, None, 0.0),
     "the best ghost is that of the robot's node": (
@@ -233,29 +151,77 @@ _CASES = {
     ),
     **{f"at random ({seed})": _random(seed) for seed in range(9)},
 }
-
-
-@check(global_policy, _random(4), calls=300)
-def check_global_policy(student: Callable[..., Any]) -> None:
-    """Goals and ghosts near and far, none of either, and costs of travelling."""
-    hints = {
-        KeyError: "scores[ghost] is the score of a ghost, a pair (node, direction)",
-        ValueError: "max() of nothing: there may be no ghost left",
-        TypeError: "a ghost is a pair (node, direction), and goal may be None",
-        IndexError: "where the robot is at the end of the path already, the path has one node; "
-        "and there may be no ghost left",
-    }
-    compare(
-        "global_policy",
-        student,
-        _CASES,
-        global_policy,
-        with_faults(_chosen, _FAULTS),
-        invoke=keeping(global_policy, "it is needed again in the next step", hints),
-        form=_formed,
-        difference=_why,
-        broken=_broken,
-    )
+MISTAKES = """
+once the goal is localised in a node the robot goes there; yours goes on exploring
+    metres = nx -> goal = None; metres = nx
+node 0 is a node: `if goal:` is False for it; compare with None
+    metres = nx -> goal = goal or None; metres = nx
+return None for the ghost where the goal is localised
+    key=value) if goal is None else None -> key=value) if ghosts else None
+the highest score is the best; yours takes the lowest
+    return scores[ghost] -> return -scores[ghost]
+the score decides, not the distance to the ghost alone
+    return scores[ghost] -> return -cost
+only what is in `ghosts` can be chosen: scores also has directions that were explored, or never were
+ghosts
+    goal is None and not ghosts -> False
+    sorted(ghosts) -> scores
+all ghosts of the graph count, not only those of the node where the robot is
+    sorted(ghosts) -> [one for one in sorted(ghosts) if one[0] == here] or sorted(ghosts)
+the path is the shortest in metres, not the one of the fewest edges: weight='metres'
+    end, weight="metres") -> end)
+the path to the node of the goal is the shortest in metres, too: weight='metres'
+    end, weight="metres" -> end, weight="metres" if goal is None else None
+the path to a ghost is the shortest in metres, too: weight='metres'
+    end, weight="metres" -> end, weight=None if goal is None else "metres"
+the metres are not rounded: a fraction may decide
+    cost = metres[ghost[0]] -> cost = round(metres[ghost[0]])
+the cost goes on growing beyond 20 m
+    cost = metres[ghost[0]] -> cost = min(metres[ghost[0]], _FAR)
+a ghost may have a score of 0 or below; it is a ghost all the same
+    goal is None and not ghosts -> goal is None and all(scores[ghost] <= 0 for ghost in ghosts)
+the difference of score and cost, not their ratio
+    scores[ghost] - weight * cost / _FAR -> scores[ghost] / (1.0 + weight * cost / _FAR)
+the score counts fully, whatever the weight: only the cost is multiplied by it
+    return scores[ghost] -> return (1.0 - weight) * scores[ghost]
+return the next node on the path, not its end
+    path[min(1, len(path) - 1)] -> path[-1]
+return the next node on the path: the first one is the robot's own
+    path[min(1, len(path) - 1)] -> path[0]
+return the second node of the path, not the last but one
+    path[min(1, len(path) - 1)] -> path[max(len(path) - 2, 0)]
+the cost of travelling is taken away from the score; yours adds it
+    - weight * cost -> + weight * cost
+the distance in metres is divided by 20, as in the score itself
+    / _FAR -> / 1.0
+a ghost costs the metres of the path to its node, not its edges: weight='metres' there, too
+    nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+        -> nx.single_source_shortest_path_length(graph, here)
+the metres to a ghost are those from `here`, not from node 0
+    path_length(graph, here -> path_length(graph, 0
+a ghost costs the metres of the shortest path in metres, not those of the one of the fewest edges
+    metres = nx.single_source_dijkstra_path_length(graph, here, weight="metres")
+        -> few = nx.single_source_shortest_path(graph, here); metres = FEW
+    FEW -> {node: nx.path_weight(graph, path, "metres") for node, path in few.items()}
+where all values are below 0, one is the greatest nevertheless: a search that starts from 0 finds
+none
+    goal is None and not ghosts -> goal is None and max(map(value, ghosts), default=0.0) <= 0
+`weight` itself multiplies the distance, also where it is below 1
+    weight * cost -> (weight >= 1) * cost
+`weight` may be more than 1
+    weight * cost -> min(weight, 1.0) * cost
+`weight` says how much travelling counts; in yours it changes nothing
+    weight * cost -> 0.0 * cost
+`weight` says how much travelling counts; yours always counts it
+    weight * cost -> 1.0 * cost
+"""
+_HINTS = {
+    KeyError: "scores[ghost] is the score of a ghost, a pair (node, direction)",
+    ValueError: "max() of nothing: there may be no ghost left",
+    TypeError: "a ghost is a pair (node, direction), and goal may be None",
+    IndexError: "where the robot is at the end of the path already, the path has one node; "
+    "and there may be no ghost left",
+}
 
 
 def _formed(what: str, got: object, graph: nx.Graph, *_: object) -> Choice:
@@ -303,3 +269,18 @@ def _why(got: Choice, want: Choice, graph: nx.Graph, here: int, *_: object) -> s
 
 def _name(ghost: Ghost | None) -> str:
     return "no ghost" if ghost is None else f"ghost {ghost}"
+
+
+check_global_policy = exercise(
+    global_policy,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Goals and ghosts near and far, none of either, and costs of travelling.",
+    example=_random(4),
+    calls=300,
+    invoke=keeping(global_policy, "it is needed again in the next step", _HINTS),
+    form=_formed,
+    difference=_why,
+    broken=_broken,
+)

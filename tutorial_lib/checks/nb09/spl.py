@@ -2,87 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tutorial_lib.checks.engine import exercise
 from tutorial_lib.checks.framework.answers import calling, numbers
-from tutorial_lib.checks.framework.check import check
-from tutorial_lib.checks.framework.comparison import close, compare, with_faults
+from tutorial_lib.checks.framework.comparison import close
 from tutorial_lib.geometry import Array
 
 
 def spl(success: NDArray[np.bool_], shortest: Array, travelled: Array) -> float:
     """Mean success weighted by path length (Anderson et al. 2018); see the exercise."""
-    return _weighted(success, shortest, travelled)
-
-
-def _weighted(
-    success: NDArray[np.bool_], shortest: Array, travelled: Array, fault: str = ""
-) -> float:
-    """The measure, with a `fault` if one is named."""
     longer = np.maximum(shortest, travelled)
-    with np.errstate(all="ignore"):
-        share = {
-            "above one": shortest / travelled,
-            "travelled": travelled / longer,
-            "inverted": longer / shortest,
-            "least": shortest / np.minimum(shortest, travelled),
-            "at rest counts 0": np.where(travelled == 0, 0.0, shortest / longer),
-            "capped": shortest / np.minimum(longer, 2 * shortest),
-            "whole": shortest // longer,
-            "squared": (shortest / longer) ** 2,
-            "difference": 1 - (longer - shortest),
-            "clipped travel": np.minimum(travelled, shortest) / longer,
-        }.get(fault, shortest / longer)
-        if fault == "failures too":
-            return float(share.mean())
-        if fault == "successes only":
-            return float(share[success].mean()) if success.any() else 0.0
-        if fault == "success alone":
-            return float(success.mean())
-        if fault == "product of means":
-            return float(success.mean() * share.mean())
-        if fault == "of sums":
-            return float((success * shortest).sum() / longer.sum())
-        if fault == "percent":
-            return float(100 * (success * share).mean())
-        if fault == "sum":
-            return float((success * share).sum())
-        if fault == "root":
-            return float((success * np.sqrt(share)).mean())
-        return float((success * share).mean())
-
-
-_FAULTS = {
-    "an odometer may read a little less than the shortest path; divide by the greater of both, or "
-    "one episode counts more than 1": "above one",
-    "shortest / travelled, not travelled / shortest: a detour must lower it": "inverted",
-    "divide by the greater of the two, not by the smaller": "least",
-    "a robot that has not moved and succeeds took no detour: it counts fully": "at rest counts 0",
-    "a detour is not cut off: the ratio may become very small": "capped",
-    "divide with /; // drops the fraction": "whole",
-    "the ratio itself, not its square": "squared",
-    "weight by the ratio of lengths, not by their difference": "difference",
-    "an episode that travelled less than the shortest path and succeeded counts fully; yours "
-    "counts it less": "clipped travel",
-    "an episode that failed counts 0, however short its path": "failures too",
-    "the mean is over all episodes; those that failed count 0, they are not left out": (
-        "successes only"
-    ),
-    "the length of the path matters as well: yours is the success rate": "success alone",
-    "the mean of products, not the product of means: weight each episode by itself": (
-        "product of means"
-    ),
-    "the mean of ratios, not the ratio of sums: each episode counts the same": "of sums",
-    "take the mean over the episodes, not the sum": "sum",
-    "the ratio itself, not its square root": "root",
-    "the shortest path over the greater of both; yours has the path travelled there": "travelled",
-    "a share between 0 and 1, not percent": "percent",
-}
+    share = shortest / longer
+    return float((success * share).mean())
 
 
 def _random(seed: int) -> tuple[NDArray[np.bool_], Array, Array]:
@@ -93,7 +28,7 @@ def _random(seed: int) -> tuple[NDArray[np.bool_], Array, Array]:
     return rng.random(count) < 0.6, shortest, travelled
 
 
-_CASES = {
+CASES = {
     "one episode along the shortest path": (np.array([True]), np.array([4.0]), np.array([4.0])),
     "one with a detour": (np.array([True]), np.array([4.0]), np.array([5.0])),
     "two episodes, one of which failed": (
@@ -129,25 +64,46 @@ _CASES = {
     ),
     **{f"at random ({seed})": _random(seed) for seed in range(4)},
 }
-
-
-@check(spl, _random(5))
-def check_spl(student: Callable[..., Any]) -> None:
-    """Episodes with and without success, detours, and stops before the path's end."""
-    compare(
-        "spl",
-        student,
-        _CASES,
-        spl,
-        with_faults(_weighted, _FAULTS),
-        invoke=calling(
-            {ValueError: "the arguments are arrays, a number for each episode; np.maximum, not max"}
-        ),
-        form=_formed,
-        same=partial(close, tolerance=1e-6),
-        broken=_broken,
-        difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",
-    )
+MISTAKES = """
+an odometer may read a little less than the shortest path; divide by the greater of both, or one
+episode counts more than 1
+    shortest / longer -> shortest / travelled
+shortest / travelled, not travelled / shortest: a detour must lower it
+    shortest / longer -> longer / shortest
+divide by the greater of the two, not by the smaller
+    np.maximum -> np.minimum
+a robot that has not moved and succeeds took no detour: it counts fully
+    shortest / longer -> np.where(travelled == 0, 0.0, shortest / longer)
+a detour is not cut off: the ratio may become very small
+    shortest / longer -> shortest / np.minimum(longer, 2 * shortest)
+divide with /; // drops the fraction
+    shortest / longer -> shortest // longer
+the ratio itself, not its square
+    shortest / longer -> (shortest / longer) ** 2
+weight by the ratio of lengths, not by their difference
+    shortest / longer -> 1 - (longer - shortest)
+an episode that travelled less than the shortest path and succeeded counts fully; yours counts it
+less
+    shortest / longer -> np.minimum(travelled, shortest) / longer
+an episode that failed counts 0, however short its path
+    success * share -> share
+the mean is over all episodes; those that failed count 0, they are not left out
+    (success * share).mean() -> share[success].mean() if success.any() else 0.0
+the length of the path matters as well: yours is the success rate
+    success * share -> success
+the mean of products, not the product of means: weight each episode by itself
+    (success * share).mean() -> success.mean() * share.mean()
+the mean of ratios, not the ratio of sums: each episode counts the same
+    (success * share).mean() -> (success * shortest).sum() / longer.sum()
+take the mean over the episodes, not the sum
+    .mean() -> .sum()
+the ratio itself, not its square root
+    success * share -> success * np.sqrt(share)
+the shortest path over the greater of both; yours has the path travelled there
+    shortest / longer -> travelled / longer
+a share between 0 and 1, not percent
+    (success * share).mean() -> 100 * (success * share).mean()
+"""
 
 
 def _broken(
@@ -166,5 +122,18 @@ def _broken(
     return "the mean over all episodes of shortest / max(shortest, travelled)"
 
 
-def _formed(what: str, got: object, *_: object) -> Array:
-    return numbers(what, got, ())
+check_spl = exercise(
+    spl,
+    CASES,
+    MISTAKES,
+    module=__name__,
+    about="Episodes with and without success, detours, and stops before the path's end.",
+    example=_random(5),
+    invoke=calling(
+        {ValueError: "the arguments are arrays, a number for each episode; np.maximum, not max"}
+    ),
+    form=lambda what, got, *_: numbers(what, got, ()),
+    same=partial(close, tolerance=1e-6),
+    difference=lambda got, want, *_: f"{float(got):.7g}, but {float(want):.7g} is right",
+    broken=_broken,
+)
