@@ -68,12 +68,12 @@ from tutorial_lib.viz import (
 from tutorial_lib.world import Person, Scene, generate
 
 # %% hidden=true
-# An office, a tour through it, twenty queries, and a door that somebody shuts (about 15 s)
+# An office, a tour through it, twelve queries, and a door that somebody shuts (about 15 s)
 scene = Scene(generate("office", 1))
 office = explored("office", scene, np.random.default_rng(0), 8)
 toured = part_of(office, "tour", 0)
 seen = deep_experiences(toured)
-queries = draw_trials(office, 20, np.random.default_rng(1))
+queries = draw_trials(office, 12, np.random.default_rng(1))
 queries = replace(queries, seconds=queries.seconds + 40)  # time enough for the long way round
 DOOR = [
     Person(np.array([place]), speed=0.0) for place in ([0.22, 1.93], [0.55, 1.89], [0.89, 1.84])
@@ -105,9 +105,9 @@ for outcome, closed in ((open_door, ()), (shut_door, DOOR)):
         view.polyline(picture, steps, colours.ROBOT, 2.0)
     pictures.append(picture)
 print(
-    f"yesterday, with the door open: {open_door.success.sum()} of 20 arrive, "
+    f"yesterday, with the door open: {open_door.success.sum()} of 12 arrive, "
     f"{open_door.seconds.mean():.0f} s each\n"
-    f"this morning, with the door shut: {shut_door.success.sum()} of 20, "
+    f"this morning, with the door shut: {shut_door.success.sum()} of 12, "
     f"{shut_door.seconds.mean():.0f} s each"
 )
 show(side_by_side(pictures, ["yesterday", "this morning: the same map, a shut door"]))
@@ -573,16 +573,16 @@ expand = check_expand.use(expand)
 # %% [markdown]
 # ## 8 · The door, once more
 #
-# All of it together: the library's agent has the same office, the same tour and the same twenty queries, first with the door open, then shut for two rounds, then open again. (About 30 s.)
+# All of it together: the library's agent has the same office, the same tour and the same twelve queries, first with the door open, then shut for two rounds, then open again. (About 20 s.)
 
 # %% hidden=true
-# Five rounds of twenty queries by the map that mends itself, and by the one that does not
+# Five rounds of twelve queries by the map that mends itself, and by the one that does not
 living = agents.ltvn()
 living.learn(seen)
 rounds = {"open": (), "shut": DOOR, "shut, again": DOOR, "open again": (), "open, next day": ()}
 rows = []
 for number, (words, people) in enumerate(rounds.items()):
-    outcome, _ = run_queries(toured, queries, living, 20, 20 * number, people)
+    outcome, _ = run_queries(toured, queries, living, 12, 12 * number, people)
     still = shut_door if people else open_door
     edges = living.sampled.graph.number_of_edges()
     numbers = [outcome.success.mean(), outcome.seconds.mean(), still.success.mean()]
@@ -596,7 +596,7 @@ show(map_picture(living, DOOR, closed_now, colours.LASER))
 
 # %% [markdown]
 # <details><summary>What do you see?</summary>
-# The first round with the shut door costs time: each robot that comes to it looks, waits and turns round. In the second round the way is known to be closed. When the door opens, the edges come back one by one, and within a round or two the robots use it again. The map that doesn't mend itself pays for the door on every trip. (Twenty trips are few: a trip more or less is chance.) The orange lines are the edges that were pruned while the door was shut: those through it, in both directions, and a few more.
+# The first round with the shut door costs time: each robot that comes to it looks, waits and turns round. In the second round the way is known to be closed. When the door opens, the edges come back one by one, and within a round or two the robots use it again. The map that doesn't mend itself pays for the door on every trip. (Twelve trips are few: a trip more or less is chance.) The orange lines are the edges that were pruned while the door was shut: those through it, in both directions, and a few more.
 # </details>
 #
 # Every change was an **event**, so the whole story can be undone:

@@ -291,6 +291,17 @@ DOORS = {
         agents.LTVNAgent(model=POSED).learn, experiences=several([experience()], empty=False)
     ),
     "LTVNAgent.start": lambda: call(learned_ltvn().start, goals=several([goals()], empty=False)),
+    "MendingMengAgent": lambda: call(
+        agents.MendingMengAgent, anything, **meng_parts(), maintenance=a(MaintenanceRules())
+    ),
+    "MendingMengAgent.find_path": lambda: plans(lambda: meng(agents.MendingMengAgent)),
+    "MendingMengAgent.insert": lambda: call(
+        meng(agents.MendingMengAgent).insert, anchors=a(meng().sparsified(experience()))
+    ),
+    "MendingMengAgent.sparsified": lambda: call(
+        meng(agents.MendingMengAgent).sparsified, anything, experience=a(experience())
+    ),
+    **learns("MendingMengAgent", lambda: meng(agents.MendingMengAgent)),
     "MengAgent": lambda: call(agents.MengAgent, anything, **meng_parts()),
     "MengAgent.find_path": lambda: plans(meng),
     "MengAgent.insert": lambda: call(meng().insert, anchors=a(meng().sparsified(experience()))),

@@ -3,6 +3,7 @@
 from tutorial_lib.agents.frontier import FrontierAgent
 from tutorial_lib.agents.imitation import ImitationAgent
 from tutorial_lib.agents.ltvn import LTVNAgent
+from tutorial_lib.agents.mending import MendingMengAgent
 from tutorial_lib.agents.meng import MengAgent
 from tutorial_lib.agents.nts import NTSAgent, NTSSettings
 from tutorial_lib.agents.oracle import OracleNavigation
@@ -19,6 +20,7 @@ __all__ = [
     "FrontierAgent",
     "ImitationAgent",
     "LTVNAgent",
+    "MendingMengAgent",
     "MengAgent",
     "NTSAgent",
     "NTSSettings",
