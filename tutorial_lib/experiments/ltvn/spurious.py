@@ -57,7 +57,7 @@ class Settings:
 
     shares: tuple[float, ...] = (0.2,)
     perceptions: tuple[str, ...] = (NETWORK,)
-    queries: int = 250
+    queries: int = 200
     block: int = 50
     fleet: int = 25
 

@@ -100,7 +100,6 @@ COMMANDS = {
     "faults": "experiment faults",
     **{f"nts_{name}": f"experiment nts_{name}" for name in EXPLORING},
     **{f"ltvn_{name}": f"experiment ltvn_{name}" for name in LIFELONG},
-    "ltvn_model_shifted": "experiment ltvn_model --palette shifted",
     "nts_table1_car": "experiment nts_table1 --body car",
     **{
         f"nts_{name}_options": f"experiment nts_{name} --ablation options"
