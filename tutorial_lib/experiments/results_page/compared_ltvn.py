@@ -86,6 +86,13 @@ def _updates(results: Results) -> list[list[str]]:
         same = {"agent": "ltvn", "perception": "network", "family": family}
         ends = [percent(one(rows, block=block, **same)["success"]) for block in (0, last)]
         shown.append(" to ".join(ends))
+    frozen = one(rows, agent="frozen", perception="network", family="others", block=last)
+    now = one(rows, agent="ltvn", perception="network", family="others", block=last)
+    trend = (
+        f"in the end {percent(1.0 - now['success'])} of the queries fail, without updates "
+        f"{percent(1.0 - frozen['success'])}; most of it is won within the first block, whose "
+        "robots share the map"
+    )
     end = max(row["block"] for row in spoilt)
     share = max(row["share"] for row in spoilt)
     mended = {"share": share, "updates": "on", "perception": "network", "family": "others"}
@@ -96,7 +103,7 @@ def _updates(results: Results) -> list[list[str]]:
             link(QUERIES, "updates"),
             "success rises with the number of queries",
             f"from the first block to the last {shown[0]}, in loop corridors {shown[1]}",
-            "within chance where the map is right from the start",
+            trend,
         ],
         [
             link(SPOILT, "spurious edges"),
@@ -105,6 +112,7 @@ def _updates(results: Results) -> list[list[str]]:
             f"{percent(ends['success'])}, without updates {percent(frozen['success'])} in the end; "
             f"{percent(ends['injected_gone'], 0)} of the injected edges that were tried often are "
             f"gone",
-            "they are eliminated, but success does not come back within these queries",
+            f"they are eliminated; clean maps of {results.worlds('ltvn_lifelong')} buildings have "
+            f"{percent(now['success'])}",
         ],
     ]
