@@ -249,7 +249,7 @@ QUICK = Settings(queries=20)
 EXPERIMENT = Experiment(
     "ltvn_change",
     run,
-    tuple(range(20_002, 20_020, 3)),
+    tuple(range(20_002, 20_014, 3)),
     tuple(range(20_002, 20_008, 3)),
     settings=Settings(),
     quick_settings=QUICK,
