@@ -47,7 +47,7 @@ def all_checks():
 
 @pytest.fixture(autouse=True)
 def _impatient(monkeypatch):
-    monkeypatch.setattr(guard, "SECONDS", 1.5)  # some wrong answers never end
+    monkeypatch.setattr(guard, "SECONDS", 3.0)  # some wrong answers never end
 
 
 @cache

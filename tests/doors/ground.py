@@ -141,6 +141,7 @@ DOORS = {
 WITHOUT = {
     "progress": "shows how far `for_each` is",
     "lines_of_progress": "as progress",
+    "resumable": "of a folder that an experiment names",
     "atomic_paths": "as atomic_path",
     "sweep": "of folders that the library made",
     "make_folder": "of folders whose options the command line checks",
